@@ -1,7 +1,7 @@
-"""Calling a controller by the address of its C function, and reading numbers behind an address, from compiled code.
+"""Calls of a controller by the address of its C function, and access to memory by address, from compiled code.
 
-The address is data, so the compiled loop is the same for every controller and stays cached. A Sense gives the address
-of its phase currents.
+The address is data, so the compiled loop is the same for every controller and remains cached. A Sense contains the
+address of its phase currents.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ _SIZE = ctypes.sizeof(ctypes.c_double)
 
 
 def _call_step_interpreted(step: int, state: int, sense: int, command: int) -> None:
-    """Call a controller's step from the interpreter, where compilation is switched off."""
+    """Call a controller's step from the interpreter, if compilation is switched off."""
     _STEP(step)(state, sense, command)
 
 
@@ -42,7 +42,7 @@ def _call_step_compiled(
 
 
 def _double_at_interpreted(address: int, index: int) -> float:
-    """Read from the interpreter, where compilation is switched off."""
+    """Read a double from the interpreter, if compilation is switched off."""
     return ctypes.c_double.from_address(int(address) + _SIZE * int(index)).value
 
 
@@ -58,7 +58,7 @@ def _double_at_compiled(typingctx: Any, address: Any, index: Any) -> tuple[Signa
 
 
 def _copy_bytes_interpreted(source: int, target: int, count: int) -> None:
-    """Copy from the interpreter, where compilation is switched off."""
+    """Copy from the interpreter, if compilation is switched off."""
     ctypes.memmove(int(target), int(source), int(count))
 
 
@@ -82,13 +82,13 @@ call_step: Any = _call_step_interpreted if _INTERPRETED else _call_step_compiled
 """Call ``drivegate_step(state, sense, command)``; all four arguments are addresses (int64)."""
 
 double_at: Any = _double_at_interpreted if _INTERPRETED else _double_at_compiled
-"""Read the double number `index` behind `address`; both are integers."""
+"""Read element `index` of the array of doubles at `address`; both are integers."""
 
 copy_bytes: Any = _copy_bytes_interpreted if _INTERPRETED else _copy_bytes_compiled
 """Copy `count` bytes from one address to another that does not overlap; all three are integers."""
 
 
 def step_signature(state: Any, sense: Any, command: Any) -> Any:
-    """Return numba's signature of a step whose three arguments point to records of the given layouts."""
+    """Return numba's signature of a step whose three arguments point to records of these layouts."""
     pointer: Any = types.CPointer
     return types.void(*(pointer(from_dtype(layout)) for layout in (state, sense, command)))

@@ -1,14 +1,14 @@
-"""Where compiled kernels are cached, decided before numba is imported.
+"""Compilation of kernels and their cache, which is configured before numba is imported.
 
-numba's own cache does not notice an edit in a function of another file, and finds no place to write in a
-read-only installation without a home folder. So the cache folder carries a key made of the sources of this
-package, of the target, and of the versions that compile them; `cache_folder` chooses where it is. numba also looks
-code up by the place of its source; here a module's name takes that place, so that one folder serves every
-installation of the same versions. Folders that nothing has used for a month go.
+numba's own cache does not detect an edit in a function of another file, and cannot write in a read-only installation
+without a home folder. Therefore the name of the cache folder is a key of the sources of this package, of the target,
+and of the compiler's versions; `cache_folder` chooses its location. numba also looks up code by the path of its
+source. Here a module's name replaces the path, so that one folder serves every installation of the same versions.
+Folders that have not been used for a month are removed.
 
-It also counts the files of one function up: two processes that compile two functions made by one factory at the
-same time (the polynomials of `winding_current`, say) write both to file 1, and each later loads the other's code.
-So a file is named here after what it holds.
+numba numbers the files of one function. Two processes that compile two functions of one factory at the same time, for
+example the polynomials of `winding_current`, both write file 1, and each later loads the other's code. Therefore a file
+is named after its contents here.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ def _digest_of_sources() -> str:
 
 
 def cache_key() -> str:
-    """Return a key of the kernel sources, their target, and everything that compiles them; not of their place."""
+    """Return a key of the kernel sources, their target, and the compiler's versions, but not of their location."""
     digest = hashlib.sha256(_digest_of_sources().encode())
     for package in ("numba", "numpy", "llvmlite"):
         digest.update(importlib.metadata.version(package).encode())
@@ -81,12 +81,12 @@ def required_cache_folder() -> Path:
 
 
 def refused_cache_folders() -> tuple[str, ...]:
-    """List the folders that come earlier than the one for compiled kernels, each with why it is not used."""
+    """Return the folders before the one for compiled kernels in the order, each with the reason why it is not used."""
     return choose_folder(cache_key()).refusals
 
 
 def _configure() -> bool:
-    """Point numba at the cache folder; return whether compiled kernels can be kept."""
+    """Configure numba's cache folder; return True if compiled kernels can be cached."""
     folder = choose_cache_folder()
     if folder is None:
         os.environ.pop(NUMBA_VARIABLE, None)
@@ -97,7 +97,7 @@ def _configure() -> bool:
 
 
 def _prune(used: Path) -> None:
-    """Note the use of a cache folder, and remove its neighbours that nothing has used for long."""
+    """Update the time of use of a cache folder, and remove neighbouring folders that have not been used for long."""
     with contextlib.suppress(OSError):
         os.utime(used)
         oldest = time.time() - _KEPT_SECONDS
@@ -108,12 +108,12 @@ def _prune(used: Path) -> None:
 
 choose_target()
 KEEPS_CACHE = _configure()
-"""Whether compiled kernels are kept between processes."""
+"""True if compiled kernels are cached between processes."""
 
 import numba  # noqa: E402  (target and cache folder must be known before numba is imported)
 from numba.core import caching  # noqa: E402
 
-# numba has read the variables already where something else imported it first.
+# If other code imported numba first, numba has already read the variables.
 adopt_target(vars(numba.config))
 if KEEPS_CACHE:
     vars(numba.config)["CACHE_DIR"] = os.environ[NUMBA_VARIABLE]
@@ -121,12 +121,12 @@ if KEEPS_CACHE:
 _Function = TypeVar("_Function", bound=Callable[..., object])
 
 
-class _PlacedByModule(caching.UserProvidedCacheLocator):
-    """Where the code of drivegate's own functions is kept: by the name of their module, wherever its file lies."""
+class _LocatedByModule(caching.UserProvidedCacheLocator):
+    """Location of the code of drivegate's own functions: by the name of their module, not by the path of its file."""
 
     @classmethod
     def from_function(cls, function: Any, file: str) -> Any:
-        """Take on drivegate's own functions alone."""
+        """Return a locator for drivegate's own functions only."""
         return super().from_function(function, file) if _is_own(function) else None
 
     def __init__(self, function: Any, file: str) -> None:
@@ -135,7 +135,7 @@ class _PlacedByModule(caching.UserProvidedCacheLocator):
         self._cache_path = str(Path(vars(numba.config)["CACHE_DIR"]) / package)
 
     def get_source_stamp(self) -> Any:
-        """Tell the source by its content, and what it calls by that of all kernels."""
+        """Identify the source by its content, and the functions that it calls by the content of all kernels."""
         return _digest_of_sources(), hashlib.sha256(Path(self._py_file).read_bytes()).hexdigest()
 
 
@@ -143,12 +143,12 @@ def _is_own(function: Any) -> bool:
     return function.__module__.partition(".")[0] in _OWN_PACKAGES
 
 
-# Also for the functions that are called by address, which numba's own decorator keeps.
-caching.CacheImpl._locator_classes.insert(0, _PlacedByModule)
+# This also applies to functions called by address, which numba's own decorator caches.
+caching.CacheImpl._locator_classes.insert(0, _LocatedByModule)
 
 
 class _FilesNamedByContent(caching.IndexDataCacheFile):
-    """The files of one function, each named after the signature, the processor and the closure that it holds."""
+    """The files of one function, each named after its signature, processor and closure."""
 
     def save(self, key: Any, data: Any) -> None:
         """Save compiled code, and enter it in the index."""
@@ -170,15 +170,15 @@ class _KernelCache(caching.FunctionCache):
         )
 
     def _index_key(self, signature: Any, codegen: Any) -> Any:
-        """Distinguish functions of one factory by what they close over, kernels by what they are.
+        """Distinguish functions of one factory by their closure, and kernels in it by their code.
 
-        numba pickles a kernel with an identity of its own in each process, so none would ever be found again.
+        numba pickles a kernel with a different identity in each process, so it would never be found again.
         """
         return signature, codegen.magic_tuple(), _fingerprint(self._py_func)
 
 
 def _fingerprint(function: Callable[..., object]) -> str:
-    """Return a digest of a function's code and of the constants and kernels that it closes over."""
+    """Return a digest of a function's code and of the constants and kernels in its closure."""
     digest = hashlib.sha256(f"{function.__module__}.{function.__qualname__}".encode())
     digest.update(function.__code__.co_code)
     for cell in function.__closure__ or ():
@@ -192,11 +192,11 @@ def _fingerprint(function: Callable[..., object]) -> str:
 def _compiled(function: _Function, *, forceinline: bool = False, **options: Any) -> _Function:
     njit: Any = numba.njit
     if function.__closure__:
-        # numba names code by the function and by a number that it counts up in each process. Two functions of one
-        # factory, compiled by two processes, may so have one name, and one would be linked in place of the other.
+        # numba names code by the function and a number that it increments in each process. Two functions of one
+        # factory, compiled by two processes, may have the same name, and one would be linked instead of the other.
         function.__qualname__ += f".{_fingerprint(function)[:16]}"
-    # Where it is not said, a function that is compiled on behalf of one that is copied into its callers is copied too,
-    # with all that it calls, wherever it is called.
+    # State `forceinline` for every function. Otherwise a function compiled for an inlined caller is inlined as well,
+    # with everything that it calls, at every call.
     dispatcher = njit(error_model="numpy", forceinline=forceinline, **options)(function)
     if KEEPS_CACHE and not vars(numba.config)["DISABLE_JIT"]:
         dispatcher._cache = _KernelCache(function)
@@ -204,19 +204,19 @@ def _compiled(function: _Function, *, forceinline: bool = False, **options: Any)
 
 
 def kernel(function: _Function) -> _Function:
-    """Compile `function` in nopython mode, cached; every operation is rounded by itself, nothing is reordered."""
+    """Compile `function` in nopython mode, cached. Every operation is rounded separately, and none is reordered."""
     return _compiled(function)
 
 
 def unallocating(function: _Function) -> _Function:
-    """Compile like `kernel` a function that makes no arrays, so that references need not be counted.
+    """Compile a function that creates no arrays like `kernel`, but without reference counting.
 
-    Counting costs more than the arithmetic where a function of many arrays is called in a loop. A function
-    that does make an array is refused by the compiler.
+    Counting costs more than the arithmetic if a function with many arrays is called in a loop. The compiler refuses a
+    function that creates an array.
     """
     return _compiled(function, _nrt=False)
 
 
 def inlined(function: _Function) -> _Function:
-    """Compile a function like `unallocating`, and copy it into its callers, as all of a controller is."""
+    """Compile a function like `unallocating`, and inline it into its callers, as for all functions of a controller."""
     return _compiled(function, forceinline=True, _nrt=False)

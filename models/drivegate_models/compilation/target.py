@@ -1,8 +1,8 @@
-"""The instruction set that kernels are compiled for: one that is stated, not that of the processor at hand.
+"""The instruction set for compiled kernels: a fixed one, not that of the present processor.
 
-A processor's own name would let the compiler choose instructions, widths and so speeds by machine, and would make
-kept kernels of one machine useless on the next. Results do not depend on the target, since no operation is fused
-with another or reordered; a result tells it all the same.
+With a processor's own name the compiler would choose instructions, widths and so speeds by machine, and another
+machine could not use cached kernels. Results do not depend on the target, because no operation is fused or
+reordered. They state it nevertheless.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ def stated_target() -> str:
     baseline = _BASELINES.get(platform.machine().lower())
     if baseline is None:
         return "generic"
-    # A library of many megabytes, which only who compiles has to load.
+    # A library of many megabytes, which is only loaded for compilation.
     from llvmlite.binding import get_host_cpu_features
 
     features = get_host_cpu_features()
@@ -34,20 +34,20 @@ def stated_target() -> str:
 
 
 def choose_target() -> None:
-    """Ask numba for the stated target where the user has asked for none, before it is imported."""
+    """Request the stated target from numba before its import, unless the user has requested another one."""
     if not any(name in os.environ for name in VARIABLES):
         os.environ.update(zip(VARIABLES, (stated_target(), ""), strict=True))
 
 
 def requested_target() -> str:
-    """Return what kernels are compiled for here and in every worker: the target's name, and features beside it."""
+    """Return the target of kernels in this process and in every worker: its name and additional features."""
     choose_target()
     name, features = (os.environ.get(variable, "the processor's own") for variable in VARIABLES)
     return f"{name} with {features}" if features else name
 
 
 def adopt_target(config: dict[str, Any]) -> None:
-    """Pass the target on to a numba that something else has imported before."""
+    """Pass the target to a numba that other code has already imported."""
     for name in VARIABLES:
         if name in os.environ:
             config[name.removeprefix("NUMBA_")] = os.environ[name]

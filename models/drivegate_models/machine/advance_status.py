@@ -1,4 +1,4 @@
-"""How the advance of a plant ends, whatever the kind of drive."""
+"""Status of a plant's advance, for every kind of drive."""
 
 from __future__ import annotations
 
@@ -7,4 +7,4 @@ from typing import Final
 COMPLETED: Final = 0
 """The advance reached its end."""
 TOO_MANY_EVENTS: Final = 1
-"""The phases switched more often than the plant's limit allows: a fault of the harness, never of a candidate."""
+"""The phases switched more often than the plant's limit allows. This is a fault of the harness, not of a candidate."""

@@ -1,4 +1,4 @@
-"""A machine's constants from measured or published figures, by least squares, with how firmly they follow."""
+"""A machine's constants from measured or published figures, by least squares, with their uncertainty."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ _UNKNOWN = 1e-9
 
 
 class ConstantsFit(NamedTuple):
-    """Fitted constants, and how well and how firmly they follow from the figures."""
+    """Fitted constants with their residuals and their uncertainty."""
 
     values: NDArray[np.float64]
     """The constants, shape (n,), in their own units."""
     residuals: NDArray[np.float64]
-    """What is left of each figure, shape (k,)."""
+    """Residual of each figure, shape (k,)."""
     derivatives: NDArray[np.float64]
     """Derivatives of the residuals by the logarithms of the constants, shape (k, n)."""
     converged: bool
-    """Whether the search has come to rest."""
+    """True if the search has converged."""
     message: str
-    """Why it ended."""
+    """Reason for the end of the search."""
 
     def relative_spread(self, variance: float) -> NDArray[np.float64]:
-        """Return the standard uncertainty of each constant over the constant itself, shape (n,).
+        """Return the relative standard uncertainty of each constant, shape (n,).
 
         Parameters
         ----------
@@ -39,7 +39,8 @@ class ConstantsFit(NamedTuple):
         Returns
         -------
         ndarray, shape (n,)
-            Roots of the diagonal of ``variance * inv(J.T @ J)``; infinite where the figures do not tell.
+            Roots of the diagonal of ``variance * inv(J.T @ J)``; infinite for constants that the figures do not
+            determine.
         """
         _, singular, directions = np.linalg.svd(self.derivatives, full_matrices=False)
         known = singular > _UNKNOWN * singular[0]
@@ -49,7 +50,7 @@ class ConstantsFit(NamedTuple):
 
     @property
     def condition(self) -> float:
-        """Condition number of the derivatives: how differently firm the constants are."""
+        """Condition number of the derivatives: the ratio of the constants' uncertainties."""
         return float(np.linalg.cond(self.derivatives))
 
 
@@ -59,14 +60,14 @@ def fit_constants(
     lowest: ArrayLike,
     highest: ArrayLike,
 ) -> ConstantsFit:
-    """Fit constants to figures.
+    """Fit constants to figures by least squares.
 
     Parameters
     ----------
     residuals_of : callable
-        From constants, shape (n,), to what is left of each figure, shape (k,) with k of n or more.
+        Function of the constants, shape (n,), that returns the residual of each figure, shape (k,) with k >= n.
     start : array_like, shape (n,)
-        Constants to begin with, above 0.
+        Initial values of the constants, above 0.
     lowest, highest : array_like, shape (n,)
         Bounds of the constants.
 

@@ -1,4 +1,4 @@
-"""Where a phase is in its electrical cycle: the piece of the back-EMF shape, and the conduction window."""
+"""Position of a phase in its electrical cycle: the piece of the back-EMF shape, and the conduction window."""
 
 from __future__ import annotations
 
@@ -13,46 +13,35 @@ from drivegate_models.compilation.kernels import inlined
 
 @inlined
 def wrapped(angle: float) -> float:
-    """Return an angle in [0, 2 pi) (rad).
-
-    Parameters
-    ----------
-    angle : float
-        Any angle (rad).
-
-    Returns
-    -------
-    float
-        The same less whole turns.
-    """
+    """Return an angle minus whole turns, in [0, 2 pi) (rad)."""
     turns = floor(angle * (0.5 / pi))
     return max(angle - 2.0 * pi * turns, 0.0)
 
 
 class Shape(NamedTuple):
-    """The straight piece of the back-EMF shape that a phase is in; times from the beginning of the advance (s)."""
+    """The present linear piece of a phase's back-EMF shape; times are from the beginning of the advance (s)."""
 
     corner: int
-    """Index of its first corner."""
+    """Index of the piece's first corner."""
     turn: float
-    """Angle from the phase's angle at the beginning to the start of the cycle of that corner (rad)."""
+    """Angle from the phase's initial angle to the start of that corner's cycle (rad)."""
     begin: float
     end: float
     start: float
     """Shape at `begin` (1)."""
     rate: float
-    """Its rate (1/s)."""
+    """Rate of the shape (1/s)."""
 
 
 class ConductionWindow(NamedTuple):
-    """The conduction window that a phase is in, or the gap behind it."""
+    """The present conduction window of a phase, or the gap after it."""
 
     sector: int
     """1, -1, or 0 between windows."""
     following: int
-    """The next window while between windows."""
+    """The next window, in a gap between windows."""
     end: float
-    """(s)."""
+    """End of the window or gap, from the beginning of the advance (s)."""
 
 
 @inlined
@@ -77,7 +66,7 @@ def shape_at(
     angle: float,
     electrical: float,
 ) -> Shape:
-    """Return the piece of the back-EMF shape at an angle, which is at time zero.
+    """Return the piece of the back-EMF shape at an angle at time zero.
 
     Parameters
     ----------
@@ -91,7 +80,7 @@ def shape_at(
     Returns
     -------
     Shape
-        Without an end at standstill.
+        With an infinite end at standstill.
     """
     corner = _corner_before(corners, angle)
     if electrical == 0.0:
@@ -116,7 +105,7 @@ def next_shape(
     shape: Shape,
     electrical: float,
 ) -> Shape:
-    """Return the piece of the back-EMF shape behind one.
+    """Return the piece of the back-EMF shape after another one.
 
     Parameters
     ----------
@@ -130,7 +119,7 @@ def next_shape(
     Returns
     -------
     Shape
-        The next one.
+        The next piece, in the next cycle after the last corner.
     """
     per_radian = 1.0 / electrical
     corner = shape.corner + 1
@@ -150,7 +139,7 @@ def next_shape(
 
 @inlined
 def window_at(angle: float, width: float, electrical: float) -> ConductionWindow:
-    """Return the window at an advanced angle, which is at time zero.
+    """Return the conduction window at an angle at time zero.
 
     Parameters
     ----------
@@ -164,7 +153,7 @@ def window_at(angle: float, width: float, electrical: float) -> ConductionWindow
     Returns
     -------
     ConductionWindow
-        Without an end at standstill.
+        With an infinite end at standstill.
     """
     per_radian = 1.0 / electrical if electrical > 0.0 else inf
     position = wrapped(angle - 0.5 * (pi - width))
@@ -181,12 +170,12 @@ def window_at(angle: float, width: float, electrical: float) -> ConductionWindow
 
 @inlined
 def next_window(window: ConductionWindow, width: float, electrical: float) -> ConductionWindow:
-    """Return what follows a window or the gap behind it.
+    """Return the gap after a window, or the window after a gap.
 
     Parameters
     ----------
     window : ConductionWindow
-        The window, or the gap, that ends.
+        The window or gap that ends.
     width : float
         Width of each window (rad).
     electrical : float
@@ -195,7 +184,7 @@ def next_window(window: ConductionWindow, width: float, electrical: float) -> Co
     Returns
     -------
     ConductionWindow
-        What follows.
+        The next gap or window.
     """
     per_radian = 1.0 / electrical
     if window.sector != 0:

@@ -1,6 +1,6 @@
 """Back-EMF shapes as corner points of an odd, half-wave symmetric, piecewise linear function of angle.
 
-A sine or a smooth table is refined into straight pieces; the refinement's error is stated where it is made.
+A sine is approximated by straight pieces, with the error stated at the function.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from drivegate_models.errors import InputError
 
 _FIXED_POINT = 160
-"""Bits after the point, three times those of a double."""
+"""Fractional bits of fixed-point numbers, three times those of a double."""
 
 Corners = tuple[NDArray[np.float64], NDArray[np.float64]]
 
@@ -22,7 +22,7 @@ def trapezoid_corners(flat: float) -> Corners:
     Parameters
     ----------
     flat : float
-        Width of the flat top (rad, electrical), 0 to below pi. Zero gives a triangle.
+        Width of the flat top (rad electrical), 0 to below pi. Zero results in a triangle.
 
     Returns
     -------
@@ -64,7 +64,7 @@ def sine_corners(pieces: int = 90) -> Corners:
 
 
 def _sine(angle: float) -> float:
-    """Return the sine rounded once: those of libraries differ between processors in the last place."""
+    """Return the correctly rounded sine; sines of libraries differ between processors in the last place."""
     numerator, denominator = angle.as_integer_ratio()
     fixed = (numerator << _FIXED_POINT) // denominator
     square = fixed * fixed >> _FIXED_POINT

@@ -1,9 +1,9 @@
-"""Names of the exact integrals that the plant keeps, as indices into one array of totals.
+"""Names of the plant's exact integrals, as indices into one array of totals.
 
-Every entry is a sum over the phases of an integral over time. What the entries must satisfy::
+Every entry is a sum over the phases of an integral over time. The entries satisfy::
 
-    UPPER + LOWER = EXCHANGED - 2 RETURNED                                       (where the power comes from)
-    UPPER + LOWER = R SQUARE + speed IMPULSE + DEVICE + change of L i**2 / 2      (where it goes)
+    UPPER + LOWER = EXCHANGED - 2 RETURNED                                       (sources)
+    UPPER + LOWER = R SQUARE + speed IMPULSE + DEVICE + change of L i**2 / 2      (consumption and storage)
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ SQUARE: Final = 1
 IMPULSE: Final = 2
 """Integral of the electromagnetic torque (N m s)."""
 UPPER: Final = 3
-"""Energy that the windings and devices take from the upper half-source (J)."""
+"""Energy drawn by windings and devices from the upper half-source (J)."""
 LOWER: Final = 4
-"""Energy that the windings and devices take from the lower half-source (J)."""
+"""Energy drawn by windings and devices from the lower half-source (J)."""
 EXCHANGED: Final = 5
 """Integral of half-source voltage times current magnitude, whatever the direction of the power (J)."""
 RETURNED: Final = 6
@@ -32,13 +32,13 @@ RETURNED: Final = 6
 DEVICE: Final = 7
 """Loss in the forward drops of switches and diodes (J)."""
 SWITCHING: Final = 8
-"""Loss at turn-on and turn-off, drawn from the half-sources besides `UPPER` and `LOWER` (J)."""
+"""Loss at turn-on and turn-off, drawn from the half-sources in addition to `UPPER` and `LOWER` (J)."""
 CORE_SOURCE: Final = 9
-"""Core loss of connected phases, drawn from the half-sources besides `UPPER` and `LOWER` (J)."""
+"""Core loss of connected phases, drawn from the half-sources in addition to `UPPER` and `LOWER` (J)."""
 CORE_DRAG_IMPULSE: Final = 10
 """Impulse of the drag torque by which floating phases supply their core loss (N m s)."""
 PEAK: Final = 11
-"""Greatest magnitude of any phase current (A); a maximum, not a sum."""
+"""Maximum magnitude of any phase current (A); a maximum, not a sum."""
 EVENTS: Final = 12
 """Number of intervals between events (1)."""
 ENTRIES: Final = 13
@@ -47,29 +47,18 @@ ENTRIES: Final = 13
 
 @inlined
 def source_energy(totals: NDArray[np.float64]) -> float:
-    """Return the net energy taken from the supply, core and switching losses included.
+    """Return the net energy drawn from the supply (J), including core and switching losses.
 
-    Parameters
-    ----------
-    totals : ndarray, shape (ENTRIES,)
-        Exact integrals.
-
-    Returns
-    -------
-    float
-        (J).
+    `totals` are the exact integrals, shape (ENTRIES,).
     """
     return float(totals[UPPER] + totals[LOWER] + totals[CORE_SOURCE] + totals[SWITCHING])
 
 
 @inlined
 def add_period(totals: NDArray[np.float64], period: NDArray[np.float64]) -> None:
-    """Add the integrals of one control period to those of a run.
+    """Add the integrals of one control period to those of a run, both of shape (ENTRIES,).
 
-    Parameters
-    ----------
-    totals, period : ndarray, shape (ENTRIES,)
-        Exact integrals; `totals` is updated.
+    The peak of the run becomes the larger of both.
     """
     peak = max(totals[PEAK], period[PEAK])
     for entry in range(ENTRIES):
@@ -84,14 +73,14 @@ def stored_energy(drive: Any, currents: NDArray[np.float64]) -> float:
     Parameters
     ----------
     drive : named tuple
-        The drive's constants, of any kind of drive; `inductance` (H) is taken.
+        Constants of any kind of drive with an `inductance` L (H).
     currents : ndarray, shape (m,)
         Phase currents (A).
 
     Returns
     -------
     float
-        Stored energy (J).
+        Energy of all phases (J).
     """
     total = 0.0
     for current in currents:

@@ -1,4 +1,4 @@
-"""Torque that the driven machine demands."""
+"""Torque of the driven machine."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ from typing import Final, NamedTuple
 from drivegate_models.compilation.kernels import inlined
 
 LOCKED: Final = 0
-"""A dynamometer holds the shaft at the speed reference."""
+"""A dynamometer maintains the shaft at the speed reference."""
 CONSTANT_TORQUE: Final = 1
-"""The same torque at every speed; it holds the shaft at standstill and never drives it backward."""
+"""The same torque at every speed. It stops the shaft at standstill and never drives it backward."""
 CONSTANT_POWER: Final = 2
 """Power over speed, limited to the torque at `SLOWEST`."""
 FAN: Final = 3
-"""Torque with the square of speed."""
+"""Torque proportional to the square of speed."""
 VEHICLE: Final = 4
 """A vehicle on a road; the factor is the road's grade."""
 SLOWEST: Final = 1.0
-"""Speed below which a constant power load demands no more torque (rad/s)."""
+"""Speed below which the torque of a constant power load no longer increases (rad/s)."""
 
 
 class Load(NamedTuple):
@@ -40,21 +40,21 @@ class Load(NamedTuple):
 
 @inlined
 def load_torque(load: Load, factor: float, speed: float) -> float:
-    """Return the load's torque.
+    """Return the load's torque at a speed.
 
     Parameters
     ----------
     load : Load
-        Kind and size.
+        Kind and constants of the load.
     factor : float
-        Scale of the size at this time (1); a vehicle's grade, height over way (1).
+        Factor on the size at this time (1); for a vehicle the grade, height over distance (1).
     speed : float
         Shaft speed (rad/s), at least 0.
 
     Returns
     -------
     float
-        Torque against the rotation (N m). A vehicle's is that of its weight along the road, its rolling
+        Torque against the rotation (N m). For a vehicle it is the sum of its weight along the road, its rolling
         resistance and its drag.
     """
     if load.kind == CONSTANT_TORQUE:

@@ -1,4 +1,4 @@
-"""The logarithm near one, of operations that every processor rounds alike; a library's may differ in the last place."""
+"""The logarithm near one, from operations that every processor rounds identically; those of libraries differ."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Final
 from drivegate_models.compilation.kernels import inlined
 
 GREATEST: Final = 0.65
-"""Greatest argument for which the series is exact to rounding."""
+"""Maximum argument for which the series is exact to rounding."""
 
 # With s = x / (2 + x): ln(1 + x) = 2 artanh s = 2 s + s R, R = 2 s**2/3 + 2 s**4/5 + ..., and 2 s = x - s x.
 _C0, _C1, _C2, _C3, _C4, _C5, _C6, _C7, _C8, _C9, _C10, _C11 = (2.0 / (2 * k + 3) for k in range(12))
@@ -15,22 +15,11 @@ _C0, _C1, _C2, _C3, _C4, _C5, _C6, _C7, _C8, _C9, _C10, _C11 = (2.0 / (2 * k + 3
 
 @inlined
 def logarithm_ratio(x: float) -> float:
-    """Return ``ln(1 + x) / x``, which is 1 at zero.
+    """Return ``ln(1 + x) / x``, which is 1 at zero, within one unit in the last place.
 
-    Parameters
-    ----------
-    x : float
-        Argument, 0 to `GREATEST` (1).
-
-    Returns
-    -------
-    float
-        Within one unit in the last place (1).
-
-    Notes
-    -----
-    ``ln(1 + x) = x - s (x - R)`` as in fdlibm, divided by x: the correction to 1 is a quarter at most, so its own
-    rounding hardly counts. The series is cut where its next term is below 1e-17.
+    The argument is from 0 to `GREATEST`. ``ln(1 + x) = x - s (x - R)`` as in fdlibm, divided by x: the correction
+    to 1 is at most a quarter, so its own rounding is negligible. The series ends where its next term is below
+    1e-17.
     """
     divisor = 2.0 + x
     share = x / divisor

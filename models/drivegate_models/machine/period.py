@@ -1,12 +1,12 @@
-"""What every kind of drive says of its periodic states."""
+"""Status and tolerance of periodic states, for every kind of drive."""
 
 from __future__ import annotations
 
 from typing import Final
 
 PERIODIC: Final = 1
-"""Certified: the state repeats, as a number of torque periods after one of them."""
+"""Status of a certified state, which repeats. Used as a number of torque periods, it repeats after one."""
 APERIODIC: Final = 0
-"""No periodic state was found."""
+"""Status without a periodic state."""
 TOLERANCE: Final = 1e-10
-"""Greatest change of a current over a period that is certified as periodic, over 1 A and the reference together (1)."""
+"""Maximum change of a current over a period that is certified as periodic, relative to 1 A plus the reference (1)."""

@@ -1,4 +1,4 @@
-"""Currents of the frame that turns with the magnet, and of the three phases."""
+"""Transformations between the rotor frame, the stationary frame and the three phases."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from drivegate_models.machine.sine import cosine_sine
 HALF_ROOT: Final = 0.8660254037844386
 """Sine of a third of a turn."""
 PER_ROOT_THREE: Final = 0.5 / HALF_ROOT
-"""Peak voltage of a phase over that between two phases (1)."""
+"""Peak phase voltage over peak line-to-line voltage (1)."""
 _THIRD = 1.0 / 3.0
 SUM_OVER_PEAK: Final = 6.0 / pi
 """Mean of the sum of three sinusoidal currents' magnitudes over their peak (1)."""
@@ -23,21 +23,21 @@ _SINES: Final = (0.0, HALF_ROOT, -HALF_ROOT)
 
 
 class RotorFrame(NamedTuple):
-    """Currents of the rotor frame and where that is."""
+    """Currents in the rotor frame, and its electrical angle."""
 
     direct: float
-    """Current along the magnet's axis (A)."""
+    """d-axis current (A)."""
     quadrature: float
-    """Current across it (A)."""
+    """q-axis current (A)."""
     cosine: float
     """Cosine of the electrical angle (1)."""
     sine: float
-    """Its sine (1)."""
+    """Sine of the electrical angle (1)."""
 
 
 @inlined
 def axis_of(frame: RotorFrame, leg: int) -> tuple[float, float]:
-    """Return cosine and sine of the angle from the axis of a phase to the magnet's."""
+    """Return cosine and sine of the angle from the axis of a phase to the d axis."""
     cosine = _COSINES[leg]
     sine = _SINES[leg]
     return frame.cosine * cosine + frame.sine * sine, frame.sine * cosine - frame.cosine * sine
@@ -52,19 +52,19 @@ def phase_current(frame: RotorFrame, leg: int) -> float:
 
 @inlined
 def turned(frame: RotorFrame, along: float, across: float) -> tuple[float, float]:
-    """Return a quantity of the rotor's axes along and across the first phase's axis."""
+    """Return a d-q quantity in the stationary frame, along and across the first phase's axis."""
     return frame.cosine * along - frame.sine * across, frame.sine * along + frame.cosine * across
 
 
 @inlined
 def from_phases(first: float, second: float, third: float) -> tuple[float, float]:
-    """Return what quantities of three phases make along and across the first phase's axis, their mean left out."""
+    """Return quantities of three phases in the stationary frame, without their mean (Clarke transformation)."""
     return (2.0 * first - second - third) * _THIRD, (second - third) * PER_ROOT_THREE
 
 
 @inlined
 def of_phase(leg: int, along: float, across: float) -> float:
-    """Return the share of a phase in a quantity along and across the first phase's axis."""
+    """Return the value of a phase for a quantity in the stationary frame."""
     if leg == 0:
         return along
     return -0.5 * along + (HALF_ROOT if leg == 1 else -HALF_ROOT) * across
@@ -74,19 +74,19 @@ def of_phase(leg: int, along: float, across: float) -> float:
 def phase_currents(
     direct: NDArray[np.float64], quadrature: NDArray[np.float64], angles: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return the phase currents that currents of the rotor frame are.
+    """Return the phase currents for currents in the rotor frame.
 
     Parameters
     ----------
     direct, quadrature : ndarray, shape (n,)
-        Along and across the magnet's axis (A).
+        d-axis and q-axis currents (A).
     angles : ndarray, shape (n,)
-        Electrical angles of the magnet's axis (rad).
+        Electrical angles of the d axis (rad).
 
     Returns
     -------
     ndarray, shape (n, 3)
-        (A).
+        Currents of the three phases (A).
     """
     currents = np.empty((len(angles), 3))
     for row in range(len(angles)):
@@ -98,7 +98,7 @@ def phase_currents(
 
 
 def shaft_angles(electrical: NDArray[np.float64], pole_pairs: int) -> NDArray[np.float64]:
-    """Return the shaft's angles from the electrical ones of control periods that follow each other.
+    """Return the shaft's angles from the electrical angles of consecutive control periods.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What is kept of each interval between two events, so that waveforms can be evaluated exactly later.
+"""Records of the intervals between two events, from which waveforms are evaluated exactly later.
 
 A segment is a row of numbers. Within it the current is that of `drivegate_models.machine.winding_current` and the
 back-EMF shape is ``SHAPE + SHAPE_RATE * (t - START)``.
@@ -30,15 +30,15 @@ SHAPE_RATE: Final = 6
 VOLTAGE: Final = 7
 """Terminal voltage at the start (V)."""
 VOLTAGE_RATE: Final = 8
-"""Rate of the terminal voltage (V/s); not zero only while the phase floats or the ideal regulator slides."""
+"""Rate of the terminal voltage (V/s); zero unless the phase floats or the ideal regulator slides."""
 RATE: Final = 9
-"""R/L while a current flows freely, 0 while it is held (1/s)."""
+"""R/L while a current flows freely, 0 while the regulator maintains it (1/s)."""
 FIELDS: Final = 10
 """Length of a row."""
 
 
 @inlined
-def keep_segment(
+def store_segment(
     rows: NDArray[np.float64],
     phase: int,
     index: int,
@@ -53,23 +53,23 @@ def keep_segment(
     voltage_rate: float,
     rate: float,
 ) -> int:
-    """Write a segment, if there is room for it.
+    """Store a segment if there is space for it.
 
     Parameters
     ----------
     rows : ndarray, shape (m, n, FIELDS)
-        Receives it.
+        Receives the segment.
     phase : int
-        Its phase.
+        Index of the phase.
     index : int
-        Number of segments kept of that phase.
+        Number of segments stored for that phase.
     start, length, current, slope, curvature, shape, shape_rate, voltage, voltage_rate, rate : float
         The fields, in the units of their indices above.
 
     Returns
     -------
     int
-        The next index.
+        The number of segments stored after this call.
     """
     if index >= rows.shape[1]:
         return index

@@ -1,4 +1,4 @@
-"""Sine and cosine of operations that every processor rounds alike; a library's may differ in the last place."""
+"""Sine and cosine from operations that every processor rounds identically; libraries differ in the last place."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Final
 from drivegate_models.compilation.kernels import inlined
 
 GREATEST: Final = 1e5
-"""Greatest angle that is reduced to a quarter turn without loss (rad)."""
+"""Maximum angle that is reduced to a quarter turn without loss (rad)."""
 
 # The first 33 bits of a quarter turn, so that whole multiples of them are exact, and the rest.
 _QUARTER_HIGH: Final = 1.57079632673412561417e00
@@ -24,17 +24,9 @@ _C4, _C5, _C6 = -2.75573143513906633035e-07, 2.08757232129817482790e-09, -1.1359
 
 @inlined
 def small_cosine_sine(angle: float) -> tuple[float, float]:
-    """Return cosine and sine of an angle within an eighth of a turn.
+    """Return cosine and sine of an angle of at most pi/4 in magnitude (rad), within one unit in the last place.
 
-    Parameters
-    ----------
-    angle : float
-        At most pi/4 either way (rad).
-
-    Returns
-    -------
-    cosine, sine : float
-        Within one unit in the last place (1).
+    The polynomials are those of fdlibm.
     """
     z = angle * angle
     cubic = _S1 + z * (_S2 + z * (_S3 + z * (_S4 + z * (_S5 + z * _S6))))
@@ -46,17 +38,9 @@ def small_cosine_sine(angle: float) -> tuple[float, float]:
 
 @inlined
 def cosine_sine(angle: float) -> tuple[float, float]:
-    """Return cosine and sine of an angle.
+    """Return cosine and sine of an angle of at most `GREATEST` in magnitude (rad).
 
-    Parameters
-    ----------
-    angle : float
-        At most `GREATEST` either way (rad).
-
-    Returns
-    -------
-    cosine, sine : float
-        To about 1e-16 for angles of some turns (1).
+    The error is about 1e-16 for angles of a few turns.
     """
     quarters = floor(angle * _QUARTERS + 0.5)
     cosine, sine = small_cosine_sine((angle - quarters * _QUARTER_HIGH) - quarters * _QUARTER_LOW)

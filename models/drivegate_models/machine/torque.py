@@ -1,7 +1,7 @@
 """Exact extremes of the torque over an advance, from the segments of all phases.
 
-Between events the torque is a polynomial of second degree plus a straight line times one exponential, so its
-third derivative has one zero at most. Nested isolation from there up finds every stationary point.
+Between events the torque is a polynomial of second degree plus a straight line times one exponential. Its third
+derivative therefore has at most one zero. Nested isolation from this zero finds every stationary point.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ Coefficients = tuple[float, float, float, float, float, float]
 
 @inlined
 def _derivatives(coefficients: Coefficients, rate: float, time: float) -> tuple[float, float, float]:
-    """Return torque over EMF constant and its first two derivatives at a time of the interval."""
+    """Return torque over EMF constant (A) and its first two time derivatives, at a time within the interval (s)."""
     c0, c1, d0, d1, q0, q1 = coefficients
-    # From phi4 downward, as in `winding_current`: upward recurrence would cancel at small R t / L.
+    # From phi4 downward, as in `winding_current`: upward recurrence suffers cancellation at small R t / L.
     x = rate * time
     phi2 = 0.5 - x * (1.0 / 6.0 - x * phi4(x))
     phi1 = 1.0 - x * phi2
@@ -39,10 +39,10 @@ def _derivatives(coefficients: Coefficients, rate: float, time: float) -> tuple[
 def _zero(coefficients: Coefficients, rate: float, low: float, high: float, order: int) -> float:
     """Return the zero of a derivative (1 or 2) that changes sign over [low, high], by safeguarded bisection."""
     at_low = _derivatives(coefficients, rate, low)[order]
-    # The chord bound below lets few intervals come this far, so plain halving is fast enough.
+    # Because of the chord bound below few intervals get here, so plain halving is fast enough.
     for _ in range(100):
         middle = 0.5 * (low + high)
-        # No float lies between any more.
+        # There is no float in between.
         if middle in (low, high):
             break
         at_middle = _derivatives(coefficients, rate, middle)[order]
@@ -59,27 +59,27 @@ def _zero(coefficients: Coefficients, rate: float, low: float, high: float, orde
 def _interval_extremes(
     coefficients: Coefficients, rate: float, length: float, lowest: float, highest: float
 ) -> tuple[float, float]:
-    """Widen [lowest, highest] by the torque over EMF constant on one interval without events."""
+    """Extend [lowest, highest] by the torque over EMF constant on one interval without events (A)."""
     start, start_first, start_second = _derivatives(coefficients, rate, 0.0)
     end, end_first, end_second = _derivatives(coefficients, rate, length)
     lowest = min(lowest, start, end)
     highest = max(highest, start, end)
     _, _, d0, d1, q0, q1 = coefficients
-    # The only zero of the third derivative. Without resistance that derivative is a constant and has none.
+    # The only zero of the third derivative. Without resistance that derivative is constant and has no zero.
     divisor = rate * (rate * d1 + q1)
     inflection = 0.0
     if divisor != 0.0:
         inflection = (3.0 * (rate * d1 + q1) - rate * (rate * d0 + q0)) / divisor
     bends = 0.0 < inflection < length
-    # Then the second derivative keeps its sign, the first is monotone, and so it keeps its sign, too.
+    # In this case the second derivative does not change its sign, so the first is monotone and does not either.
     if not bends and start_second * end_second > 0.0 and start_first * end_first > 0.0:
         return lowest, highest
-    # A function departs from its chord by an eighth of its greatest second derivative times the length squared.
+    # A function deviates from its chord by at most an eighth of its maximum second derivative times the length squared.
     steepest = max(abs(start_second), abs(end_second))
     if bends:
         steepest = max(steepest, abs(_derivatives(coefficients, rate, inflection)[2]))
     off_chord = 0.125 * steepest * length * length
-    # What cannot leave the range known so far is not searched: that spares most intervals of a cycle.
+    # Skip an interval that cannot leave the known range: this saves most intervals of a cycle.
     if max(start, end) + off_chord <= highest and min(start, end) - off_chord >= lowest:
         return lowest, highest
 
@@ -117,7 +117,7 @@ def torque_extremes(
     lowest: float,
     highest: float,
 ) -> tuple[float, float]:
-    """Widen a range by the torque of all phases over one advance.
+    """Extend a range by the torque of all phases over one advance.
 
     Parameters
     ----------
@@ -126,9 +126,9 @@ def torque_extremes(
     row_counts : ndarray of int64, shape (m,)
         Number of segments of each phase.
     positions : ndarray of int64, shape (m,)
-        Room for the computation.
+        Work space.
     emf_constant : float
-        Peak torque an ampere (N m/A).
+        Peak torque per ampere (N m/A).
     rate : float
         R/L (1/s).
     duration : float
@@ -139,11 +139,11 @@ def torque_extremes(
     Returns
     -------
     lowest, highest : float
-        Range including this advance (N m), at events and stationary points, not on a grid.
+        Range including this advance (N m), from events and stationary points, not from a grid.
     """
     phases = rows.shape[0]
     positions[:] = 0
-    # The common factor is divided out once, not multiplied into every evaluation.
+    # Divide by the common factor once, instead of multiplying every evaluation by it.
     low = lowest / emf_constant
     high = highest / emf_constant
     time = 0.0
@@ -156,7 +156,7 @@ def torque_extremes(
         q0 = 0.0
         q1 = 0.0
         for phase in range(phases):
-            # The last segment is never passed: by rounding it may end short of the advance.
+            # Never pass the last segment: by rounding it may end before the advance.
             while positions[phase] < row_counts[phase] - 1:
                 row = rows[phase, positions[phase]]
                 if row[segments.START] + row[segments.LENGTH] > time:
@@ -169,7 +169,7 @@ def torque_extremes(
             offset = time - row[segments.START]
             current = row[segments.CURRENT]
             curvature = row[segments.CURVATURE]
-            # Every phase is taken to the same instant, from which on the sum has six coefficients in all.
+            # With every phase at the same instant, the sum has six coefficients in total.
             current, slope = current_after(current, row[segments.SLOPE], curvature, rate, offset)
             shape_rate = row[segments.SHAPE_RATE]
             shape = row[segments.SHAPE] + shape_rate * offset
@@ -194,16 +194,16 @@ def torque_range(
     lowest: float,
     highest: float,
 ) -> tuple[float, float]:
-    """Widen a range by the torque of all phases over the last advance.
+    """Extend a range by the torque of all phases over the last advance.
 
     Parameters
     ----------
     drive : named tuple
-        The drive's constants, of any kind of drive; `emf_constant`, `resistance` and `inductance` are taken.
+        Constants of any kind of drive with `emf_constant`, `resistance` and `inductance`.
     phases : named tuple
-        Holds the segments of that advance, in `rows` and `row_counts`; see `torque_extremes`.
+        With the segments of that advance, in `rows` and `row_counts`; see `torque_extremes`.
     positions : ndarray of int64, shape (m,)
-        Room for the computation.
+        Work space.
     duration : float
         Length of the advance (s).
     lowest, highest : float

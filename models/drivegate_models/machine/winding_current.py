@@ -1,13 +1,13 @@
 """The current of one winding between two events, in closed form.
 
-Between events the terminal voltage v is constant and the back-EMF is a straight line in time, so that
+Between events the terminal voltage v is constant and the back-EMF is linear in time, so that
 ``L di/dt = v - R i - e(t)`` has the solution::
 
     i(t) = i0 + g0 t phi1(x) - a t**2 phi2(x),    x = R t / L,   a = (de/dt) / L,
 
 with ``g0 = di/dt`` at the start and ``phi_k(x) = sum_n (-x)**n / (n + k)!`` (the phi functions of exponential
-integrators). In this form nothing cancels when the resistance is small, and R = 0 is no special case.
-Intervals are kept to ``x <= LONGEST`` by their callers, where the truncated series are exact to rounding.
+integrators). This form has no cancellation for a small resistance, and R = 0 is no special case. Callers limit
+intervals to ``x <= LONGEST``, where the truncated series are exact to rounding.
 """
 
 from __future__ import annotations
@@ -34,8 +34,8 @@ def _phi4_term(k: int) -> float:
     return 1.0 / factorial(k + 4)
 
 
-# Integrals of the squares of t phi1 and t**2 phi2, and of their product, as series of their own: the closed
-# forms in exponentials cancel when the resistance is small.
+# Integrals of the squares of t phi1 and t**2 phi2, and of their product, as separate series: the closed forms with
+# exponentials suffer cancellation for a small resistance.
 
 
 def _square_11_term(k: int) -> float:
@@ -51,13 +51,13 @@ def _square_22_term(k: int) -> float:
 
 
 def _polynomial(term: Callable[[int], float]) -> Callable[[float], float]:
-    """Return ``sum_k term(k) (-x)**k`` compiled, with few terms for the short intervals that are the rule."""
+    """Return the compiled function ``sum_k term(k) (-x)**k``, with few terms for the common short intervals."""
     coefficients = tuple(term(k) * (-1.0 if k % 2 else 1.0) for k in range(_ALL_TERMS))
     c0, c1, c2, c3, c4, c5, c6 = coefficients[:_SHORT_TERMS]
 
     def evaluate(x: float) -> float:
         if x <= _SHORT:
-            # In pairs, so that one product need not wait for the other.
+            # In pairs, so that one product does not wait for the other.
             square = x * x
             fourth = square * square
             return ((c0 + c1 * x) + square * (c2 + c3 * x)) + fourth * ((c4 + c5 * x) + square * c6)
@@ -77,7 +77,7 @@ _square_22 = _polynomial(_square_22_term)
 
 
 class Phis(NamedTuple):
-    """The phi functions of one time; windings of one R/L share them."""
+    """The phi functions of one time, common to windings with the same R/L."""
 
     x: float
     """R t / L (1)."""
@@ -94,12 +94,12 @@ def phis_at(x: float) -> Phis:
     Parameters
     ----------
     x : float
-        R t / L, at most `LONGEST`.
+        R t / L, at most `LONGEST` (1).
 
     Returns
     -------
     Phis
-        Written so that little waits for phi4.
+        Computed in an order with few dependencies on phi4.
     """
     square = x * x
     p4 = phi4(x)
@@ -114,19 +114,9 @@ def phis_at(x: float) -> Phis:
 
 @inlined
 def current_by(start: float, slope: float, curvature: float, time: float, phis: Phis) -> tuple[float, float]:
-    """Return the current and its slope as `current_after` does, by phi functions that are known already.
+    """Return the current (A) and its slope (A/s), from phi functions that are already known.
 
-    Parameters
-    ----------
-    start, slope, curvature, time : float
-        As in `current_after`.
-    phis : Phis
-        Those of the time.
-
-    Returns
-    -------
-    current, slope : float
-        (A), (A/s).
+    The other arguments are those of `current_after`.
     """
     current = start + time * (slope * phis.first - curvature * time * phis.second)
     return current, slope * (1.0 - phis.x * phis.first) - curvature * time * phis.first
@@ -143,7 +133,7 @@ def current_after(
     start : float
         Current i0 at the interval's start (A).
     slope : float
-        Its slope g0 there (A/s).
+        Slope g0 at the interval's start (A/s).
     curvature : float
         Slope of the back-EMF over the inductance, a (A/s2).
     rate : float
@@ -154,21 +144,21 @@ def current_after(
     Returns
     -------
     current : float
-        (A).
+        Current at that time (A).
     slope : float
-        (A/s).
+        Slope at that time (A/s).
     """
     return current_by(start, slope, curvature, time, phis_at(rate * time))
 
 
 @inlined
 def turning_time(slope: float, curvature: float, rate: float) -> float:
-    """Return when the current's slope passes zero, or infinity where it does not within the longest interval.
+    """Return the time at which the current's slope passes zero, or infinity if not within the longest interval.
 
     Parameters
     ----------
     slope, curvature, rate : float
-        As in `current_after`.
+        Arguments of `current_after`.
 
     Returns
     -------
@@ -179,7 +169,7 @@ def turning_time(slope: float, curvature: float, rate: float) -> float:
         return inf
     ratio = slope / curvature
     x = rate * ratio
-    # The slope is zero after ln(1 + x) / rate; of greater x that is more than LONGEST / rate.
+    # The slope is zero after ln(1 + x) / rate, which exceeds LONGEST / rate for greater x.
     return ratio * logarithm_ratio(x) if x <= GREATEST else inf
 
 
@@ -194,7 +184,7 @@ def _root(
     high: float,
     rising: bool,
 ) -> float:
-    """Return the root of i(t) = level in the bracket [low, high] in which i is monotone (s)."""
+    """Return the root of i(t) = level (s) in the bracket [low, high], in which i is monotone."""
     sign = 1.0 if rising else -1.0
     low_limit = low
     high_limit = high
@@ -203,9 +193,9 @@ def _root(
     discriminant = slope * slope - 2.0 * bending * gap
     time = 0.5 * (low + high)
     if discriminant >= 0.0:
-        # The parabola that leaves the start with the current's slope and curvature.
+        # Initial value from the parabola with the current's slope and curvature at the start.
         square = np.sqrt(discriminant)
-        # The form of the quadratic formula that adds numbers of one sign only.
+        # This form of the quadratic formula adds only numbers of the same sign.
         divisor = slope + (square if slope >= 0.0 else -square)
         first = 2.0 * gap / divisor if divisor != 0.0 else -1.0
         second = divisor / bending if bending != 0.0 else -1.0
@@ -223,16 +213,16 @@ def _root(
         else:
             low_limit = time
         step = error / current_slope if current_slope != 0.0 else inf
-        # Newton's next error is this step times the share by which the slope changes over it.
+        # Newton's next error is this step times the relative change of the slope over it.
         bend = (abs(curvature) + rate * abs(current_slope)) * abs(step)
         if abs(step) * bend <= 2e-16 * high * abs(current_slope) or abs(step) <= 2e-16 * high:
             return min(max(time - step, low), high)
         following = time - step
-        # Halving cannot fail where Newton leaves the bracket.
+        # Where Newton leaves the bracket, halving cannot fail.
         if not (low_limit < following < high_limit):
             following = 0.5 * (low_limit + high_limit)
             if following in (low_limit, high_limit):
-                # The far side of two neighbouring floats: there the level has been reached.
+                # Of two neighbouring floats, return the one at which the level has been reached.
                 return high_limit
         time = following
     return time
@@ -255,26 +245,25 @@ def crossing_time(
     Parameters
     ----------
     start, slope, curvature, rate : float
-        As in `current_after`; the start lies on the level's near side, or on the level itself.
+        Arguments of `current_after`; the start is on the level's near side, or on the level itself.
     end : float
         End of the interval (s).
     end_current, end_slope : float
-        Current (A) and slope (A/s) there.
+        Current (A) and slope (A/s) at the end.
     level : float
-        The level (A).
+        Level of the event (A).
     rising : bool
-        Whether the level lies above the near side.
+        True if the level is above the near side.
 
     Returns
     -------
     float
-        The time (s), or infinity where the level is not reached. A current that starts on the level and
-        leaves toward the near side reaches it when it comes back.
+        Time of the event (s), or infinity if the level is not reached. A current that starts on the level and leaves
+        toward the near side reaches it when it returns.
 
     Notes
     -----
-    The slope has one zero at most, so the current has two monotone pieces at most and no crossing between
-    two looks can be missed.
+    The slope has at most one zero, so the current has at most two monotone pieces and no crossing is missed.
     """
     sign = 1.0 if rising else -1.0
     approaching = sign * slope > 0.0 or (slope == 0.0 and sign * curvature < 0.0)
@@ -286,10 +275,10 @@ def crossing_time(
             if not reached_at_end:
                 return inf
             return _root(start, slope, curvature, rate, level, 0.0, end, rising)
-        # Up to the turn only: a current that comes back has met the level before.
+        # Search only up to the turning point: a current that returns has reached the level before.
         turn = min(turning_time(slope, curvature, rate), end)
         if not reached_at_end:
-            # The end lies short of the level, so the turn alone can have reached it.
+            # The end is before the level, so only the turning point can have reached it.
             peak, _ = current_after(start, slope, curvature, rate, turn)
             if sign * (peak - level) < 0.0:
                 return inf
@@ -298,13 +287,13 @@ def crossing_time(
         return inf
     turn = turning_time(slope, curvature, rate)
     if turn >= end:
-        # Flat or leaving throughout: a level met at the end is met by rounding alone.
+        # The current is constant or leaves throughout: it reaches a level at the end only by rounding.
         return end if start != level else inf
     return _root(start, slope, curvature, rate, level, turn, end, rising)
 
 
 class Squares(NamedTuple):
-    """The series of one time in the integral of the squared current; windings of one R/L share them."""
+    """The series of one time for the integral of the squared current, common to windings with the same R/L."""
 
     slope: float
     mixed: float
@@ -313,7 +302,7 @@ class Squares(NamedTuple):
 
 @inlined
 def squares_at(x: float) -> Squares:
-    """Return the series of R t / L that weigh squared slope, slope times curvature, and squared curvature."""
+    """Return the series of x = R t / L for squared slope, slope times curvature, and squared curvature."""
     return Squares(_square_11(x), _square_12(x), _square_22(x))
 
 
@@ -321,21 +310,9 @@ def squares_at(x: float) -> Squares:
 def integrals_by(
     start: float, slope: float, curvature: float, time: float, phis: Phis, squares: Squares
 ) -> tuple[float, float, float, float, float]:
-    """Return the current and its integrals as `current_integrals` does, by series that are known already.
+    """Return the results of `current_integrals`, from series that are already known.
 
-    Parameters
-    ----------
-    start, slope, curvature, time : float
-        As in `current_integrals`.
-    phis : Phis
-        Those of the time.
-    squares : Squares
-        Those of the time.
-
-    Returns
-    -------
-    end, end_slope, first, second, square : float
-        As from `current_integrals`.
+    `phis` and `squares` are the series at the time; the other arguments are those of `current_integrals`.
     """
     rise = slope * time
     bend = curvature * time * time
@@ -360,7 +337,7 @@ def current_integrals(
     Parameters
     ----------
     start, slope, curvature, rate : float
-        As in `current_after`.
+        Arguments of `current_after`.
     time : float
         Length of the interval (s), at most LONGEST / rate.
 
@@ -369,7 +346,7 @@ def current_integrals(
     end : float
         Current at the end (A).
     end_slope : float
-        Its slope there (A/s).
+        Slope at the end (A/s).
     first : float
         Integral of i (A s).
     second : float

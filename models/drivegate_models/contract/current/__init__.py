@@ -1,1 +1,1 @@
-"""The contract of a current reference and an advance angle, once a control period."""
+"""The contract of candidates that command a current reference and an advance angle in each control period."""

@@ -1,7 +1,7 @@
-"""The candidate contract as binary records: what `drivegate.h` declares for C, as numpy dtypes.
+"""The candidate contract as binary records: the declarations of `drivegate.h` as numpy dtypes.
 
-The records hold 64-bit numbers and one pointer only, so that no compiler pads them. The first field of each
-is its own size in bytes; later minor versions append fields and change none that exist.
+The records contain only 64-bit numbers and one pointer, so that no compiler pads them. The first field of each
+record is its own size in bytes. Later minor versions append fields and do not change others.
 """
 
 import struct
@@ -31,19 +31,19 @@ __all__ = [
 ]
 
 ABI_MAJOR: Final = 1
-"""Version of the layout; a controller that was built for another one is refused."""
+"""Version of the layout; a controller built for another version is refused."""
 
 ABI_MINOR: Final = 1
-"""Counts the fields appended within a major version; any is accepted."""
+"""Number of the extension within a major version; any number is accepted."""
 
 ABI_VERSION: Final = 1000 * ABI_MAJOR + ABI_MINOR
-"""Both in one number, as a controller's `drivegate_abi_version` returns it."""
+"""Both versions in one number, as returned by a controller's `drivegate_abi_version`."""
 
 STATE_ALIGNMENT: Final = 16
 """Alignment of a native controller's state (bytes)."""
 
 STOP: Final = -1
-"""A `struct_size` that a controller's bridge leaves in a command to end the run at once."""
+"""Value of `struct_size` by which a controller's bridge requests the end of the run."""
 
 SENSE: Final = np.dtype(
     [
@@ -101,7 +101,7 @@ _STRUCT_CODES = {"i": "q", "u": "Q", "f": "d"}
 
 
 def packing(record: np.dtype[Any]) -> struct.Struct:
-    """Describe a record for the standard library's `struct`, which reads single records faster than numpy.
+    """Return the layout of a record for the standard library's `struct`, which is faster than numpy for one record.
 
     Parameters
     ----------
@@ -118,19 +118,19 @@ def packing(record: np.dtype[Any]) -> struct.Struct:
 
 
 def sense_record(sense: Sense, phase_currents: NDArray[np.float64]) -> NDArray[Any]:
-    """Write a sense as a record.
+    """Return a Sense as a record.
 
     Parameters
     ----------
     sense : Sense
         The signals.
     phase_currents : array, shape (phases,)
-        Receives the phase currents (A). The record points into it, so it has to outlive the record.
+        Receives the phase currents (A). The record points to it, so it must outlive the record.
 
     Returns
     -------
     array of SENSE, shape (1,)
-        The record.
+        With its own size and the number of phases.
     """
     phase_currents[:] = sense.phase_currents
     values = sense._replace(phase_currents=())._asdict()
@@ -139,18 +139,18 @@ def sense_record(sense: Sense, phase_currents: NDArray[np.float64]) -> NDArray[A
 
 
 def command_record() -> NDArray[Any]:
-    """Make a record for a controller to fill in.
+    """Return a record for a controller to fill.
 
     Returns
     -------
     array of COMMAND, shape (1,)
-        A record whose numbers are all NaN, so that one left out is distinguished from one given.
+        All numbers are NaN to detect missing ones.
     """
     return _record(COMMAND, dict.fromkeys(COMMAND.names or (), np.nan))
 
 
 def nameplate_record(nameplate: Nameplate) -> NDArray[Any]:
-    """Write a nameplate as a record.
+    """Return a nameplate as a record.
 
     Parameters
     ----------
@@ -160,7 +160,7 @@ def nameplate_record(nameplate: Nameplate) -> NDArray[Any]:
     Returns
     -------
     array of NAMEPLATE, shape (1,)
-        The record.
+        With its own size in the first field.
     """
     return _record(NAMEPLATE, nameplate._asdict())
 

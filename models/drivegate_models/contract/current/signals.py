@@ -1,6 +1,6 @@
-"""What passes between the harness and a candidate controller, as Python sees it.
+"""The signals between the harness and a candidate controller, in Python.
 
-Plain named tuples of floats, so that a controller needs no library to read them. The same signals as binary
+They are plain named tuples of floats, so that a controller needs no library to read them. The same signals as binary
 records for compiled controllers are in `drivegate_models.contract.current.records`.
 """
 
@@ -15,12 +15,12 @@ PM_AC: Final = 3
 
 
 class Sense(NamedTuple):
-    """What a controller senses at the start of a control period."""
+    """The controller's input at the start of a control period."""
 
     time: float
     """Simulated time; it grows by a control period from step to step, and need not begin at 0 (s)."""
     speed_reference: float
-    """Demanded speed of the shaft (rad/s)."""
+    """Reference speed of the shaft (rad/s)."""
     speed: float
     """Measured speed of the shaft (rad/s)."""
     phase_currents: tuple[float, ...]
@@ -32,20 +32,20 @@ class Sense(NamedTuple):
 
 
 class Command(NamedTuple):
-    """What a controller answers: the commands for the control period that begins."""
+    """The controller's output: the commands for the control period that begins."""
 
     current_reference: float
-    """Amplitude that the phase current regulators hold (A), from 0 to the nameplate's current limit."""
+    """Amplitude maintained by the phase current regulators (A), from 0 to the nameplate's current limit."""
     advance_angle: float
     """Advance of the conduction windows (electrical rad), from 0 to π/2."""
     input_power: float = float("nan")
-    """The controller's own estimate of its input power (W); NaN when it makes none."""
+    """The controller's own estimate of its input power (W); NaN for none."""
 
 
 class Nameplate(NamedTuple):
-    """What a controller may know of its drive before a run.
+    """The controller's knowledge of its drive before a run.
 
-    The machine's parameters are the nominal ones; the drive that it is then run against may differ.
+    The machine's parameters are the nominal ones; the drive in the run may differ.
     """
 
     phases: int
@@ -59,7 +59,7 @@ class Nameplate(NamedTuple):
     rated_power: float
     """Rated mechanical power (W)."""
     current_limit: float
-    """Greatest current reference (A)."""
+    """Maximum current reference (A)."""
     control_period: float
     """Time from one step to the next (s)."""
     hysteresis_band: float
@@ -75,12 +75,12 @@ class Nameplate(NamedTuple):
     kind: int
     """Kind of drive: `HALF_BRIDGE`, `STAR` or `PM_AC`."""
     window: float
-    """Conduction of a phase in each half cycle (electrical rad)."""
+    """Conduction angle of a phase in each half cycle (electrical rad)."""
     conducting_phases: float
-    """How many phases conduct at a time, on average: phases · window / π."""
+    """Mean number of conducting phases: phases · window / π."""
     advance_start: float
     """Angle at base speed of the drive's recommended line of advance angles (electrical rad)."""
     advance_slope: float
-    """Rise of that line over the speed of the shaft (electrical rad per rad/s)."""
+    """Slope of that line over the speed of the shaft (electrical rad per rad/s)."""
     highest_speed: float
     """Shaft speed up to which rated power is required (rad/s)."""

@@ -1,1 +1,1 @@
-"""The contract of candidates that answer with duty ratios: signals, and their layout as binary records."""
+"""The contract of candidates that command duty ratios: signals, and their layout as binary records."""

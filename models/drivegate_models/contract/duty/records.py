@@ -1,6 +1,6 @@
-"""The contract of duty ratios as binary records: 64-bit numbers and pointers only, so that no compiler pads them.
+"""The contract of duty ratios as binary records: only 64-bit numbers and pointers, so that no compiler pads them.
 
-The first field of each record is its own size in bytes; later minor versions append fields and change none that exist.
+The first field of each record is its own size in bytes. Later minor versions append fields and do not change others.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ DUTY_COMMAND: Final = np.dtype(
     ],
     align=True,
 )
-"""Record of `signals.DutyCommand`, its triples one by one."""
+"""Record of `signals.DutyCommand`, with one field per element of its triples."""
 
 DUTY_NAMEPLATE: Final = np.dtype(
     [
@@ -78,17 +78,17 @@ DUTY_NAMEPLATE: Final = np.dtype(
 
 
 def duty_sense_record(phase_currents: NDArray[np.float64]) -> NDArray[Any]:
-    """Make a record for the harness to fill in.
+    """Return a record for the harness to fill.
 
     Parameters
     ----------
     phase_currents : ndarray, shape (3,)
-        Receives the phase currents (A). The record points to it, so it has to outlive the record.
+        Phase currents (A). The record points to it, so it must outlive the record.
 
     Returns
     -------
     array of DUTY_SENSE, shape (1,)
-        Of a drive without Hall switches and encoder counts.
+        For a drive without Hall switches and encoder counts.
     """
     record = np.zeros(1, DUTY_SENSE)
     record["struct_size"] = DUTY_SENSE.itemsize
@@ -99,12 +99,12 @@ def duty_sense_record(phase_currents: NDArray[np.float64]) -> NDArray[Any]:
 
 
 def duty_command_record() -> NDArray[Any]:
-    """Make a record for a controller to fill in.
+    """Return a record for a controller to fill.
 
     Returns
     -------
     array of DUTY_COMMAND, shape (1,)
-        All legs follow their duty ratios, which are NaN, so that one left out is distinguished from one given.
+        All legs follow their duty ratios, which are NaN to detect missing ones.
     """
     record = np.zeros(1, DUTY_COMMAND)
     record["struct_size"] = DUTY_COMMAND.itemsize
@@ -116,7 +116,7 @@ def duty_command_record() -> NDArray[Any]:
 
 
 def duty_nameplate_record(nameplate: DutyNameplate) -> NDArray[Any]:
-    """Write a nameplate as a record.
+    """Return a nameplate as a record.
 
     Parameters
     ----------
@@ -126,6 +126,6 @@ def duty_nameplate_record(nameplate: DutyNameplate) -> NDArray[Any]:
     Returns
     -------
     array of DUTY_NAMEPLATE, shape (1,)
-        The record.
+        With its own size in the first field.
     """
     return np.array([(DUTY_NAMEPLATE.itemsize, *nameplate)], dtype=DUTY_NAMEPLATE)

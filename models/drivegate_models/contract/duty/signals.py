@@ -1,4 +1,4 @@
-"""What passes between the harness and a candidate that answers with duty ratios, as Python sees it."""
+"""The signals between the harness and a candidate that commands duty ratios, in Python."""
 
 from __future__ import annotations
 
@@ -21,88 +21,91 @@ LEG_LOW: Final = 3
 
 
 class DutySense(NamedTuple):
-    """What a controller senses at the start of a control period."""
+    """The controller's input at the start of a control period."""
 
     time: float
     """Simulated time (s)."""
     reference: float
-    """Demanded speed (rad/s) or torque (N m), as the nameplate states; positive forward."""
+    """Reference of speed (rad/s) or torque (N m), as stated by the nameplate; positive forward."""
     phase_currents: tuple[float, float, float]
     """Measured phase currents at this instant, positive into the machine (A)."""
     supply_voltage: float
     """Measured voltage of the whole dc link at this instant (V)."""
     supply_current: float
-    """Mean current taken from the link in the period just ended (A); below 0 while the drive brakes, 0 at
-    first."""
+    """Mean current from the link in the period just ended (A). It is negative while the drive brakes, and 0 in the
+    first step."""
     angle: float
-    """Angle of the shaft at this instant, from 0 up to but without 2 pi (rad). The electrical angle is
-    `pole_pairs` times this one. Hall switches show it by counted electrical cycles, from the cycle of the
-    start."""
+    """Angle of the shaft at this instant, in [0, 2 pi) (rad). The electrical angle is `pole_pairs` times this angle.
+    With Hall switches it is derived from electrical cycles counted from the start."""
     speed: float
-    """Speed of the shaft at this instant (rad/s); below 0 backward."""
+    """Speed of the shaft at this instant (rad/s); negative backward."""
     hall: int = -1
-    """States of the three Hall switches, the first phase's the lowest bit: 1, 3, 2, 6, 4, 5 forward, in
-    sectors of 60 electrical degrees that begin at 30; -1 without such switches."""
+    """States of the three Hall switches, with the first phase as the lowest bit: 1, 3, 2, 6, 4, 5 forward, in
+    sectors of 60 electrical degrees that begin at 30; -1 without Hall switches."""
     encoder_count: int = -1
-    """Count of the encoder's edges, from 0 to one less than a turn has; `angle` is the middle between the
-    edges of this count and the next. It is -1 without an encoder."""
+    """Count of the encoder's edges, from 0 to one less than the edges per turn. `angle` is the middle between the edges
+    of this count and the next. It is -1 without an encoder."""
     trip: int = 0
-    """Flags of the drive's own protection; 0 for none, as always so far."""
+    """Flags of the drive's own protection; 0 for none. It is always 0 at present."""
 
 
 class DutyCommand(NamedTuple):
-    """A controller's answer; it acts `update_delay` periods later, and all legs are off until the first one acts."""
+    """A controller's output. It acts `update_delay` periods later; all legs are off until the first one acts."""
 
     duty_ratios: tuple[float, float, float]
     """Share of the period with the upper switch on, for each leg (1)."""
     legs: tuple[int, int, int] = (LEG_PWM, LEG_PWM, LEG_PWM)
     """`LEG_OFF`, `LEG_PWM`, `LEG_HIGH` or `LEG_LOW` for each leg."""
     next_period: float = 0.0
-    """Requested length of the next control period (s); 0 keeps it, and no drive so far changes its own."""
+    """Requested length of the next control period (s); 0 for no change. No drive changes its period at present."""
     torque: float = nan
+    """The controller's estimate of the torque (N m); NaN for none."""
     angle: float = nan
+    """The controller's estimate of the shaft's angle (rad); NaN for none."""
     speed: float = nan
+    """The controller's estimate of the shaft's speed (rad/s); NaN for none."""
     input_power: float = nan
-    """The controller's own estimates (N m, rad, rad/s, W); NaN for none."""
+    """The controller's estimate of its input power (W); NaN for none."""
     fault: int = 0
-    """The controller's own code of a fault; 0 for none."""
+    """The controller's own fault code; 0 for none."""
 
 
 class DutyNameplate(NamedTuple):
     """The drive's nominal data."""
 
     kind: int
-    """Kind of drive, as in the contract of current references."""
+    """Kind of drive, with the numbers of the contract of current references."""
     reference_kind: int
     """`SPEED_REFERENCE` or `TORQUE_REFERENCE`."""
     pole_pairs: int
     """Pole pairs."""
     updates: int
-    """Updates of the duty ratios in a period of the carrier."""
+    """Updates of the duty ratios per carrier period."""
     update_delay: int
-    """Control periods between an answer and its effect."""
+    """Control periods between a command and its effect."""
     supply_voltage: float
     """Nominal voltage of the dc link (V)."""
     base_speed: float
+    """Lower end of the constant power range (rad/s)."""
     highest_speed: float
-    """Range of constant power (rad/s)."""
+    """Upper end of the constant power range (rad/s)."""
     rated_power: float
-    """(W)."""
+    """Rated mechanical power (W)."""
     current_limit: float
-    """Greatest peak current of a phase (A)."""
+    """Maximum peak current of a phase (A)."""
     control_period: float
-    """(s)."""
+    """Time between two steps (s)."""
     dead_time: float
-    """(s)."""
+    """Dead time between the switches of a leg (s)."""
     resistance: float
-    """Of a phase (ohm)."""
+    """Resistance of a phase (ohm)."""
     direct_inductance: float
+    """d-axis inductance (H)."""
     quadrature_inductance: float
-    """Along and across the magnet's axis (H)."""
+    """q-axis inductance (H)."""
     magnet_flux: float
     """Peak flux linkage of a phase (V s)."""
     inertia: float
-    """Of rotor and load (kg m2)."""
+    """Inertia of rotor and load (kg m2)."""
     core_loss_conductance: float = 0.0
-    """Core loss a phase over the mean square of the voltage that the mean flux of a period induces (S); 0
-    where it is not known."""
+    """Core loss of a phase over the mean square of the voltage induced by the period's mean flux (S); 0 if unknown."""

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.half_bridge.plant.leg import connection, time_to_pass
 from drivegate_models.half_bridge.plant.stretch import Demand, Motion, Stretch, Sums, Winding, with_peak
-from drivegate_models.machine.segments import keep_segment
+from drivegate_models.machine.segments import store_segment
 from drivegate_models.machine.winding_current import (
     crossing_time,
     current_after,
@@ -38,7 +38,7 @@ def _kept(
 ) -> int:
     """Store the segment of a stretch, and return the next index."""
     shape, shape_rate = stretch.shape, stretch.shape_rate
-    return keep_segment(
+    return store_segment(
         rows,
         stretch.phase,
         index,

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.machine import ledger
-from drivegate_models.machine.segments import keep_segment
+from drivegate_models.machine.segments import store_segment
 from drivegate_models.machine.winding_current import (
     Phis,
     Squares,
@@ -227,7 +227,7 @@ def add_stretch(
             rate = circuit.rate
             currents[k], magnitude = _conduct(circuit, place, span, current, phis, squares, totals)
             magnitudes[k] += magnitude
-        row_counts[k] = keep_segment(
+        row_counts[k] = store_segment(
             rows,
             k,
             row_counts[k],
