@@ -1,4 +1,4 @@
-"""The closed loop of a PM AC drive with a controller that answers with duty ratios: a run made ready, and begun."""
+"""The closed loop of a PM AC drive with a controller that commands duty ratios: preparation and run."""
 
 from __future__ import annotations
 
@@ -23,20 +23,20 @@ from drivegate_models.pm_ac.sensing import DutySensors, ideal_duty_sensors, low_
 
 
 class DutyRun(NamedTuple):
-    """What came of a run."""
+    """The results of a run."""
 
     status: int
     """`COMPLETED`, or another status of `loop.exchange`, `loop_kernel.PLANT_FAULT` or `duty_command.BAD_LEG`."""
     steps: int
-    """Control periods that were run."""
+    """Number of completed control periods."""
     trace: NDArray[np.float64]
-    """Shape (steps, len(TRACE))."""
+    """One row per control period, shape (steps, len(TRACE))."""
     totals: NDArray[np.float64]
     """Exact integrals over the run, shape (ledger.ENTRIES,)."""
     worst_balance: float
-    """Greatest energy that a period misses, over its throughput (1)."""
+    """Maximum missing energy of a period, relative to its throughput (1)."""
     commands: NDArray[Any]
-    """The command of each step that was asked for, shape (n,) of DUTY_COMMAND."""
+    """The command of each step, shape (n,) of DUTY_COMMAND; it includes that of an early end."""
 
 
 class PreparedDutyLoop(NamedTuple):
@@ -45,14 +45,14 @@ class PreparedDutyLoop(NamedTuple):
     loop: Any
     """The compiled loop."""
     arguments: tuple[Any, ...]
-    """What it is called with."""
+    """The arguments of the loop."""
     exchange: DutyExchange
     """The records between loop and controller."""
     records: DutyRecords
-    """What the run fills in."""
+    """The records that the run fills."""
 
     def run(self) -> DutyRun:
-        """Run the controller, already reset, to the end or to where it stops."""
+        """Run the controller, already reset, until the end or until it stops."""
         status, done = self.loop(*self.arguments)
         records = self.records
         asked = self.exchange.kept[: done + (status != COMPLETED)]
@@ -78,44 +78,44 @@ def prepared_duty_loop(
     progress: NDArray[np.int64] | None = None,
     kept: NDArray[Any] | None = None,
 ) -> PreparedDutyLoop:
-    """Make a run of a controller against the plant ready to begin.
+    """Prepare a run of a controller against the plant.
 
     Parameters
     ----------
     drive : PmAcDrive
-        The drive.
+        Constants of machine, bridge and modulator.
     load : Load
-        What it drives.
+        Torque and inertia at the shaft.
     schedule : Schedule
-        What happens; its supply is half of the link's voltage, and its speed the reference.
+        External conditions. The supply is half of the link voltage, and the speed is the reference.
     step_address, state_address : int
         Addresses of the controller's step function and of its state.
     control_period : float
-        (s).
+        Time between two steps (s).
     duration : float
-        (s).
+        Length of the run (s), rounded to control periods.
     initial_speed : float
-        Of the shaft (rad/s).
+        Speed of the shaft at the start (rad/s).
     initial_angle : float
-        Electrical, from the first phase's axis to the magnet's (rad).
+        Electrical angle at the start, from the first phase's axis to the d axis (rad).
     clock_start : float
-        Time that the controller senses in the first step (s).
+        Time in the controller's first Sense (s).
     torque_reference : Course, optional
-        What the controller is given in place of the schedule's speed (N m).
+        Torque reference, instead of the schedule's speed (N m).
     sensors : DutySensors, optional
-        What the controller sees through; the plant as it is where they are left out.
+        Sensors between plant and controller; ideal by default.
     failure : Failure, optional
-        What fails.
+        A failure during the run; none by default.
     progress : ndarray of int64, shape (1,), optional
         Receives the number of steps begun.
     kept : ndarray of DUTY_COMMAND, shape (n,), optional
-        Receives the commands, with room for those of all steps.
+        Receives the commands, with space for those of all steps.
 
     Returns
     -------
     PreparedDutyLoop
-        The run. All legs are off until the first answer acts. A machine whose EMF exceeds the link begins in the
-        steady state in which its diodes rectify.
+        The run. All legs are off until the first command acts. A machine whose EMF exceeds the link voltage begins in
+        the steady state of its rectifying diodes.
     """
     steps = round(duration / control_period)
     exchange = make_exchange(steps, step_address, state_address, progress, kept)
@@ -148,17 +148,17 @@ def run_duty_loop(drive: PmAcDrive, load: Load, schedule: Schedule, **options: A
     Parameters
     ----------
     drive : PmAcDrive
-        The drive.
+        Constants of machine, bridge and modulator.
     load : Load
-        What it drives.
+        Torque and inertia at the shaft.
     schedule : Schedule
-        What happens.
+        External conditions over time.
     **options
-        As `prepared_duty_loop` has them.
+        Other arguments of `prepared_duty_loop`.
 
     Returns
     -------
     DutyRun
-        Its trace, totals and commands.
+        With trace, totals and commands.
     """
     return prepared_duty_loop(drive, load, schedule, **options).run()

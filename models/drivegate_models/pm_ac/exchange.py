@@ -1,4 +1,4 @@
-"""What passes between a closed loop of duty ratios and its controller in one control period."""
+"""The records between a closed loop of duty ratios and its controller in one control period."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ from drivegate_models.loop.duty_command import duty_command_status
 
 
 class DutyExchange(NamedTuple):
-    """The records through which loop and controller talk, and where the controller is."""
+    """The records between loop and controller, and the controller's addresses."""
 
     sense: NDArray[Any]
-    """Shape (1,) of DUTY_SENSE."""
+    """Input of the controller, shape (1,) of DUTY_SENSE."""
     command: NDArray[Any]
-    """Shape (1,) of DUTY_COMMAND."""
+    """Output of the controller, shape (1,) of DUTY_COMMAND."""
     fresh: NDArray[Any]
-    """What a command is before the step, shape (1,) of DUTY_COMMAND."""
+    """Initial value of the command in each step, shape (1,) of DUTY_COMMAND."""
     kept: NDArray[Any]
     """Receives the command of each step, shape (steps,) of DUTY_COMMAND or more."""
     progress: NDArray[np.int64]
-    """Shape (1,): number of steps begun, watched from another process."""
+    """Number of steps begun, shape (1,), monitored by another process."""
     sensed_currents: NDArray[np.float64]
-    """Shape (3,) (A)."""
+    """Phase currents of the Sense, shape (3,) (A)."""
     step_address: int
     """Address of the controller's step."""
     state_address: int
@@ -45,7 +45,7 @@ def make_exchange(
     progress: NDArray[np.int64] | None,
     kept: NDArray[Any] | None,
 ) -> DutyExchange:
-    """Make the records of a run of so many steps, those that are not given included."""
+    """Return the records of a run with a number of steps; missing ones are created."""
     currents = np.zeros(3)
     sense, command, fresh = duty_sense_record(currents), duty_command_record(), duty_command_record()
     return DutyExchange(
@@ -73,22 +73,22 @@ def write_sense(
     angle: float,
     speed: float,
 ) -> None:
-    """Write what there is to sense at the start of a period.
+    """Write the true values at the start of a period into the Sense.
 
     Parameters
     ----------
     exchange : DutyExchange
-        Receives it.
+        Its `sense` and `sensed_currents` are overwritten.
     currents : ndarray, shape (3,)
-        Of the phases (A).
+        Phase currents (A).
     link : float
-        Voltage of the link (V).
+        Voltage of the dc link (V).
     reference : float
-        Of speed (rad/s) or torque (N m).
+        Reference of speed (rad/s) or torque (N m).
     time : float
-        What the controller's clock shows (s).
+        Time of the controller's clock (s).
     angle, speed : float
-        Of the shaft (rad, rad/s).
+        Angle (rad) and speed (rad/s) of the shaft.
     """
     sense = exchange.sense
     sense[0].time = time
@@ -101,42 +101,34 @@ def write_sense(
 
 
 @inlined
-def ask_controller(exchange: DutyExchange, step: int) -> None:
-    """Call the controller's step and keep its command.
-
-    Parameters
-    ----------
-    exchange : DutyExchange
-        With what is sensed; receives the command.
-    step : int
-        Number of the control period.
-    """
+def step_controller(exchange: DutyExchange, step: int) -> None:
+    """Call the controller's step for a control period, and store its command."""
     exchange.command[0] = exchange.fresh[0]
-    # Counted before the call, so that whoever watches knows in which step a controller hangs.
+    # Count before the call, so that a monitor knows in which step a controller hangs.
     exchange.progress[0] = step + 1
     call_step(exchange.step_address, exchange.state_address, exchange.sense_address, exchange.command_address)
     exchange.kept[step] = exchange.command[0]
 
 
 @inlined
-def take_command(
+def copy_command(
     exchange: DutyExchange, ratios: NDArray[np.float64], legs: NDArray[np.int64], place: int
 ) -> int:
-    """Take over the command of a step.
+    """Copy the command of a step, and return its status.
 
     Parameters
     ----------
     exchange : DutyExchange
-        With the command.
+        Its `command` is read.
     ratios, legs : ndarray, shape (2, 3)
-        Duty ratios (1) and states of the legs, now and after the delay; changed.
+        Duty ratios (1) and states of the legs, now and after the delay; one row is overwritten.
     place : int
-        Which of both the command is for.
+        Row of the command: 0 without a delay, otherwise 1.
 
     Returns
     -------
     int
-        `COMPLETED`, or why it is no command.
+        Status of `duty_command.duty_command_status`.
     """
     command = exchange.command[0]
     status = duty_command_status(command)

@@ -1,4 +1,4 @@
-"""What fails in a run of a PM AC drive: a phase, a current sensor, the position of the shaft, or the shaft itself."""
+"""Failures in a run of a PM AC drive: a phase, a current sensor, the position sensor, or the shaft itself."""
 
 from __future__ import annotations
 
@@ -13,63 +13,63 @@ from drivegate_models.contract.duty.signals import LEG_OFF
 NOTHING: Final = 0
 """Nothing fails."""
 OPEN_PHASE: Final = 1
-"""Both switches of a leg stay off, as where its gate driver loses its supply; its diodes remain."""
+"""Both switches of a leg remain off, as after loss of its gate driver's supply; its diodes still conduct."""
 STUCK_CURRENT: Final = 2
-"""What is shown of one phase's current stays what it was."""
+"""The measured current of one phase remains constant."""
 LOST_POSITION: Final = 3
-"""No edges of encoder or Hall switches come any more; a position that is shown as it is stays, with its speed."""
+"""Encoder or Hall switches have no more edges. A position measured without error remains constant, with its speed."""
 LOCKED_ROTOR: Final = 4
-"""The shaft stands."""
+"""The shaft is locked at standstill."""
 LOST_EDGE: Final = 5
-"""The next edge of encoder or Hall switches does not come, and those behind it do."""
+"""The next edge of encoder or Hall switches is missing; later edges appear."""
 
 _ANGLE, _SPEED = range(2)
 
 
 class Failure(NamedTuple):
-    """What fails, and what was shown last; the arrays are updated in place."""
+    """A failure, and the last measured values; the arrays are updated in place."""
 
     kind: int
     """`NOTHING`, `OPEN_PHASE`, `STUCK_CURRENT`, `LOST_POSITION`, `LOCKED_ROTOR` or `LOST_EDGE`."""
     step: int
-    """Control period from which on it has failed."""
+    """First control period with the failure."""
     leg: int
-    """The leg or phase, from 0."""
+    """Index of the leg or phase, from 0."""
     current: NDArray[np.float64]
-    """Current shown last of the phase, shape (1,) (A)."""
+    """Last measured current of the phase, shape (1,) (A)."""
     shaft: NDArray[np.float64]
-    """Angle (rad) and speed (rad/s) of the shaft shown last, shape (2,)."""
+    """Last measured angle (rad) and speed (rad/s) of the shaft, shape (2,)."""
 
 
 def make_failure(kind: int = NOTHING, step: int = 0, leg: int = 0) -> Failure:
-    """Make a failure that is still to come.
+    """Return a failure at a later control period.
 
     Parameters
     ----------
     kind : int
         `NOTHING`, `OPEN_PHASE`, `STUCK_CURRENT`, `LOST_POSITION`, `LOCKED_ROTOR` or `LOST_EDGE`.
     step : int
-        Control period from which on it has failed.
+        First control period with the failure.
     leg : int
-        The leg or phase, from 0.
+        Index of the leg or phase, from 0.
 
     Returns
     -------
     Failure
-        Of which nothing has been shown.
+        With 0 for all last measured values.
     """
     return Failure(int(kind), int(step), int(leg), np.zeros(1), np.zeros(2))
 
 
 @inlined
 def has_failed(failure: Failure, kind: int, step: int) -> bool:
-    """Return whether something has failed in a control period."""
+    """Return True if a kind of failure is present in a control period."""
     return failure.kind == kind and step >= failure.step
 
 
 @inlined
 def fails_now(failure: Failure, kind: int, step: int) -> bool:
-    """Return whether something fails with the start of a control period."""
+    """Return True if a kind of failure begins with a control period."""
     return failure.kind == kind and step == failure.step
 
 
@@ -77,20 +77,20 @@ def fails_now(failure: Failure, kind: int, step: int) -> bool:
 def show_failed(
     failure: Failure, step: int, currents: NDArray[np.float64], sense: Any, is_exact: bool
 ) -> None:
-    """Replace what is sensed by what a failed sensor shows.
+    """Replace measured values by those of a failed sensor.
 
     Parameters
     ----------
     failure : Failure
-        Keeps what is shown until it fails.
+        Its last measured values are updated until the failure.
     step : int
         Number of the control period.
     currents : ndarray, shape (3,)
-        Sensed phase currents (A), replaced.
+        Measured phase currents (A), replaced.
     sense : record of DUTY_SENSE
-        Its angle and speed are replaced where the position is lost.
+        Its angle and speed are replaced if the position is lost.
     is_exact : bool
-        Whether angle and speed are shown as they are, not by edges, whose sensor knows itself how long none came.
+        True if angle and speed are measured without error. A sensor with edges handles missing edges itself.
     """
     if has_failed(failure, STUCK_CURRENT, step):
         currents[failure.leg] = failure.current[0]
@@ -105,16 +105,6 @@ def show_failed(
 
 @inlined
 def fail_legs(failure: Failure, step: int, legs: NDArray[np.int64]) -> None:
-    """Turn a leg off whose phase has failed.
-
-    Parameters
-    ----------
-    failure : Failure
-        What fails.
-    step : int
-        Number of the control period.
-    legs : ndarray, shape (3,)
-        States of the legs in it, changed.
-    """
+    """Turn off the leg of a failed phase in a control period; `legs` are the states of the legs, shape (3,)."""
     if has_failed(failure, OPEN_PHASE, step):
         legs[failure.leg] = LEG_OFF

@@ -1,7 +1,7 @@
-"""The machine on sinusoidal voltages: steady states in closed form, without what switching adds to them.
+"""The machine on sinusoidal voltages: steady states in closed form, without the effects of switching.
 
-Voltages and currents are the peak values of a phase's fundamental. A two-level bridge gives at most the link's voltage
-over the root of 3 without distortion, and 2/pi of it as the fundamental of six steps.
+Voltages and currents are the peak values of a phase's fundamental. A two-level bridge provides at most the link voltage
+over the root of 3 without distortion, and 2/pi of the link voltage as the fundamental in six-step operation.
 """
 
 from __future__ import annotations
@@ -13,18 +13,18 @@ from drivegate_models.compilation.kernels import inlined, kernel
 from drivegate_models.pm_ac.plant.drive import PmAcDrive, electrical_torque
 
 LINEAR_LIMIT: Final = 1.0 / sqrt(3.0)
-"""Greatest undistorted voltage of a phase over that of the link (1)."""
+"""Linear modulation limit: maximum undistorted peak phase voltage over link voltage (1)."""
 SIX_STEPS: Final = 2.0 / pi
-"""Fundamental of six steps over the voltage of the link (1)."""
+"""Fundamental of six-step operation over link voltage (1)."""
 
 
 class SteadyState(NamedTuple):
     """A steady state on sinusoidal voltages."""
 
     direct: float
-    """Current along the magnet's axis (A)."""
+    """d-axis current (A)."""
     quadrature: float
-    """Current across it (A)."""
+    """q-axis current (A)."""
     torque: float
     """Electromagnetic torque (N m)."""
     current: float
@@ -32,9 +32,9 @@ class SteadyState(NamedTuple):
     voltage: float
     """Peak voltage of a phase (V)."""
     copper_loss: float
-    """(W)."""
+    """Loss in the windings' resistance (W)."""
     core_loss: float
-    """(W)."""
+    """Loss in the core (W)."""
 
     @property
     def loss(self) -> float:
@@ -46,7 +46,7 @@ class SteadyState(NamedTuple):
 def steady_voltages(
     drive: PmAcDrive, electrical: float, direct: float, quadrature: float
 ) -> tuple[float, float]:
-    """Return the voltages of the rotor frame that steady currents take.
+    """Return the d-axis and q-axis voltages for steady currents.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def steady_voltages(
     Returns
     -------
     direct, quadrature : float
-        (V).
+        d-axis and q-axis voltages (V).
     """
     return (
         drive.resistance * direct - electrical * drive.quadrature_inductance * quadrature,
@@ -84,7 +84,7 @@ def core_loss(drive: PmAcDrive, electrical: float, direct: float, quadrature: fl
     Returns
     -------
     float
-        That of the voltage that the flux linkage induces (W).
+        Core loss from the voltage induced by the flux linkage (W).
     """
     along = electrical * (drive.direct_inductance * direct + drive.magnet_flux)
     across = electrical * drive.quadrature_inductance * quadrature
@@ -93,7 +93,7 @@ def core_loss(drive: PmAcDrive, electrical: float, direct: float, quadrature: fl
 
 @kernel
 def steady_state(drive: PmAcDrive, speed: float, direct: float, quadrature: float) -> SteadyState:
-    """Return the steady state of currents.
+    """Return the steady state for currents in the rotor frame.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ def steady_state(drive: PmAcDrive, speed: float, direct: float, quadrature: floa
     Returns
     -------
     SteadyState
-        What they give and take.
+        With torque, voltage and losses.
     """
     electrical = drive.pole_pairs * speed
     along, across = steady_voltages(drive, electrical, direct, quadrature)
@@ -125,7 +125,7 @@ def steady_state(drive: PmAcDrive, speed: float, direct: float, quadrature: floa
 
 @inlined
 def most_torque_per_ampere(drive: PmAcDrive, current: float) -> tuple[float, float]:
-    """Return the currents that give the greatest torque at a magnitude.
+    """Return the currents of maximum torque at a magnitude (MTPA).
 
     Parameters
     ----------
@@ -141,8 +141,8 @@ def most_torque_per_ampere(drive: PmAcDrive, current: float) -> tuple[float, flo
 
     Notes
     -----
-    ``i_d = (psi - sqrt(psi**2 + 8 dL**2 I**2)) / (4 dL)`` with ``dL = L_q - L_d``, written without the difference that
-    cancels where the machine is hardly salient.
+    ``i_d = (psi - sqrt(psi**2 + 8 dL**2 I**2)) / (4 dL)`` with ``dL = L_q - L_d``, written without the difference,
+    which suffers cancellation in a machine with little saliency.
     """
     saliency = drive.quadrature_inductance - drive.direct_inductance
     square = current * current
@@ -161,7 +161,7 @@ def most_torque_per_ampere(drive: PmAcDrive, current: float) -> tuple[float, flo
 
 @kernel
 def base_speed(drive: PmAcDrive, current: float, voltage: float) -> float:
-    """Return the greatest speed at which a current gives its greatest torque within a voltage.
+    """Return the maximum speed at which a current produces its maximum torque within a voltage.
 
     Parameters
     ----------
@@ -175,11 +175,11 @@ def base_speed(drive: PmAcDrive, current: float, voltage: float) -> float:
     Returns
     -------
     float
-        Shaft speed (rad/s); 0 where the current's own drop takes the voltage.
+        Shaft speed (rad/s); 0 if the resistive drop exceeds the voltage.
 
     Notes
     -----
-    The root of a quadratic equation: the voltage grows with the speed, as the torque is positive.
+    The speed is the root of a quadratic equation: the voltage grows with the speed, because the torque is positive.
     """
     direct, quadrature = most_torque_per_ampere(drive, current)
     along = drive.direct_inductance * direct + drive.magnet_flux

@@ -1,4 +1,4 @@
-"""The compiled closed loop of duty ratios: sense, ask, advance, account, turn the shaft, once a control period."""
+"""The compiled closed loop of duty ratios: sense, control, advance, record and turn the shaft in each period."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from drivegate_models.loop.schedule import Course, Schedule, conditions_at, foll
 from drivegate_models.loop.shaft import held_speed, shown_angle, whole_turns, within_a_turn
 from drivegate_models.machine import ledger
 from drivegate_models.machine.load import LOCKED, Load, load_torque
-from drivegate_models.pm_ac.exchange import DutyExchange, ask_controller, take_command, write_sense
+from drivegate_models.pm_ac.exchange import DutyExchange, copy_command, step_controller, write_sense
 from drivegate_models.pm_ac.failure import (
     LOCKED_ROTOR,
     LOST_EDGE,
@@ -26,7 +26,7 @@ from drivegate_models.pm_ac.failure import (
     has_failed,
     show_failed,
 )
-from drivegate_models.pm_ac.loop_records import DutyRecords, keep_period
+from drivegate_models.pm_ac.loop_records import DutyRecords, write_period
 from drivegate_models.pm_ac.plant.advance import PmAcPhases, advance_period, stored_energy
 from drivegate_models.pm_ac.plant.drive import PmAcDrive, alignment_of, drifted
 from drivegate_models.pm_ac.rectifying import settle_rectifying
@@ -42,37 +42,37 @@ from drivegate_models.pm_ac.sensing import (
 from drivegate_models.pm_ac.shaft import speed_change
 
 _LEAST_SHARE: Final = 1e-6
-"""Least throughput of a period that counts, over what the link and the current limit exchange in it (1)."""
+"""Minimum throughput of a period in its balance, relative to the energy of link voltage times current limit (1)."""
 
 
 class DutyTiming(NamedTuple):
-    """When things happen in a run."""
+    """Times and initial values of a run."""
 
     control_period: float
-    """(s)."""
+    """Time between two steps (s)."""
     steps: int
-    """Control periods."""
+    """Number of control periods."""
     initial_speed: float
-    """(rad/s)."""
+    """Speed of the shaft at the start (rad/s)."""
     initial_angle: float
-    """Electrical (rad)."""
+    """Electrical angle at the start (rad)."""
     regulates_torque: bool
-    """Whether the controller is given a torque reference, not that of the speed."""
+    """True if the controller's reference is a torque, False if it is a speed."""
     clock_start: float
-    """Time that the controller senses in the first step (s)."""
+    """Time in the controller's first Sense (s)."""
 
 
 class DutyRoom(NamedTuple):
-    """Room for the loop's computations."""
+    """Work space of the loop."""
 
     course_positions: NDArray[np.int64]
     period: NDArray[np.float64]
     ratios: NDArray[np.float64]
-    """Duty ratios to act, shape (2, 3): now, and after the delay; zeros before the first answer."""
+    """Duty ratios that act now, and after the delay, shape (2, 3); zeros before the first command."""
     legs: NDArray[np.int64]
-    """States of the legs likewise, `LEG_OFF` before the first answer."""
+    """States of the legs now, and after the delay, shape (2, 3); `LEG_OFF` before the first command."""
     last: NDArray[np.float64]
-    """Duty ratios of the period just ended, shape (3,), as `low_side_ratio` returns them."""
+    """Duty ratios of the period just ended, shape (3,), as returned by `low_side_ratio`."""
 
 
 @inlined
@@ -84,11 +84,11 @@ def _balance(
     rated: float,
     period: NDArray[np.float64],
 ) -> float:
-    """Return what energy a period misses over its throughput (1).
+    """Return the energy that is missing in a period, relative to its throughput (1).
 
-    The flux that a period's voltages add up to is rounded, so currents that should be none are some 1e-16 of what
-    these voltages can drive, and so is their energy of what the link and the current limit exchange. A throughput
-    counts as `_LEAST_SHARE` of that at least: of less, rounding is all there is.
+    The flux from a period's voltages is rounded. Currents that should be zero are therefore about 1e-16 of the currents
+    that these voltages can drive, and the same applies to their energy. The throughput counts as at least
+    `_LEAST_SHARE` of the energy of link voltage times current limit, because smaller ones are only rounding.
     """
     net = period[ledger.UPPER] + period[ledger.LOWER]
     shaft = speed * period[ledger.IMPULSE]
@@ -98,13 +98,13 @@ def _balance(
     if counted == 0.0:
         return 0.0
     share = abs(missing) / counted
-    # What is not a number must not pass for a balance.
+    # NaN must not count as balanced.
     return share if share == share else inf
 
 
 @inlined
 def _turn_sensors(sensors: DutySensors, failure: Failure, step: int, length: float, speed: float) -> None:
-    """Let what is on the shaft turn for a control period, as far as its edges come."""
+    """Advance the sensor on the shaft by a control period, without edges after a loss of position."""
     if fails_now(failure, LOST_EDGE, step):
         lose_next_edge(sensors)
     shown = 0.0 if has_failed(failure, LOST_POSITION, step) else speed
@@ -115,7 +115,7 @@ def _turn_sensors(sensors: DutySensors, failure: Failure, step: int, length: flo
 def _settle_before_start(
     drive: PmAcDrive, phases: PmAcPhases, load: Load, schedule: Schedule, timing: DutyTiming, room: DutyRoom
 ) -> int:
-    """Bring the machine to its steady state with the legs off, at the speed at which the run begins."""
+    """Set the machine to its steady state with the legs off, at the initial speed of the run."""
     begin = conditions_at(schedule, room.course_positions, 0.0)
     speed = begin.speed_reference if load.kind == LOCKED else timing.initial_speed
     return settle_rectifying(
@@ -132,7 +132,7 @@ def _settle_before_start(
 
 
 @unallocating
-def _run_on(
+def _run_from_initial_state(
     drive: PmAcDrive,
     phases: PmAcPhases,
     load: Load,
@@ -145,7 +145,7 @@ def _run_on(
     failure: Failure,
     records: DutyRecords,
 ) -> tuple[int, int]:
-    """Run the control periods of a run whose machine is in its first state, as `run_periods` does."""
+    """Run the control periods of a run whose machine is in its initial state; see `run_periods`."""
     length = timing.control_period
     period = room.period
     inertia = drive.inertia + load.inertia
@@ -162,12 +162,12 @@ def _run_on(
         observed[0].speed_final = speed
         conditions = conditions_at(schedule, room.course_positions, k * length)
         plant = drifted(drive, conditions.resistance_factor, conditions.emf_factor)
-        stands = has_failed(failure, LOCKED_ROTOR, k)
-        if load.kind == LOCKED or stands:
-            speed = 0.0 if stands else conditions.speed_reference
+        is_locked = has_failed(failure, LOCKED_ROTOR, k)
+        if load.kind == LOCKED or is_locked:
+            speed = 0.0 if is_locked else conditions.speed_reference
             change = 0.0
-        wanted = follow(torque, room.course_positions, 6, k * length)
-        reference = wanted if timing.regulates_torque else conditions.speed_reference
+        torque_reference = follow(torque, room.course_positions, 6, k * length)
+        reference = torque_reference if timing.regulates_torque else conditions.speed_reference
         link = 2.0 * conditions.supply
         shaft_angle = shown_angle((angle + 2.0 * pi * turns) / drive.pole_pairs)
         clock = timing.clock_start + k * length
@@ -178,8 +178,8 @@ def _run_on(
             show_shaft(sensors, exchange.sense[0], k * length)
         is_exact = sensors.ideal or sensors.position == EXACT
         show_failed(failure, k, exchange.sensed_currents, exchange.sense[0], is_exact)
-        ask_controller(exchange, k)
-        status = take_command(exchange, room.ratios, room.legs, delay)
+        step_controller(exchange, k)
+        status = copy_command(exchange, room.ratios, room.legs, delay)
         if status != COMPLETED:
             return status, k
         fail_legs(failure, k, room.legs[0])
@@ -199,18 +199,18 @@ def _run_on(
             period,
         ):
             return PLANT_FAULT, k
-        now = stored_energy(drive, phases)
+        stored_now = stored_energy(drive, phases)
         rated = link * drive.current_limit * length
-        balance = _balance(plant.resistance, held, now - stored, now, rated, period)
+        balance = _balance(plant.resistance, held, stored_now - stored, stored_now, rated, period)
         observed[0].worst_balance = max(observed[0].worst_balance, balance)
-        stored = now
+        stored = stored_now
         ledger.add_period(records.totals, period)
         exchange.sense[0].supply_current = (
             ledger.source_energy(period) / (link * length) if link > 0.0 else 0.0
         )
         opposing = load_torque(load, conditions.load_factor, abs(held))
-        begin = (k * length, conditions.speed_reference, speed, angle, link, wanted)
-        keep_period(records.trace[k], period, length, phases.rotor_currents, begin, opposing)
+        begin = (k * length, conditions.speed_reference, speed, angle, link, torque_reference)
+        write_period(records.trace[k], period, length, phases.rotor_currents, begin, opposing)
         turned = angle + drive.pole_pairs * held * length
         turns = (turns + whole_turns(turned)) % drive.pole_pairs
         angle = within_a_turn(turned)
@@ -218,7 +218,7 @@ def _run_on(
             _turn_sensors(sensors, failure, k, length, held)
             for leg in range(3):
                 room.last[leg] = low_side_ratio(room.ratios[0, leg], room.legs[0, leg])
-        if load.kind != LOCKED and not stands:
+        if load.kind != LOCKED and not is_locked:
             change = speed_change(drive, inertia, speed, opposing, period, length)
             speed += change
         if delay > 0:
@@ -249,38 +249,40 @@ def run_periods(
     Parameters
     ----------
     drive : PmAcDrive
-        The drive.
+        Constants of machine, bridge and modulator.
     phases : PmAcPhases
-        State of machine, bridge and modulator.
+        State of machine, bridge and modulator; updated.
     load : Load
-        What the drive turns.
+        Torque and inertia at the shaft.
     schedule : Schedule
-        What happens; its supply is half of the link's voltage, and its speed the reference.
+        External conditions. The supply is half of the link voltage, and the speed is the reference.
     torque : Course
-        Reference of the torque (N m).
+        Torque reference (N m).
     exchange : DutyExchange
-        The controller, and the records shared with it.
+        Addresses of the controller, and the records shared with it.
     timing : DutyTiming
-        Control period and start.
+        Control period and initial values.
     room : DutyRoom
-        Room for computations.
+        Work space.
     sensors : DutySensors
-        What the controller sees through.
+        Sensors between plant and controller; updated.
     failure : Failure
-        What fails.
+        A failure during the run.
     records : DutyRecords
-        Filled in.
+        Overwritten with trace, integrals and balance.
 
     Returns
     -------
     status, steps : int
-        `COMPLETED` or why the run ended early, and the control periods that were run.
+        `COMPLETED` or the reason for an early end, and the number of completed control periods.
 
     Notes
     -----
-    The legs are off until the first answer acts. The machine begins in the steady state that it has then: without
-    current, or with that of the diodes. What leads to this state is no part of the run.
+    The legs are off until the first command acts. The machine begins in the corresponding steady state: without
+    current, or with the diodes' current. The transient to this state is not part of the run.
     """
     if _settle_before_start(drive, phases, load, schedule, timing, room):
         return PLANT_FAULT, 0
-    return _run_on(drive, phases, load, schedule, torque, exchange, timing, room, sensors, failure, records)
+    return _run_from_initial_state(
+        drive, phases, load, schedule, torque, exchange, timing, room, sensors, failure, records
+    )

@@ -1,4 +1,4 @@
-"""What a closed loop of duty ratios fills in: its trace, exact integrals, and how far it has come."""
+"""The records that a closed loop of duty ratios fills: its trace, exact integrals, and progress."""
 
 from __future__ import annotations
 
@@ -24,37 +24,37 @@ TRACE: Final = (
     "link",
     "torque_reference",
 )
-"""Columns of a run's trace: means over a control period, currents of the rotor frame at its end, greatest current.
+"""Columns of a run's trace: means over a control period, d-q currents at its end, and maximum current in it.
 
-Speed, electrical angle, link voltage and references are those of its start.
+Speed, electrical angle, link voltage and references are those at its start.
 """
 
 
 RUN_RECORD: Final = np.dtype(
     [("steps", np.int64), ("speed_final", np.float64), ("worst_balance", np.float64)], align=True
 )
-"""Control periods that were run, speed of the shaft behind them (rad/s), and the worst balance of energy (1)."""
+"""Control periods of the run, speed of the shaft after them (rad/s), and maximum relative imbalance of energy (1)."""
 
 
 class DutyRecords(NamedTuple):
-    """What a run fills in."""
+    """The records that a run fills."""
 
     run: NDArray[Any]
-    """Shape (1,) of RUN_RECORD."""
+    """Progress and balance, shape (1,) of RUN_RECORD."""
     trace: NDArray[np.float64]
-    """Shape (steps, len(TRACE))."""
+    """One row per control period, shape (steps, len(TRACE))."""
     totals: NDArray[np.float64]
     """Exact integrals over the run, shape (ledger.ENTRIES,)."""
 
 
 def make_records(steps: int) -> DutyRecords:
-    """Make room for what a run of so many steps fills in."""
+    """Return the records for a run with a number of steps."""
     # A row is read only once its control period has been run.
     return DutyRecords(np.zeros(1, RUN_RECORD), np.empty((steps, len(TRACE))), np.zeros(ledger.ENTRIES))
 
 
 @inlined
-def keep_period(
+def write_period(
     row: NDArray[np.float64],
     period: NDArray[np.float64],
     length: float,
@@ -67,17 +67,18 @@ def keep_period(
     Parameters
     ----------
     row : ndarray, shape (len(TRACE),)
-        Receives it.
+        Overwritten.
     period : ndarray, shape (ledger.ENTRIES,)
-        Exact integrals over the period.
+        Exact integrals over the control period.
     length : float
-        Its length (s).
+        Length of the period (s).
     rotor_currents : ndarray, shape (2,)
-        At its end (A).
+        d-axis and q-axis currents at its end (A).
     begin : tuple of float
-        Time, reference of the speed, speed, angle, link's voltage and reference of the torque at its start.
+        Time (s), speed reference and speed (rad/s), electrical angle (rad), link voltage (V) and torque reference
+        (N m) at its start.
     load : float
-        Torque of the load in it (N m).
+        Load torque in the period (N m).
     """
     row[0] = begin[0]
     row[1] = begin[1]

@@ -1,4 +1,4 @@
-"""What a controller of current reference and advance angle is told of a PM AC drive behind an inner loop."""
+"""The nameplate of a PM AC drive with an inner loop, for a controller of current reference and advance angle."""
 
 from __future__ import annotations
 
@@ -12,39 +12,39 @@ from drivegate_models.pm_ac.oracle import CURRENT, Limits, least_at
 from drivegate_models.pm_ac.plant.drive import PmAcDrive, make_pm_ac_drive
 
 _STEPS = 8
-# Over the undistorted voltage; what is left is for the regulation of currents.
+# Shares of the undistorted voltage; the rest is reserved for the current regulators.
 _VOLTAGE_SHARES = (0.95, 1.0)
 
 
 def _advance_angle(direct: float, quadrature: float) -> float:
-    """Return the angle b (rad) of currents ``-I sin b`` and ``I cos b``, by operations rounded alike anywhere."""
+    """Return the angle b (rad) of currents ``-I sin b`` and ``I cos b``, rounded identically on every processor."""
     current = sqrt(direct * direct + quadrature * quadrature)
     if current == 0.0:
         return 0.0
     angle = 0.25 * pi
     for _ in range(_STEPS):
         cosine, sine = cosine_sine(angle)
-        # The sine of what is missing, which leaves a sixth of its cube.
+        # The correction is the sine of the remaining angle, with an error of a sixth of its cube.
         angle -= (direct * cosine + quadrature * sine) / current
     return angle
 
 
 def outer_nameplate(nameplate: DutyNameplate, periods: int) -> Nameplate:
-    """Tell the nominal data of a drive in the contract of current references.
+    """Return the nominal data of a drive in the contract of current references.
 
     Parameters
     ----------
     nameplate : DutyNameplate
         The drive's nominal data.
     periods : int
-        Control periods of the drive to one step of the outer controller.
+        Control periods of the drive per step of the outer controller.
 
     Returns
     -------
     Nameplate
-        The line of advance angles leads from that of least current at rated power and base speed to that at the
-        highest speed, with 5 % of the voltage in hand where the drive has it. Windows are those of a sine, whose torque
-        an ampere is half that of three phases that conduct all the time.
+        The line of advance angles connects the angles of minimum current for rated power at base speed and at the
+        highest speed, with a voltage reserve of 5 % if the drive has it. Windows are those of a sine, whose torque per
+        ampere is half that of three phases that conduct all the time.
     """
     drive = make_pm_ac_drive(
         pole_pairs=nameplate.pole_pairs,
@@ -58,7 +58,7 @@ def outer_nameplate(nameplate: DutyNameplate, periods: int) -> Nameplate:
         inertia=nameplate.inertia,
     )
     base_speed, highest_speed = nameplate.base_speed, nameplate.highest_speed
-    start, end = (_angle_of_least_current(drive, nameplate, speed) for speed in (base_speed, highest_speed))
+    start, end = (_minimum_current_angle(drive, nameplate, speed) for speed in (base_speed, highest_speed))
     return Nameplate(
         phases=3,
         pole_pairs=drive.pole_pairs,
@@ -81,8 +81,8 @@ def outer_nameplate(nameplate: DutyNameplate, periods: int) -> Nameplate:
     )
 
 
-def _angle_of_least_current(drive: PmAcDrive, nameplate: DutyNameplate, speed: float) -> float:
-    """Return the angle at rated power, with voltage in hand where the drive has it."""
+def _minimum_current_angle(drive: PmAcDrive, nameplate: DutyNameplate, speed: float) -> float:
+    """Return the angle of minimum current at rated power (rad), with a voltage reserve if the drive has it."""
     torque = nameplate.rated_power / speed
     for share in _VOLTAGE_SHARES:
         limits = Limits(drive.current_limit, share * LINEAR_LIMIT * drive.link_voltage)

@@ -1,4 +1,4 @@
-"""The steady state of a machine that turns with all legs off, from which a run begins."""
+"""The steady state of a turning machine with all legs off, which is the initial state of a run."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ from drivegate_models.pm_ac.plant.advance import PmAcPhases, advance_period
 from drivegate_models.pm_ac.plant.drive import CENTRED, PmAcDrive
 
 MOST_TURNS: Final = 200
-"""Greatest number of electrical turns in which the currents become periodic."""
+"""Maximum number of electrical turns until the currents are periodic."""
 PERIODIC: Final = 1e-9
-"""Change of the currents over a turn, over the current limit, below which they are periodic (1)."""
+"""Change of the currents over a turn, relative to the current limit, below which they are periodic (1)."""
 
-# Parts of an electrical turn, at least; a sixth of it is what repeats itself.
+# Minimum number of parts of an electrical turn; the currents repeat every sixth of a turn.
 _FEWEST_PARTS = 6
 
 
 @inlined
 def rectifies(drive: PmAcDrive, speed: float, link: float) -> bool:
-    """Return whether the diodes conduct while all legs are off.
+    """Return True if the diodes conduct while all legs are off.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ def rectifies(drive: PmAcDrive, speed: float, link: float) -> bool:
     Returns
     -------
     bool
-        Whether the peak of the EMF between two terminals exceeds the link and the drops of two diodes.
+        True if the peak line-to-line EMF exceeds the link voltage plus the drops of two diodes.
     """
     emf = drive.pole_pairs * abs(speed) * drive.magnet_flux
     return emf > (link + 2.0 * drive.diode_drop) * PER_ROOT_THREE
@@ -61,24 +61,24 @@ def settle_rectifying(
 ) -> int:
     """Turn the shaft with all legs off until the currents are periodic.
 
-    Below the speed at which the diodes conduct there is nothing to do.
+    Below the speed at which the diodes conduct, the state is not changed.
 
     Parameters
     ----------
     drive : PmAcDrive
         The drive.
     phases : PmAcPhases
-        State without current; receives the steady state.
+        State without current; replaced by the steady state.
     angle : float
-        Electrical angle at the end, and so at the start of every turn (rad).
+        Electrical angle at the start and the end of every turn (rad).
     speed : float
         Shaft speed, of either sign (rad/s).
     link : float
         Voltage of the dc link (V).
     longest : float
-        Longest part of a turn that is computed at once (s).
+        Maximum length of a part that is computed at once (s).
     ratios : ndarray, shape (3,)
-        Zeros.
+        Duty ratios, all zero.
     legs : ndarray, shape (3,)
         `LEG_OFF` of the contract for each leg.
     totals : ndarray, shape (ledger.ENTRIES,)
@@ -87,7 +87,7 @@ def settle_rectifying(
     Returns
     -------
     int
-        `COMPLETED`, or why the plant could not be advanced.
+        `COMPLETED`, or the status with which the plant's advance failed.
     """
     if not rectifies(drive, speed, link):
         return COMPLETED

@@ -1,8 +1,8 @@
-"""What a controller of duty ratios sees: currents through shunts, the link through a converter, the shaft's position.
+"""Sensors of a duty-ratio controller: currents by shunts, link voltage by a converter, position of the shaft.
 
-Currents are those at the start of a control period. Where a shunt sees a phase only while a switch is on, it must have
-been so for a while before that instant: the window in which amplifier and converter settle. A phase that is not seen
-is what the other two leave, and where two are not seen the last one that was goes on.
+Currents are sampled at the start of a control period. If a shunt carries a phase's current only while a switch is on,
+the switch must have been on for the settling time of amplifier and converter before that instant. A phase that is not
+measured is computed from the other two. If two are not measured, their last values are used.
 """
 
 from __future__ import annotations
@@ -41,14 +41,14 @@ from drivegate_models.loop.shaft import shown_angle
 from drivegate_models.pm_ac.plant.drive import CENTRED, FALLING
 
 IN_LINE: Final = 0
-"""A shunt in each phase, which sees its current at all times."""
+"""A shunt in each phase, which carries its current at all times."""
 LOW_SIDE: Final = 1
-"""A shunt below each lower switch, which sees a phase's current while that switch is on."""
+"""A shunt below each lower switch, which carries a phase's current while that switch is on."""
 DC_LINK: Final = 2
-"""One shunt in the link: it sees the leg of the greatest and that of the least duty ratio, each in its own interval."""
+"""One shunt in the link, which carries the currents of the legs with maximum and minimum duty ratio in turn."""
 
 EXACT: Final = 0
-"""Angle and speed of the shaft are shown as they are."""
+"""Angle and speed of the shaft are measured without error."""
 ENCODER: Final = 1
 """An encoder counts edges and times them."""
 HALL: Final = 2
@@ -56,39 +56,33 @@ HALL: Final = 2
 
 
 class Shunts(NamedTuple):
-    """Through what currents are seen."""
+    """Current measurement by shunts."""
 
     kind: int
     """`IN_LINE`, `LOW_SIDE` or `DC_LINK`."""
     window: float
-    """How long a current must have flowed through a shunt to be seen (s)."""
+    """Minimum time for which a current must have flowed through a shunt before sampling (s)."""
     shown: NDArray[np.float64]
-    """Currents shown last, shape (3,) (A)."""
+    """Last measured currents, shape (3,) (A)."""
 
 
 class DutySensors(NamedTuple):
-    """Constants of the sensors and what they remember; the arrays are updated in place."""
+    """Constants and state of the sensors; the arrays are updated in place."""
 
     ideal: bool
-    """Whether they show the plant as it is."""
+    """True if measured values are exact."""
     converters: Converters
     """Gains, offsets, noise, steps and ranges; the voltage is that of the whole link."""
     shunts: Shunts
     position: int
     """`EXACT`, `ENCODER` or `HALL`."""
     encoder: Encoder
-    """Its count is zero where the angle that it shows is zero."""
+    """The encoder; its count is zero at angle zero."""
     hall: Hall
 
 
 def ideal_duty_sensors() -> DutySensors:
-    """Make sensors that show the plant as it is.
-
-    Returns
-    -------
-    DutySensors
-        The sensors.
-    """
+    """Return sensors that measure exact values at all times."""
     return DutySensors(
         True,
         exact_converters(np.ones(3), np.zeros(3)),
@@ -107,25 +101,25 @@ def real_duty_sensors(
     encoder: Encoder | None = None,
     hall: Hall | None = None,
 ) -> DutySensors:
-    """Make sensors with errors.
+    """Return sensors with errors.
 
     Parameters
     ----------
     converters : Converters
-        Through which currents and link are shown.
+        Converters of currents and link voltage.
     shunt : int
         `IN_LINE`, `LOW_SIDE` or `DC_LINK`.
     window : float
-        How long a current must have flowed through a shunt to be seen (s).
+        Minimum time for which a current must have flowed through a shunt before sampling (s).
     encoder : Encoder, optional
-        What gives angle and speed.
+        Measures angle and speed.
     hall : Hall, optional
-        What gives them instead; without both they are shown as they are.
+        Measures angle and speed instead of an encoder. Without both, they are measured without error.
 
     Returns
     -------
     DutySensors
-        The sensors.
+        With placeholders for missing sensors.
     """
     position = HALL if hall is not None else ENCODER if encoder is not None else EXACT
     return DutySensors(
@@ -140,21 +134,21 @@ def real_duty_sensors(
 
 @inlined
 def low_time(alignment: int, ratio: float, period: float) -> float:
-    """Return how long before the end of a control period the lower switch has been on without a break.
+    """Return the time for which the lower switch has been on at the end of a control period.
 
     Parameters
     ----------
     alignment : int
         `drive.CENTRED`, `RISING` or `FALLING`.
     ratio : float
-        Duty ratio in it (1).
+        Duty ratio in the period (1).
     period : float
-        Its length (s).
+        Length of the period (s).
 
     Returns
     -------
     float
-        (s).
+        Time without interruption (s), at most the period.
     """
     off = (1.0 - min(max(ratio, 0.0), 1.0)) * period
     if off >= period:
@@ -166,20 +160,22 @@ def low_time(alignment: int, ratio: float, period: float) -> float:
 
 @inlined
 def low_side_ratio(ratio: float, mode: int) -> float:
-    """Return the share of a period in which a leg's lower switch is not on: 1 for a leg that is high, or off."""
+    """Return the share of a period in which a leg's lower switch is not on: 1 for a high leg, or for an off leg."""
     if mode == LEG_PWM:
         return ratio
     return 0.0 if mode == LEG_LOW else 1.0
 
 
 @inlined
-def _is_seen(shunts: Shunts, alignment: int, ratios: NDArray[np.float64], leg: int, period: float) -> bool:
-    """Return whether a phase's current has been seen in a control period."""
+def _is_measurable(
+    shunts: Shunts, alignment: int, ratios: NDArray[np.float64], leg: int, period: float
+) -> bool:
+    """Return True if a phase's current can be measured at the end of a control period."""
     if shunts.kind == IN_LINE:
         return True
     if shunts.kind == LOW_SIDE:
         return low_time(alignment, ratios[leg], period) >= shunts.window
-    # The link carries one leg's current alone while its switch is the only one of its rail, in each half of a pulse.
+    # The link carries one leg's current alone while its switch is the only one on its rail, in each half of a pulse.
     greatest = max(ratios[(leg + 1) % 3], ratios[(leg + 2) % 3])
     least = min(ratios[(leg + 1) % 3], ratios[(leg + 2) % 3])
     alone = max(ratios[leg] - greatest, least - ratios[leg]) * period
@@ -194,54 +190,54 @@ def show_phase_currents(
     ratios: NDArray[np.float64],
     period: float,
 ) -> None:
-    """Replace the phase currents at the end of a control period by what is seen of them.
+    """Replace the phase currents at the end of a control period by their measured values.
 
     Parameters
     ----------
     sensors : DutySensors
-        The sensors; their noise goes on.
+        Their noise and their last measured currents are updated.
     currents : ndarray, shape (3,)
         True currents (A), replaced.
     alignment : int
-        Of the period just ended.
+        Alignment of the period just ended: `drive.CENTRED`, `RISING` or `FALLING`.
     ratios : ndarray, shape (3,)
-        Duty ratios in it (1).
+        Duty ratios in that period (1).
     period : float
-        Its length (s).
+        Length of that period (s).
     """
     shown = sensors.shunts.shown
-    unseen = 0
-    which = 0
+    missing_count = 0
+    missing = 0
     for leg in range(3):
-        if _is_seen(sensors.shunts, alignment, ratios, leg, period):
+        if _is_measurable(sensors.shunts, alignment, ratios, leg, period):
             shown[leg] = shown_current(sensors.converters, leg, currents[leg])
         else:
-            unseen += 1
-            which = leg
-    if unseen == 1:
-        shown[which] = -shown[(which + 1) % 3] - shown[(which + 2) % 3]
+            missing_count += 1
+            missing = leg
+    if missing_count == 1:
+        shown[missing] = -shown[(missing + 1) % 3] - shown[(missing + 2) % 3]
     for leg in range(3):
         currents[leg] = shown[leg]
 
 
 @inlined
 def show_shaft(sensors: DutySensors, sense: Any, now: float) -> None:
-    """Replace link voltage, angle and speed in a Sense by what is seen of them.
+    """Replace link voltage, angle and speed in a Sense by their measured values.
 
     Parameters
     ----------
     sensors : DutySensors
-        The sensors; their noise goes on.
+        The state of their noise is updated.
     sense : record of DUTY_SENSE
         With true values, replaced.
     now : float
-        Time since the run began, by which the timer of Hall edges runs (s).
+        Time since the start of the run, for the timer of Hall edges (s).
     """
     sense.supply_voltage = converted_supply(sensors.converters, sense.supply_voltage)
     if sensors.position == ENCODER:
         count = count_within_a_turn(sensors.encoder)
         sense.encoder_count = count
-        # The middle between the two edges that it can be.
+        # The middle between the two adjacent edges.
         sense.angle = shown_angle((count + 0.5) * sensors.encoder.edge_angle)
         sense.speed = encoder_speed(sensors.encoder)
     elif sensors.position == HALL:
@@ -252,7 +248,7 @@ def show_shaft(sensors: DutySensors, sense: Any, now: float) -> None:
 
 @inlined
 def lose_next_edge(sensors: DutySensors) -> None:
-    """Let the next edge of what is on the shaft not come."""
+    """Make the sensor on the shaft miss its next edge."""
     if sensors.position == ENCODER:
         lose_count(sensors.encoder)
     elif sensors.position == HALL:
@@ -261,7 +257,7 @@ def lose_next_edge(sensors: DutySensors) -> None:
 
 @inlined
 def turn_shaft_sensors(sensors: DutySensors, step: int, time: float, period: float, speed: float) -> None:
-    """Let what is on the shaft turn for a control period, at a speed (rad/s)."""
+    """Advance the sensor on the shaft by a control period at a speed (rad/s)."""
     if sensors.position == ENCODER:
         turn_encoder(sensors.encoder, step, time, period, speed)
     elif sensors.position == HALL:

@@ -1,4 +1,4 @@
-"""The shaft of a PM AC drive over one control period: it may turn either way, and friction only ever holds it."""
+"""The shaft of a PM AC drive over one control period: it may turn either way, and friction never drives it."""
 
 from __future__ import annotations
 
@@ -14,32 +14,32 @@ from drivegate_models.pm_ac.plant.drive import PmAcDrive
 def speed_change(
     drive: PmAcDrive, inertia: float, speed: float, load: float, period: NDArray[np.float64], length: float
 ) -> float:
-    """Return by how much the shaft's speed changes in a control period.
+    """Return the change of the shaft's speed in a control period.
 
     Parameters
     ----------
     drive : PmAcDrive
-        With its friction.
+        Its friction constants are used.
     inertia : float
         Inertia of rotor and load (kg m2).
     speed : float
         Speed at the start of the period (rad/s).
     load : float
-        Size of the load's torque, which opposes the shaft (N m).
+        Magnitude of the load's torque, which opposes the shaft's rotation (N m).
     period : ndarray, shape (ledger.ENTRIES,)
         Exact integrals over the period.
     length : float
-        Its length (s).
+        Length of the period (s).
 
     Returns
     -------
     float
-        (rad/s).
+        Change of speed (rad/s).
     """
     driving = (period[ledger.IMPULSE] - period[ledger.CORE_DRAG_IMPULSE]) / length
     driving -= drive.viscous_friction * speed
     opposing = load + drive.friction
-    # Load and friction oppose a shaft that turns and hold one that stands; they never turn it.
+    # Load and friction oppose a turning shaft and stop it; they never drive it.
     mobility = length / inertia
     forward = float((driving - opposing) * mobility)
     backward = float((driving + opposing) * mobility)
