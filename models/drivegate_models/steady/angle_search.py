@@ -1,7 +1,7 @@
-"""Searches over the advance angle: the feasible edge, and the least cost of a torque.
+"""Searches over the advance angle: the feasible edge, and the minimum cost of a torque.
 
-The angle runs from 0 to 90 degrees, the paper's range ("Constant Power Operation"). The time goes into the
-compiled kernels, which each call runs many times; only the choice of the next angle is made here.
+The angle ranges from 0 to 90 degrees, as in the paper ("Constant Power Operation"). Most of the time is spent in the
+compiled kernels, which each call runs many times. This module only chooses the next angle.
 """
 
 from __future__ import annotations
@@ -29,30 +29,31 @@ _HIGHEST = 0.5 * pi
 _FINE_PARTS = 10
 _GOLDEN = 0.6180339887498949
 _ANGLE_TOLERANCE = radians(1e-3)
-# A search needs the order of the costs only; its answer is located anew, to `CURRENT_TOLERANCE`. Over the limit; a
-# finer one changes the least current sum of drawn points by less than 1e-4 of it, since a band makes it jump.
+# Tolerance of references during a search, relative to the current limit. A search needs only the order of the costs;
+# its result is located again, to `CURRENT_TOLERANCE`. A finer tolerance changes the minimum current sum of drawn
+# points by less than 1e-4 of it, because a band makes it jump.
 _SEARCH_TOLERANCE = 5e-5
 # At light load the current sum has several minima, which the coarse grid may rank wrongly.
 _VALLEYS = 2
-# A valley this much above the least found is not worth a closer look.
+# A valley higher than this multiple of the minimum found is not searched further.
 _HOPELESS = 1.05
-# Step of a look ahead at the coarse grid with the ideal regulator (deg).
+# Step of the preliminary grid with the ideal regulator (deg).
 _STRIDE = 3
-# Half-widths of the band a phase by which it may change the sum of current magnitudes; 0.8 where that is drawn.
+# Maximum change of the sum of current magnitudes by the band, in half-widths per phase; 0.8 in drawn drives.
 _BANDS = 1.0
-# How far below a neighbouring angle's reference the scan starts, over the current limit: two of its steps.
+# The scan starts this far below a neighbouring angle's reference, relative to the current limit: two of its steps.
 _BELOW = 0.02
 
 
 class TorqueDemand(NamedTuple):
-    """A torque demanded of a drive at a speed, with room for the computation."""
+    """A demanded torque of a drive at a speed, with work space."""
 
     drive: AnyDrive
-    """The drive's constants."""
+    """Constants of machine and inverter."""
     work: AnyPhases
-    """Room for the state of all phases."""
+    """Work space for the state of all phases."""
     slices: AnyPhases
-    """Room for one phase's state at each shift."""
+    """Work space for one phase's state at each shift."""
     speed: float
     """Shaft speed (rad/s)."""
     voltage: float
@@ -62,25 +63,25 @@ class TorqueDemand(NamedTuple):
 
 
 class Evaluation(NamedTuple):
-    """What a robustly feasible angle costs; infinite where it is not."""
+    """Cost of an angle; infinite if it is not robustly feasible."""
 
     cost: float
     """Sum of current magnitudes (A) or net input power (W)."""
     advance: float
     """Advance angle (rad electrical)."""
     reference: float
-    """Current reference on the side of less torque (A); NaN where not feasible."""
+    """Current reference on the side of less torque (A); NaN if not feasible."""
 
 
 def torque_demand(
     drive: AnyDrive, speed: float, torque: float = 0.0, voltage: float | None = None
 ) -> TorqueDemand:
-    """Return a demand with room for its computation, after a look at the operating point.
+    """Return a demand with its work space, after a check of the operating point.
 
     Parameters
     ----------
     drive : AnyDrive
-        The drive.
+        Constants of machine and inverter.
     speed : float
         Shaft speed (rad/s), above 0.
     torque : float
@@ -91,7 +92,7 @@ def torque_demand(
     Returns
     -------
     TorqueDemand
-        The demand.
+        With work space for means, but not for segments.
 
     Raises
     ------
@@ -118,11 +119,11 @@ def search_reference(
     Parameters
     ----------
     demand : TorqueDemand
-        AnyDrive, speed, supply and torque.
+        Drive, speed, supply and torque.
     advance : float
         Advance angle (rad electrical).
     tolerance, floor
-        As in `drivegate_models.steady.current_search.reference_for_torque`.
+        Arguments of `drivegate_models.steady.current_search.reference_for_torque` (A).
 
     Returns
     -------
@@ -137,12 +138,12 @@ def search_reference(
 
 
 def torque_at_limit(demand: TorqueDemand, advance: float) -> float:
-    """Return the mean torque at the current limit, whatever the demanded one.
+    """Return the mean torque at the current limit.
 
     Parameters
     ----------
     demand : TorqueDemand
-        AnyDrive, speed and supply.
+        Drive, speed and supply; the demanded torque is not used.
     advance : float
         Advance angle (rad electrical).
 
@@ -156,26 +157,26 @@ def torque_at_limit(demand: TorqueDemand, advance: float) -> float:
 
 
 def reaches(demand: TorqueDemand, advance: float, static: bool = False) -> bool:
-    """Return whether an advance angle can give a torque.
+    """Return True if a torque can be produced at an advance angle.
 
     Parameters
     ----------
     demand : TorqueDemand
-        AnyDrive, speed, supply and torque.
+        Drive, speed, supply and torque.
     advance : float
         Advance angle (rad electrical).
     static : bool
-        Whether any current reference up to the limit will do, not only the limit itself.
+        True to allow any current reference up to the limit, not only the limit itself.
 
     Returns
     -------
     bool
-        Whether it reaches the torque.
+        True if the mean torque reaches the demanded one.
     """
     drive, work, slices, speed, voltage, torque = demand
     if torque_at_limit(demand, advance) >= torque:
         return True
-    # One steady state decides on robust feasibility; static feasibility is a search over the references.
+    # One steady state determines robust feasibility; static feasibility needs a search over the references.
     if not static:
         return False
     limit = drive.current_limit
@@ -185,7 +186,7 @@ def reaches(demand: TorqueDemand, advance: float, static: bool = False) -> bool:
 
 
 def _edge_between(demand: TorqueDemand, outside: float, inside: float, static: bool = False) -> float:
-    """Return the edge between an infeasible and a feasible angle, in either order, on its feasible side."""
+    """Return the feasible side of the edge between an infeasible and a feasible angle, in either order (rad)."""
     while abs(inside - outside) > EDGE_TOLERANCE:
         middle = 0.5 * (outside + inside)
         if reaches(demand, middle, static):
@@ -196,19 +197,19 @@ def _edge_between(demand: TorqueDemand, outside: float, inside: float, static: b
 
 
 def smallest_feasible(demand: TorqueDemand, static: bool = False) -> float:
-    """Return the smallest advance angle that can give a torque, from a scan in steps of 1 degree.
+    """Return the smallest advance angle that can produce a torque, from a scan in steps of 1 degree.
 
     Parameters
     ----------
     demand : TorqueDemand
-        AnyDrive, speed, supply and torque.
+        Drive, speed, supply and torque.
     static : bool
-        As in `reaches`.
+        True to allow any current reference up to the limit, as in `reaches`.
 
     Returns
     -------
     float
-        The edge (rad electrical), 0 where no advance is needed; NaN if there is none up to 90 degrees.
+        The edge (rad electrical), 0 if no advance is needed; NaN if there is none up to 90 degrees.
     """
     # Too much advance loses the torque again, so bisection alone could miss the feasible angles.
     for degrees in range(_DEGREES + 1):
@@ -219,8 +220,8 @@ def smallest_feasible(demand: TorqueDemand, static: bool = False) -> float:
 
 
 def _evaluated(demand: TorqueDemand, by_power: bool, advance: float, nearby: float) -> Evaluation:
-    """Return the cost of an angle; the scan starts just below a reference nearby, if that is not NaN."""
-    # NaN, which alone differs from itself, stands for no feasible neighbour.
+    """Return the cost of an angle; the scan starts just below the reference of a neighbour, unless that is NaN."""
+    # NaN, which differs from itself, indicates no feasible neighbour.
     limit = demand.drive.current_limit
     floor = nearby - _BELOW * limit if nearby == nearby else 0.0
     found = search_reference(demand, advance, _SEARCH_TOLERANCE * limit, floor)
@@ -230,7 +231,7 @@ def _evaluated(demand: TorqueDemand, by_power: bool, advance: float, nearby: flo
 
 
 def _golden(demand: TorqueDemand, by_power: bool, low: float, high: float, nearby: float) -> Evaluation:
-    """Return the least cost between two angles, by golden section."""
+    """Return the minimum cost between two angles, by golden section."""
     left = _evaluated(demand, by_power, high - _GOLDEN * (high - low), nearby)
     right = _evaluated(demand, by_power, low + _GOLDEN * (high - low), nearby)
     while high - low > _ANGLE_TOLERANCE:
@@ -243,16 +244,16 @@ def _golden(demand: TorqueDemand, by_power: bool, low: float, high: float, nearb
     return min(left, right)
 
 
-def _finest(demand: TorqueDemand, by_power: bool, valley: Evaluation) -> Evaluation:
-    """Return the least cost within 1 degree of a valley of the coarse grid.
+def _refined(demand: TorqueDemand, by_power: bool, valley: Evaluation) -> Evaluation:
+    """Return the minimum cost within 1 degree of a valley of the coarse grid.
 
-    A grid of 0.1 degree, then the edges beside its best point, then golden section between them.
+    The search uses a grid of 0.1 degree, then the edges next to its best point, then golden section between them.
     """
     step = radians(1.0) / _FINE_PARTS
     angles: Iterable[float] = (valley.advance + k * step for k in range(-_FINE_PARTS, _FINE_PARTS + 1))
     inside = [advance for advance in angles if 0.0 <= advance <= _HIGHEST]
     best = min(_evaluated(demand, by_power, advance, valley.reference) for advance in inside)
-    # At constant power the least lies on the feasible edge, which golden section never reaches.
+    # At constant power the minimum is on the feasible edge, which golden section never reaches.
     ends = []
     for end in (max(best.advance - step, 0.0), min(best.advance + step, _HIGHEST)):
         feasible = reaches(demand, end)
@@ -262,7 +263,7 @@ def _finest(demand: TorqueDemand, by_power: bool, valley: Evaluation) -> Evaluat
 
 
 def promising_angles(demand: TorqueDemand) -> list[int]:
-    """Return the angles beside which the sum of current magnitudes may be least.
+    """Return the angles near which the sum of current magnitudes may be minimal.
 
     Parameters
     ----------
@@ -272,9 +273,9 @@ def promising_angles(demand: TorqueDemand) -> list[int]:
     Returns
     -------
     list of int
-        Electrical degrees in ascending order, from a grid of 3 degrees with the ideal regulator, whose steady states
-        are found many times as fast as those with a band: at the same torque, the band changes the current of each
-        phase by its half-width at most. From 0 to 90 where the ideal regulator reaches the torque nowhere.
+        Electrical degrees in ascending order, from a grid of 3 degrees with the ideal regulator. Its steady states are
+        found many times faster than those with a band. At the same torque, the band changes the current of each phase
+        by at most its half-width. All angles from 0 to 90 if the ideal regulator never reaches the torque.
     """
     ideal = demand._replace(drive=demand.drive._replace(hysteresis_band=0.0))
     coarse = range(0, _DEGREES + 1, _STRIDE)
@@ -288,38 +289,38 @@ def promising_angles(demand: TorqueDemand) -> list[int]:
     highest = _HOPELESS * (min(costs) + reserve) + reserve
     promising = [degrees for degrees, cost in zip(coarse, costs, strict=True) if cost <= highest < inf]
     every = range(_DEGREES + 1)
-    # An angle that the coarse grid passes over may be as good as the better one beside it.
+    # An angle between two points of the coarse grid may be as good as the better one of them.
     return [
         angle for angle in every if not promising or min(abs(angle - near) for near in promising) < _STRIDE
     ]
 
 
 def least_cost(demand: TorqueDemand, by_power: bool) -> float:
-    """Return the robustly feasible advance angle at which a torque costs least.
+    """Return the robustly feasible advance angle of minimum cost for a torque.
 
     Parameters
     ----------
     demand : TorqueDemand
-        AnyDrive, speed, supply and torque.
+        Drive, speed, supply and torque.
     by_power : bool
-        Whether the net input power is to be least, instead of the sum of current magnitudes.
+        True to minimize the net input power, False to minimize the sum of current magnitudes.
 
     Returns
     -------
     float
-        The angle (rad electrical), from a grid of 1 degree over the promising angles, the two lowest valleys of it on a
-        grid of 0.1 degree, and golden section with the feasible edges; NaN if no angle is robustly feasible.
+        The angle (rad electrical), from a grid of 1 degree over the promising angles, its two lowest valleys on a grid
+        of 0.1 degree, and golden section with the feasible edges; NaN if no angle is robustly feasible.
     """
-    # Of the power the ideal regulator tells less: with a band, each switching costs energy.
-    is_foretold = demand.drive.hysteresis_band > 0.0 and not by_power
+    # The ideal regulator is a poor estimate of the power: with a band, each switching costs energy.
+    has_estimate = demand.drive.hysteresis_band > 0.0 and not by_power
     nearby = nan
     grid = [Evaluation(inf, radians(degrees), nan) for degrees in range(_DEGREES + 1)]
-    for degrees in promising_angles(demand) if is_foretold else range(_DEGREES + 1):
+    for degrees in promising_angles(demand) if has_estimate else range(_DEGREES + 1):
         grid[degrees] = _evaluated(demand, by_power, radians(degrees), nearby)
-        # Neighbouring angles need much the same current, so each scan starts just below the last result.
+        # Neighbouring angles need similar currents, so each scan starts just below the last result.
         nearby = grid[degrees].reference
-    # Beyond the ends, and where nothing is promising, cost is infinite, as where infeasible: a least on an edge is a
-    # valley, too.
+    # Beyond the ends, and at angles that are not promising, the cost is infinite, as at infeasible ones: a minimum
+    # on an edge is a valley, too.
     costs = [inf, *(point.cost for point in grid), inf]
     valleys = sorted(
         point for k, point in enumerate(grid) if point.cost < inf and costs[k] >= point.cost <= costs[k + 2]
@@ -327,5 +328,5 @@ def least_cost(demand: TorqueDemand, by_power: bool) -> float:
     best = Evaluation(inf, nan, nan)
     for valley in valleys[:_VALLEYS]:
         if valley.cost <= _HOPELESS * best.cost:
-            best = min(best, _finest(demand, by_power, valley))
+            best = min(best, _refined(demand, by_power, valley))
     return best.advance

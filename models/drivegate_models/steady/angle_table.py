@@ -1,6 +1,6 @@
-"""A table of advance angles over speed and current sum: where the least current sum of each load lies.
+"""A table of advance angles over speed and current sum, with the minimum current sum of each load.
 
-A controller that cannot see the torque takes the current sum for it, so the table has the sum at its own angle.
+A controller that cannot measure the torque uses the current sum instead, so the table contains the sum at its angle.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ from drivegate_models.steady.plant import AnyDrive
 LOADS: tuple[float, ...] = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1)
 """Load of each column, as a share of rated power (1)."""
 
-# Between table and feasible edge: a little less, and the torque is lost.
+# Minimum distance of the table from the feasible edge, below which the torque is lost.
 _MARGIN = radians(0.3)
-# Added where no angle gives the load's torque (rad).
+# Added to the angle if no angle produces the load's torque (rad).
 _EXTENDED = radians(4.0)
 
 
@@ -31,7 +31,7 @@ class AngleTable(NamedTuple):
     first_speed: float
     """Speed of the first row (rad/s)."""
     speed_step: float
-    """From row to row (rad/s)."""
+    """Speed step between rows (rad/s)."""
     current_sums: NDArray[np.float64]
     """Sum of current magnitudes at the angle, shape (n, 11) (A)."""
     angles: NDArray[np.float64]
@@ -47,15 +47,15 @@ def angle_table(
     *,
     banded: bool = False,
 ) -> AngleTable:
-    """Compute a table for a drive.
+    """Return the table of a drive.
 
-    Each angle is that of the least current sum, but no less than that of a lighter load, and off the feasible edge by
-    0.3 degrees. Where no angle gives the torque, the row goes on in proportion.
+    Each angle is that of the minimum current sum, but not less than that of a lighter load, and at least 0.3 degrees
+    off the feasible edge. If no angle produces the torque, the row is extrapolated.
 
     Parameters
     ----------
     drive : AnyDrive
-        The drive.
+        Constants of machine and inverter.
     base_speed, last_speed : float
         Speeds of the first row and of the last (rad/s).
     rows : int
@@ -63,13 +63,13 @@ def angle_table(
     rated_power : float
         Rated power (W).
     banded : bool
-        Whether optima are those of the drive with its regulators' band, which take several times as long to find and
-        differ at light load alone. The current sums are those with the band in any case.
+        True for optima of the drive with its regulators' band, which need several times as long and differ only at
+        light load. The current sums are those with the band in any case.
 
     Returns
     -------
     AngleTable
-        The table.
+        With shape (rows, 11) arrays.
     """
     searched = drive if banded else drive._replace(hysteresis_band=0.0)
     sums, angles = np.empty((rows, len(LOADS))), np.empty((rows, len(LOADS)))
@@ -90,7 +90,7 @@ def angle_table(
 
 
 def _angle_for(drive: AnyDrive, speed: float, torque: float, lowest: float) -> float:
-    """Return the angle of the least current sum that is no less than a lowest one, off the edge; NaN if none is."""
+    """Return the angle of minimum current sum, limited by a lowest angle and the edge (rad); NaN if infeasible."""
     best = least_current_sum(drive, speed, torque).advance
     if isnan(best):
         return best

@@ -1,9 +1,8 @@
-"""The current reference at which the drive's steady state gives a demanded mean torque.
+"""The current reference at which the drive's steady state produces a demanded mean torque.
 
-Torque is not monotone in the current reference (unregulated current past the window's middle turns against
-the machine), and with a hysteresis band it jumps wherever a chop enters or leaves the window. So the
-reference is scanned upward, the first bracket taken, and a jump across the demanded torque reported as the
-share of time on each side.
+Torque is not monotone in the current reference, because unregulated current after the window's middle brakes the
+machine. With a hysteresis band it jumps wherever a chop enters or leaves the window. Therefore the reference is scanned
+upward, the first bracket is used, and a jump across the demanded torque is reported as the share of time on each side.
 """
 
 from __future__ import annotations
@@ -27,9 +26,9 @@ from drivegate_models.steady.plant import (
 )
 
 OUT_OF_REACH: int = 0
-"""No current reference up to the limit gives the torque."""
+"""No current reference up to the limit produces the torque."""
 STATIC: int = 1
-"""A smaller current reference gives the torque, but the current limit itself does not."""
+"""A smaller current reference produces the torque, but the current limit itself does not."""
 ROBUST: int = 2
 """The torque at the current limit reaches the demanded torque, so a saturated regulator recovers."""
 CURRENT_TOLERANCE: float = 1e-9
@@ -47,13 +46,13 @@ class MeanState(NamedTuple):
     current_sum: float
     """Mean of the sum of the phase currents' magnitudes (A)."""
     input_power: float
-    """Net power taken from the supply, core loss and switching included (W)."""
+    """Net power from the supply, including core loss and switching (W)."""
 
 
 class ReferenceSearch(NamedTuple):
-    """Current reference, or pair of references in time shares, that gives a demanded mean torque.
+    """Current reference, or pair of references with shares of time, that produces a demanded mean torque.
 
-    Every number is NaN out of reach.
+    Every number is NaN if the torque is out of reach.
     """
 
     feasibility: int
@@ -61,13 +60,13 @@ class ReferenceSearch(NamedTuple):
     low: float
     """Reference on the side of less torque (A)."""
     high: float
-    """Reference on the side of more torque (A), equal to `low` where the torque is continuous."""
+    """Reference on the side of more torque (A), equal to `low` if the torque is continuous."""
     share: float
-    """Share of time at `high`, 0 to 1, at which the mean torque is the demanded one."""
+    """Share of time at `high`, 0 to 1, for the demanded mean torque."""
     current_sum: float
     """Mean of the sum of the phase currents' magnitudes (A)."""
     input_power: float
-    """Net power taken from the supply, core loss and switching included (W)."""
+    """Net power from the supply, including core loss and switching (W)."""
 
 
 @kernel
@@ -80,28 +79,28 @@ def mean_state(
     reference: float,
     advance: float,
 ) -> MeanState:
-    """Return the means of one steady state without its extremes, faster than the whole solution.
+    """Return the means of one steady state without its extremes, faster than the complete solution.
 
     Parameters
     ----------
     drive : AnyDrive
-        The drive's constants.
+        Constants of machine and inverter.
     work, slices : AnyPhases
-        Room for the computation; neither needs room for segments.
+        Work space, without space for segments.
     speed : float
         Shaft speed (rad/s), above 0.
     voltage : float
         Voltage of each half-source (V).
     reference : float
-        Current reference (A).
+        Current reference i* (A).
     advance : float
         Advance angle (rad electrical).
 
     Returns
     -------
     MeanState
-        As `drivegate_models.steady.steady_state.solve_steady_state` has them; where no periodic state exists, over as
-        many cycles as `averaged_cycles` tells.
+        The means of `drivegate_models.steady.steady_state.solve_steady_state`. If there is no periodic state, they are
+        over the number of cycles returned by `averaged_cycles`.
     """
     periods = periodic_start(drive, work, slices, speed, voltage, reference, advance)
     angle = 0.5 * (pi - drive.window) - advance
@@ -132,26 +131,26 @@ def greatest_torque(
     limit: float,
     floor: float = 0.0,
 ) -> tuple[float, float]:
-    """Return the greatest mean torque over all current references up to a limit.
+    """Return the maximum mean torque over all current references up to a limit.
 
     Parameters
     ----------
     drive, work, slices, speed, voltage, advance
-        As in `mean_state`.
+        Arguments of `mean_state`.
     limit : float
-        Greatest current reference (A).
+        Maximum current reference (A).
     floor : float
-        Least current reference (A).
+        Minimum current reference (A).
 
     Returns
     -------
     torque : float
-        Greatest mean torque (N m), on a grid of a hundredth of the limit and then by golden section.
+        Maximum mean torque (N m), on a grid of a hundredth of the limit and then by golden section.
     reference : float
-        Where it is (A).
+        Current reference of the maximum (A).
     """
     step = limit / _SCAN_STEPS
-    # The likeliest place: torque falls only where more current outlasts the useful part of its half cycle.
+    # The most likely reference: torque falls only if more current outlasts the useful part of its half cycle.
     best = limit
     most = mean_state(drive, work, slices, speed, voltage, limit, advance).torque
     for k in range(int(max(floor, 0.0) / step), _SCAN_STEPS):
@@ -166,7 +165,7 @@ def greatest_torque(
         right = low + _GOLDEN * (high - low)
         left_torque = mean_state(drive, work, slices, speed, voltage, left, advance).torque
         right_torque = mean_state(drive, work, slices, speed, voltage, right, advance).torque
-        # With a band the summit is jagged, so the best point seen counts, not the last bracket.
+        # With a band the maximum is jagged, so use the best point found, not the last bracket.
         if left_torque > most:
             most = left_torque
             best = left
@@ -195,8 +194,11 @@ def _located(
     high_state: MeanState,
     tolerance: float,
 ) -> ReferenceSearch:
-    """Shrink a bracket, below the demanded torque at `low` and not at `high`, by regula falsi and halving."""
-    # The most torque of a current of the tolerance; a closer match says no more about the reference.
+    """Return the reference in a bracket, below the demanded torque at `low` and not at `high`.
+
+    The bracket shrinks by regula falsi and halving to `tolerance` (A).
+    """
+    # The maximum torque of a current equal to the tolerance; a closer match does not improve the reference.
     near = drive.phases * drive.emf_constant * tolerance
     low_weight = low_state.torque - torque
     high_weight = high_state.torque - torque
@@ -217,7 +219,7 @@ def _located(
             high = middle
             high_state = state
             high_weight = state.torque - torque
-            # The Illinois rule: an end that stays counts half, or the false position would creep.
+            # The Illinois rule: halve the weight of an end that does not move, or the false position would creep.
             if side == 1:
                 low_weight *= 0.5
             side = 1
@@ -229,7 +231,7 @@ def _located(
                 high_weight *= 0.5
             side = -1
     share = (torque - low_state.torque) / (high_state.torque - low_state.torque)
-    # What is left of a coarse search is interpolated like a jump, which costs it no precision.
+    # The remaining bracket of a coarse search is interpolated like a jump, without loss of precision.
     near = drive.phases * drive.emf_constant * CURRENT_TOLERANCE
     if high_state.torque <= torque + near:
         low = high
@@ -263,33 +265,33 @@ def reference_for_torque(
     floor: float,
     robust_only: bool,
 ) -> ReferenceSearch:
-    """Return the least current reference at which the mean torque is the demanded one.
+    """Return the minimum current reference at which the mean torque is the demanded one.
 
-    The reference is scanned upward in steps of a hundredth of the limit, so a torque that is reached only
-    within a narrower stretch of references is found only where it surrounds the greatest torque.
+    The reference is scanned upward in steps of a hundredth of the limit. A torque that is reached only in a narrower
+    range of references is found only if this range contains the maximum torque.
 
     Parameters
     ----------
     drive, work, slices, speed, voltage, advance
-        As in `mean_state`.
+        Arguments of `mean_state`.
     torque : float
         Demanded mean electromagnetic torque (N m).
     limit : float
-        Greatest current reference (A).
+        Maximum current reference (A).
     tolerance : float
         Width to which the reference is located (A).
     floor : float
-        Reference to start from (A) where the answer is known to lie above; 0 leaves nothing out.
+        Initial reference if the result is known to be larger (A); 0 to scan all references.
     robust_only : bool
-        Whether to give up at once where the torque at the limit does not reach the demanded one.
+        True to stop at once if the torque at the limit does not reach the demanded one.
 
     Returns
     -------
     ReferenceSearch
-        One reference; two with their shares of time where the torque jumps across the demanded one.
+        One reference; two with their shares of time if the torque jumps across the demanded one.
     """
     nowhere = ReferenceSearch(OUT_OF_REACH, nan, nan, nan, nan, nan)
-    # First, because it settles robust feasibility, and so ends the search at many an angle.
+    # Compute this first: it determines robust feasibility, and so ends the search at many angles.
     at_limit = mean_state(drive, work, slices, speed, voltage, limit, advance)
     feasibility = ROBUST if at_limit.torque >= torque else STATIC
     if robust_only and feasibility != ROBUST:
@@ -297,21 +299,21 @@ def reference_for_torque(
     least = least_conceivable(drive, torque)
     low = 0.0
     low_state = at_limit
-    # Each start is taken back to a safer one if the torque there is beyond the demanded one already.
+    # Use a lower start if the torque at this one already exceeds the demanded one.
     for start in (max(floor, least), least, 0.0):
         low = start if start < limit else 0.0
         low_state = mean_state(drive, work, slices, speed, voltage, low, advance)
         if low_state.torque < torque:
             break
     if low_state.torque >= torque:
-        # Gates blocked; more braking than rectification gives cannot be had.
+        # With blocked gates, no more braking is possible than by rectification.
         if low_state.torque > torque + drive.phases * drive.emf_constant * CURRENT_TOLERANCE:
             return nowhere
         return ReferenceSearch(feasibility, 0.0, 0.0, 0.0, low_state.current_sum, low_state.input_power)
     step = limit / _SCAN_STEPS
     high = low
     high_state = low_state
-    # Upward, so that the first bracket holds the least reference, though torque need not grow with it.
+    # Scan upward, so that the first bracket contains the minimum reference, although torque may not grow with it.
     while high < limit and high_state.torque < torque:
         low = high
         low_state = high_state
@@ -320,7 +322,7 @@ def reference_for_torque(
         if high < limit:
             high_state = mean_state(drive, work, slices, speed, voltage, high, advance)
     if high_state.torque < torque:
-        # A summit between two steps of the scan: its lower side holds the least reference.
+        # The maximum is between two steps of the scan: its lower side contains the minimum reference.
         _, high = greatest_torque(drive, work, slices, speed, voltage, advance, limit, least)
         high_state = mean_state(drive, work, slices, speed, voltage, high, advance)
         if high_state.torque < torque:

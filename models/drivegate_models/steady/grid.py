@@ -1,4 +1,4 @@
-"""Many steady states in one compiled loop, so that a map of a million points takes seconds."""
+"""Many steady states in one compiled loop; a map of a million points needs seconds."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ POINT_COLUMNS = (
     "current_peak_a",
     "certified",
 )
-"""What `solve_points` writes of each point."""
+"""Columns of `solve_points`, one row per point."""
 _NO_TORQUE = 1e-9
 
 
@@ -40,7 +40,7 @@ def solve_points(
     Parameters
     ----------
     drive, work, slices, voltage
-        As in `drivegate_models.steady.steady_state.solve_steady_state`.
+        Arguments of `drivegate_models.steady.steady_state.solve_steady_state`.
     speeds : ndarray, shape (n,)
         Shaft speeds (rad/s), above 0.
     advances : ndarray, shape (n,)
@@ -48,8 +48,9 @@ def solve_points(
     references : ndarray, shape (n,)
         Current references (A).
     values : ndarray, shape (n, len(POINT_COLUMNS))
-        Receives `POINT_COLUMNS`: ripple as peak to peak over the mean's magnitude (%), NaN without torque; input power
-        with core loss and switching; 1 for a certified period, 0 for means over many cycles.
+        Receives `POINT_COLUMNS`. The ripple is peak to peak over the mean's magnitude (%), NaN without torque. The
+        input power includes core loss and switching. `certified` is 1 for a periodic state, 0 for means over many
+        cycles.
     """
     for place in range(len(speeds)):
         state = solve_steady_state(

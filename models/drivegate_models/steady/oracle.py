@@ -1,7 +1,7 @@
-"""What the drive can do at best: the values that candidates are measured against.
+"""The best possible operation of a drive: the reference values for candidates.
 
-All from the exact steady state, by exhaustive search at given speed and mean torque. Torque means the
-electromagnetic torque; the core loss's drag on the shaft is not taken off it.
+All values are from the exact steady state, by exhaustive search at a speed and a mean torque. Torque means the
+electromagnetic torque, without subtraction of the core loss's drag on the shaft.
 """
 
 from __future__ import annotations
@@ -63,17 +63,17 @@ __all__ = [
 
 
 class TorquePoint(NamedTuple):
-    """Steady state at a demanded mean torque, a mix in time of two references where the torque jumps across it.
+    """Steady state at a demanded mean torque. If the torque jumps across it, it is a mix in time of two references.
 
-    Out of reach every mean is NaN.
+    If the torque is out of reach, every mean is NaN.
     """
 
     robust: bool
-    """Whether the torque at the current limit reaches the demanded one."""
+    """True if the torque at the current limit reaches the demanded one."""
     static: bool
-    """Whether the greatest torque over all references up to the limit does."""
+    """True if the maximum torque over all references up to the limit reaches it."""
     reference: float
-    """Current reference, of a mix its mean in time (A)."""
+    """Current reference, for a mix its mean in time (A)."""
     reference_low: float
     """Reference of the side with less torque (A)."""
     reference_high: float
@@ -83,51 +83,51 @@ class TorquePoint(NamedTuple):
     torque: float
     """Mean electromagnetic torque (N m)."""
     torque_lowest: float
-    """Least torque of both sides (N m)."""
+    """Minimum torque of both sides (N m)."""
     torque_highest: float
-    """Greatest torque of both sides (N m)."""
+    """Maximum torque of both sides (N m)."""
     current_sum: float
     """Mean of the sum of the phase currents' magnitudes (A)."""
     input_power: float
-    """Net power taken from the supply, core loss and switching included (W)."""
+    """Net power from the supply, including core loss and switching (W)."""
     exchanged_power: float
     """Power exchanged with the half-sources (W)."""
     returned_power: float
-    """The part of it that flows back (W)."""
+    """The part of `exchanged_power` that flows back (W)."""
     copper_loss: float
-    """(W)."""
+    """Loss in the windings' resistance (W)."""
     device_loss: float
     """Forward drops and switching (W)."""
     core_loss: float
     """Core loss, from the supply and from the shaft (W)."""
     current_peak: float
-    """Greatest phase current of both sides (A)."""
+    """Maximum magnitude of a phase current on both sides (A)."""
     certified: bool
-    """Whether both sides are certified periodic."""
+    """True if both sides are certified periodic."""
 
 
 class Optimum(NamedTuple):
-    """The robustly feasible advance angle of least cost; NaN throughout where there is none."""
+    """The robustly feasible advance angle of minimum cost; all NaN if there is none."""
 
     advance: float
     """Advance angle (rad electrical)."""
     current_sum: float
     """Mean of the sum of the phase currents' magnitudes (A)."""
     input_power: float
-    """Net power taken from the supply, core loss and switching included (W)."""
+    """Net power from the supply, including core loss and switching (W)."""
     reference: float
     """Current reference (A)."""
 
 
 class CurrentSumCurve(NamedTuple):
-    """What a torque costs along the advance angle."""
+    """The cost of a torque over the advance angle."""
 
     current_sum: NDArray[np.float64]
-    """Mean of the sum of current magnitudes, shape (n,) (A); NaN where not robustly feasible."""
+    """Mean of the sum of current magnitudes, shape (n,) (A); NaN if not robustly feasible."""
     input_power: NDArray[np.float64]
-    """Net input power, shape (n,) (W); NaN where not robustly feasible."""
+    """Net input power, shape (n,) (W); NaN if not robustly feasible."""
     feasible: NDArray[np.bool_]
-    """Whether the angle is robustly feasible, shape (n,)."""
+    """True if the angle is robustly feasible, shape (n,)."""
 
 
 def _mean_reference(found: ReferenceSearch) -> float:
@@ -160,7 +160,7 @@ def point_at_torque(
     Returns
     -------
     TorquePoint
-        Means at the least current reference that gives the torque.
+        Means at the minimum current reference that produces the torque.
 
     Raises
     ------
@@ -184,11 +184,11 @@ def point_at_torque(
     )
     if found.feasibility == OUT_OF_REACH:
         return TorquePoint(False, False, *(nan,) * 15, False)
-    # The search compares means; only extremes of the torque need room for segments.
+    # The search compares means; only extremes of the torque need space for segments.
     work = make_phases(drive, KEPT_TIME)
     low = solve_steady_state(drive, work, slices, speed, supply, found.low, advance)
     high = low
-    # Where the torque jumps across the demanded one, the regulator dwells on both sides in turns.
+    # If the torque jumps across the demanded one, the regulator alternates between both sides.
     if found.share > 0.0:
         high = solve_steady_state(drive, work, slices, speed, supply, found.high, advance)
     share = found.share
@@ -203,7 +203,7 @@ def point_at_torque(
         reference_high=found.high,
         share=share,
         torque=_mixed(low, high, share, "torque"),
-        # Both sides occur in a mix, so its extremes are theirs, not a mean of them.
+        # Both sides occur in a mix, so its extremes are those of the sides, not their mean.
         torque_lowest=min(low.torque_lowest, high.torque_lowest),
         torque_highest=max(low.torque_highest, high.torque_highest),
         current_sum=_mixed(low, high, share, "current_sum"),
@@ -236,13 +236,13 @@ def feasible_edge(
     voltage : float, optional
         Voltage of each half-source (V); the drive's nominal one by default.
     static : bool
-        Count any current reference up to the limit, not only the limit itself.
+        True to allow any current reference up to the limit, not only the limit itself.
 
     Returns
     -------
     float
-        The edge (rad electrical), from a scan in steps of 1 degree located to 1e-4 degree; 0 where no
-        advance is needed, NaN where no angle up to 90 degrees will do.
+        The edge (rad electrical), from a scan in steps of 1 degree, located to 1e-4 degree. It is 0 if no advance is
+        needed, and NaN if no angle up to 90 degrees is sufficient.
 
     Raises
     ------
@@ -257,13 +257,13 @@ def _least(drive: AnyDrive, speed: float, torque: float, voltage: float | None, 
     advance = least_cost(demand, by_power)
     if isnan(advance):
         return Optimum(nan, nan, nan, nan)
-    # Anew, since the search has compared costs to a coarser tolerance.
+    # Repeat this, because the search compared costs with a coarser tolerance.
     found = search_reference(demand, advance)
     return Optimum(advance, found.current_sum, found.input_power, _mean_reference(found))
 
 
 def least_current_sum(drive: AnyDrive, speed: float, torque: float, voltage: float | None = None) -> Optimum:
-    """Return the advance angle of least sum of current magnitudes, the minimum the paper's Fig. 4 looks for.
+    """Return the advance angle of minimum sum of current magnitudes, the objective of the paper's Fig. 4.
 
     Parameters
     ----------
@@ -279,9 +279,9 @@ def least_current_sum(drive: AnyDrive, speed: float, torque: float, voltage: flo
     Returns
     -------
     Optimum
-        The least over all robustly feasible angles from 0 to 90 degrees: a grid of 1 degree, its two
-        lowest valleys on a grid of 0.1 degree, then golden section to 0.001 degree and the feasible edge.
-        With a band the grid leaves out where the ideal regulator tells that the sum is far greater.
+        The minimum over all robustly feasible angles from 0 to 90 degrees: a grid of 1 degree, its two lowest
+        valleys on a grid of 0.1 degree, then golden section to 0.001 degree and the feasible edge. With a band the
+        grid omits angles at which the sum with the ideal regulator is far larger.
 
     Raises
     ------
@@ -292,17 +292,17 @@ def least_current_sum(drive: AnyDrive, speed: float, torque: float, voltage: flo
 
 
 def least_input_power(drive: AnyDrive, speed: float, torque: float, voltage: float | None = None) -> Optimum:
-    """Return the advance angle of least net input power.
+    """Return the advance angle of minimum net input power.
 
     Parameters
     ----------
     drive, speed, torque, voltage
-        As in `least_current_sum`.
+        Arguments of `least_current_sum`.
 
     Returns
     -------
     Optimum
-        The least over all robustly feasible angles, searched as in `least_current_sum`.
+        The minimum over all robustly feasible angles, searched as in `least_current_sum`.
 
     Raises
     ------
@@ -315,12 +315,12 @@ def least_input_power(drive: AnyDrive, speed: float, torque: float, voltage: flo
 def current_sum_curve(
     drive: AnyDrive, speed: float, torque: float, advances: ArrayLike, voltage: float | None = None
 ) -> CurrentSumCurve:
-    """Return what a torque costs along the advance angle.
+    """Return the cost of a torque over the advance angle.
 
     Parameters
     ----------
     drive, speed, torque, voltage
-        As in `least_current_sum`.
+        Arguments of `least_current_sum`.
     advances : array_like, shape (n,)
         Advance angles (rad electrical).
 

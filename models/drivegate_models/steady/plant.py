@@ -1,6 +1,6 @@
-"""What steady states need of a plant, found by the type of the drive's constants.
+"""The plant functions for steady states, selected by the type of the drive's constants.
 
-Compiled callers are compiled for one kind of drive at a time, and see only its functions.
+Compiled callers are compiled for one kind of drive at a time, with its functions only.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ AnyPhases: TypeAlias = "Phases | StarPhases"
 
 
 def _function(kind: type, name: str) -> Any:
-    """Return a function of the plant of a kind of drive, whose package has them in `plant.phases` and `periodic`."""
+    """Return a function of a kind of drive by name, from the modules `plant.phases` and `periodic` of its package."""
     package = kind.__module__.partition(".plant.")[0]
     modules = (import_module(f"{package}.{module}") for module in ("plant.phases", "periodic"))
     return next(vars(module)[name] for module in modules if name in vars(module))
 
 
 def _of_any_drive(name: str) -> Any:
-    """Return a function that calls its namesake of the plant of its first argument, compiled or not."""
+    """Return a function that calls the function of the same name for its first argument's plant, compiled or not."""
 
     def call(drive: Any, *arguments: Any) -> Any:
         return _function(type(drive), name)(drive, *arguments)
@@ -53,19 +53,19 @@ def _of_any_drive(name: str) -> Any:
 
 
 def make_phases(drive: AnyDrive, longest_advance: float = 0.0) -> Any:
-    """Return phases at rest, as `make_phases` of the drive's plant does.
+    """Return phases at rest, by the function `make_phases` of the drive's plant.
 
     Parameters
     ----------
     drive : AnyDrive
-        The drive.
+        Constants of machine and inverter, which determine the kind of drive.
     longest_advance : float
-        Longest advance whose segments are to be kept (s); 0 keeps none.
+        Maximum length of an advance whose segments are stored (s); 0 to store none.
 
     Returns
     -------
     Phases or StarPhases
-        With room for every segment that the drive can produce in such an advance.
+        With space for every segment that the drive can produce in that time.
     """
     return _function(type(drive), "make_phases")(drive, longest_advance)
 
@@ -73,10 +73,10 @@ def make_phases(drive: AnyDrive, longest_advance: float = 0.0) -> Any:
 advance_phases: Final = _of_any_drive("advance_phases")
 """Advance all phases exactly."""
 periodic_start: Final = _of_any_drive("periodic_start")
-"""Find the periodic state and leave it, at the first phase's window start."""
+"""Find the periodic state, and store it at the first phase's window start."""
 torque_period: Final = _of_any_drive("torque_period")
 """Return the period of the torque in a periodic state (s)."""
 averaged_cycles: Final = _of_any_drive("averaged_cycles")
-"""Return the number of electrical cycles that a search averages where no periodic state exists."""
+"""Return the number of electrical cycles that a search averages if there is no periodic state."""
 least_conceivable: Final = _of_any_drive("least_conceivable")
-"""Return a current reference below which the drive cannot give a torque (A)."""
+"""Return a current reference below which the drive cannot produce a torque (A)."""

@@ -1,7 +1,7 @@
 """Means and torque extremes of the steady state at fixed speed, advance angle and current reference.
 
-With a hysteresis band a periodic state need not exist; then means over `AVERAGED_CYCLES` cycles are returned
-and the state is marked so.
+With a hysteresis band there may be no periodic state. Then the means are over `AVERAGED_CYCLES` cycles, and the
+state is marked as aperiodic.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ from drivegate_models.steady.plant import (
 )
 
 AVERAGED_CYCLES: int = 32
-"""Electrical cycles that are averaged where no periodic state exists."""
+"""Electrical cycles that are averaged if there is no periodic state."""
 KEPT_TIME: float = 1e-3
-"""Longest piece of a torque period whose segments are kept at once (s)."""
+"""Maximum length of a part of a torque period whose segments are stored at once (s)."""
 
 
 class SteadyState(NamedTuple):
@@ -39,29 +39,29 @@ class SteadyState(NamedTuple):
     torque: float
     """Mean electromagnetic torque (N m)."""
     torque_lowest: float
-    """Least torque (N m)."""
+    """Minimum torque (N m)."""
     torque_highest: float
-    """Greatest torque (N m)."""
+    """Maximum torque (N m)."""
     current_sum: float
     """Mean of the sum of the phase currents' magnitudes (A)."""
     exchanged_power: float
     """Power exchanged with the half-sources (W)."""
     returned_power: float
-    """The part of it that flows back (W)."""
+    """The part of `exchanged_power` that flows back (W)."""
     source_power: float
-    """Net power that windings and devices take from the supply (W)."""
+    """Net power from the supply to windings and devices (W)."""
     copper_loss: float
-    """(W)."""
+    """Loss in the windings' resistance (W)."""
     device_loss: float
     """Forward drops and switching (W)."""
     core_loss: float
     """Core loss, from the supply and from the shaft (W)."""
     core_source_power: float
-    """The part of the core loss that the supply delivers directly (W)."""
+    """The part of the core loss supplied directly by the source (W)."""
     core_drag: float
     """Drag torque of the core loss of floating phases (N m)."""
     current_peak: float
-    """Greatest phase current (A)."""
+    """Maximum magnitude of a phase current (A)."""
     switching_loss: float
     """Turn-on and turn-off losses (W), also part of `device_loss`."""
 
@@ -111,26 +111,26 @@ def advance_with_extremes(
     duration: float,
     totals: NDArray[np.float64],
 ) -> tuple[int, float, float]:
-    """Advance all phases in pieces short enough to keep their segments, and return the torque's range.
+    """Advance all phases in parts that are short enough to store their segments, and return the torque's range.
 
     Parameters
     ----------
     drive, phases, angle, speed, reference, advance, duration, totals
-        As in `drivegate_models.steady.plant.advance_phases`; `phases` has room for `KEPT_TIME`.
+        Arguments of `drivegate_models.steady.plant.advance_phases`; `phases` has space for `KEPT_TIME`.
     voltage : float
         Voltage of each half-source (V).
 
     Returns
     -------
     status : int
-        Status of the advance: 0 where it reached its end.
+        Status of the advance, 0 if it reached its end.
     lowest, highest : float
         Extremes of the torque (N m).
     """
     lowest = inf
     highest = -inf
     positions = np.zeros(drive.phases, np.int64)
-    # At low speed a torque period outlasts the room for segments.
+    # At low speed a torque period exceeds the space for segments.
     pieces = int(duration / KEPT_TIME) + 1
     length = duration / pieces
     status = 0
@@ -165,12 +165,12 @@ def solve_steady_state(
     reference: float,
     advance: float,
 ) -> SteadyState:
-    """Return the steady state at one point.
+    """Return the steady state at one operating point.
 
     Parameters
     ----------
     drive, work, slices, speed, voltage, reference, advance
-        As in `periodic_start`; `work` has room for segments of `KEPT_TIME`.
+        Arguments of `periodic_start`; `work` has space for segments of `KEPT_TIME`.
 
     Returns
     -------
@@ -182,7 +182,7 @@ def solve_steady_state(
     totals = np.zeros(ledger.ENTRIES)
     electrical = drive.pole_pairs * speed
     if periods != APERIODIC:
-        # All phases are alike, so everything repeats with the shift; a cycle would cost 2 m times as much.
+        # All phases are identical, so everything repeats with the phase shift; a cycle would cost 2 m times as much.
         duration = periods * torque_period(drive, electrical)
         _, lowest, highest = advance_with_extremes(
             drive, work, angle, speed, voltage, reference, advance, duration, totals
@@ -195,7 +195,7 @@ def solve_steady_state(
         _, low, high = advance_with_extremes(
             drive, work, angle, speed, voltage, reference, advance, cycle, totals
         )
-        # Without a period the widest cycle stands for the ripple.
+        # Without a period, the cycle with the widest range represents the ripple.
         if k == 0 or high - low > highest - lowest:
             lowest = low
             highest = high
@@ -212,19 +212,19 @@ def cycles_from_rest(
     advance: float,
     cycles: int,
 ) -> SteadyState:
-    """Run electrical cycles from angle 0 with no current and latches on; return means over the last.
+    """Run electrical cycles from angle 0 without current and with latches on, and return means over the last one.
 
     Parameters
     ----------
     drive, work, speed, voltage, reference, advance
-        As in `periodic_start`; `work` is fresh from `make_phases`.
+        Arguments of `periodic_start`; `work` is unchanged since `make_phases`.
     cycles : int
         Number of cycles, at least 1.
 
     Returns
     -------
     SteadyState
-        Marked `APERIODIC`, since nothing is certified.
+        Marked `APERIODIC`, because nothing is certified.
     """
     cycle = 2.0 * pi / (drive.pole_pairs * speed)
     totals = np.zeros(ledger.ENTRIES)
@@ -241,16 +241,16 @@ def cycles_from_rest(
 def steady_state(
     drive: AnyDrive, speed: float, reference: float, advance: float, voltage: float | None = None
 ) -> SteadyState:
-    """Return the steady state at one point, with room of its own.
+    """Return the steady state at one operating point, with its own work space.
 
     Parameters
     ----------
     drive : AnyDrive
-        The drive.
+        Constants of machine and inverter.
     speed : float
         Shaft speed (rad/s), above 0.
     reference : float
-        Current reference (A).
+        Current reference i* (A).
     advance : float
         Advance angle (rad electrical).
     voltage : float, optional

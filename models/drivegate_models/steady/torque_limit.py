@@ -1,4 +1,4 @@
-"""The torque at the current limit: along the advance angle, and the greatest of it."""
+"""The torque at the current limit: over the advance angle, and its maximum."""
 
 from __future__ import annotations
 
@@ -12,28 +12,28 @@ from drivegate_models.steady.angle_search import torque_at_limit, torque_demand
 from drivegate_models.steady.plant import AnyDrive
 
 HIGHEST_DEGREES: int = 90
-"""Greatest advance angle that is looked at (deg), as everywhere in the oracle."""
+"""Maximum advance angle (deg), as everywhere in the oracle."""
 _ANGLE_TOLERANCE = 1e-8
 
 
 class GreatestTorque(NamedTuple):
-    """The greatest torque at the current limit."""
+    """The maximum torque at the current limit."""
 
     torque: float
     """Mean electromagnetic torque (N m)."""
     advance: float
-    """The advance angle that gives it (rad electrical)."""
+    """Advance angle of the maximum torque (rad electrical)."""
 
 
 def torques_at_limit(
     drive: AnyDrive, speed: float, advances: ArrayLike, voltage: float | None = None
 ) -> NDArray[np.float64]:
-    """Return the torque at the current limit along the advance angle.
+    """Return the torque at the current limit over the advance angle.
 
     Parameters
     ----------
     drive : AnyDrive
-        The drive, taken with its band as it is.
+        The drive, with its hysteresis band.
     speed : float
         Shaft speed (rad/s), above 0.
     advances : array_like, shape (n,)
@@ -57,12 +57,12 @@ def torques_at_limit(
 
 
 def greatest_torque_at_limit(drive: AnyDrive, speed: float, voltage: float | None = None) -> GreatestTorque:
-    """Return the greatest torque at the current limit over all advance angles.
+    """Return the maximum torque at the current limit over all advance angles.
 
     Parameters
     ----------
     drive, speed, voltage
-        As in `torques_at_limit`.
+        Arguments of `torques_at_limit`.
 
     Returns
     -------
@@ -78,7 +78,7 @@ def greatest_torque_at_limit(drive: AnyDrive, speed: float, voltage: float | Non
 
     demand = torque_demand(drive, speed, voltage=voltage)
     torques = [torque_at_limit(demand, radians(degree)) for degree in range(HIGHEST_DEGREES + 1)]
-    # Brent's method finds one maximum of several; the grid chooses which.
+    # Brent's method finds one of several maxima; the grid determines which one.
     best = int(np.argmax(torques))
     found = minimize_scalar(
         lambda advance: -torque_at_limit(demand, float(advance)),
@@ -86,7 +86,7 @@ def greatest_torque_at_limit(drive: AnyDrive, speed: float, voltage: float | Non
         method="bounded",
         options={"xatol": _ANGLE_TOLERANCE},
     )
-    # With a band the summit is jagged, and what is found on its way up may be lower than the grid's best.
+    # With a band the maximum is jagged, and the result may be lower than the grid's best point.
     return max(
         GreatestTorque(-float(found.fun), float(found.x)), GreatestTorque(torques[best], radians(best))
     )

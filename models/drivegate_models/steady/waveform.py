@@ -25,22 +25,22 @@ from drivegate_models.steady.steady_state import KEPT_TIME
 
 @dataclass(frozen=True)
 class Waveforms:
-    """One electrical cycle of the steady state, from the opening of the first phase's positive window on."""
+    """One electrical cycle of the steady state, beginning with the first phase's positive window."""
 
     times: NDArray[np.float64]
-    """Never decreasing, shape (n,) (s); every event of every phase is among them, some times come twice."""
+    """Sampling times, never decreasing, shape (n,) (s). They include every event of every phase; some occur twice."""
     currents: NDArray[np.float64]
     """Phase currents, shape (m, n) (A)."""
     shapes: NDArray[np.float64]
     """Shape of each phase's back-EMF, shape (m, n) (1)."""
     voltages: NDArray[np.float64]
-    """Terminal voltages, shape (m, n) (V); at a step the value before it."""
+    """Terminal voltages, shape (m, n) (V); at a step, the value before it."""
     torque: NDArray[np.float64]
     """Electromagnetic torque, shape (n,) (N m)."""
     cycle: float
     """Length of the electrical cycle (s)."""
     certified: bool
-    """Whether the state repeats after this one cycle; if not, it is one settled cycle of many."""
+    """True if the state repeats after this one cycle; otherwise it is one of many different settled cycles."""
 
     @property
     def angles(self) -> NDArray[np.float64]:
@@ -57,7 +57,7 @@ def sample_rows(
     shapes: NDArray[np.float64],
     voltages: NDArray[np.float64],
 ) -> None:
-    """Evaluate the segments of one advance; a time on the border of two belongs to the earlier one.
+    """Evaluate the segments of one advance; a time between two segments belongs to the earlier one.
 
     Parameters
     ----------
@@ -73,11 +73,11 @@ def sample_rows(
     for phase in range(rows.shape[0]):
         position = 0
         for k in range(times.size):
-            # By the next start, not by this one's end: the two differ by rounding.
+            # Compare with the next start, not with this segment's end: the two differ by rounding.
             while position < row_counts[phase] - 1 and rows[phase, position + 1, segments.START] < times[k]:
                 position += 1
             row = rows[phase, position]
-            # Another phase's event may lie past this segment's end by rounding.
+            # By rounding, another phase's event may be after this segment's end.
             offset = min(max(times[k] - row[segments.START], 0.0), row[segments.LENGTH])
             current, _ = current_after(
                 row[segments.CURRENT],
@@ -92,7 +92,7 @@ def sample_rows(
 
 
 def _sampling_times(phases: AnyPhases, grid: NDArray[np.float64], length: float) -> NDArray[np.float64]:
-    """Return the grid together with the start of every segment that was kept (s)."""
+    """Return the grid together with the start of every stored segment (s)."""
     starts = [
         phases.rows[phase, :count, segments.START] for phase, count in enumerate(phases.row_counts.tolist())
     ]
@@ -107,22 +107,22 @@ def periodic_waveforms(
     voltage: float | None = None,
     samples: int = 720,
 ) -> Waveforms:
-    """Return one electrical cycle of the steady state at one point.
+    """Return one electrical cycle of the steady state at one operating point.
 
     Parameters
     ----------
     drive : AnyDrive
-        The drive.
+        Constants of machine and inverter.
     speed : float
         Shaft speed (rad/s), above 0.
     reference : float
-        Current reference (A).
+        Current reference i* (A).
     advance : float
         Advance angle (rad electrical).
     voltage : float, optional
         Voltage of each half-source (V); the drive's nominal one by default.
     samples : int
-        Number of equal parts of the cycle at whose ends it is evaluated, besides at every event.
+        Number of equal parts of the cycle at whose ends it is evaluated, in addition to every event.
 
     Returns
     -------
