@@ -1,8 +1,7 @@
-"""The best that a PM AC drive can do at a speed: least current, least loss and greatest torque within its limits.
+"""The best operation of a PM AC drive at a speed: minimum current, minimum loss and maximum torque within its limits.
 
-At a given torque the currents lie on a curve, one for each current along the magnet's axis. The curve is searched
-densely between the ends that the limits leave and then by golden section; nothing is assumed of how many valleys
-it has.
+The currents for a torque are a curve over the d-axis current. The curve is searched densely between the ends allowed by
+the limits, and then by golden section. There is no assumption on its number of valleys.
 """
 
 from __future__ import annotations
@@ -22,9 +21,9 @@ from drivegate_models.pm_ac.fundamental import (
 from drivegate_models.pm_ac.plant.drive import PmAcDrive, electrical_torque
 
 CURRENT: Final = 0
-"""The search is for the least current."""
+"""Minimize the current."""
 LOSS: Final = 1
-"""The search is for the least sum of copper and core loss."""
+"""Minimize the sum of copper and core loss."""
 
 _PLACES = 2000
 _GOLDEN = 0.6180339887498949
@@ -32,20 +31,20 @@ _NARROWINGS = 60
 _HALVINGS = 100
 _SLACK = 1e-12
 _FURTHEST = 1e6
-"""Speed over base speed beyond which constant power counts as unbounded (1)."""
+"""Multiple of base speed beyond which constant power counts as unlimited (1)."""
 
 
 class Limits(NamedTuple):
-    """What currents and voltages a search may use."""
+    """Limits of current and voltage in a search."""
 
     current: float
-    """Greatest peak current of a phase (A)."""
+    """Maximum peak current of a phase (A)."""
     voltage: float
-    """Greatest peak voltage of a phase (V)."""
+    """Maximum peak voltage of a phase (V)."""
 
 
 def undistorted_limits(drive: PmAcDrive, link: float | None = None) -> Limits:
-    """Give the limits of a drive's current and of the voltage that a link gives without distortion.
+    """Return a drive's current limit and the linear modulation limit of a link voltage.
 
     Parameters
     ----------
@@ -57,21 +56,21 @@ def undistorted_limits(drive: PmAcDrive, link: float | None = None) -> Limits:
     Returns
     -------
     Limits
-        Of both.
+        Peak values of a phase.
     """
     return Limits(drive.current_limit, LINEAR_LIMIT * (drive.link_voltage if link is None else link))
 
 
 @inlined
 def _no_state() -> SteadyState:
-    """Return the answer where no currents are feasible: NaN throughout."""
+    """Return the result if no currents are feasible, with NaN for all values."""
     nothing = inf - inf
     return SteadyState(nothing, nothing, nothing, nothing, nothing, nothing, nothing)
 
 
 @inlined
 def _is_within(drive: PmAcDrive, limits: Limits, electrical: float, direct: float, quadrature: float) -> bool:
-    """Return whether currents keep to both limits, but for rounding."""
+    """Return True if currents are within both limits, except for rounding."""
     along, across = steady_voltages(drive, electrical, direct, quadrature)
     room = 1.0 + _SLACK
     return (
@@ -82,7 +81,7 @@ def _is_within(drive: PmAcDrive, limits: Limits, electrical: float, direct: floa
 
 @inlined
 def _direct_range(drive: PmAcDrive, limits: Limits, electrical: float) -> tuple[float, float]:
-    """Return between which currents along the magnet's axis both limits can be kept (A); reversed where none can."""
+    """Return the minimum and maximum d-axis current within both limits (A); reversed if there is none."""
     reactance = electrical * drive.quadrature_inductance
     resistance = drive.resistance
     determinant = resistance * resistance + electrical * drive.direct_inductance * reactance
@@ -95,7 +94,7 @@ def _direct_range(drive: PmAcDrive, limits: Limits, electrical: float) -> tuple[
 
 @inlined
 def _quadrature_of(drive: PmAcDrive, torque: float, direct: float) -> float:
-    """Return the current across the magnet's axis that gives a torque (A); infinite where none does."""
+    """Return the q-axis current for a torque (A); infinite if there is none."""
     per_ampere = electrical_torque(drive, direct, 1.0)
     if per_ampere == 0.0:
         return 0.0 if torque == 0.0 else inf
@@ -106,7 +105,7 @@ def _quadrature_of(drive: PmAcDrive, torque: float, direct: float) -> float:
 def _cost(
     drive: PmAcDrive, limits: Limits, electrical: float, torque: float, purpose: int, direct: float
 ) -> float:
-    """Return what is sought the least of at a current along the magnet's axis; infinite beyond the limits."""
+    """Return the cost of a d-axis current, in the unit of the purpose (A2 or W); infinite beyond the limits."""
     quadrature = _quadrature_of(drive, torque, direct)
     if quadrature == inf or not _is_within(drive, limits, electrical, direct, quadrature):
         return inf
@@ -125,7 +124,7 @@ def _feasible_end(
     inside: float,
     outside: float,
 ) -> float:
-    """Return the last feasible place between a feasible and an infeasible one."""
+    """Return the last feasible d-axis current between a feasible and an infeasible one (A)."""
     for _ in range(_HALVINGS):
         middle = 0.5 * (inside + outside)
         if middle in (inside, outside):
@@ -139,7 +138,7 @@ def _feasible_end(
 
 @kernel
 def least_at(drive: PmAcDrive, limits: Limits, speed: float, torque: float, purpose: int) -> SteadyState:
-    """Return the steady state of least current or least loss that gives a torque at a speed.
+    """Return the steady state of minimum current or minimum loss for a torque at a speed.
 
     Parameters
     ----------
@@ -157,7 +156,7 @@ def least_at(drive: PmAcDrive, limits: Limits, speed: float, torque: float, purp
     Returns
     -------
     SteadyState
-        Of NaN where no currents within the limits give that torque.
+        All NaN if no currents within the limits produce that torque.
     """
     electrical = drive.pole_pairs * speed
     first, last = _direct_range(drive, limits, electrical)
@@ -171,7 +170,7 @@ def least_at(drive: PmAcDrive, limits: Limits, speed: float, torque: float, purp
             best = cost
             best_direct = direct
     if best == inf:
-        # A sliver of feasible currents hides between two places only close to the greatest torque.
+        # A narrow range of feasible currents between two grid points exists only close to the maximum torque.
         top = greatest_torque(drive, limits, speed)
         if not top.torque >= torque * (1.0 - _SLACK) or torque < 0.0:
             return _no_state()
@@ -205,13 +204,13 @@ def least_at(drive: PmAcDrive, limits: Limits, speed: float, torque: float, purp
 
 @inlined
 def _greatest_at(drive: PmAcDrive, limits: Limits, electrical: float, direct: float) -> tuple[float, float]:
-    """Return the greatest torque at a current along the magnet's axis, and the current across it; -inf for none."""
+    """Return the maximum torque at a d-axis current (N m), and its q-axis current (A); -inf if there is none."""
     square = limits.current * limits.current - direct * direct
     if square < 0.0:
         return -inf, 0.0
     high = sqrt(square)
     low = -high
-    # The voltage limit is a quadratic in the current across: a q**2 + 2 b q + c <= 0.
+    # The voltage limit is quadratic in the q-axis current: a q**2 + 2 b q + c <= 0.
     along = electrical * (drive.direct_inductance * direct + drive.magnet_flux)
     reactance = electrical * drive.quadrature_inductance
     resistance = drive.resistance
@@ -236,7 +235,7 @@ def _greatest_at(drive: PmAcDrive, limits: Limits, electrical: float, direct: fl
 
 @kernel
 def greatest_torque(drive: PmAcDrive, limits: Limits, speed: float) -> SteadyState:
-    """Return the steady state of the greatest torque at a speed.
+    """Return the steady state of maximum torque at a speed.
 
     Parameters
     ----------
@@ -250,7 +249,7 @@ def greatest_torque(drive: PmAcDrive, limits: Limits, speed: float) -> SteadySta
     Returns
     -------
     SteadyState
-        Of NaN where no currents keep to both limits.
+        All NaN if no currents are within both limits.
     """
     electrical = drive.pole_pairs * speed
     first, last = _direct_range(drive, limits, electrical)
@@ -287,7 +286,7 @@ def greatest_torque(drive: PmAcDrive, limits: Limits, speed: float) -> SteadySta
 
 @kernel
 def constant_power_end(drive: PmAcDrive, limits: Limits, power: float) -> float:
-    """Return the greatest speed up to which a mechanical power can be held from base speed on.
+    """Return the maximum speed up to which a mechanical power can be maintained, beginning at base speed.
 
     Parameters
     ----------
@@ -301,9 +300,9 @@ def constant_power_end(drive: PmAcDrive, limits: Limits, power: float) -> float:
     Returns
     -------
     float
-        Shaft speed (rad/s); infinite where the power lasts beyond a million times base speed, as it does where the
-        current limit can take the whole of the magnet's flux (psi/L_d <= I) and the power is small enough; 0 where
-        base speed does not reach it.
+        Shaft speed (rad/s), 0 if the power is not reached at base speed. It is infinite if the power is maintained
+        beyond a million times base speed, as with a current limit that can cancel the magnet's flux (psi/L_d <= I)
+        and a power that is small enough.
     """
     begin = base_speed(drive, limits.current, limits.voltage)
     if begin == 0.0 or not greatest_torque(drive, limits, begin).torque * begin >= power * (1.0 - _SLACK):

@@ -1,4 +1,4 @@
-"""The torque's swing at a held speed: of given duty ratios, and of ideal space-vector modulation."""
+"""Peak-to-peak torque at constant speed: for given duty ratios, and for ideal space-vector modulation."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def _swing(
     period: float,
     totals: NDArray[np.float64],
 ) -> float:
-    """Return the greatest less the least torque of the control periods behind the ignored ones (N m)."""
+    """Return maximum minus minimum torque of the control periods after the ignored ones (N m)."""
     turning = drive.pole_pairs * speed * period
     least = inf
     most = -inf
@@ -72,40 +72,40 @@ def commanded_swing(
     ignored: int,
     period: float,
 ) -> float:
-    """Return the swing of the torque under given duty ratios.
+    """Return the peak-to-peak torque under given duty ratios.
 
     Parameters
     ----------
     drive : PmAcDrive
         The drive.
     currents : tuple of float
-        Of the rotor frame, along and across, at the start (A).
+        d-axis and q-axis currents at the start (A).
     angle : float
-        Electrical, at the start (rad).
+        Electrical angle at the start (rad).
     speed : float
-        Of the shaft, held (rad/s).
+        Constant speed of the shaft (rad/s).
     link : float
         Voltage of the dc link (V).
     ratios : ndarray, shape (n, 3)
         Duty ratios that act in each control period (1).
     legs : ndarray, shape (n, 3)
-        States of the legs likewise.
+        States of the legs in each control period.
     first : int
-        Number of the first control period, an even one where the carrier has two updates: every lower switch is on at
-        its start.
+        Number of the first control period. With two updates per carrier period it must be even: every lower switch is
+        on at its start.
     ignored : int
-        Control periods at the start that are not looked at.
+        Number of control periods at the start that are not evaluated.
     period : float
         Control period (s).
 
     Returns
     -------
     float
-        Greatest less least torque, at any instant (N m); infinite where the plant cannot follow.
+        Maximum minus minimum torque at any instant (N m); infinite if the plant's advance fails.
     """
     phases = make_phases(follows_torque=True)
     phases.rotor_currents[:] = currents
-    _take_signs(phases, currents, float(angle))
+    _set_signs(phases, currents, float(angle))
     totals = np.zeros(ledger.ENTRIES)
     return float(
         _swing(
@@ -124,8 +124,8 @@ def commanded_swing(
     )
 
 
-def _take_signs(phases: PmAcPhases, currents: tuple[float, float], angle: float) -> None:
-    """Let every leg know the sign of its current."""
+def _set_signs(phases: PmAcPhases, currents: tuple[float, float], angle: float) -> None:
+    """Set the sign of the current in every leg."""
     cosine, sine = cosine_sine(angle)
     along = cosine * currents[0] - sine * currents[1]
     across = sine * currents[0] + cosine * currents[1]
@@ -135,7 +135,7 @@ def _take_signs(phases: PmAcPhases, currents: tuple[float, float], angle: float)
 
 @inlined
 def _write_ideal(ratios: NDArray[np.float64], along: float, across: float, link: float) -> None:
-    """Write the duty ratios of a voltage in the frame that stands still, about the middle of the link."""
+    """Write the duty ratios of a voltage in the stationary frame (V), centred in the link voltage (V)."""
     second, third = of_phase(1, along, across), of_phase(2, along, across)
     middle = 0.5 * (max(along, second, third) + min(along, second, third))
     ratios[0] = 0.5 + (along - middle) / link
@@ -147,7 +147,7 @@ def _write_ideal(ratios: NDArray[np.float64], along: float, across: float, link:
 def _ideal_ratios(
     direct: float, quadrature: float, turning: float, link: float, ratios: NDArray[np.float64]
 ) -> None:
-    """Write the duty ratios of steady voltages of the rotor frame for each control period, from angle 0 on."""
+    """Write the duty ratios of steady d-q voltages (V) for each control period, beginning at angle 0."""
     half = 0.5 * turning
     # A voltage that stands still while the rotor turns past it is less in the rotor's frame, by sin(x)/x.
     stretch = 1.0 + half * half / 6.0
@@ -168,34 +168,34 @@ def ideal_swing(
     watched: int,
     period: float,
 ) -> float:
-    """Return the swing of the torque that ideal space-vector modulation has at steady currents.
+    """Return the peak-to-peak torque of ideal space-vector modulation at steady currents.
 
-    Ideal switches without dead time and a counter of real numbers give in each control period the voltage of the steady
-    state, with the zero sequence that centres the greatest and the least duty ratio; these are the duty ratios of space
-    vectors with even zero vectors (Holmes and Lipo, "Pulse Width Modulation for Power Converters", IEEE Press, 2003,
-    chapter 6).
+    Ideal switches, without dead time and counter quantization, apply the voltage of the steady state in each control
+    period. The zero sequence centres the maximum and the minimum duty ratio; these are the duty ratios of space
+    vectors with equal zero vectors (Holmes and Lipo, "Pulse Width Modulation for Power Converters", IEEE Press,
+    2003, chapter 6).
 
     Parameters
     ----------
     drive : PmAcDrive
-        The drive; of its modulator the carrier alone counts.
+        The drive; only the carrier of its modulator is used.
     speed : float
-        Of the shaft, held (rad/s).
+        Constant speed of the shaft (rad/s).
     link : float
         Voltage of the dc link (V).
     currents : tuple of float
-        Mean currents of the rotor frame, along and across (A).
+        Mean d-axis and q-axis currents (A).
     ignored : int
-        Control periods at the start that are not looked at, in which the currents settle.
+        Number of control periods at the start that are not evaluated, in which the currents settle.
     watched : int
-        Control periods behind them.
+        Number of evaluated control periods after them.
     period : float
         Control period (s).
 
     Returns
     -------
     float
-        Greatest less least torque, at any instant (N m); infinite where the plant cannot follow.
+        Maximum minus minimum torque at any instant (N m); infinite if the plant's advance fails.
     """
     electrical = drive.pole_pairs * speed
     voltages = steady_voltages(drive, float(electrical), *currents)

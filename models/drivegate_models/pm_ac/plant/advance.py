@@ -1,4 +1,4 @@
-"""Machine and bridge advanced over one control period at constant speed and link voltage, from event to event."""
+"""Advance of machine and bridge over one control period at constant speed and link voltage, from event to event."""
 
 from __future__ import annotations
 
@@ -46,13 +46,13 @@ from drivegate_models.pm_ac.plant.settling import EMPTY, FREE, Legs, make_legs, 
 from drivegate_models.pm_ac.plant.two_points import SHORT
 
 EVENT_LIMIT: Final = 100_000
-"""Greatest number of segments in one advance."""
+"""Maximum number of segments in one advance."""
 
-# An event this early, over the segment's length, is looked for again in a segment that ends soon after it.
+# An event earlier than this share of the segment is searched again in a segment that ends soon after it.
 _SHORT_SHARE = 1e-2
 _SOON_AFTER = 4.0
 _LEAST_SHARE = 1e-14
-# Terms of the turning series over the longest segment.
+# Number of terms in the series of a rotation over the longest segment.
 _TURNING_TERMS = 14
 _NO_LEG = -1
 
@@ -61,48 +61,48 @@ class PmAcPhases(NamedTuple):
     """State of machine, bridge and modulator; the arrays are updated in place."""
 
     rotor_currents: NDArray[np.float64]
-    """Currents along and across the magnet's axis, shape (2,) (A)."""
+    """d-axis and q-axis currents, shape (2,) (A)."""
     currents: NDArray[np.float64]
     """Phase currents at the end of the last advance, shape (3,) (A)."""
     magnitudes: NDArray[np.float64]
     """Integral of each phase's current magnitude over the last advance, shape (3,) (A s)."""
     torque_bounds: NDArray[np.float64]
-    """Least and greatest torque of the last advance (N m), shape (2,); shape (0,) follows none."""
+    """Minimum and maximum torque of the last advance (N m), shape (2,); shape (0,) to compute none."""
     gates: Gates
     """Modulators and their schedule."""
     legs: Legs
     """Signs and voltages of the legs; the signs are part of the state."""
     series: Series
-    """Room for the series of a segment."""
+    """Work space for the series of a segment."""
     upcoming: Upcoming
-    """Room for what the legs do in a quiet period."""
+    """Work space for the legs in a quiet period."""
     rows: NDArray[np.float64]
-    """Room for its segments, as `plant.rows` has it."""
+    """Work space for the segments of a quiet period, as in `plant.rows`."""
 
 
 class _Connected(NamedTuple):
-    """Of the part of an advance in which current can flow: what the core loss follows from."""
+    """Quantities for the core loss, from the part of an advance in which current can flow."""
 
     along: float
     """Change of the stator's flux linkage along the first phase's axis (V s)."""
     across: float
-    """And across it (V s)."""
+    """Change of the stator's flux linkage across the first phase's axis (V s)."""
     idle: float
     """Time without any current (s)."""
 
 
 def make_phases(*, follows_torque: bool = False) -> PmAcPhases:
-    """Return a machine without current, behind modulators that have commanded the lower switches.
+    """Return a machine without current, with modulators that have commanded the lower switches.
 
     Parameters
     ----------
     follows_torque : bool
-        Whether the extremes of the torque are to be found.
+        True to compute the extremes of the torque in each advance.
 
     Returns
     -------
     PmAcPhases
-        State and room.
+        Initial state and work space.
     """
     return PmAcPhases(
         np.zeros(2),
@@ -119,20 +119,7 @@ def make_phases(*, follows_torque: bool = False) -> PmAcPhases:
 
 @inlined
 def stored_energy(drive: PmAcDrive, phases: PmAcPhases) -> float:
-    """Return the energy of the currents in the windings.
-
-    Parameters
-    ----------
-    drive : PmAcDrive
-        The drive.
-    phases : PmAcPhases
-        With the currents of the rotor frame.
-
-    Returns
-    -------
-    float
-        (J).
-    """
+    """Return the energy of the currents in the windings (J)."""
     direct = phases.rotor_currents[0]
     quadrature = phases.rotor_currents[1]
     along = drive.direct_inductance * direct * direct
@@ -153,7 +140,7 @@ def _stator_flux(circuit: Circuit, frame: RotorFrame) -> tuple[float, float]:
 
 @inlined
 def _after_event(legs: Legs, event: Event, frame: RotorFrame) -> tuple[RotorFrame, int, int]:
-    """Mark what an event has settled; return the currents, the leg it has settled, and the sign it excludes."""
+    """Set the signs after an event; return the currents, the leg with a known sign, and the excluded sign."""
     if event.kind == RELEASE:
         legs.signs[event.leg] = event.sign
         return frame, event.leg, 0
@@ -171,7 +158,7 @@ def _after_event(legs: Legs, event: Event, frame: RotorFrame) -> tuple[RotorFram
 def _first_event(
     circuit: Circuit, phases: PmAcPhases, frame: RotorFrame, held: int, end_angle: float, length: float
 ) -> tuple[Event, int, RotorFrame]:
-    """Write the series of a segment; return the first event in it, how many coefficients, and its end without one."""
+    """Write the series of a segment; return its first event, number of coefficients, and end without an event."""
     legs = phases.legs
     series = phases.series
     cosine, sine = cosine_sine(end_angle)
@@ -200,14 +187,14 @@ def _segment(
     length: float,
     totals: NDArray[np.float64],
 ) -> tuple[Event, float, RotorFrame]:
-    """Advance to the first event within a length; return it, the time it takes and the currents then."""
+    """Advance to the first event within a length (s); return it, the time until then (s) and the currents."""
     begin_angle = angle + circuit.electrical * time
     electrical = circuit.electrical
     event, count, after = _first_event(
         circuit, phases, frame, held, begin_angle + electrical * length, length
     )
     while _LEAST_SHARE < event.share < _SHORT_SHARE:
-        # So early that the scale of the whole segment says nothing of that of its currents.
+        # The event is so early that the scale of the whole segment differs from that of its currents.
         length *= _SOON_AFTER * event.share
         event, count, after = _first_event(
             circuit, phases, frame, held, begin_angle + electrical * length, length
@@ -240,7 +227,7 @@ def _segment(
 def _add_core_loss(
     drive: PmAcDrive, circuit: Circuit, connected: _Connected, duration: float, totals: NDArray[np.float64]
 ) -> None:
-    """Add the core loss of the mean flux voltage; without any current the shaft supplies it."""
+    """Add the core loss by the mean flux voltage; without any current the shaft supplies it."""
     if drive.core_loss_conductance == 0.0:
         return
     conductance = 1.5 * drive.core_loss_conductance
@@ -248,7 +235,7 @@ def _add_core_loss(
     if length > 0.0:
         square = connected.along * connected.along + connected.across * connected.across
         totals[ledger.CORE_SOURCE] += conductance * square / length
-    # Power over speed, without dividing by it.
+    # This is power over speed, without a division by the speed.
     totals[ledger.CORE_DRAG_IMPULSE] += (
         conductance * circuit.flux * circuit.flux * circuit.electrical * drive.pole_pairs * connected.idle
     )
@@ -256,7 +243,7 @@ def _add_core_loss(
 
 @inlined
 def _finish(phases: PmAcPhases, frame: RotorFrame) -> None:
-    """Write down the state at the end of an advance."""
+    """Store the state at the end of an advance."""
     phases.rotor_currents[0] = frame.direct
     phases.rotor_currents[1] = frame.quadrature
     for leg in range(3):
@@ -265,7 +252,7 @@ def _finish(phases: PmAcPhases, frame: RotorFrame) -> None:
 
 @inlined
 def _begin_observation(phases: PmAcPhases) -> None:
-    """Forget what the last advance has left."""
+    """Reset the observations of the last advance."""
     for leg in range(3):
         phases.magnitudes[leg] = 0.0
     if phases.torque_bounds.size > 0:
@@ -291,11 +278,11 @@ def advance_period(
     Parameters
     ----------
     drive : PmAcDrive
-        The drive's constants.
+        Constants of machine, bridge and modulator.
     phases : PmAcPhases
-        State, updated.
+        State before the advance; replaced by the state after it.
     angle : float
-        Electrical angle of the magnet's axis at the start (rad).
+        Electrical angle of the d axis at the start (rad).
     speed : float
         Shaft speed, of either sign (rad/s).
     link : float
@@ -307,9 +294,9 @@ def advance_period(
     alignment : int
         `drive.CENTRED`, `RISING` or `FALLING`.
     duration : float
-        Length (s).
+        Length of the advance (s).
     totals : ndarray, shape (ledger.ENTRIES,)
-        Exact integrals, added to; both halves of the link give the same.
+        The exact integrals are added to it; both halves of the link have equal shares.
 
     Returns
     -------
@@ -326,7 +313,7 @@ def advance_period(
     totals[ledger.SWITCHING] += begin_schedule(circuit, legs, gates, frame, duration)
     along, across = _stator_flux(circuit, frame)
     rates = rates_of(circuit)
-    # The extremes of the torque are looked for in its series.
+    # The extremes of the torque are computed from its series, which a quiet segment does not have.
     quiet_length = 0.0
     if phases.torque_bounds.size == 0:
         quiet_length = SHORT / circuit.rate if circuit.rate * duration > SHORT else duration
@@ -389,7 +376,7 @@ def advance_period(
                     phases.torque_bounds[1] = max(phases.torque_bounds[1], 0.0)
             after, fixed, excluded = _after_event(legs, event, after)
         if is_whole:
-            # The limit itself, not the sum, so that every edge is passed exactly once.
+            # Use the limit itself, not the sum, so that every edge is passed exactly once.
             time = limit
             totals[ledger.SWITCHING] += pass_edges(circuit, legs, gates, time)
         settled = settle(circuit, legs, after, fixed, excluded)

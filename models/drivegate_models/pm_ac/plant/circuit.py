@@ -1,4 +1,4 @@
-"""What is constant over one advance, and how currents and voltages of legs and rotor frame belong together."""
+"""Constants of an advance, and relations of currents and voltages between legs and rotor frame."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from drivegate_models.pm_ac.plant.drive import PmAcDrive
 from drivegate_models.pm_ac.plant.modulator import LOWER, UPPER
 
 UNBOUNDED: Final = 1e200
-"""Instead of a bound of slopes; finite, so that none is left of it in no time."""
+"""Value of a missing bound of slopes; finite, so that its product with zero time is zero."""
 _STANDSTILL = 1e-100
 _TIE = 1e-13
 _ROUNDING = 1e-16
@@ -24,37 +24,37 @@ class Circuit(NamedTuple):
     """Constants of machine and bridge over one advance."""
 
     resistance: float
-    """(ohm)."""
+    """Winding resistance of a phase (ohm)."""
     direct: float
-    """Inductance along the magnet's axis (H)."""
+    """d-axis inductance (H)."""
     quadrature: float
-    """Inductance across it (H)."""
+    """q-axis inductance (H)."""
     flux: float
-    """Flux linkage by the magnet (V s)."""
+    """Peak flux linkage by the magnet (V s)."""
     electrical: float
     """Electrical speed (rad/s)."""
     link: float
     """Voltage of the link (V)."""
     switch_drop: float
-    """(V)."""
+    """Forward drop of a switch (V)."""
     diode_drop: float
-    """(V)."""
+    """Forward drop of a diode (V)."""
     turn_on_energy: float
-    """Lost by a switch that takes a current over (J)."""
+    """Loss of a switch that turns on with a current (J)."""
     turn_off_energy: float
-    """Lost by one that gives it away (J)."""
+    """Loss of a switch that turns off with a current (J)."""
     rate: float
     """Fastest rate of the equations, |w| + R/min L (1/s)."""
     pace: float
-    """Bound of how fast slopes of phase currents change, over their bound (1/s)."""
+    """Bound of the rate of change of phase current slopes, relative to the bound of the slopes (1/s)."""
     steepest: float
     """Bound of the slope of any phase current in the advance (A/s)."""
     bend: float
     """Bound of the slope's own slope while no leg is held (A/s2)."""
     tie: float
-    """Difference of voltages that is none but for rounding (V)."""
+    """Voltage difference that is zero except for rounding (V)."""
     nothing: float
-    """Current that builds up within the rounding of time (A)."""
+    """Current that builds up within the rounding of time (A), and so counts as zero."""
 
 
 @inlined
@@ -66,20 +66,20 @@ def circuit_of(
     Parameters
     ----------
     drive : PmAcDrive
-        The drive.
+        Constants of machine and bridge.
     speed : float
         Shaft speed (rad/s).
     link : float
-        Voltage of the link (V).
+        Voltage of the dc link (V).
     direct, quadrature : float
-        Currents at the start (A).
+        d-axis and q-axis currents at the start (A).
     duration : float
-        Length (s).
+        Length of the advance (s).
 
     Returns
     -------
     Circuit
-        Its bound of slopes is `UNBOUNDED` where the currents may change altogether in the advance.
+        Its bound of slopes is `UNBOUNDED` if the currents may change completely in the advance.
     """
     electrical = drive.pole_pairs * speed
     if abs(electrical) < _STANDSTILL:
@@ -88,10 +88,10 @@ def circuit_of(
     greatest = max(drive.direct_inductance, drive.quadrature_inductance)
     per_least = 1.0 / least
     turning = abs(electrical)
-    # Along axes that stand still, speed alone drives currents only where the machine is salient.
+    # In the stationary frame, speed alone drives currents only in a salient machine.
     growth = (drive.resistance + turning * (greatest - least)) * per_least
     pace = growth + 4.0 * turning
-    # The legs lie between -V_D and V + V_D, or, on a link below the switches' drop, between V - V_S and V_S.
+    # The leg voltages are between -V_D and V + V_D, or, with a link below the switches' drop, between V - V_S and V_S.
     span = link + 2.0 * max(drive.diode_drop, drive.switch_drop)
     voltage = (2.0 / 3.0) * span + turning * abs(drive.magnet_flux)
     steepest = UNBOUNDED
@@ -126,19 +126,19 @@ def circuit_of(
 
 @inlined
 def sagitta(circuit: Circuit, length: float) -> float:
-    """Return how far a phase current can be from the chord of a segment in which no leg is held (A)."""
+    """Return the maximum distance of a phase current from its chord in a segment (s) without a held leg (A)."""
     return 0.125 * circuit.bend * length * length
 
 
 @inlined
 def has_drops(circuit: Circuit) -> bool:
-    """Return whether switches or freewheeling diodes have a forward drop."""
+    """Return True if switches or freewheeling diodes have a forward drop."""
     return circuit.switch_drop != 0.0 or circuit.diode_drop != 0.0
 
 
 @inlined
 def leg_voltages(circuit: Circuit, gate: int) -> tuple[float, float]:
-    """Return the voltages of a leg, against the lower rail, for a positive and for a negative current (V)."""
+    """Return the voltages of a leg relative to the lower rail, for positive and for negative current (V)."""
     if gate == UPPER:
         return circuit.link - circuit.switch_drop, circuit.link + circuit.diode_drop
     if gate == LOWER:
@@ -148,13 +148,13 @@ def leg_voltages(circuit: Circuit, gate: int) -> tuple[float, float]:
 
 @inlined
 def is_on_upper_rail(gate: int, sign: int) -> bool:
-    """Return whether a leg that carries a current of a sign takes it from the upper rail."""
+    """Return True if a leg's current, of this sign, is from the upper rail."""
     return gate == UPPER or (gate != LOWER and sign < 0)
 
 
 @inlined
 def drop_of(circuit: Circuit, gate: int, sign: int) -> float:
-    """Return the forward drop of what carries the current of a leg (V); 0 for a leg without a current."""
+    """Return the forward drop of the device that carries a leg's current (V); 0 for a leg without current."""
     if sign == 0:
         return 0.0
     return circuit.switch_drop if gate == sign else circuit.diode_drop
@@ -162,7 +162,7 @@ def drop_of(circuit: Circuit, gate: int, sign: int) -> float:
 
 @inlined
 def rotor_voltages(frame: RotorFrame, first: float, second: float, third: float) -> tuple[float, float]:
-    """Return the voltages of the rotor frame that those of three legs make (V)."""
+    """Return the d-axis and q-axis voltages for the voltages of three legs (V)."""
     along, across = from_phases(first, second, third)
     return (
         frame.cosine * along + frame.sine * across,
@@ -174,7 +174,7 @@ def rotor_voltages(frame: RotorFrame, first: float, second: float, third: float)
 def current_slopes(
     circuit: Circuit, frame: RotorFrame, direct: float, quadrature: float
 ) -> tuple[float, float]:
-    """Return the slopes of the currents of the rotor frame under voltages of it (A/s)."""
+    """Return the slopes of the d-axis and q-axis currents for d-axis and q-axis voltages (A/s)."""
     return (
         (
             direct
@@ -195,7 +195,7 @@ def current_slopes(
 def phase_slope(
     circuit: Circuit, frame: RotorFrame, leg: int, first: float, second: float, third: float
 ) -> float:
-    """Return the slope of a phase current under voltages of three legs (A/s)."""
+    """Return the slope of a phase current for the voltages of three legs (A/s)."""
     voltages = rotor_voltages(frame, first, second, third)
     direct, quadrature = current_slopes(circuit, frame, voltages[0], voltages[1])
     cosine, sine = axis_of(frame, leg)
@@ -208,7 +208,7 @@ def phase_slope(
 def holding_voltage(
     circuit: Circuit, frame: RotorFrame, leg: int, voltages: NDArray[np.float64]
 ) -> tuple[float, float]:
-    """Return the voltage at which the current of a leg has no slope (V), and slope over voltage there (A/(V s)).
+    """Return the voltage of a leg for constant current (V), and the slope per voltage there (A/(V s)).
 
     Parameters
     ----------
@@ -217,14 +217,14 @@ def holding_voltage(
     frame : RotorFrame
         Currents and angle.
     leg : int
-        The leg.
+        Index of the leg.
     voltages : ndarray, shape (3,)
-        Of the other legs (V).
+        Voltages of the legs (V); that of this leg is not used.
 
     Returns
     -------
     voltage, gain : float
-        The gain is above 0.
+        The gain is positive.
     """
     first = 0.0 if leg == 0 else voltages[0]
     second = 0.0 if leg == 1 else voltages[1]

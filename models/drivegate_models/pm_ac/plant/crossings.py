@@ -1,7 +1,7 @@
-"""Currents that pass zero in a control period where that changes no voltage, as behind ideal switches.
+"""Currents that cross zero in a control period without changing a voltage, as with ideal switches.
 
-Such a period goes at once all the same. Only the magnitudes of the currents, and what goes to and fro between link and
-machine, are made of parts of one sign: the segment with the zero is divided there.
+This period is still computed at once. Only the magnitudes of the currents, and the energy exchanged with the link, need
+parts of one sign: the segment with the zero is divided there.
 """
 
 from __future__ import annotations
@@ -40,12 +40,12 @@ from drivegate_models.pm_ac.plant.rows import (
 
 _STEPS: Final = 60
 _REACHED: Final = 1e-9
-# The link's current is that of a leg, half of it with either sign, or none.
+# The link's current over a leg's current is 1, 1/2 with either sign, or 0.
 _SUPPLIES: Final = 0.75
 
 
 class Returning(NamedTuple):
-    """What the magnitudes of parts come to beyond that of their sum."""
+    """Excess of the sum of magnitudes of parts over the magnitude of their sum."""
 
     magnitude: float
     """Integral of a current's magnitude over the period beyond the magnitude of its integral (A s)."""
@@ -56,7 +56,7 @@ class Returning(NamedTuple):
 
 @inlined
 def ignores_sign(circuit: Circuit, gates: Gates, leg: int) -> bool:
-    """Return whether the sign of a leg's current changes no voltage and no loss in a period."""
+    """Return True if the sign of a leg's current affects no voltage and no loss in a period."""
     energies = circuit.turn_on_energy + circuit.turn_off_energy
     blanked = 0
     for position in range(gates.counts[leg]):
@@ -66,7 +66,7 @@ def ignores_sign(circuit: Circuit, gates: Gates, leg: int) -> bool:
 
 @inlined
 def _zero(phase: PhaseSegment, interpolant: Interpolant) -> float:
-    """Return the share of a segment at which a current that only rises or only falls passes zero."""
+    """Return the share of a segment at which a monotone current crosses zero."""
     begin, end, length = phase.begin, phase.end, phase.length
     sign = 1.0 if begin.value > 0.0 else -1.0
     low, high = 0.0, 1.0
@@ -90,7 +90,7 @@ def _zero(phase: PhaseSegment, interpolant: Interpolant) -> float:
 
 @inlined
 def _charge_to_zero(phase: PhaseSegment) -> float:
-    """Return the integral of a current up to its zero (A s)."""
+    """Return the integral of a current from the segment's start to its zero (A s)."""
     interpolant = interpolant_of(phase.begin, phase.end, phase.length)
     share = _zero(phase, interpolant)
     total = 0.0
@@ -101,25 +101,25 @@ def _charge_to_zero(phase: PhaseSegment) -> float:
 
 @unallocating
 def passes_zero(circuit: Circuit, rates: Rates, rows: NDArray[np.float64], count: int, leg: int) -> bool:
-    """Return whether a current that comes near zero in a period only rises or only falls in every segment there.
+    """Return True if a current in a period is monotone in every segment in which it is near zero.
 
     Parameters
     ----------
     circuit : Circuit
         Constants of the advance.
     rates : Rates
-        Its equations.
+        Coefficients of its equations.
     rows : ndarray
-        Currents, rotor, voltages and times of all segments, as `rows` has them.
+        With currents, rotor, voltages and times of all segments, as in `rows`.
     count : int
         Number of segments.
     leg : int
-        Whose current it is.
+        Leg with the current.
 
     Returns
     -------
     bool
-        A segment then has one zero where the current has two signs at its ends, and none elsewhere.
+        If True, a segment has one zero if the current has two signs at its ends, and none otherwise.
     """
     behind = current_at(rows, 0, leg)
     for n in range(count):
@@ -140,25 +140,25 @@ def passes_zero(circuit: Circuit, rates: Rates, rows: NDArray[np.float64], count
 def returning_of(
     circuit: Circuit, rates: Rates, rows: NDArray[np.float64], count: int, leg: int
 ) -> Returning:
-    """Return what the magnitudes of a current that passes zero come to.
+    """Return the excess of the magnitudes of a current that crosses zero.
 
     Parameters
     ----------
     circuit : Circuit
         Constants of the advance.
     rates : Rates
-        Its equations.
+        Coefficients of its equations.
     rows : ndarray
-        Currents, rotor, voltages, times and charges of all segments, as `rows` has them.
+        With currents, rotor, voltages, times and charges of all segments, as in `rows`.
     count : int
         Number of segments, each of at most `two_points.SHORT` over the circuit's rate.
     leg : int
-        Whose current it is; `passes_zero` holds for it.
+        Leg with the current, for which `passes_zero` is True.
 
     Returns
     -------
     Returning
-        Of this current.
+        Excess by this current.
     """
     magnitude, whole, exchanged = 0.0, 0.0, 0.0
     behind = current_at(rows, 0, leg)

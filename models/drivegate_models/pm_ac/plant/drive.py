@@ -1,4 +1,4 @@
-"""The constants of a PM AC drive, machine, bridge and modulator, as the compiled kernels take them (SI units)."""
+"""The constants of a PM AC drive, machine, bridge and modulator, for the compiled kernels (SI units)."""
 
 from __future__ import annotations
 
@@ -7,33 +7,33 @@ from typing import Final, NamedTuple
 from drivegate_models.compilation.kernels import inlined
 
 CENTRED: Final = 0
-"""The upper switch is on about the middle of the period: a symmetric carrier, one update in each of its periods."""
+"""The upper switch is on around the middle of the period: a symmetric carrier with one update per carrier period."""
 RISING: Final = 1
-"""The upper switch is on at the end of the period: the first half of a symmetric carrier of two updates."""
+"""The upper switch is on at the end of the period: the first half of a symmetric carrier with two updates."""
 FALLING: Final = 2
-"""The upper switch is on at the start: the second half of such a carrier, or a sawtooth."""
+"""The upper switch is on at the start of the period: the second half of that carrier, or a sawtooth carrier."""
 
 
 class Modulator(NamedTuple):
-    """How duty ratios become instants of switching."""
+    """Conversion of duty ratios to instants of switching."""
 
     updates: int = 1
-    """Updates of the duty ratios in a period of the symmetric carrier: 1 or 2; 0 is a sawtooth of one update."""
+    """Updates of the duty ratios per period of the symmetric carrier: 1 or 2; 0 is a sawtooth with one update."""
     update_delay: int = 1
-    """Control periods between the step that gives duty ratios and the period that they act in."""
+    """Control periods between the step that commands duty ratios and the period in which they act."""
     counter_levels: float = 0.0
-    """Steps of the counter in a control period; 0 is no counter, but real numbers."""
+    """Steps of the counter in a control period; 0 for no quantization."""
     dead_time: float = 0.0
     """Time between the turn-off of a switch and the turn-on of the other one of its leg (s)."""
     minimum_pulse: float = 0.0
-    """Pulses and gaps shorter than this are left out (s)."""
+    """Minimum length of pulses and gaps; shorter ones are omitted (s)."""
 
 
 class PmAcDrive(NamedTuple):
     """Constants of a PM AC machine with an isolated neutral on a two-level bridge.
 
-    Quantities of the rotor frame are peak values of a phase: an amplitude-invariant transformation. The direct axis
-    is that of the magnet; the electrical angle goes from the axis of the first phase to it.
+    Quantities in the rotor frame are peak values of a phase: the transformation is amplitude-invariant. The d axis
+    is the magnet's axis. The electrical angle is from the axis of the first phase to the d axis.
     """
 
     resistance: float
@@ -41,25 +41,25 @@ class PmAcDrive(NamedTuple):
     magnet_flux: float
     """Peak flux linkage of a phase by the magnet (V s)."""
     direct_inductance: float
-    """Inductance along the magnet's axis, L_d (H)."""
+    """d-axis inductance L_d (H)."""
     quadrature_inductance: float
-    """Inductance across it, L_q (H)."""
+    """q-axis inductance L_q (H)."""
     pole_pairs: int
     """Pole pairs p."""
     link_voltage: float
     """Nominal voltage of the dc link (V)."""
     current_limit: float
-    """Greatest peak current of a phase (A)."""
+    """Maximum peak current of a phase (A)."""
     modulator: Modulator = Modulator()
-    """What switches the bridge."""
+    """Carrier, delay, counter, dead time and minimum pulse."""
     core_loss_conductance: float = 0.0
-    """Core loss a phase over the mean square of the voltage that the mean flux of a period induces (S)."""
+    """Core loss of a phase over the mean square of the voltage induced by the period's mean flux (S)."""
     inertia: float = 1.0
     """Inertia of rotor and load (kg m2)."""
     friction: float = 0.0
     """Friction torque independent of speed (N m)."""
     viscous_friction: float = 0.0
-    """Friction and windage torque a speed (N m s/rad)."""
+    """Friction and windage torque per shaft speed (N m s/rad)."""
     switch_drop: float = 0.0
     """Forward drop of a switch (V)."""
     diode_drop: float = 0.0
@@ -71,24 +71,24 @@ class PmAcDrive(NamedTuple):
 
 
 def make_pm_ac_drive(*, pole_pairs: int, modulator: Modulator | None = None, **constants: float) -> PmAcDrive:
-    """Build the constants of a drive from people's values, in SI units.
+    """Build the constants of a drive from values in SI units.
 
     Parameters
     ----------
     pole_pairs : int
         Number of pole pairs.
     modulator : Modulator, optional
-        What switches the bridge; ideal switches, one update and a delay of one period where it is left out.
+        Modulator of the bridge; by default ideal switches, one update and a delay of one period.
     **constants : float
-        The other fields of `PmAcDrive`, by name and in its units; its defaults hold for those left out.
+        The other fields of `PmAcDrive`, by name and in its units; missing ones have its defaults.
 
     Returns
     -------
     PmAcDrive
-        The constants.
+        With ints and floats of the types that the kernels are compiled for.
     """
     chosen = modulator or Modulator()
-    # Each kernel is compiled for one type of drive; an int among the floats would compile it once more.
+    # Each kernel is compiled for one type of drive; an int instead of a float would compile it a second time.
     return PmAcDrive(
         pole_pairs=int(pole_pairs),
         modulator=Modulator(
@@ -104,51 +104,38 @@ def make_pm_ac_drive(*, pole_pairs: int, modulator: Modulator | None = None, **c
 
 @inlined
 def drifted(drive: PmAcDrive, resistance_factor: float, emf_factor: float) -> PmAcDrive:
-    """Return a drive whose windings and magnets have another temperature.
+    """Return a drive with windings and magnets at another temperature.
 
     Parameters
     ----------
     drive : PmAcDrive
-        The drive.
+        Constants at the nominal temperature.
     resistance_factor, emf_factor : float
         Factors on the winding resistance and on the magnet's flux (1).
 
     Returns
     -------
     PmAcDrive
-        The same but for these two.
+        With all other constants unchanged.
     """
     return PmAcDrive(drive.resistance * resistance_factor, drive.magnet_flux * emf_factor, *drive[2:])
 
 
 @inlined
 def electrical_torque(drive: PmAcDrive, direct: float, quadrature: float) -> float:
-    """Return the electromagnetic torque of currents.
-
-    Parameters
-    ----------
-    drive : PmAcDrive
-        The drive.
-    direct, quadrature : float
-        Currents of the rotor frame (A).
-
-    Returns
-    -------
-    float
-        (N m).
-    """
+    """Return the electromagnetic torque (N m) of d-axis and q-axis currents (A)."""
     saliency = drive.direct_inductance - drive.quadrature_inductance
     return 1.5 * drive.pole_pairs * (drive.magnet_flux + saliency * direct) * quadrature
 
 
 @inlined
 def alignment_of(updates: int, step: int) -> int:
-    """Return where in a control period the upper switch is on.
+    """Return the alignment of the upper switch's pulse in a control period.
 
     Parameters
     ----------
     updates : int
-        Updates of the duty ratios in a period of the carrier, as `Modulator` has them.
+        Updates of the duty ratios per carrier period, as in `Modulator`.
     step : int
         Number of the control period.
 

@@ -1,4 +1,4 @@
-"""The edges of the gates within a control period: where they begin, when the next one matters, and passing it."""
+"""The edges of the gates within a control period: initial gates, the next relevant edge, and passing it."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from drivegate_models.pm_ac.plant.circuit import Circuit, leg_voltages
 from drivegate_models.pm_ac.plant.modulator import BLANKED, Gates
 from drivegate_models.pm_ac.plant.settling import Legs, set_gate
 
-# Current of a held leg, over that of the rotor frame, that can be rounding.
+# Current of a held leg that can be rounding, relative to the current in the rotor frame.
 _NO_CURRENT = 1e-10
 
 
 @inlined
 def _change_gate(circuit: Circuit, legs: Legs, leg: int, gate: int) -> float:
-    """Let a gate change; return what its switches lose (J), which only the one does that carries the current."""
+    """Change a gate, and return the loss of its switches (J); only the switch that carries the current has one."""
     was_on = legs.gates[leg] != BLANKED and legs.gates[leg] == legs.signs[leg]
     is_on = gate != BLANKED and gate == legs.signs[leg]
     set_gate(circuit, legs, leg, gate)
@@ -25,10 +25,7 @@ def _change_gate(circuit: Circuit, legs: Legs, leg: int, gate: int) -> float:
 
 @inlined
 def begin_schedule(circuit: Circuit, legs: Legs, gates: Gates, frame: RotorFrame, duration: float) -> float:
-    """Set the first gates, and find the legs whose current keeps its sign for the whole advance.
-
-    What is returned is lost by the switches (J).
-    """
+    """Set the first gates, mark legs whose current cannot change its sign in the advance, and return the loss (J)."""
     lost = 0.0
     reach = circuit.steepest * duration
     none = _NO_CURRENT * (abs(frame.direct) + abs(frame.quadrature))
@@ -37,7 +34,7 @@ def begin_schedule(circuit: Circuit, legs: Legs, gates: Gates, frame: RotorFrame
         lost += _change_gate(circuit, legs, leg, gates.gates[leg, 0])
         current = phase_current(frame, leg)
         if legs.signs[leg] == 0 and abs(current) > none:
-            # Someone has set other currents since the leg was held.
+            # The caller has changed the currents since the leg was held.
             legs.signs[leg] = 1 if current > 0.0 else -1
         legs.sure[leg] = 0
         if abs(current) > reach:
@@ -47,7 +44,7 @@ def begin_schedule(circuit: Circuit, legs: Legs, gates: Gates, frame: RotorFrame
 
 @inlined
 def following_edge(circuit: Circuit, gates: Gates, leg: int, position: int, sign: int, voltage: float) -> int:
-    """Return the number of the next edge that changes a leg's voltage while its current has a sign, 0 for any."""
+    """Return the number of the next edge that changes a leg's voltage at a sign of its current (0 for either)."""
     following = position + 1
     while following < gates.counts[leg] and sign != 0:
         low, high = leg_voltages(circuit, gates.gates[leg, following])
@@ -59,13 +56,13 @@ def following_edge(circuit: Circuit, gates: Gates, leg: int, position: int, sign
 
 @inlined
 def _following(circuit: Circuit, legs: Legs, gates: Gates, leg: int, sign: int) -> int:
-    """Return the number of the next edge that changes a leg's voltage now, while its current has a sign."""
+    """Return the number of the next edge that changes a leg's present voltage at a sign of its current."""
     return following_edge(circuit, gates, leg, legs.positions[leg], sign, legs.voltages[leg])
 
 
 @inlined
 def distant_edge(circuit: Circuit, legs: Legs, gates: Gates, duration: float) -> float:
-    """Return when the voltage of a leg next changes by its gate if all currents keep their signs (s)."""
+    """Return the time of the next change of a leg's voltage by its gate, if no current changes its sign (s)."""
     limit = duration
     for leg in range(3):
         following = _following(circuit, legs, gates, leg, legs.signs[leg])
@@ -76,7 +73,7 @@ def distant_edge(circuit: Circuit, legs: Legs, gates: Gates, duration: float) ->
 
 @inlined
 def next_edge(circuit: Circuit, legs: Legs, gates: Gates, duration: float) -> float:
-    """Pass the edges that change nothing, and return when the voltage of a leg next changes by its gate (s)."""
+    """Pass the edges without effect, and return the time of the next change of a leg's voltage by its gate (s)."""
     limit = duration
     for leg in range(3):
         following = _following(circuit, legs, gates, leg, legs.sure[leg])
@@ -90,7 +87,7 @@ def next_edge(circuit: Circuit, legs: Legs, gates: Gates, duration: float) -> fl
 
 @inlined
 def pass_edges(circuit: Circuit, legs: Legs, gates: Gates, time: float) -> float:
-    """Let all gates change that change up to a time (s); return what their switches lose (J)."""
+    """Change all gates that change up to a time (s), and return the loss of their switches (J)."""
     lost = 0.0
     for leg in range(3):
         following = legs.positions[leg] + 1

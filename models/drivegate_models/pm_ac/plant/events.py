@@ -1,4 +1,4 @@
-"""What ends a segment: a current comes to zero, the voltage of a held leg to that of a diode or a switch."""
+"""Events that end a segment: a current reaches zero, or the voltage of a held leg that of a diode or a switch."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from drivegate_models.pm_ac.plant.series import Series, phase_series, turning_se
 from drivegate_models.pm_ac.plant.settling import Legs, is_relay
 
 NOTHING: Final = 0
-"""The segment lasts as long as it may."""
+"""The segment has its maximum length."""
 ZERO: Final = 1
-"""The current of a leg comes to zero."""
+"""The current of a leg reaches zero."""
 RELEASE: Final = 2
 """A held leg begins to conduct."""
 LAST_ZERO: Final = 3
-"""The only current comes to zero."""
+"""The only current reaches zero."""
 ONSET: Final = 4
 """The first current begins."""
 
 _SLACK = 1e-13
-"""How far beyond its level counts as an event, over the scale in the segment; it keeps ties from repeating."""
+"""Distance beyond a level that is an event, relative to the scale in the segment; it prevents repeated ties."""
 _BEYOND = 2.0
 
 
@@ -33,11 +33,11 @@ class Event(NamedTuple):
     kind: int
     """`NOTHING`, `ZERO`, `RELEASE`, `LAST_ZERO` or `ONSET`."""
     share: float
-    """When, over the segment's length (1)."""
+    """Time of the event, as a share of the segment's length (1)."""
     leg: int
-    """Whose current it is, or -1."""
+    """Leg with the current, or -1."""
     sign: int
-    """Sign that the current had, or has from now on."""
+    """Sign of the current before a zero, or after a release."""
 
 
 @unallocating
@@ -50,22 +50,22 @@ def zero_of_current(
     count: int,
     length: float,
 ) -> Event:
-    """Return the first current that comes to zero while no leg is held.
+    """Return the first event at which a current reaches zero while no leg is held.
 
     Parameters
     ----------
     circuit : Circuit
         Constants of the advance.
     legs : Legs
-        Signs and voltages.
+        With signs and voltages.
     series : Series
-        Of the currents in the segment.
+        Series of the currents in the segment.
     frame, after : RotorFrame
-        At its start and end.
+        Currents and angle at its start and end.
     count : int
         Number of coefficients.
     length : float
-        Its length (s).
+        Length of the segment (s).
 
     Returns
     -------
@@ -92,16 +92,16 @@ def zero_of_current(
 
 @unallocating
 def end_of_hold(legs: Legs, series: Series, held: int, count: int) -> Event:
-    """Return what first ends a segment in which a leg is held.
+    """Return the first event in a segment in which a leg is held.
 
     Parameters
     ----------
     legs : Legs
-        Signs and voltages.
+        With signs and voltages.
     series : Series
-        Of the currents and of the held leg's voltage in the segment.
+        Series of the currents and of the held leg's voltage in the segment.
     held : int
-        The leg.
+        Index of the held leg.
     count : int
         Number of coefficients.
 
@@ -137,7 +137,7 @@ def end_of_hold(legs: Legs, series: Series, held: int, count: int) -> Event:
 
 @inlined
 def _emf_series(circuit: Circuit, series: Series, first: int, second: int, count: int) -> None:
-    """Write the difference of the back-EMFs of two phases, whose sines stand in the turning series of the rotor."""
+    """Write the series of the difference of two phases' back-EMFs (V), from the series of the rotor's rotation."""
     cosine_a, sine_a = axis_of(RotorFrame(0.0, 0.0, 1.0, 0.0), first)
     cosine_b, sine_b = axis_of(RotorFrame(0.0, 0.0, 1.0, 0.0), second)
     peak = circuit.electrical * circuit.flux
@@ -152,22 +152,22 @@ def _emf_series(circuit: Circuit, series: Series, first: int, second: int, count
 def begin_of_current(
     circuit: Circuit, legs: Legs, series: Series, frame: RotorFrame, count: int, length: float
 ) -> Event:
-    """Return when the first current begins where none flows.
+    """Return the event at which the first current begins while none flows.
 
     Parameters
     ----------
     circuit : Circuit
         Constants of the advance.
     legs : Legs
-        Voltages.
+        With voltages.
     series : Series
-        Room.
+        Work space.
     frame : RotorFrame
-        At the segment's start.
+        Angle at the segment's start.
     count : int
         Number of coefficients.
     length : float
-        Its length (s).
+        Length of the segment (s).
 
     Returns
     -------
@@ -183,7 +183,7 @@ def begin_of_current(
             # Current would begin to flow out of leg j and back into leg k.
             _emf_series(circuit, series, j, k, count)
             series.other[0] += legs.high[k] - legs.low[j]
-            # Beyond what counts as a tie, so that what follows does begin.
+            # Use a larger distance than for a tie, so that the current does begin.
             slack = _BEYOND * circuit.tie
             share = first_fall(series.other, count, 1.0, 0.0, slack) if slack > 0.0 else NOWHERE
             if share < first.share or (share <= 1.0 and first.kind == NOTHING):

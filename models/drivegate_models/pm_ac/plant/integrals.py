@@ -1,4 +1,4 @@
-"""What one segment adds to the ledger: linear integrals of the series, products by Gauss-Legendre on them."""
+"""Integrals of one segment for the ledger: exact integrals of series, and Gauss-Legendre quadrature for products."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ from drivegate_models.pm_ac.plant.series import TERMS, Series, phase_series
 from drivegate_models.pm_ac.plant.settling import FREE, Legs
 
 FOUR_PLACES: Final = (0.06943184420297371, 0.33000947820757187, 0.6699905217924281, 0.9305681557970262)
-"""Places on [0, 1] of the rule of four points, which is exact up to degree 7."""
+"""Places on [0, 1] of the four-point rule, which is exact up to degree 7."""
 FOUR_WEIGHTS: Final = (0.17392742256872679, 0.3260725774312732, 0.3260725774312732, 0.17392742256872679)
-"""Its weights."""
+"""Weights of the four-point rule."""
 
-# Places and weights of the rules of 3, 4 and 5 points, one after the other.
+# Places and weights of the rules with 3, 4 and 5 points, in this order.
 _PLACES: Final = (
     0.1127016653792583,
     0.5,
@@ -51,8 +51,8 @@ _WEIGHTS: Final = (
     0.23931433524968315,
     0.11846344252809464,
 )
-# Reach of a segment up to which three and four points leave less than 1e-13 of a product. Where a current begins at
-# zero, the coefficient of order k of its square is that of order 2 times the (k - 2)th power of the reach.
+# Segment times the fastest rate up to which three and four points have a relative error below 1e-13 for a product. If a
+# current begins at zero, the coefficient of order k of its square is that of order 2 times the (k - 2)th power of this.
 _THREE_POINTS = 7e-3
 _FOUR_POINTS = 9e-2
 _CROSSING = 1e-14
@@ -63,13 +63,13 @@ class Sums(NamedTuple):
     """Integrals over a segment."""
 
     square: float
-    """Of the squares of the currents of the rotor frame (A2 s)."""
+    """Integral of the squared d-q current (A2 s)."""
     impulse: float
-    """Of the torque (N m s)."""
+    """Integral of the torque (N m s)."""
     along: float
-    """Of the current along the axis of the first phase (A s)."""
+    """Integral of the current along the axis of the first phase (A s)."""
     across: float
-    """Of that across it (A s)."""
+    """Integral of the current across the axis of the first phase (A s)."""
 
 
 @inlined
@@ -82,7 +82,7 @@ def _sums(
     length: float,
     is_free: bool,
 ) -> Sums:
-    """Integrate squares, products and turning currents over a segment."""
+    """Return the integrals of squares, products and currents in the stationary frame over a segment."""
     reach = circuit.rate * length
     points = 5
     offset = 7
@@ -119,7 +119,7 @@ def _sums(
 
 @unallocating
 def _magnitude(series: Series, count: int) -> float:
-    """Return the integral of the magnitude of the phase current in `other`, over the segment's length."""
+    """Return the integral of the magnitude of the phase current in `other`, per segment length (A)."""
     slack = _CROSSING * size_of(series.other, count)
     if slack == 0.0:
         return 0.0
@@ -153,7 +153,7 @@ def _add_leg(
     is_smooth: bool,
     peak: float,
 ) -> tuple[float, float]:
-    """Return the integral of a current's magnitude over a segment (A s), and the greatest one so far (A)."""
+    """Return the integral of a current's magnitude over a segment (A s), and the maximum magnitude so far (A)."""
     begin = phase_current(frame, leg)
     end = phase_current(after, leg)
     peak = max(peak, abs(begin), abs(end))
@@ -174,8 +174,8 @@ def _add_leg(
 
 
 @inlined
-def _widen_torque(drive: PmAcDrive, series: Series, count: int, bounds: NDArray[np.float64]) -> None:
-    """Widen a range by the torque over a segment."""
+def _extend_torque_range(drive: PmAcDrive, series: Series, count: int, bounds: NDArray[np.float64]) -> None:
+    """Extend a range by the torque over a segment (N m)."""
     saliency = drive.direct_inductance - drive.quadrature_inductance
     per_ampere = 1.5 * drive.pole_pairs
     terms = min(2 * count - 1, TERMS)
@@ -192,7 +192,7 @@ def _widen_torque(drive: PmAcDrive, series: Series, count: int, bounds: NDArray[
 
 @inlined
 def supply_leg(legs: Legs, held: int) -> int:
-    """Return the leg whose current is that of the link, -1 where the link gives none."""
+    """Return the leg whose current is that of the link, -1 if the link carries none."""
     upper = 0
     only_upper = -1
     only_lower = -1
@@ -206,7 +206,7 @@ def supply_leg(legs: Legs, held: int) -> int:
             only_lower = leg
     if upper == 1:
         return only_upper
-    # Two on the upper rail give together what the third one returns.
+    # The sum of two currents from the upper rail returns through the third leg.
     return only_lower if upper == 2 and only_lower >= 0 else -1
 
 
@@ -221,19 +221,19 @@ def add_charge(
     magnitudes: NDArray[np.float64],
     totals: NDArray[np.float64],
 ) -> None:
-    """Add what the current of a leg in a segment means for magnitudes, drops and the link."""
+    """Add a leg's charge and magnitude (A s) in a segment to magnitudes, drops and the link's energies."""
     magnitudes[leg] += magnitude
     totals[ledger.MAGNITUDE] += magnitude
     totals[ledger.DEVICE] += drop_of(circuit, legs.gates[leg], legs.signs[leg]) * magnitude
     if leg == supply:
         exchanged = circuit.link * magnitude
-        taken = circuit.link * charge
+        drawn = circuit.link * charge
         if not is_on_upper_rail(legs.gates[leg], legs.signs[leg]):
-            taken = -taken
-        totals[ledger.UPPER] += 0.5 * taken
-        totals[ledger.LOWER] += 0.5 * taken
+            drawn = -drawn
+        totals[ledger.UPPER] += 0.5 * drawn
+        totals[ledger.LOWER] += 0.5 * drawn
         totals[ledger.EXCHANGED] += exchanged
-        totals[ledger.RETURNED] += 0.5 * (exchanged - taken)
+        totals[ledger.RETURNED] += 0.5 * (exchanged - drawn)
 
 
 @unallocating
@@ -256,27 +256,27 @@ def add_segment(
     Parameters
     ----------
     drive : PmAcDrive
-        The drive.
+        Constants of machine and bridge.
     circuit : Circuit
         Constants of the advance.
     legs : Legs
-        What they did.
+        With gates and signs in the segment.
     series : Series
-        Of the currents.
+        Series of the currents.
     frame, after : RotorFrame
-        At the segment's start and end.
+        Currents and angle at the segment's start and end.
     held : int
-        `settling.FREE` or the leg that was held.
+        `settling.FREE` or the held leg.
     count : int
         Number of coefficients.
     length : float
-        (s).
+        Length of the segment (s).
     magnitudes : ndarray, shape (3,)
-        Integral of each phase's current magnitude (A s), added to.
+        The integrals of the current magnitudes (A s) are added to it.
     bounds : ndarray, shape (2,) or (0,)
-        Least and greatest torque (N m), widened; none is followed where there is no room.
+        Minimum and maximum torque (N m), extended; not computed with shape (0,).
     totals : ndarray, shape (ledger.ENTRIES,)
-        Exact integrals, added to.
+        The exact integrals are added to it.
     """
     sums = _sums(circuit, drive, series, frame, count, length, held == FREE)
     totals[ledger.SQUARE] += 1.5 * sums.square
@@ -293,4 +293,4 @@ def add_segment(
         add_charge(circuit, legs, leg, supply, charge, magnitude, magnitudes, totals)
     totals[ledger.PEAK] = peak
     if bounds.size > 0:
-        _widen_torque(drive, series, count, bounds)
+        _extend_torque_range(drive, series, count, bounds)

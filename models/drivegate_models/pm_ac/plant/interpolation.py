@@ -1,8 +1,8 @@
 """A quantity within a segment: the polynomial of degree 7 through value and three derivatives at both ends.
 
-In a share x of the segment it is ``(1 - x)**4 p(x) + x**4 q(1 - x)``, with p and q of degree 3: each end's series times
-that of ``(1 - x)**-4``. For a current in a segment of at most `two_points.SHORT` it is exact to 1e-17 of what the
-voltages build up within the time of the fastest rate.
+At a share x of the segment it is ``(1 - x)**4 p(x) + x**4 q(1 - x)``, with p and q of degree 3: each end's series times
+that of ``(1 - x)**-4``. For a current in a segment of at most `two_points.SHORT` its error is at most 1e-17 of the
+current that the voltages build up within the time constant of the fastest rate.
 """
 
 from __future__ import annotations
@@ -12,12 +12,12 @@ from typing import NamedTuple
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.pm_ac.plant.jets import Jet
 
-# Of the powers of x in (1 - x)**-4.
+# Coefficients of the powers of x in (1 - x)**-4.
 _SECOND, _THIRD, _FOURTH = 4.0, 10.0, 20.0
 
 
 class Coefficients(NamedTuple):
-    """Of a polynomial of degree 3, in ascending order."""
+    """Coefficients of a polynomial of degree 3, in ascending order."""
 
     first: float
     second: float
@@ -29,9 +29,9 @@ class Interpolant(NamedTuple):
     """A quantity within a segment."""
 
     begin: Coefficients
-    """Of p."""
+    """Coefficients of p."""
     end: Coefficients
-    """Of q."""
+    """Coefficients of q."""
 
 
 @inlined
@@ -52,9 +52,9 @@ def interpolant_of(begin: Jet, end: Jet, length: float) -> Interpolant:
     Parameters
     ----------
     begin, end : Jet
-        The quantity at both ends, with its derivatives by time.
+        The quantity at both ends, with its time derivatives.
     length : float
-        Of the segment (s).
+        Length of the segment (s).
 
     Returns
     -------
@@ -89,7 +89,7 @@ def interpolated(interpolant: Interpolant, share: float) -> float:
 
 @inlined
 def interpolated_slope(begin: Jet, end: Jet, length: float, share: float) -> float:
-    """Return the slope at a share of a segment by that at both ends and its own slopes there, to the third order."""
+    """Return the slope at a share of a segment, from slopes and second derivatives at its ends, to third order."""
     rest = 1.0 - share
     return rest * rest * (begin.slope + share * (2.0 * begin.slope + length * begin.bend)) + share * share * (
         end.slope + rest * (2.0 * end.slope - length * end.bend)

@@ -1,4 +1,4 @@
-"""Quantities with their derivatives at one instant, and how those of products and of standing axes follow."""
+"""Quantities with their derivatives at one instant, for products and for the stationary frame."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from drivegate_models.pm_ac.plant.circuit import Circuit
 
 
 class Jet(NamedTuple):
-    """A quantity and its derivatives by time at one instant."""
+    """A quantity and its first three time derivatives at one instant."""
 
     value: float
     slope: float
@@ -18,14 +18,14 @@ class Jet(NamedTuple):
 
 
 class Currents(NamedTuple):
-    """The currents of the rotor frame, or of axes that stand still and lie where its axes are at the instant (A)."""
+    """The currents in the rotor frame, or in a stationary frame that coincides with it at the instant (A)."""
 
     direct: Jet
     quadrature: Jet
 
 
 class Rates(NamedTuple):
-    """The equations of the rotor frame, solved for the slopes of the currents."""
+    """Coefficients of the equations in the rotor frame, solved for the slopes of the currents."""
 
     direct: float
     """-R/L_d (1/s)."""
@@ -44,19 +44,19 @@ class Rates(NamedTuple):
 
 
 class Step(NamedTuple):
-    """One order of what the currents gain in a time (A)."""
+    """One order of the change of the currents in a time (A)."""
 
     direct: float
     quadrature: float
     driven: float
-    """What the next order gets from the voltage along the magnet's axis, as that turns."""
+    """Contribution of the rotating d-axis voltage to the next order (A)."""
     driven_across: float
-    """And from that across it."""
+    """Contribution of the rotating q-axis voltage to the next order (A)."""
 
 
 @inlined
 def rates_of(circuit: Circuit) -> Rates:
-    """Return the equations of an advance."""
+    """Return the coefficients of the equations in an advance."""
     per_direct = 1.0 / circuit.direct
     per_quadrature = 1.0 / circuit.quadrature
     return Rates(
@@ -74,14 +74,14 @@ def rates_of(circuit: Circuit) -> Rates:
 def derivatives(
     rates: Rates, direct: float, quadrature: float, driven: float, driven_across: float
 ) -> Currents:
-    """Return the currents and their derivatives, from the slopes that the voltages alone would give them (A/s)."""
+    """Return the currents and their derivatives, from the slopes by the voltages alone (A/s)."""
     slope_d = rates.direct * direct + rates.direct_turning * quadrature + driven
     slope_q = (
         rates.quadrature_turning * direct + rates.quadrature * quadrature + (driven_across - rates.opposed)
     )
     bend_d = rates.direct * slope_d + rates.direct_turning * (slope_q + driven_across)
     bend_q = rates.quadrature_turning * (slope_d + driven) + rates.quadrature * slope_q
-    # The voltages turn backward in the rotor frame.
+    # The voltages rotate backward in the rotor frame.
     turned_d = rates.direct_turning * driven_across
     turned_q = rates.quadrature_turning * driven
     jerk_d = rates.direct * bend_d + rates.direct_turning * (bend_q + turned_q)
@@ -91,23 +91,23 @@ def derivatives(
 
 @inlined
 def following_step(rates: Rates, length: float, before: Step, order: int) -> Step:
-    """Return an order of what the currents gain from the one before.
+    """Return an order of the change of the currents from the preceding order.
 
     Parameters
     ----------
     rates : Rates
-        The equations.
+        Coefficients of the equations.
     length : float
-        The time (s).
+        Time t (s).
     before : Step
-        The order before.
+        The preceding order.
     order : int
-        At least 2.
+        Order n, at least 2.
 
     Returns
     -------
     Step
-        With ``t**n / n!`` in it.
+        Including the factor ``t**n / n!``.
     """
     share = length * (1.0 / order)
     turned = rates.direct_turning * before.driven_across
@@ -123,7 +123,7 @@ def following_step(rates: Rates, length: float, before: Step, order: int) -> Ste
 
 @inlined
 def product_of(one: Jet, other: Jet) -> Jet:
-    """Return a product and its derivatives."""
+    """Return the product of two quantities with its derivatives."""
     return Jet(
         one.value * other.value,
         one.slope * other.value + one.value * other.slope,
@@ -136,7 +136,7 @@ def product_of(one: Jet, other: Jet) -> Jet:
 
 @inlined
 def square_of(currents: Currents) -> Jet:
-    """Return the squared magnitude of the currents and its derivatives."""
+    """Return the squared magnitude of the currents with its derivatives."""
     d, q = currents.direct, currents.quadrature
     return Jet(
         d.value * d.value + q.value * q.value,
@@ -148,7 +148,7 @@ def square_of(currents: Currents) -> Jet:
 
 @inlined
 def torque_of(circuit: Circuit, currents: Currents) -> Jet:
-    """Return the torque over three halves of the pole pairs and its derivatives."""
+    """Return the torque over 1.5 times the pole pairs (V A s) with its derivatives."""
     d = currents.direct
     saliency = circuit.direct - circuit.quadrature
     flux = Jet(circuit.flux + saliency * d.value, saliency * d.slope, saliency * d.bend, saliency * d.jerk)
@@ -156,8 +156,8 @@ def torque_of(circuit: Circuit, currents: Currents) -> Jet:
 
 
 @inlined
-def standing(currents: Currents, electrical: float) -> Currents:
-    """Return the currents along axes that stand still where those of the rotor are at the instant."""
+def in_stationary_frame(currents: Currents, electrical: float) -> Currents:
+    """Return the currents in the stationary frame that coincides with the rotor frame at the instant."""
     d, q = currents.direct, currents.quadrature
     twice = 2.0 * electrical
     thrice = 3.0 * electrical

@@ -1,4 +1,4 @@
-"""From duty ratios to the instants at which the gates of the legs change in a control period."""
+"""Conversion of duty ratios to the instants at which the gates of the legs change in a control period."""
 
 from __future__ import annotations
 
@@ -27,19 +27,19 @@ class Gates(NamedTuple):
     """State of the modulator of each leg, and its schedule for one control period; updated in place."""
 
     levels: NDArray[np.int64]
-    """What the modulator of each leg commands, shape (3,): `UPPER` or `LOWER`."""
+    """Command of each leg's modulator, shape (3,): `UPPER` or `LOWER`."""
     waits: NDArray[np.float64]
-    """Dead time that a leg has still to wait for its switch, shape (3,) (s); negative where it waits for none."""
+    """Remaining dead time of each leg, shape (3,) (s); negative if there is none."""
     times: NDArray[np.float64]
-    """When the gate of each leg changes, from the period's start, shape (3, n) (s); the first is 0."""
+    """Times at which the gate of each leg changes, from the period's start, shape (3, n) (s); the first is 0."""
     gates: NDArray[np.int64]
-    """To what, shape (3, n)."""
+    """Gate after each of these times, shape (3, n)."""
     counts: NDArray[np.int64]
     """Number of entries of each leg, shape (3,)."""
 
 
 def make_gates() -> Gates:
-    """Return modulators that have commanded the lower switches for long."""
+    """Return modulators that have commanded the lower switches for a long time."""
     return Gates(
         np.full(3, LOWER, np.int64),
         np.full(3, _NONE),
@@ -51,12 +51,12 @@ def make_gates() -> Gates:
 
 @inlined
 def settled_ratio(modulator: Modulator, ratio: float, period: float) -> float:
-    """Return the duty ratio that a modulator makes of a commanded one.
+    """Return the effective duty ratio of a modulator for a commanded one.
 
     Parameters
     ----------
     modulator : Modulator
-        Its counter and its minimum pulse.
+        With counter and minimum pulse.
     ratio : float
         Commanded share of the period with the upper switch on (1).
     period : float
@@ -65,7 +65,7 @@ def settled_ratio(modulator: Modulator, ratio: float, period: float) -> float:
     Returns
     -------
     float
-        In 0 to 1, in steps of the counter, without pulses or gaps that are too short (1).
+        From 0 to 1, in steps of the counter, without pulses or gaps that are too short (1).
     """
     settled = min(max(ratio, 0.0), 1.0)
     if modulator.counter_levels > 0.0:
@@ -79,7 +79,7 @@ def settled_ratio(modulator: Modulator, ratio: float, period: float) -> float:
 
 @inlined
 def _pulse(alignment: int, ratio: float, period: float) -> tuple[float, float]:
-    """Return from when to when the upper switch is commanded on (s)."""
+    """Return start and end of the upper switch's pulse, before dead time (s)."""
     if ratio >= 1.0:
         return 0.0, period
     if alignment == CENTRED:
@@ -91,7 +91,7 @@ def _pulse(alignment: int, ratio: float, period: float) -> tuple[float, float]:
 
 @inlined
 def _enter(gates: Gates, leg: int, time: float, gate: int) -> None:
-    """Let a gate change at a time (s); at the start it is another one from the start."""
+    """Add a change of a gate at a time (s) to the schedule; at time 0 it replaces the first entry."""
     index = gates.counts[leg] if time > 0.0 else 0
     gates.times[leg, index] = max(time, 0.0)
     gates.gates[leg, index] = gate
@@ -100,7 +100,7 @@ def _enter(gates: Gates, leg: int, time: float, gate: int) -> None:
 
 @inlined
 def _command(gates: Gates, leg: int, time: float, level: int, dead_time: float) -> None:
-    """Let a modulator command a level from a time on (s)."""
+    """Schedule a modulator's command of a level from a time on, with dead time (s)."""
     if level == gates.levels[leg]:
         return
     wait = gates.waits[leg]
@@ -124,12 +124,12 @@ def schedule_gates(
     alignment: int,
     period: float,
 ) -> None:
-    """Make the schedule of all gates for one control period.
+    """Write the schedule of all gates for one control period.
 
     Parameters
     ----------
     modulator : Modulator
-        Dead time, counter and minimum pulse.
+        With dead time, counter and minimum pulse.
     gates : Gates
         State of the modulators, updated; receives the schedule.
     ratios : ndarray, shape (3,)

@@ -1,4 +1,4 @@
-"""The voltages of a whole control period in which every current keeps its sign: one segment after the other."""
+"""The voltages of all segments of a control period in which no current changes its sign."""
 
 from __future__ import annotations
 
@@ -32,31 +32,31 @@ from drivegate_models.pm_ac.plant.settling import Legs
 
 
 class Upcoming(NamedTuple):
-    """What each leg does in the period, as far as it has been followed; each of shape (3,)."""
+    """State of each leg at the present segment; each array has shape (3,)."""
 
     times: NDArray[np.float64]
-    """When its voltage next changes (s)."""
+    """Time of the next change of its voltage (s)."""
     positions: NDArray[np.int64]
-    """Entry of the schedule now."""
+    """Present entry of the schedule."""
     following: NDArray[np.int64]
-    """Entry that changes it."""
+    """Entry that next changes its voltage."""
     voltages: NDArray[np.float64]
-    """Its voltage now (V)."""
+    """Present voltage (V)."""
     uppers: NDArray[np.float64]
-    """1 while it takes its current from the upper rail, 0 else."""
+    """1 while its current is from the upper rail, otherwise 0."""
 
 
 class Pattern(NamedTuple):
-    """How a period is divided."""
+    """Division of a period into segments."""
 
     segments: int
-    """Number of its segments; 0 where there are too many."""
+    """Number of segments; 0 if there are too many."""
     longest: float
-    """The longest of them (s)."""
+    """Length of the longest segment (s)."""
 
 
 def make_upcoming() -> Upcoming:
-    """Return room."""
+    """Return work space for three legs."""
     return Upcoming(np.zeros(3), np.zeros(3, np.int64), np.zeros(3, np.int64), np.zeros(3), np.zeros(3))
 
 
@@ -64,7 +64,7 @@ def make_upcoming() -> Upcoming:
 def _enter(
     circuit: Circuit, legs: Legs, gates: Gates, upcoming: Upcoming, leg: int, position: int, duration: float
 ) -> None:
-    """Let a leg be at an entry of its schedule."""
+    """Set the state of a leg to an entry of its schedule."""
     gate = gates.gates[leg, position]
     sign = legs.signs[leg]
     low, high = leg_voltages(circuit, gate)
@@ -78,11 +78,11 @@ def _enter(
 
 @inlined
 def _write(circuit: Circuit, legs: Legs, upcoming: Upcoming, rows: NDArray[np.float64], n: int) -> None:
-    """Write down what a segment's legs do."""
+    """Write voltages, link currents and drops of a segment."""
     voltages = upcoming.voltages
     rows[ALONG + n], rows[ACROSS + n] = from_phases(voltages[0], voltages[1], voltages[2])
     first, second, third = upcoming.uppers[0], upcoming.uppers[1], upcoming.uppers[2]
-    # The sum of the currents of the legs on the upper rail: none where all three are.
+    # The link carries the sum of the currents of the legs on the upper rail, which is zero with all three.
     rows[LINK_ALONG + n] = first - 0.5 * (second + third)
     rows[LINK_ACROSS + n] = HALF_ROOT * (second - third)
     if not has_drops(circuit):
@@ -101,27 +101,27 @@ def lay_out(
     duration: float,
     rows: NDArray[np.float64],
 ) -> Pattern:
-    """Divide a period into segments of constant voltages, if every current keeps its sign.
+    """Divide a period into segments of constant voltages, if no current changes its sign.
 
     Parameters
     ----------
     circuit : Circuit
         Constants of the advance.
     legs : Legs
-        Signs; none is 0.
+        With the signs of the currents, none of which is 0.
     gates : Gates
-        Schedule.
+        With the schedule.
     upcoming : Upcoming
-        Room.
+        Work space.
     duration : float
         Length of the period (s).
     rows : ndarray
-        Receives the rows of this module; behind the last segment the time is `duration`.
+        Receives the rows of this module; after the last segment the time is `duration`.
 
     Returns
     -------
     Pattern
-        Number and greatest length of the segments.
+        Number and maximum length of the segments.
     """
     for leg in range(3):
         _enter(circuit, legs, gates, upcoming, leg, 0, duration)

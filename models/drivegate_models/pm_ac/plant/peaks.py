@@ -1,4 +1,4 @@
-"""The greatest phase current of a control period, and which currents may come to zero in it."""
+"""The maximum phase current of a control period, and the currents that may reach zero in it."""
 
 from __future__ import annotations
 
@@ -25,31 +25,32 @@ from drivegate_models.pm_ac.plant.rows import ACROSS, ALONG, TIME
 from drivegate_models.pm_ac.plant.series import Series, free_series, phase_series
 from drivegate_models.pm_ac.plant.settling import Legs
 
-# Steps toward a greatest current; each leaves at most a quarter of its error, and that is squared in the current.
+# Maximum steps toward a maximum current. Each reduces the error to at most a quarter, and the current contains its
+# square.
 _STEPS: Final = 14
 _REACHED: Final = 1e-8
 
 
 class Range(NamedTuple):
-    """Of a phase current at the ends of segments (A)."""
+    """Range of a phase current at the ends of segments (A)."""
 
     lowest: float
     highest: float
 
 
 class Ranges(NamedTuple):
-    """Of the three phases."""
+    """Ranges of the three phase currents at the ends of segments (A)."""
 
     first: Range
     second: Range
     third: Range
     deviation: float
-    """How far a current can be from the chord of any segment."""
+    """Maximum distance of a current from the chord of any segment (A)."""
 
 
 @inlined
 def _range_of(rows: NDArray[np.float64], count: int, leg: int) -> Range:
-    """Return the range of a phase current at the ends of all segments."""
+    """Return the range of a phase current at the ends of all segments (A)."""
     lowest = highest = current_at(rows, 0, leg)
     for n in range(1, count + 1):
         current = current_at(rows, n, leg)
@@ -59,7 +60,7 @@ def _range_of(rows: NDArray[np.float64], count: int, leg: int) -> Range:
 
 @inlined
 def ranges_of(circuit: Circuit, rows: NDArray[np.float64], count: int, longest: float) -> Ranges:
-    """Return the ranges of the phase currents at the ends of all segments, the longest of them given (s)."""
+    """Return the ranges of the phase currents at the ends of all segments, of which `longest` is the longest (s)."""
     return Ranges(
         _range_of(rows, count, 0),
         _range_of(rows, count, 1),
@@ -70,7 +71,7 @@ def ranges_of(circuit: Circuit, rows: NDArray[np.float64], count: int, longest: 
 
 @inlined
 def keeps_sign(legs: Legs, leg: int, range_of_leg: Range, deviation: float) -> bool:
-    """Return whether a current that is within a range at all instants keeps the sign that its leg has."""
+    """Return True if a current has the sign of its leg throughout, from its range at the ends of segments."""
     if legs.sure[leg] != 0:
         return True
     return bool((range_of_leg.lowest if legs.signs[leg] > 0 else -range_of_leg.highest) > deviation)
@@ -78,7 +79,7 @@ def keeps_sign(legs: Legs, leg: int, range_of_leg: Range, deviation: float) -> b
 
 @inlined
 def _turning_value(phase: PhaseSegment) -> float:
-    """Return a current where its slope, which only rises or only falls, is zero."""
+    """Return a current at the zero of its monotone slope (A)."""
     begin, end, length = phase.begin, phase.end, phase.length
     share = begin.slope / (begin.slope - end.slope)
     for _ in range(_STEPS):
@@ -94,7 +95,7 @@ def _turning_value(phase: PhaseSegment) -> float:
 def _top_of_series(
     circuit: Circuit, series: Series, rows: NDArray[np.float64], n: int, leg: int, length: float
 ) -> float:
-    """Return the greatest magnitude of a phase current in a segment (A), by its series."""
+    """Return the maximum magnitude of a phase current in a segment (A), from its series."""
     frame = frame_at(rows, n)
     along, across = rows[ALONG + n], rows[ACROSS + n]
     direct = frame.cosine * along + frame.sine * across
@@ -109,27 +110,27 @@ def _top_of_series(
 def top_within(
     circuit: Circuit, rates: Rates, series: Series, rows: NDArray[np.float64], n: int, leg: int
 ) -> float:
-    """Return the greatest magnitude of a phase current within a segment, if that is above those at its ends.
+    """Return the maximum magnitude of a phase current within a segment, if it exceeds those at its ends.
 
     Parameters
     ----------
     circuit : Circuit
         Constants of the advance.
     rates : Rates
-        Its equations.
+        Coefficients of its equations.
     series : Series
-        Room.
+        Work space.
     rows : ndarray
-        Currents and rotor at both ends, voltages and times, as `rows` has them.
+        With currents and rotor at both ends, voltages and times, as in `rows`.
     n : int
-        The segment, of at most `two_points.SHORT` over the circuit's rate.
+        Index of the segment, of at most `two_points.SHORT` over the circuit's rate.
     leg : int
-        The phase.
+        Index of the phase.
 
     Returns
     -------
     float
-        (A), 0 where it is not.
+        Maximum magnitude (A), 0 if it is at an end.
     """
     phase = phase_segment(circuit, rates, rows, n, leg)
     if is_monotone(phase):
@@ -151,7 +152,7 @@ def _top(
     leg: int,
     most: float,
 ) -> float:
-    """Return the greatest magnitude of a phase current (A), if that is above so much (A)."""
+    """Return the maximum magnitude of a phase current, or `most` if that is larger (A)."""
     top = most
     behind = current_at(rows, 0, leg)
     for n in range(count):
@@ -173,27 +174,27 @@ def peak_of(
     rows: NDArray[np.float64],
     count: int,
 ) -> float:
-    """Return the greatest magnitude of any phase current in a control period.
+    """Return the maximum magnitude of any phase current in a control period.
 
     Parameters
     ----------
     circuit : Circuit
         Constants of the advance.
     rates : Rates
-        Its equations.
+        Coefficients of its equations.
     ranges : Ranges
-        Of the currents at the ends of the segments.
+        Ranges of the currents at the ends of the segments.
     series : Series
-        Room.
+        Work space.
     rows : ndarray
-        Currents and rotor at the ends of all segments, voltages and times, as `rows` has them.
+        With currents and rotor at the ends of all segments, voltages and times, as in `rows`.
     count : int
         Number of segments.
 
     Returns
     -------
     float
-        (A).
+        Maximum magnitude (A).
     """
     first = max(ranges.first.highest, -ranges.first.lowest)
     second = max(ranges.second.highest, -ranges.second.lowest)

@@ -1,4 +1,4 @@
-"""A phase current in one segment of a control period: its value and derivatives at both ends, and what bounds it."""
+"""A phase current in one segment of a control period: its value and derivatives at both ends, and its bounds."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.machine.rotor_frame import RotorFrame, of_phase, turned
 from drivegate_models.pm_ac.plant.circuit import Circuit
-from drivegate_models.pm_ac.plant.jets import Currents, Jet, Rates, derivatives, standing
+from drivegate_models.pm_ac.plant.jets import Currents, Jet, Rates, derivatives, in_stationary_frame
 from drivegate_models.pm_ac.plant.quiet import curvature
 from drivegate_models.pm_ac.plant.rows import (
     ACROSS,
@@ -29,24 +29,24 @@ class PhaseSegment(NamedTuple):
     """A phase current in a segment."""
 
     begin: Jet
-    """At its start (A)."""
+    """Current and derivatives at the start (A)."""
     end: Jet
-    """At its end."""
+    """Current and derivatives at the end (A)."""
     length: float
-    """Of the segment (s)."""
+    """Length of the segment (s)."""
     change: float
-    """Bound of how far the slope can be from that at an end, half of the segment away (A/s)."""
+    """Bound of the change of the slope within half of the segment from an end (A/s)."""
 
 
 @inlined
 def frame_at(rows: NDArray[np.float64], n: int) -> RotorFrame:
-    """Return the currents and the rotor at an instant."""
+    """Return the currents and the rotor's angle at an instant."""
     return RotorFrame(rows[DIRECT + n], rows[QUADRATURE + n], rows[COSINE + n], rows[SINE + n])
 
 
 @inlined
 def derivatives_at(rates: Rates, rows: NDArray[np.float64], frame: RotorFrame, n: int) -> Currents:
-    """Return the derivatives of the currents at an instant under the voltages of a segment."""
+    """Return the currents and their derivatives at an instant, with the voltages of a segment."""
     along, across = rows[ALONG + n], rows[ACROSS + n]
     return derivatives(
         rates,
@@ -65,14 +65,14 @@ def current_at(rows: NDArray[np.float64], n: int, leg: int) -> float:
 
 @inlined
 def _along_phase(leg: int, frame: RotorFrame, direct: float, quadrature: float) -> float:
-    """Return the share of a phase in a quantity of axes that lie where the rotor's are."""
+    """Return the value of a phase for a d-q quantity."""
     along, across = turned(frame, direct, quadrature)
     return of_phase(leg, along, across)
 
 
 @inlined
 def _of_phase(leg: int, frame: RotorFrame, currents: Currents) -> Jet:
-    """Return the current of a phase and its derivatives from those along standing axes."""
+    """Return the current of a phase with its derivatives, from those in the stationary frame."""
     d, q = currents.direct, currents.quadrature
     return Jet(
         _along_phase(leg, frame, d.value, q.value),
@@ -93,23 +93,23 @@ def phase_segment(
     circuit : Circuit
         Constants of the advance.
     rates : Rates
-        Its equations.
+        Coefficients of its equations.
     rows : ndarray
-        Currents and rotor at both ends, voltages and times, as `rows` has them.
+        With currents and rotor at both ends, voltages and times, as in `rows`.
     n : int
-        The segment.
+        Index of the segment.
     leg : int
-        The phase.
+        Index of the phase.
 
     Returns
     -------
     PhaseSegment
-        At both ends.
+        With derivatives at both ends.
     """
     frame = frame_at(rows, n)
     after = frame_at(rows, n + 1)
-    begin = standing(derivatives_at(rates, rows, frame, n), circuit.electrical)
-    end = standing(derivatives_at(rates, rows, after, n), circuit.electrical)
+    begin = in_stationary_frame(derivatives_at(rates, rows, frame, n), circuit.electrical)
+    end = in_stationary_frame(derivatives_at(rates, rows, after, n), circuit.electrical)
     length = rows[TIME + 1 + n] - rows[TIME + n]
     change = 0.5 * length * curvature(circuit, begin, length)
     return PhaseSegment(_of_phase(leg, frame, begin), _of_phase(leg, after, end), length, change)
@@ -117,9 +117,9 @@ def phase_segment(
 
 @inlined
 def is_steep(before: float, behind: float, deviation: float) -> bool:
-    """Return whether a current only rises or only falls, by its values at both ends and the greatest sagitta.
+    """Return True if a current is monotone, from its values at both ends and the maximum sagitta (A).
 
-    Its slope is no further from that of the chord than half of the segment's length times the bound of the curvature,
+    Its slope differs from the chord's by at most half of the segment's length times the bound of the curvature,
     which is four times the sagitta over the length.
     """
     return bool(abs(behind - before) > 4.0 * deviation)
@@ -127,17 +127,17 @@ def is_steep(before: float, behind: float, deviation: float) -> bool:
 
 @inlined
 def is_monotone(phase: PhaseSegment) -> bool:
-    """Return whether a current only rises or only falls in a segment, by its slopes at both ends."""
+    """Return True if a current is monotone in a segment, from its slopes at both ends."""
     first, last = phase.begin.slope, phase.end.slope
     return bool(min(first, last) > phase.change or max(first, last) < -phase.change)
 
 
 @inlined
 def is_bent_one_way(circuit: Circuit, phase: PhaseSegment) -> bool:
-    """Return whether a current's slope only rises or only falls in a segment, and nowhere hardly so.
+    """Return True if a current's slope is strictly monotone in a segment, with a margin.
 
-    The bend is no further from its own chord than an eighth of its curvature's bound times the square of the length; a
-    quarter of the lesser bend is what may be missing.
+    The second derivative differs from its own chord by at most an eighth of its curvature's bound times the square of
+    the length; this is at most a quarter of its smaller value at an end.
     """
     reach = circuit.pace * phase.length
     least = 0.5 * reach * reach * circuit.bend

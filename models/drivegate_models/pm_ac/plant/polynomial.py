@@ -1,8 +1,7 @@
-"""Where a polynomial on [0, 1] first falls below zero, and its extremes there: nothing between two looks is missed.
+"""First fall of a polynomial below zero on [0, 1], and its extremes there, without missing any.
 
-Coefficients stand in ascending order. A parabola that lies below the polynomial, from its value, its slope and a
-bound of its curvature, leads to the first zero from the left: it never steps over one, and converges as Newton's
-method does.
+Coefficients are in ascending order. A parabola below the polynomial, from its value, its slope and a bound of its
+curvature, leads to the first zero from the left. It never steps over a zero, and converges like Newton's method.
 """
 
 from __future__ import annotations
@@ -16,7 +15,7 @@ from numpy.typing import NDArray
 from drivegate_models.compilation.kernels import inlined, unallocating
 
 NOWHERE: Final = 2.0
-"""Instead of a place in [0, 1]."""
+"""Result without a place in [0, 1]."""
 
 _LOOKS = 10_000
 _REACHED = 0.25
@@ -26,22 +25,7 @@ _LEAP = 1e-7
 
 @inlined
 def value_at(series: NDArray[np.float64], count: int, at: float) -> float:
-    """Return the value of a polynomial.
-
-    Parameters
-    ----------
-    series : ndarray, shape (n,)
-        Coefficients.
-    count : int
-        How many of them.
-    at : float
-        Where.
-
-    Returns
-    -------
-    float
-        The value, in the unit of the coefficients.
-    """
+    """Return the value of a polynomial with `count` coefficients at a place, in the unit of the coefficients."""
     value = 0.0
     for k in range(count - 1, -1, -1):
         value = value * at + series[k]
@@ -50,22 +34,7 @@ def value_at(series: NDArray[np.float64], count: int, at: float) -> float:
 
 @inlined
 def integral_to(series: NDArray[np.float64], count: int, at: float) -> float:
-    """Return the integral of a polynomial from 0.
-
-    Parameters
-    ----------
-    series : ndarray, shape (n,)
-        Coefficients.
-    count : int
-        How many of them.
-    at : float
-        To where.
-
-    Returns
-    -------
-    float
-        The integral, in the unit of the coefficients.
-    """
+    """Return the integral of a polynomial with `count` coefficients from 0 to a place, in their unit."""
     value = 0.0
     for k in range(count - 1, -1, -1):
         value = value * at + series[k] / (k + 1)
@@ -83,7 +52,7 @@ def size_of(series: NDArray[np.float64], count: int) -> float:
 
 @inlined
 def _parabola_step(value: float, slope: float, curvature: float) -> float:
-    """Return how far a parabola of downward curvature, above zero here, stays so."""
+    """Return the distance over which a parabola with downward curvature remains above zero."""
     root = sqrt(slope * slope + 2.0 * curvature * value)
     if slope < 0.0:
         return 2.0 * value / (root - slope)
@@ -92,26 +61,26 @@ def _parabola_step(value: float, slope: float, curvature: float) -> float:
 
 @unallocating
 def first_fall(series: NDArray[np.float64], count: int, sign: float, start: float, slack: float) -> float:
-    """Return where a polynomial, times a sign, first falls below zero by a slack.
+    """Return the place at which a polynomial, times a sign, first falls below zero by a slack.
 
     Parameters
     ----------
     series : ndarray, shape (n,)
-        Coefficients.
+        Coefficients in ascending order.
     count : int
-        How many of them.
+        Number of coefficients.
     sign : float
         1 or -1.
     start : float
-        Where to begin, in [0, 1].
+        Start of the search, in [0, 1].
     slack : float
-        How far below zero counts, above 0 (unit of the coefficients).
+        Minimum distance below zero, above 0 (unit of the coefficients).
 
     Returns
     -------
     float
-        Place in [start, 1], where the value lies between -slack and -3/4 slack unless it was below that at the
-        start; `NOWHERE` if there is none.
+        Place in [start, 1], with a value between -slack and -3/4 slack unless it was below that at the start;
+        `NOWHERE` if there is none.
     """
     least = sign * series[0] + slack
     curvature = 0.0
@@ -141,21 +110,21 @@ def first_fall(series: NDArray[np.float64], count: int, sign: float, start: floa
 
 @unallocating
 def extremes(series: NDArray[np.float64], count: int, slopes: NDArray[np.float64]) -> tuple[float, float]:
-    """Return least and greatest value of a polynomial on [0, 1].
+    """Return minimum and maximum of a polynomial on [0, 1].
 
     Parameters
     ----------
     series : ndarray, shape (n,)
-        Coefficients.
+        Coefficients in ascending order.
     count : int
-        How many of them.
+        Number of coefficients.
     slopes : ndarray, shape (n,)
-        Room for the derivative.
+        Work space for the derivative.
 
     Returns
     -------
     lowest, highest : float
-        In the unit of the coefficients; to rounding.
+        Extremes in the unit of the coefficients, exact to rounding.
     """
     end = value_at(series, count, 1.0)
     lowest = min(series[0], end)
@@ -174,7 +143,7 @@ def extremes(series: NDArray[np.float64], count: int, slopes: NDArray[np.float64
         value = value_at(series, count, at)
         lowest = min(lowest, value)
         highest = max(highest, value)
-        # Past a stationary point, whose neighbourhood differs from it by less than rounding.
+        # Step past a stationary point, whose neighbourhood differs from it by less than rounding.
         at += leap
         leap *= 2.0
     return lowest, highest

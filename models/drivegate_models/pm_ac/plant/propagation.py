@@ -1,8 +1,8 @@
-"""The currents between the segments of a control period: each segment is one affine map of the currents at its start.
+"""The currents at the ends of a period's segments: each segment is an affine map of the currents at its start.
 
-The speed stands still in a period, so what becomes of currents by themselves has one power series for all segments;
-what the voltages add has one of its own in each. The maps are independent of each other and of the currents; what is
-left to do one after the other is a product and a sum.
+The speed is constant in a period, so the natural response has the same power series in all segments. The forced
+response has a separate series in each. The maps are independent of each other and of the currents; only a product
+and a sum remain to be computed sequentially.
 """
 
 from __future__ import annotations
@@ -37,12 +37,12 @@ from drivegate_models.pm_ac.plant.rows import (
 )
 
 SIX_ORDERS: Final = 0.0125
-"""Longest segment over the time of the fastest rate (1) up to which the seventh term is below 1e-17; the ninth is up to
-`two_points.SHORT`."""
+"""Maximum segment times the fastest rate (1) for which the seventh term is below 1e-17. The ninth term is below it
+up to `two_points.SHORT`."""
 
 
 class Order(NamedTuple):
-    """Of the growth of currents without a voltage, over one power of a time.
+    """Coefficients of one power of time in the natural response of the currents.
 
     With A the matrix of the equations, m half its trace and N = A - m, ``A**k / k!`` is ``even + odd N``.
     """
@@ -53,7 +53,7 @@ class Order(NamedTuple):
 
 @inlined
 def _following_order(half_trace: float, square: float, before: Order, order: int) -> Order:
-    """Return an order of the growth from the one before; N times N is a square."""
+    """Return an order of the natural response from the preceding one; N times N is the scalar `square`."""
     share = 1.0 / order
     return Order(
         share * (half_trace * before.even + square * before.odd),
@@ -87,7 +87,7 @@ def _sum(
 def _added(
     rates: Rates, length: float, driven: float, driven_across: float, takes_six: bool
 ) -> tuple[float, float]:
-    """Return what a segment makes of no current, from the slopes that its voltages alone would give (A)."""
+    """Return the currents after a segment from zero (A), from the slopes by its voltages alone (A/s)."""
     driven *= length
     driven_across *= length
     x1 = Step(driven, driven_across - length * rates.opposed, driven, driven_across)
@@ -110,7 +110,7 @@ def _added(
 
 @inlined
 def _turned_by(begin: RotorFrame, angle: float) -> tuple[float, float]:
-    """Return cosine and sine of the rotor's angle behind a small one (rad)."""
+    """Return cosine and sine of the rotor's angle after a small rotation (rad)."""
     cosine, sine = small_cosine_sine(angle)
     return begin.cosine * cosine - begin.sine * sine, begin.sine * cosine + begin.cosine * sine
 
@@ -124,7 +124,7 @@ def _write_maps(
     takes_six: bool,
     rows: NDArray[np.float64],
 ) -> None:
-    """Write the map of each segment, and where the rotor is at its start."""
+    """Write the map of each segment, and the rotor's angle at its start."""
     half_trace = 0.5 * (rates.direct + rates.quadrature)
     difference = 0.5 * (rates.direct - rates.quadrature)
     square = difference * difference + rates.direct_turning * rates.quadrature_turning
@@ -158,7 +158,7 @@ def _write_maps(
 
 @inlined
 def _write_phases(rows: NDArray[np.float64], n: int) -> None:
-    """Write the currents of the phases at an instant."""
+    """Write the phase currents at an instant."""
     frame = frame_at(rows, n)
     along, across = turned(frame, frame.direct, frame.quadrature)
     rows[PHASE + n] = along
@@ -175,24 +175,24 @@ def propagate(
     reach: float,
     rows: NDArray[np.float64],
 ) -> None:
-    """Write the rotor's axes and all currents at the start of each segment, and behind the last one.
+    """Write the rotor's angle and all currents at the start of each segment, and after the last one.
 
     Parameters
     ----------
     rates : Rates
-        The equations.
+        Coefficients of the equations.
     electrical : float
-        Electrical speed (rad/s), by which the rotor turns no more than an eighth of a turn.
+        Electrical speed (rad/s); the rotor turns by at most an eighth of a turn in the period.
     begin : RotorFrame
-        At the period's start.
+        Currents and angle at the period's start.
     count : int
         Number of segments.
     reach : float
-        Longest segment over the time of the fastest rate, at most `two_points.SHORT` (1).
+        Longest segment times the fastest rate, at most `two_points.SHORT` (1).
     rows : ndarray
-        Those of times and voltages are read; from `PHASE` to `QUADRATURE_ADDED` they are written.
+        The rows of times and voltages are read; the rows from `PHASE` to `QUADRATURE_ADDED` are written.
     """
-    # Twice, so that each is compiled without what the other alone needs.
+    # Two calls, so that each is compiled without the code that only the other needs.
     if reach <= SIX_ORDERS:
         _write_maps(rates, electrical, begin, count, True, rows)
     else:
@@ -202,7 +202,7 @@ def propagate(
     rows[DIRECT] = direct
     rows[QUADRATURE] = quadrature
     for n in range(count):
-        # What comes last of the segment before is added last.
+        # Add the result of the preceding segment that is available last in the last operation.
         gained = rows[DIRECT_GROWTH + n] * direct + (
             rows[DIRECT_BY_QUADRATURE + n] * quadrature + rows[DIRECT_ADDED + n]
         )

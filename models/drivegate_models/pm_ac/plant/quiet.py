@@ -1,7 +1,7 @@
-"""A short segment in which no current comes near an event: by the derivatives of the currents at its two ends.
+"""A short segment in which no current is near an event, from the derivatives of the currents at its two ends.
 
-The equations of the rotor frame give all derivatives of the currents for a few products each. The first eight and
-their Taylor series lead to the end.
+With the equations of the rotor frame, each derivative of the currents needs only a few products. The currents at the
+end are the Taylor series with the first eight derivatives.
 """
 
 from __future__ import annotations
@@ -17,18 +17,25 @@ from drivegate_models.machine.rotor_frame import RotorFrame, of_phase, turned
 from drivegate_models.machine.sine import small_cosine_sine
 from drivegate_models.pm_ac.plant.circuit import Circuit, rotor_voltages
 from drivegate_models.pm_ac.plant.integrals import add_charge, supply_leg
-from drivegate_models.pm_ac.plant.jets import Currents, Rates, Step, derivatives, following_step, standing
+from drivegate_models.pm_ac.plant.jets import (
+    Currents,
+    Rates,
+    Step,
+    derivatives,
+    following_step,
+    in_stationary_frame,
+)
 from drivegate_models.pm_ac.plant.settling import FREE, Legs
 from drivegate_models.pm_ac.plant.two_points import SHORTEST, sums_between
 
 
 class Passed(NamedTuple):
-    """What has become of a segment."""
+    """Result for a segment."""
 
     is_quiet: bool
-    """Whether nothing could happen in it; where it is not, nothing has been added."""
+    """True if no event is possible in it; otherwise nothing has been added."""
     frame: RotorFrame
-    """At its end."""
+    """Currents and angle at its end."""
 
 
 @inlined
@@ -44,7 +51,7 @@ def _at_end(
     last_q = power * begin.quadrature.jerk
     direct += last_d
     quadrature += last_q
-    # Two derivatives turn the voltages by half a turn.
+    # Two derivatives rotate the voltages by half a turn.
     power *= rates.direct_turning * rates.quadrature_turning
     step = Step(last_d, last_q, power * driven, power * driven_across)
     for order in range(4, 9):
@@ -58,7 +65,7 @@ def _at_end(
 
 @inlined
 def curvature(circuit: Circuit, begin: Currents, length: float) -> float:
-    """Return a bound of the bend of any phase current over a segment (A/s2)."""
+    """Return a bound of the second derivative of any phase current over a segment (A/s2)."""
     direct, quadrature = begin.direct, begin.quadrature
     reach = circuit.pace * length
     size = abs(direct.bend) + abs(quadrature.bend) + length * (abs(direct.jerk) + abs(quadrature.jerk))
@@ -67,7 +74,7 @@ def curvature(circuit: Circuit, begin: Currents, length: float) -> float:
 
 @inlined
 def _keeps_sign(legs: Legs, leg: int, begin: float, end: float, is_monotone: bool, deviation: float) -> bool:
-    """Return whether a current keeps its sign, and that which its leg has."""
+    """Return True if a current has the sign of its leg throughout a segment."""
     if legs.sure[leg] != 0:
         return True
     sign = legs.signs[leg]
@@ -86,31 +93,31 @@ def pass_quietly(
     magnitudes: NDArray[np.float64],
     totals: NDArray[np.float64],
 ) -> Passed:
-    """Pass a segment in which no leg is held and add it to the ledger, if no current comes near an event in it.
+    """Pass a segment without a held leg, and add it to the ledger if no current is near an event in it.
 
     Parameters
     ----------
     pole_pairs : float
-        Of the machine (1).
+        Pole pairs of the machine (1).
     circuit : Circuit
         Constants of the advance.
     rates : Rates
-        Its equations.
+        Coefficients of its equations.
     legs : Legs
-        Signs and voltages.
+        With signs and voltages.
     frame : RotorFrame
-        At the segment's start.
+        Currents and angle at the segment's start.
     length : float
-        Its length, at most `two_points.SHORT` over the circuit's rate (s).
+        Length of the segment, at most `two_points.SHORT` over the circuit's rate (s).
     magnitudes : ndarray, shape (3,)
-        Integral of each phase's current magnitude (A s), added to.
+        The integrals of the current magnitudes (A s) are added to it.
     totals : ndarray, shape (ledger.ENTRIES,)
-        Exact integrals, added to.
+        The exact integrals are added to it.
 
     Returns
     -------
     Passed
-        Not quiet where a current may come to zero, or be greatest within the segment.
+        Not quiet if a current may reach zero, or a new maximum within the segment.
     """
     is_shortest = circuit.rate * length <= SHORTEST
     voltages = legs.voltages
@@ -133,8 +140,8 @@ def pass_quietly(
         frame.cosine * cosine - frame.sine * sine,
         frame.sine * cosine + frame.cosine * sine,
     )
-    begin_standing = standing(begin, circuit.electrical)
-    end_standing = standing(end, circuit.electrical)
+    begin_standing = in_stationary_frame(begin, circuit.electrical)
+    end_standing = in_stationary_frame(end, circuit.electrical)
     begin_a, begin_b = turned(frame, begin.direct.value, begin.quadrature.value)
     end_a, end_b = turned(after, end_d, end_q)
     begin_slope_a, begin_slope_b = turned(frame, begin_standing.direct.slope, begin_standing.quadrature.slope)
@@ -156,7 +163,7 @@ def pass_quietly(
         peak = max(peak, top)
     totals[ledger.PEAK] = peak
 
-    # Twice, so that each is compiled without what the other alone needs.
+    # Two calls, so that each is compiled without the code that only the other needs.
     if is_shortest:
         sums = sums_between(circuit, begin, end, frame, after, length, True)
     else:

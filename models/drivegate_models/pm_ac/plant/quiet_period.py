@@ -1,7 +1,8 @@
-"""A control period in which no current comes near an event that changes a voltage: all of its segments at once.
+"""A control period in which no current is near an event that changes a voltage: all segments at once.
 
-Every segment is an affine map of the currents, and every integral over it follows from the currents at its two ends, so
-the arithmetic is the same for all and is done for several at a time. What a period needs to be quiet is looked at once.
+Every segment is an affine map of the currents, and every integral over it is computed from the currents at its two
+ends. The arithmetic is therefore the same for all segments and is vectorized. The conditions for a quiet period are
+checked once.
 """
 
 from __future__ import annotations
@@ -39,18 +40,18 @@ from drivegate_models.pm_ac.plant.settling import Legs
 from drivegate_models.pm_ac.plant.two_points import SHORT, SHORTEST, sums_between
 
 LONGEST_PERIOD: Final = 0.75
-"""Longest period over the time of the fastest rate (1): the rotor turns by less than an eighth of a turn in it."""
+"""Maximum period times the fastest rate (1): the rotor turns by less than an eighth of a turn in it."""
 
 _NONE: Final = Returning(0.0, 0.0)
 
 
 class PassedPeriod(NamedTuple):
-    """What has become of a period."""
+    """Result for a period."""
 
     segments: int
-    """Into how many it was divided; 0 where something may happen in it, and nothing has been added."""
+    """Number of its segments; 0 if an event is possible in it, and nothing has been added."""
     frame: RotorFrame
-    """At its end."""
+    """Currents and angle at its end."""
 
 
 @inlined
@@ -104,7 +105,7 @@ def _add(
     totals: NDArray[np.float64],
 ) -> None:
     """Add all segments to the ledger."""
-    square, torque, along, across, taken, exchanged = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    square, torque, along, across, drawn, exchanged = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for n in range(count):
         square += rows[SQUARE + n]
         torque += rows[TORQUE + n]
@@ -113,16 +114,16 @@ def _add(
         charge = (
             rows[LINK_ALONG + n] * rows[CHARGE_ALONG + n] + rows[LINK_ACROSS + n] * rows[CHARGE_ACROSS + n]
         )
-        taken += charge
+        drawn += charge
         exchanged += abs(charge)
     first, second, third = returning
     exchanged += first.exchanged + second.exchanged + third.exchanged
     totals[ledger.SQUARE] += 1.5 * square
     totals[ledger.IMPULSE] += 1.5 * pole_pairs * torque
-    totals[ledger.UPPER] += 0.5 * circuit.link * taken
-    totals[ledger.LOWER] += 0.5 * circuit.link * taken
+    totals[ledger.UPPER] += 0.5 * circuit.link * drawn
+    totals[ledger.LOWER] += 0.5 * circuit.link * drawn
     totals[ledger.EXCHANGED] += circuit.link * exchanged
-    totals[ledger.RETURNED] += 0.5 * circuit.link * (exchanged - taken)
+    totals[ledger.RETURNED] += 0.5 * circuit.link * (exchanged - drawn)
     _add_magnitude(0, abs(along) + first.magnitude, magnitudes, totals)
     _add_magnitude(1, abs(of_phase(1, along, across)) + second.magnitude, magnitudes, totals)
     _add_magnitude(2, abs(of_phase(2, along, across)) + third.magnitude, magnitudes, totals)
@@ -133,7 +134,7 @@ def _add(
 def _may_change(
     circuit: Circuit, rates: Rates, gates: Gates, rows: NDArray[np.float64], count: int, leg: int
 ) -> bool:
-    """Return whether a period goes at once although a current may not keep its sign."""
+    """Return True if a period can be computed at once although a current may change its sign."""
     return ignores_sign(circuit, gates, leg) and passes_zero(circuit, rates, rows, count, leg)
 
 
@@ -152,40 +153,40 @@ def pass_period(
     magnitudes: NDArray[np.float64],
     totals: NDArray[np.float64],
 ) -> PassedPeriod:
-    """Pass a whole period at whose start no leg is held and add it to the ledger, if nothing can happen in it.
+    """Pass a whole period without a held leg at its start, and add it to the ledger if no event is possible in it.
 
     Parameters
     ----------
     pole_pairs : float
-        Of the machine (1).
+        Pole pairs of the machine (1).
     circuit : Circuit
         Constants of the advance.
     rates : Rates
-        Its equations.
+        Coefficients of its equations.
     legs : Legs
-        Signs at the start.
+        With the signs at the start.
     gates : Gates
-        Schedule, of which nothing has been passed.
+        With the schedule, before its first edge.
     upcoming : Upcoming
-        Room.
+        Work space.
     frame : RotorFrame
-        At the period's start.
+        Currents and angle at the period's start.
     duration : float
-        Its length, at most `LONGEST_PERIOD` over the circuit's rate (s).
+        Length of the period, at most `LONGEST_PERIOD` over the circuit's rate (s).
     series : Series
-        Room.
+        Work space.
     rows : ndarray
-        Room, as `rows` has it.
+        Work space, as in `rows`.
     magnitudes : ndarray, shape (3,)
-        Integral of each phase's current magnitude (A s), added to.
+        The integrals of the current magnitudes (A s) are added to it.
     totals : ndarray, shape (ledger.ENTRIES,)
-        Exact integrals, added to, but for what the switches lose.
+        The exact integrals are added to it, except for the loss of the switches.
 
     Returns
     -------
     PassedPeriod
-        No segments where a current may come to zero and that is more than a zero passed, or where a segment is too
-        long or there are too many.
+        No segments if a current may reach zero with an effect on a voltage, if a segment is too long, or if there are
+        too many segments.
     """
     pattern = lay_out(circuit, legs, gates, upcoming, duration, rows)
     count = pattern.segments
@@ -204,7 +205,7 @@ def pass_period(
         and (keeps_third or _may_change(circuit, rates, gates, rows, count, 2))
     ):
         return PassedPeriod(0, frame)
-    # Twice, so that each is compiled without what the other alone needs.
+    # Two calls, so that each is compiled without the code that only the other needs.
     if reach <= SHORTEST:
         _integrate(circuit, rates, count, True, rows)
     else:

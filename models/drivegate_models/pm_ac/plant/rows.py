@@ -1,7 +1,7 @@
-"""What is known of the segments of a whole control period, in one array: row after row of `WIDTH` entries.
+"""Data of the segments of a whole control period, in one array: consecutive rows of `WIDTH` entries.
 
-Every row is computed from rows that lie behind it. So the compiler knows that no entry that is written is read for a
-later one, and lets the processor work on several segments at once.
+Every row is computed from rows after it. So the compiler knows that no written entry is read for a later one, and can
+vectorize over several segments.
 """
 
 from __future__ import annotations
@@ -16,62 +16,62 @@ from drivegate_models.compilation.kernels import inlined
 WIDTH: Final = 16
 """Entries of a row."""
 GROUP: Final = 4
-"""Entries that are worked on at once, at most."""
+"""Maximum number of entries that are processed at once."""
 MOST: Final = WIDTH - GROUP
-"""Segments that there is room for, with the instant behind the last one."""
+"""Maximum number of segments, with space for the instant after the last one."""
 
 SQUARE: Final = 0 * WIDTH
-"""Integral of the squares of the currents of the rotor frame over each segment (A2 s)."""
+"""Integral of the squared d-q current over each segment (A2 s)."""
 TORQUE: Final = 1 * WIDTH
-"""Integral of the torque over three halves of the pole pairs (V A s2)."""
+"""Integral of the torque over 1.5 times the pole pairs (V A s2)."""
 CHARGE_ALONG: Final = 2 * WIDTH
 """Integral of the current along the first phase's axis (A s)."""
 CHARGE_ACROSS: Final = 3 * WIDTH
-"""And across it (A s)."""
+"""Integral of the current across the first phase's axis (A s)."""
 PHASE: Final = 4 * WIDTH
-"""Current of the first phase at the start of each segment, and behind the last one (A); those of the others follow."""
+"""Current of the first phase at the start of each segment, and after the last one (A); the other phases follow."""
 DIRECT: Final = 7 * WIDTH
-"""Current along the magnet's axis at the start of each segment, and behind the last one (A)."""
+"""d-axis current at the start of each segment, and after the last one (A)."""
 QUADRATURE: Final = 8 * WIDTH
-"""And across it (A)."""
+"""q-axis current at the start of each segment, and after the last one (A)."""
 COSINE: Final = 9 * WIDTH
-"""Cosine of the electrical angle then (1)."""
+"""Cosine of the electrical angle at these instants (1)."""
 SINE: Final = 10 * WIDTH
-"""Its sine (1)."""
+"""Sine of the electrical angle at these instants (1)."""
 DIRECT_GROWTH: Final = 11 * WIDTH
-"""What the current along the magnet's axis gains by itself in each segment (1)."""
+"""Change of the d-axis current in a segment, per initial d-axis current (1)."""
 DIRECT_BY_QUADRATURE: Final = 12 * WIDTH
-"""What it gains by that across (1)."""
+"""Change of the d-axis current in a segment, per initial q-axis current (1)."""
 DIRECT_ADDED: Final = 13 * WIDTH
-"""What it gains without any current (A)."""
+"""Change of the d-axis current in a segment from zero currents (A)."""
 QUADRATURE_GROWTH: Final = 14 * WIDTH
-"""What the current across the magnet's axis gains by itself in each segment (1)."""
+"""Change of the q-axis current in a segment, per initial q-axis current (1)."""
 QUADRATURE_BY_DIRECT: Final = 15 * WIDTH
-"""What it gains by that along (1)."""
+"""Change of the q-axis current in a segment, per initial d-axis current (1)."""
 QUADRATURE_ADDED: Final = 16 * WIDTH
-"""What it gains without any current (A)."""
+"""Change of the q-axis current in a segment from zero currents (A)."""
 TIME: Final = 17 * WIDTH
 """Start of each segment, from the period's start, and end of the last one (s)."""
 ALONG: Final = 18 * WIDTH
 """Voltage along the first phase's axis (V)."""
 ACROSS: Final = 19 * WIDTH
-"""And across it (V)."""
+"""Voltage across the first phase's axis (V)."""
 LINK_ALONG: Final = 20 * WIDTH
-"""The link's current over that along the first phase's axis (1)."""
+"""The link's current per current along the first phase's axis (1)."""
 LINK_ACROSS: Final = 21 * WIDTH
-"""And over that across it (1)."""
+"""The link's current per current across the first phase's axis (1)."""
 DROP: Final = 22 * WIDTH
-"""Forward drop in the first leg (V), if there are any; the rows of the second and third one follow."""
+"""Forward drop in the first leg (V), if there are drops; the rows of the other two legs follow."""
 _ROWS = 25
 
 
 def make_rows() -> NDArray[np.float64]:
-    """Return room for all rows."""
+    """Return the work space for all rows."""
     return np.zeros(_ROWS * WIDTH)
 
 
 @inlined
 def whole_groups(count: int) -> int:
-    """Return how many entries are worked on for so many."""
-    # Bounded, so that the compiler knows that no index overflows.
+    """Return the number of processed entries for a number of segments: whole groups."""
+    # The bound shows the compiler that no index overflows.
     return int(min(GROUP * ((count + GROUP - 1) // GROUP), WIDTH - GROUP))

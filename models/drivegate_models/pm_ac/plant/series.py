@@ -1,8 +1,8 @@
-"""The currents between two events as power series over the share of the segment's time, 0 to 1.
+"""The currents between two events as power series of the share of the segment's time, 0 to 1.
 
-Speed and leg voltages are constant in a segment, so the equations of the rotor frame are linear with a voltage that
-turns backward; with all terms multiplied by powers of the length, each coefficient follows from the one before. No
-resistance, speed or difference is divided by, so none is a special case.
+Speed and leg voltages are constant in a segment, so the equations in the rotor frame are linear with a voltage that
+rotates backward. With all terms multiplied by powers of the length, each coefficient is computed from the preceding
+one. There is no division by resistance, speed or a difference, so none of them is a special case when zero.
 """
 
 from __future__ import annotations
@@ -19,13 +19,14 @@ from drivegate_models.pm_ac.plant.circuit import Circuit
 from drivegate_models.pm_ac.plant.polynomial import value_at
 
 TERMS: Final = 40
-"""Room for coefficients."""
+"""Maximum number of coefficients."""
 LONGEST: Final = 0.25
-"""Longest segment over the time of the fastest rate (1)."""
+"""Maximum segment times the fastest rate (1)."""
 LONGEST_HELD: Final = 0.125
-"""The same while a leg is held in a salient machine, times the root of lesser over greater inductance (1).
+"""The same while a leg is held in a salient machine, per root of smaller over larger inductance (1).
 
-The inductance past the held leg then varies with the angle, and is zero at a complex one, artanh of that root away.
+The inductance seen by the other two legs then varies with the angle. It is zero at a complex angle, whose imaginary
+part is artanh of that root.
 """
 
 _CUT = 1e-17
@@ -36,33 +37,33 @@ class Series(NamedTuple):
     """Coefficients in one segment, each of shape (TERMS,); written anew for every segment."""
 
     direct: NDArray[np.float64]
-    """Current along the magnet's axis (A)."""
+    """d-axis current (A)."""
     quadrature: NDArray[np.float64]
-    """Current across it (A)."""
+    """q-axis current (A)."""
     other: NDArray[np.float64]
-    """What an event is looked for in: a phase current (A) or a voltage (V)."""
+    """Quantity in which an event is searched: a phase current (A) or a voltage (V)."""
     cosine: NDArray[np.float64]
     """Cosine of an angle (1)."""
     sine: NDArray[np.float64]
-    """Its sine (1)."""
+    """Sine of that angle (1)."""
     flux: NDArray[np.float64]
     """Flux linkage of the currents (V s)."""
     current: NDArray[np.float64]
-    """Current that flows past a held leg (A)."""
+    """Current between the other two legs while one is held (A)."""
     holding: NDArray[np.float64]
     """Voltage of a held leg (V)."""
     slopes: NDArray[np.float64]
-    """Room for a derivative."""
+    """Work space for a derivative."""
 
 
 def make_series() -> Series:
-    """Return room for the series of a segment."""
+    """Return work space for the series of a segment."""
     return Series(*(np.zeros(TERMS) for _ in Series._fields))
 
 
 @inlined
 def longest_segment(circuit: Circuit, held: int, duration: float) -> float:
-    """Return how long a segment may last for its series to converge fast (s)."""
+    """Return the maximum length of a segment for fast convergence of its series (s)."""
     share = LONGEST
     if 0 <= held <= 2 and circuit.direct != circuit.quadrature:
         ratio = circuit.direct / circuit.quadrature
@@ -72,7 +73,7 @@ def longest_segment(circuit: Circuit, held: int, duration: float) -> float:
 
 @inlined
 def _term_count(reach: float) -> int:
-    """Return how many terms a series of entire functions needs."""
+    """Return the number of terms of a series of entire functions, for an argument `reach` (1)."""
     count = 1
     term = 1.0
     while (term > _CUT or count < _LEAST_TERMS) and count < TERMS:
@@ -96,9 +97,9 @@ def free_series(
     frame : RotorFrame
         Currents at the start.
     direct, quadrature : float
-        Voltages of the rotor frame at the start (V).
+        d-axis and q-axis voltages at the start (V).
     length : float
-        (s).
+        Length of the segment (s).
 
     Returns
     -------
@@ -108,7 +109,7 @@ def free_series(
     electrical = circuit.electrical
     per_direct = 1.0 / circuit.direct
     per_quadrature = 1.0 / circuit.quadrature
-    # The voltage that the magnet induces does not turn with the others.
+    # The voltage induced by the magnet does not rotate with the others.
     opposed = electrical * circuit.flux
     flux_d = circuit.direct * frame.direct
     flux_q = circuit.quadrature * frame.quadrature
@@ -141,7 +142,7 @@ def turning_series(
     sine: float,
     angle: float,
 ) -> None:
-    """Write the series of cosine and sine of an angle that grows evenly by so much (rad) over the segment."""
+    """Write the series of cosine and sine of an angle that increases linearly by `angle` (rad) over the segment."""
     cosines[0] = cosine
     sines[0] = sine
     for k in range(1, count):
@@ -172,13 +173,13 @@ def phase_series(
     series : Series
         With `direct` and `quadrature`.
     frame : RotorFrame
-        At the start.
+        Angle at the start.
     leg : int
-        The phase.
+        Index of the phase.
     count : int
         Number of coefficients.
     length : float
-        (s).
+        Length of the segment (s).
     """
     cosine, sine = axis_of(frame, leg)
     turning_series(series.cosine, series.sine, count, cosine, sine, circuit.electrical * length)
@@ -206,13 +207,13 @@ def held_series(
     series : Series
         Receives `direct`, `quadrature`, `current` and `holding`.
     frame : RotorFrame
-        Currents at the start, without one of the held leg.
+        Currents at the start, with zero in the held leg.
     held : int
-        The leg.
+        Index of the held leg.
     voltages : ndarray, shape (3,)
-        Of the legs (V); that of the held one has no meaning.
+        Voltages of the legs (V); that of the held leg is not used.
     length : float
-        (s).
+        Length of the segment (s).
 
     Returns
     -------
@@ -221,9 +222,9 @@ def held_series(
 
     Notes
     -----
-    With T the angle from the phase's axis to the magnet's, the current m that flows from the next leg to the one
-    behind it links ``m (L_S + L_D cos 2T)`` along its own direction, and ``psi cos T - m L_D sin 2T`` along the
-    phase's axis, where 2 L_S = L_q + L_d and 2 L_D = L_q - L_d.
+    T is the angle from the phase's axis to the d axis. The current m from the next leg to the one after it has the
+    flux linkage ``m (L_S + L_D cos 2T)`` in its own direction, and ``psi cos T - m L_D sin 2T`` along the phase's
+    axis, where 2 L_S = L_q + L_d and 2 L_D = L_q - L_d.
     """
     ahead = voltages[(held + 1) % 3]
     behind = voltages[(held + 2) % 3]
@@ -236,7 +237,7 @@ def held_series(
     count = TERMS if swing != 0.0 else _term_count(circuit.rate * length)
     cosines = series.cosine
     sines = series.sine
-    # The room of the currents serves for the double angle until they are known.
+    # The arrays of the currents contain the double angle until the currents are known.
     doubles = series.direct
     double_sines = series.quadrature
     turning_series(cosines, sines, count, cosine, sine, angle)
@@ -276,7 +277,7 @@ def held_series(
 
 @inlined
 def shorten(series: Series, count: int, share: float) -> None:
-    """Let the series of the currents run over a share of their segment."""
+    """Rescale the series of the currents to a share of their segment."""
     power = 1.0
     for k in range(count):
         series.direct[k] *= power
@@ -286,7 +287,7 @@ def shorten(series: Series, count: int, share: float) -> None:
 
 @inlined
 def at_end(series: Series, count: int, cosine: float, sine: float) -> RotorFrame:
-    """Return the currents at the end of a segment, and its angle there."""
+    """Return the currents at the end of a segment, with the cosine and sine of its angle."""
     return RotorFrame(
         value_at(series.direct, count, 1.0), value_at(series.quadrature, count, 1.0), cosine, sine
     )

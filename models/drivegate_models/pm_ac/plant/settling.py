@@ -1,8 +1,8 @@
-"""Which legs conduct, and which way: at zero current the slopes decide, in every case by one law.
+"""Conducting legs and the signs of their currents: at zero current the slopes decide, always by the same law.
 
 A leg is a relay. Its voltage is `low` while its current is positive and `high` while it is negative; low is at most
-high. Where the current is zero, `h` is the voltage at which it would stay so: below `low` the current becomes
-positive, above `high` negative, and between both it stays at zero.
+high. At zero current, `h` is the voltage at which the current remains zero. If `h` is below `low` the current becomes
+positive, above `high` negative, and in between it remains zero.
 """
 
 from __future__ import annotations
@@ -18,45 +18,45 @@ from drivegate_models.machine.rotor_frame import RotorFrame, axis_of, phase_curr
 from drivegate_models.pm_ac.plant.circuit import Circuit, holding_voltage, leg_voltages, phase_slope
 
 FREE: Final = -1
-"""No leg is held at zero current; 0 to 2 is the leg that is."""
+"""No leg is held at zero current; otherwise 0 to 2 is the held leg."""
 EMPTY: Final = 3
 """No current flows."""
 
 _NONE = -1
 _NEAR = 1e-14
-"""Current that counts as none, over that of the rotor frame."""
+"""Current that counts as zero, relative to the current in the rotor frame."""
 
 
 class Legs(NamedTuple):
-    """What is known of the three legs; updated in place."""
+    """State of the three legs; updated in place."""
 
     signs: NDArray[np.int64]
-    """Sign of the current, 0 for a leg that is held at zero, shape (3,)."""
+    """Sign of the current, 0 for a leg held at zero, shape (3,)."""
     sure: NDArray[np.int64]
-    """Sign that the current keeps throughout the advance, 0 where it may change, shape (3,)."""
+    """Sign of the current if it cannot change in the advance, otherwise 0, shape (3,)."""
     gates: NDArray[np.int64]
-    """Gate now, shape (3,)."""
+    """Present gate, shape (3,)."""
     positions: NDArray[np.int64]
-    """Entry of the schedule now, shape (3,)."""
+    """Present entry of the schedule, shape (3,)."""
     low: NDArray[np.float64]
     """Voltage while the current is positive, shape (3,) (V)."""
     high: NDArray[np.float64]
-    """Voltage while it is negative, shape (3,) (V)."""
+    """Voltage while the current is negative, shape (3,) (V)."""
     voltages: NDArray[np.float64]
-    """Voltage now, shape (3,) (V); that of a held leg has no meaning."""
+    """Present voltage, shape (3,) (V); undefined for a held leg."""
 
 
 class Settled(NamedTuple):
-    """What the legs do until the next event."""
+    """State until the next event."""
 
     held: int
-    """`FREE`, the leg that is held at zero, or `EMPTY`."""
+    """`FREE`, the leg held at zero, or `EMPTY`."""
     frame: RotorFrame
-    """Without what rounding has left in held legs."""
+    """Currents in the rotor frame, with exact zeros in held legs."""
 
 
 def make_legs() -> Legs:
-    """Return legs without a current."""
+    """Return legs without current."""
     return Legs(
         np.zeros(3, np.int64),
         np.zeros(3, np.int64),
@@ -70,26 +70,26 @@ def make_legs() -> Legs:
 
 @inlined
 def is_relay(legs: Legs, leg: int) -> bool:
-    """Return whether the sign of its current matters to a leg."""
+    """Return True if a leg's voltage depends on the sign of its current."""
     return bool(legs.low[leg] < legs.high[leg])
 
 
 @inlined
 def set_gate(circuit: Circuit, legs: Legs, leg: int, gate: int) -> None:
-    """Let a gate change."""
+    """Set the gate of a leg and its two voltages."""
     legs.gates[leg] = gate
     legs.low[leg], legs.high[leg] = leg_voltages(circuit, gate)
 
 
 @inlined
-def _take_sign(legs: Legs, leg: int, sign: int) -> None:
+def _set_sign(legs: Legs, leg: int, sign: int) -> None:
     legs.signs[leg] = sign
     legs.voltages[leg] = legs.low[leg] if sign >= 0 else legs.high[leg]
 
 
 @inlined
 def _project(frame: RotorFrame, leg: int) -> RotorFrame:
-    """Return a rotor frame in which a leg has no current at all."""
+    """Return the rotor frame with exactly zero current in a leg."""
     cosine, sine = axis_of(frame, leg)
     current = sine * frame.direct + cosine * frame.quadrature
     return RotorFrame(sine * current, cosine * current, frame.cosine, frame.sine)
@@ -103,7 +103,7 @@ def _emf(circuit: Circuit, frame: RotorFrame, leg: int) -> float:
 
 @inlined
 def _conducts(circuit: Circuit, legs: Legs, frame: RotorFrame) -> bool:
-    """Return whether two legs, without any current, are far enough apart for one to begin."""
+    """Return True if, without any current, the voltages of two legs differ enough to start one."""
     most = -inf
     least = inf
     for leg in range(3):
@@ -115,7 +115,7 @@ def _conducts(circuit: Circuit, legs: Legs, frame: RotorFrame) -> bool:
 
 @inlined
 def _margin(circuit: Circuit, legs: Legs, frame: RotorFrame) -> float:
-    """Return by how much the slopes agree with the signs of the legs, without any current (A/s)."""
+    """Return the margin by which the slopes agree with the signs of the legs, without any current (A/s)."""
     margin = inf
     for leg in range(3):
         if legs.signs[leg] == 0:
@@ -131,7 +131,7 @@ def _margin(circuit: Circuit, legs: Legs, frame: RotorFrame) -> float:
 
 @inlined
 def _set_pattern(legs: Legs, pattern: int) -> int:
-    """Give the legs the signs of one of 27 patterns; return how many are held, 3 for a pattern that is none."""
+    """Set the legs to the signs of one of 27 patterns; return the number of held legs, 3 for an invalid pattern."""
     held = 0
     for leg in range(3):
         sign = pattern % 3 - 1
@@ -139,18 +139,18 @@ def _set_pattern(legs: Legs, pattern: int) -> int:
         if sign != 1 and not is_relay(legs, leg):
             return 3
         held += 1 if sign == 0 else 0
-        _take_sign(legs, leg, sign)
+        _set_sign(legs, leg, sign)
     return held
 
 
 @unallocating
-def _begin(circuit: Circuit, legs: Legs, frame: RotorFrame) -> int:
-    """Settle legs without any current; return which one stays held."""
+def _start_from_zero(circuit: Circuit, legs: Legs, frame: RotorFrame) -> int:
+    """Determine the signs of legs without any current; return the held leg, `FREE` or `EMPTY`."""
     if not _conducts(circuit, legs, frame):
         for leg in range(3):
-            _take_sign(legs, leg, 0)
+            _set_sign(legs, leg, 0)
         return EMPTY
-    # One pattern agrees with its slopes; at a tie rounding lets none or two do so, and either serves.
+    # One pattern agrees with its slopes. At a tie, by rounding, none or two agree, and either is valid.
     best = 0
     margin = -inf
     for pattern in range(27):
@@ -167,56 +167,56 @@ def _begin(circuit: Circuit, legs: Legs, frame: RotorFrame) -> int:
 
 
 @inlined
-def _look(circuit: Circuit, legs: Legs, frame: RotorFrame, fixed: int) -> tuple[int, int]:
-    """Take over the signs of all currents; return how many legs are at zero, and the last of them."""
+def _update_signs(circuit: Circuit, legs: Legs, frame: RotorFrame, fixed: int) -> tuple[int, int]:
+    """Update the signs from all currents; return the number of legs at zero, and the last of them."""
     near = _NEAR * (abs(frame.direct) + abs(frame.quadrature)) + circuit.nothing
     count = 0
     last = _NONE
     for leg in range(3):
         if legs.sure[leg] != 0 or leg == fixed:
-            _take_sign(legs, leg, legs.sure[leg] if legs.sure[leg] != 0 else legs.signs[leg])
+            _set_sign(legs, leg, legs.sure[leg] if legs.sure[leg] != 0 else legs.signs[leg])
             continue
         current = phase_current(frame, leg)
         if not is_relay(legs, leg):
-            # Of no matter to its voltage; what the sign was is forgotten, for it may have changed meanwhile.
-            _take_sign(legs, leg, 1 if current >= 0.0 else -1)
+            # The sign does not affect the voltage, and may have changed meanwhile.
+            _set_sign(legs, leg, 1 if current >= 0.0 else -1)
         elif legs.signs[leg] == 0 or abs(current) <= near:
             count += 1
             last = leg
             legs.signs[leg] = 0
         else:
-            _take_sign(legs, leg, 1 if current > 0.0 else -1)
+            _set_sign(legs, leg, 1 if current > 0.0 else -1)
     return count, last
 
 
 @inlined
 def settle(circuit: Circuit, legs: Legs, frame: RotorFrame, fixed: int, excluded: int) -> Settled:
-    """Decide which legs conduct and which way, after anything has changed.
+    """Determine the conducting legs and their signs, after any change.
 
     Parameters
     ----------
     circuit : Circuit
         Constants of the advance.
     legs : Legs
-        Gates and voltages as they are now; signs as they were, 0 for a leg whose current has come to zero. Updated.
+        With present gates and voltages and the previous signs, 0 for a leg whose current has reached zero. Updated.
     frame : RotorFrame
         Currents and angle.
     fixed : int
-        Leg whose sign is settled already, or -1.
+        Leg with a known sign, or -1.
     excluded : int
-        Sign that a single leg at zero has just come from, to which it does not return; 0 for none.
+        Previous sign of a single leg at zero, to which it does not return; 0 for none.
 
     Returns
     -------
     Settled
-        What is held, and the currents.
+        The held leg, and the currents.
     """
-    count, last = _look(circuit, legs, frame, fixed)
+    count, last = _update_signs(circuit, legs, frame, fixed)
     if count == 0:
         return Settled(FREE, frame)
     if count > 1:
         frame = RotorFrame(0.0, 0.0, frame.cosine, frame.sine)
-        return Settled(_begin(circuit, legs, frame), frame)
+        return Settled(_start_from_zero(circuit, legs, frame), frame)
     voltage = holding_voltage(circuit, frame, last, legs.voltages)[0]
     sign = 0
     if voltage < legs.low[last]:
@@ -225,12 +225,12 @@ def settle(circuit: Circuit, legs: Legs, frame: RotorFrame, fixed: int, excluded
         sign = -1
     if sign == 0 or sign == excluded:
         frame = _project(frame, last)
-        _take_sign(legs, last, 0)
-        # What one of the others gives the other one takes, also where both are hardly more than rounding.
+        _set_sign(legs, last, 0)
+        # The currents of the other two legs are opposite, even if both are within rounding.
         ahead = (last + 1) % 3
         flows = 1 if phase_current(frame, ahead) >= 0.0 else -1
-        _take_sign(legs, ahead, flows)
-        _take_sign(legs, (last + 2) % 3, -flows)
+        _set_sign(legs, ahead, flows)
+        _set_sign(legs, (last + 2) % 3, -flows)
         return Settled(last, frame)
-    _take_sign(legs, last, sign)
+    _set_sign(legs, last, sign)
     return Settled(FREE, frame)

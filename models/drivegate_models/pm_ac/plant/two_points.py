@@ -1,9 +1,9 @@
 """Integrals over a segment from the currents and their derivatives at its two ends.
 
-Value and three derivatives at both ends give every integral, with the two-point formula that is exact for polynomials
-of degree 7: between two instants h apart the integral of f is the sum of ``h/2 f``, ``3 h**2/28 f'``, ``h**3/84 f''``
-and ``h**4/1680 f'''`` at the first, and of the same with the signs +, -, +, - at the second; in the shortest segments
-of ``h/2 f``, ``h**2/10 f'`` and ``h**3/120 f''``.
+Every integral is computed from value and three derivatives at both ends, with the two-point formula that is exact
+for polynomials of degree 7. Over a length h the integral of f is the sum of ``h/2 f``, ``3 h**2/28 f'``, ``h**3/84
+f''`` and ``h**4/1680 f'''`` at the first end, and of the same terms with the signs +, -, +, - at the second. In the
+shortest segments the terms are ``h/2 f``, ``h**2/10 f'`` and ``h**3/120 f''``.
 """
 
 from __future__ import annotations
@@ -13,24 +13,25 @@ from typing import Final, NamedTuple
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.machine.rotor_frame import RotorFrame, turned
 from drivegate_models.pm_ac.plant.circuit import Circuit
-from drivegate_models.pm_ac.plant.jets import Currents, Jet, square_of, standing, torque_of
+from drivegate_models.pm_ac.plant.jets import Currents, Jet, in_stationary_frame, square_of, torque_of
 
 SHORT: Final = 0.05
-"""Longest segment over the time of the fastest rate (1).
+"""Maximum segment times the fastest rate (1).
 
-The ninth term of the series is then below 1e-17, and the integral of the square of a current that begins at zero is
-exact to 5e-13 of itself; that of any other far more."""
+The ninth term of the series is then below 1e-17. The relative error of the integral of a squared current that begins at
+zero is at most 5e-13, and far smaller for any other current.
+"""
 
 SHORTEST: Final = 0.008
-"""The same up to which third derivatives can be left out (1).
+"""Maximum segment times the fastest rate for which third derivatives can be omitted (1).
 
-The seventh term is then below 1e-17, and the formula leaves less than 3e-12 of the square of a current that begins at
-zero.
+The seventh term is then below 1e-17, and the relative error of the formula is below 3e-12 for the square of a current
+that begins at zero.
 """
 
 
 class Weights(NamedTuple):
-    """Of value and derivatives at one end of a segment in an integral over it."""
+    """Weights of value and derivatives at one end of a segment in an integral over it."""
 
     value: float
     slope: float
@@ -42,20 +43,20 @@ class Sums(NamedTuple):
     """Integrals over a segment."""
 
     square: float
-    """Of the squares of the currents of the rotor frame (A2 s)."""
+    """Integral of the squared d-q current (A2 s)."""
     torque: float
-    """Of the torque over three halves of the pole pairs (V A s2)."""
+    """Integral of the torque over 1.5 times the pole pairs (V A s2)."""
     along: float
-    """Of the current along the first phase's axis (A s)."""
+    """Integral of the current along the first phase's axis (A s)."""
     across: float
-    """Of that across it (A s)."""
+    """Integral of the current across the first phase's axis (A s)."""
 
 
 @inlined
-def _part(weights: Weights, one: Jet, is_shortest: bool) -> float:
-    """Return what one end gives to an integral."""
+def _contribution(weights: Weights, one: Jet, is_shortest: bool) -> float:
+    """Return the contribution of one end to an integral."""
     total = weights.value * one.value + weights.slope * one.slope + weights.bend * one.bend
-    # Not a weight of zero, which would be multiplied by all the same.
+    # Omit the term; a weight of zero would still be multiplied.
     return total if is_shortest else total + weights.jerk * one.jerk
 
 
@@ -76,18 +77,18 @@ def sums_between(
     circuit : Circuit
         Constants of the advance.
     begin, end : Currents
-        With their derivatives at both ends.
+        Currents with derivatives at both ends.
     frame, after : RotorFrame
-        At both ends.
+        Angles at both ends.
     length : float
-        (s).
+        Length of the segment (s).
     is_shortest : bool
-        Whether third derivatives are left out.
+        True to omit third derivatives.
 
     Returns
     -------
     Sums
-        The integrals.
+        Exact to the errors stated at `SHORT` and `SHORTEST`.
     """
     square = length * length
     if is_shortest:
@@ -100,18 +101,23 @@ def sums_between(
             (1.0 / 1680.0) * square * square,
         )
     behind = Weights(weights.value, -weights.slope, weights.bend, -weights.jerk)
-    first = standing(begin, circuit.electrical)
-    last = standing(end, circuit.electrical)
+    first = in_stationary_frame(begin, circuit.electrical)
+    last = in_stationary_frame(end, circuit.electrical)
     first_along, first_across = turned(
-        frame, _part(weights, first.direct, is_shortest), _part(weights, first.quadrature, is_shortest)
+        frame,
+        _contribution(weights, first.direct, is_shortest),
+        _contribution(weights, first.quadrature, is_shortest),
     )
     last_along, last_across = turned(
-        after, _part(behind, last.direct, is_shortest), _part(behind, last.quadrature, is_shortest)
+        after,
+        _contribution(behind, last.direct, is_shortest),
+        _contribution(behind, last.quadrature, is_shortest),
     )
     return Sums(
-        _part(weights, square_of(begin), is_shortest) + _part(behind, square_of(end), is_shortest),
-        _part(weights, torque_of(circuit, begin), is_shortest)
-        + _part(behind, torque_of(circuit, end), is_shortest),
+        _contribution(weights, square_of(begin), is_shortest)
+        + _contribution(behind, square_of(end), is_shortest),
+        _contribution(weights, torque_of(circuit, begin), is_shortest)
+        + _contribution(behind, torque_of(circuit, end), is_shortest),
         first_along + last_along,
         first_across + last_across,
     )
