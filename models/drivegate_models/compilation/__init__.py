@@ -1,1 +1,1 @@
-"""How kernels are compiled and kept, and how compiled code is called by address."""
+"""Compilation and caching of kernels, and calls of compiled code by address."""

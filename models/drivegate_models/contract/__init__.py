@@ -1,1 +1,1 @@
-"""What passes between harness and controller, one folder for each contract."""
+"""The signals between harness and controller, with one folder for each contract."""

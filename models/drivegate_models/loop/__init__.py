@@ -1,1 +1,1 @@
-"""The one closed loop, and what goes into it and comes out."""
+"""The closed loop of controller and plant, with its sensors, schedules and observations."""

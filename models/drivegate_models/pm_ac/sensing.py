@@ -248,7 +248,7 @@ def show_shaft(sensors: DutySensors, sense: Any, now: float) -> None:
 
 @inlined
 def lose_next_edge(sensors: DutySensors) -> None:
-    """Make the sensor on the shaft miss its next edge."""
+    """Skip the next edge of the sensor on the shaft."""
     if sensors.position == ENCODER:
         lose_count(sensors.encoder)
     elif sensors.position == HALL:

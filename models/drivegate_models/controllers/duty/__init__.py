@@ -1,1 +1,1 @@
-"""Field-oriented control, behind the native interface of the contract of duty ratios."""
+"""Field-oriented controllers with the native interface of the contract of duty ratios."""

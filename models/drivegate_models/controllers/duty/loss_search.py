@@ -52,7 +52,7 @@ def restart_search(state: Any, torque: float, speed: float) -> None:
 
 @inlined
 def _begin_averaging(state: Any, speed: float) -> None:
-    """Let a new current settle, and choose the averaging time for the speed (rad/s)."""
+    """Start the settling time of a new current, and choose the averaging time for the speed (rad/s)."""
     averaging = state.search_shortest
     absolute_speed = abs(speed)
     if absolute_speed * state.search_longest > state.search_sixth:

@@ -1,1 +1,1 @@
-"""A controller of duty ratios whose senses and answers are spoilt on the way, for checks to be checked by."""
+"""A controller of duty ratios with perturbed Senses and commands, to test the checks."""

@@ -121,7 +121,7 @@ def count_within_a_turn(encoder: Encoder) -> int:
 
 @inlined
 def lose_count(encoder: Encoder) -> None:
-    """Make the counter miss the next edge.
+    """Omit the next edge from the count.
 
     From that edge on the count is off by one. The number of edges for the speed is off by one while the edge is
     within the speed window.

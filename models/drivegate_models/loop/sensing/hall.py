@@ -151,7 +151,7 @@ def hall_speed(hall: Hall) -> float:
 
 @inlined
 def lose_switching(hall: Hall) -> None:
-    """Make the next edge fail to appear.
+    """Skip the next edge of the switches.
 
     The states do not change for one more sector, and change by two sectors at the edge after it. This shows the
     timer's program that one edge was lost.
