@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import pi, tau
 from pathlib import Path
 
+import numpy as np
 import pytest
 from tests.harness.candidates.native.duty_sources import duty_source
 
@@ -13,7 +15,9 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.contracts.current.record import CurrentRecord
+from drivegate.contracts.duty.document import duty_document
 from drivegate.contracts.duty.record import DutyRecord
+from drivegate.contracts.duty.run import DUTY_RATIOS
 from drivegate.contracts.duty.scenarios.building import torque_scenario
 from drivegate.drives.choice import drive_for
 from drivegate.drives.running import recorded
@@ -21,6 +25,7 @@ from drivegate.gate.step_timing import TimedSteps, time_steps
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario, load_scenario
 from drivegate_models.errors import InputError
+from drivegate_models.units import RADIANS_PER_RPM
 
 INTERIOR = load_drive("pm-ac-interior")
 SHORT = torque_scenario(INTERIOR, 600.0, (0.0,)).replaced(duration_s=0.02)
@@ -96,6 +101,63 @@ for line in sys.stdin:
     print(json.dumps(answer), flush=True)
 """
 
+SHOWN_C = """#include "drivegate_duty.h"
+#include <stddef.h>
+int64_t drivegate_abi_version(void) { return DRIVEGATE_ABI_VERSION; }
+int64_t drivegate_state_size(void) { return 8; }
+int drivegate_duty_reset(void *state, const drivegate_duty_nameplate *plate) { return 0; }
+void drivegate_duty_step(void *state, const drivegate_duty_sense *sense, drivegate_duty_command *command) {
+    command->duty_ratios[0] = 0.5 + sense->angle / 4096.0;
+    command->duty_ratios[1] = 0.5 + (double)sense->encoder_count / 1048576.0;
+    command->duty_ratios[2] = 0.5 + (double)sense->hall / 4096.0;
+}
+"""
+SHOWN_PYTHON = """
+from drivegate import DutyCommand
+
+class Mine:
+    def reset(self, nameplate):
+        pass
+
+    def step(self, sense):
+        return DutyCommand((
+            0.5 + sense.angle / 4096.0, 0.5 + sense.encoder_count / 1048576.0, 0.5 + sense.hall / 4096.0
+        ))
+"""
+SHOWN_NUMBA = """
+import numpy as np
+from drivegate import NumbaController
+
+def reset(state, nameplate):
+    state.steps = 0
+
+def step(state, sense, command):
+    command.first_duty = 0.5 + sense.angle / 4096.0
+    command.second_duty = 0.5 + sense.encoder_count / 1048576.0
+    command.third_duty = 0.5 + sense.hall / 4096.0
+
+mine = NumbaController(np.dtype([("steps", np.int64)]), reset=reset, step=step, contract="duty")
+"""
+SHOWN_PROGRAM = """
+import json, sys
+
+for line in sys.stdin:
+    message = json.loads(line)
+    if "message" in message:
+        answer = {"drivegate": 1}
+    elif "reset" in message:
+        answer = {"ready": True}
+    else:
+        sense = message["sense"]
+        answer = {"duty_ratios": [
+            0.5 + sense["angle"] / 4096.0,
+            0.5 + sense.get("encoder_count", -1) / 1048576.0,
+            0.5 + sense.get("hall", -1) / 4096.0,
+        ]}
+    print(json.dumps(answer), flush=True)
+"""
+"""Controllers that answer with the place of the shaft, as they are shown it."""
+
 
 def run_once(loaded: JudgedCandidate, scenario: Scenario) -> CurrentRecord:
     return recorded(loaded, scenario, loaded.controller())
@@ -131,6 +193,47 @@ def test_every_kind_gives_the_same_commands_by_the_same_algorithm(
         assert isinstance(record, DutyRecord), f"{kind}: {record}"
         digests[kind] = record.run.digest
     assert len(set(digests.values())) == 1, f"the kinds answer differently: {digests}"
+
+
+def shown_places(specification: str, runs: list[Scenario]) -> list[np.ndarray]:
+    """Return angle, count and Hall states that a controller was shown in runs, from its answers, each shape (3, n)."""
+    shown = []
+    with Judge(resolve_candidate(specification)) as judge:
+        for run in runs:
+            record = judge.run(Job(run_once, run))
+            assert isinstance(record, DutyRecord), f"{specification}: {record}"
+            ratios = np.stack([record.run.commands[leg] for leg in DUTY_RATIOS])
+            shown.append(np.round((ratios - 0.5) * [[4096.0], [1048576.0], [4096.0]], 9))
+    return shown
+
+
+def test_every_kind_is_shown_the_same_place_of_the_shaft_over_more_than_a_turn(tmp_path: Path) -> None:
+    positions = ("exact", "encoder", "hall")
+    drives = [
+        INTERIOR.with_overrides(["machine.pole_pairs=4", f"sensing.position={one}"]) for one in positions
+    ]
+    runs = [
+        torque_scenario(duty_document(drive), 600.0, (0.0,)).replaced(duration_s=0.16) for drive in drives
+    ]
+    sources = {
+        "c.c": SHOWN_C,
+        "python.py": SHOWN_PYTHON,
+        "compiled.py": SHOWN_NUMBA,
+        "program.py": SHOWN_PROGRAM,
+    }
+    for name, source in sources.items():
+        (tmp_path / name).write_text(source, encoding="utf-8")
+    shown = shown_places(f"{tmp_path / 'c.c'}", runs)
+    for other in ("python.py:Mine", "compiled.py:mine"):
+        assert np.array_equal(shown_places(f"{tmp_path / other}", runs), shown), other
+    assert np.array_equal(shown_places(f"exec:python3 {tmp_path / 'program.py'}", runs), shown), "a program"
+    true = np.arange(shown[0].shape[1]) * INTERIOR.control_period_s * 600.0 * RADIANS_PER_RPM
+    for position, (angle, count, hall) in zip(positions, shown, strict=True):
+        apart = np.abs((angle - true + pi) % tau - pi)
+        assert apart.max() < {"exact": 1e-8, "encoder": 1e-3, "hall": 1e-3}[position], position
+        assert np.count_nonzero(np.diff(angle) < 0.0) == 1, "it starts again once in 1.6 turns"
+        assert (np.ptp(count) > 4080.0) == (position == "encoder"), "edges of 1024 lines"
+        assert set(hall) == ({1.0, 2.0, 3.0, 4.0, 5.0, 6.0} if position == "hall" else {-1.0})
 
 
 @pytest.mark.parametrize(

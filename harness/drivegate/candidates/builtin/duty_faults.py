@@ -257,7 +257,7 @@ DUTY_FAULTS: Final = {
     "patient-stall-watch": DutyFault(
         "SAF-1",
         "Waits for four seconds before it takes a shaft for locked that stands under the greatest torque.",
-        alter=_scaled(100, "stall_periods"),
+        alter=_scaled(100, "stall_periods", "hall_stall_periods"),
     ),
     "hall-edges-counted": DutyFault(
         "SAF-1",

@@ -132,6 +132,7 @@ def write_voltage(
     """
     cosine, sine = turned
     along, across = voltage
+    state.quadrature_voltage = across
     write_ratios(
         command,
         cosine * along - sine * across,

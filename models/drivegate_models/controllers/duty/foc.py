@@ -28,6 +28,7 @@ from drivegate_models.controllers.duty.current_regulator import (
     voltage_limit,
 )
 from drivegate_models.controllers.duty.flux_prediction import regulate_flux, reset_prediction
+from drivegate_models.controllers.duty.hall_observer import reset_observer
 from drivegate_models.controllers.duty.loss_model import least_loss_direct
 from drivegate_models.controllers.duty.loss_search import reset_search, restart_search, searched_offset
 from drivegate_models.controllers.duty.plausibility import (
@@ -35,7 +36,7 @@ from drivegate_models.controllers.duty.plausibility import (
     look_for_faults,
     reset_plausibility,
 )
-from drivegate_models.controllers.duty.position import reset_position, see_shaft
+from drivegate_models.controllers.duty.position import regulated_speed, reset_position, see_shaft
 from drivegate_models.controllers.duty.state import (
     BY_PREDICTION,
     FOC_STATE,
@@ -98,6 +99,7 @@ def reset_state(state: Any, nameplate: Any) -> None:
     state.voltage_share = VOLTAGE_SHARE
     reset_search(state, nameplate)
     reset_position(state, nameplate)
+    reset_observer(state, speed_bandwidth, nameplate.inertia)
     reset_plausibility(state, nameplate)
 
 
@@ -185,9 +187,9 @@ def _share_voltage(state: Any, used: float) -> None:
 @inlined
 def step_state(state: Any, sense: Any, command: Any) -> None:
     """Answer for one control period."""
-    # A speed regulator is to notice a shaft that slows down as soon as its sensor does.
-    speed = sense.speed
+    timed = sense.speed
     sense = see_shaft(state, sense)
+    speed = regulated_speed(state, sense, timed)
     command.angle = sense.angle
     command.speed = sense.speed
     if look_for_faults(state, sense):
@@ -221,6 +223,9 @@ def step_state(state: Any, sense: Any, command: Any) -> None:
         )
     _share_voltage(state, used / max(limit, 1e-9))
     command.torque = torque_per_quadrature(state, direct) * quadrature
+    state.seen_torque = command.torque
+    state.quadrature_before = state.quadrature_seen
+    state.direct_seen, state.quadrature_seen = direct, quadrature
     command.input_power = nan
 
 

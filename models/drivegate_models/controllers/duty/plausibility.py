@@ -2,12 +2,13 @@
 
 Four things that no drive in order does: phase currents whose sum is not zero, a shaft whose angle does not turn by its
 speed or that stops faster than torque and inertia allow, one that stands under the greatest torque, and a phase
-without a current while the field turns past it.
+without a current while the field turns past it. Hall switches show a speed at their edges alone; where they stay as
+they are although the magnet still induces a voltage, the position is lost.
 """
 
 from __future__ import annotations
 
-from math import floor, pi
+from math import floor, pi, sqrt
 from typing import Any, Final
 
 from drivegate_models.compilation.calling import double_at
@@ -43,8 +44,11 @@ _FULL = 0.95
 _STALLED_PERIODS = 300
 _STALLED_MOST = 0.04
 _STALLED_LEAST = 0.06
-# How many times as long without an edge of Hall switches.
-_BETWEEN_EDGES = 2
+# Voltage that the field induces over that of the speed at the last edge, from which on it turns; and the least flux
+# along the magnet's axis that this goes by, over the magnet's own.
+_INDUCED = 0.5
+# Torque over the greatest that is left to turn a shaft past a sector of its Hall switches where the load is heavy.
+_LEFT = 0.1
 # Current of a phase over that of all, current of all over the limit from which on it is looked at, and angle that the
 # field turns by meanwhile (rad electrical).
 _MISSING = 0.03
@@ -69,10 +73,14 @@ def reset_plausibility(state: Any, nameplate: Any) -> None:
     run_up = nameplate.inertia * nameplate.base_speed / state.greatest_torque
     stalled = max(min(_STALLED_PERIODS * period, _STALLED_MOST), _STALLED_LEAST * run_up)
     state.stall_periods = int(stalled / period)
+    sector = pi / (3.0 * nameplate.pole_pairs)
+    passed = sqrt(2.0 * sector * nameplate.inertia / (_LEFT * state.greatest_torque))
+    state.hall_stall_periods = int(max(2.0 * stalled, passed) / period)
     state.fault = 0
     state.is_watching = 0
     state.angle_before = 0.0
     state.angle_drift = 0.0
+    state.hall_watched = -1
     state.speed_seen = 0.0
     state.sum_count = 0
     state.speed_count = 0
@@ -99,8 +107,8 @@ def _is_sum_wrong(state: Any, sense: Any) -> bool:
 
 
 @inlined
-def _is_shaft_wrong(state: Any, sense: Any, turned: float) -> bool:
-    """Tell whether angle and speed disagree, or the speed has gone faster than the shaft can."""
+def _is_shaft_wrong(state: Any, sense: Any, turned: float, shows_speed: bool) -> bool:
+    """Tell whether angle and speed disagree, or a speed that was shown has gone faster than the shaft can."""
     expected = state.pole_pairs * sense.speed * state.control_period
     drift = max(1.0 - abs(expected) / _FORGOTTEN, 0.0) * state.angle_drift + turned - expected
     state.angle_drift = drift
@@ -109,20 +117,34 @@ def _is_shaft_wrong(state: Any, sense: Any, turned: float) -> bool:
         return True
     speed = abs(sense.speed)
     # Follows a rising speed at once, and a falling one as fast as the shaft can.
-    state.speed_seen = max(speed, state.speed_seen - state.slowing_step)
+    state.speed_seen = max(speed if shows_speed else 0.0, state.speed_seen - state.slowing_step)
     stops = speed < _STOPPED * state.speed_seen and state.speed_seen > _SLOW * state.base_speed
     state.speed_count = state.speed_count + 1 if stops else 0
     return bool(state.speed_count >= _SEEN)
 
 
 @inlined
-def _is_stalled(state: Any, sense: Any, turned: float) -> bool:
+def _is_position_lost(state: Any, sense: Any) -> bool:
+    """Return True if no Hall edge comes any more although the magnet's field still turns past the winding."""
+    if sense.hall < 0 or state.is_overdue == 0:
+        return False
+    before = state.edge_rate if state.regulates_speed == 1 else state.pole_pairs * state.hall_speed
+    rise = (state.quadrature_seen - state.quadrature_before) / state.control_period
+    dropped = state.resistance * state.quadrature_seen + state.quadrature_inductance * rise
+    flux = state.magnet_flux + state.direct_inductance * state.direct_seen
+    expected = max(flux, _INDUCED * state.magnet_flux) * abs(before)
+    return bool(abs(state.quadrature_voltage - dropped) > _INDUCED * expected)
+
+
+@inlined
+def _is_stalled(state: Any, sense: Any, has_edge: bool) -> bool:
     """Tell whether a shaft that is to turn has stood under the greatest torque for long."""
-    stands = abs(sense.speed) < _STANDING * state.base_speed < abs(sense.reference)
+    standing = _STANDING * state.base_speed
     pushed = abs(state.torque) >= _FULL * state.greatest_torque
-    # Hall switches show a shaft that begins to turn by their edges alone, each of which is a step.
-    longest = state.stall_periods if sense.hall < 0 else _BETWEEN_EDGES * state.stall_periods
-    stands = stands and (sense.hall < 0 or turned == 0.0)
+    # Hall switches show a shaft that begins to turn, or that stands, by their edges alone.
+    longest = state.stall_periods if sense.hall < 0 else state.hall_stall_periods
+    stands = abs(sense.speed) < standing if sense.hall < 0 else not has_edge
+    stands = stands and standing < abs(sense.reference)
     state.stall_count = state.stall_count + 1 if state.regulates_speed == 1 and stands and pushed else 0
     return bool(state.stall_count >= longest)
 
@@ -130,7 +152,9 @@ def _is_stalled(state: Any, sense: Any, turned: float) -> bool:
 @inlined
 def _passed_by(state: Any, sense: Any, turned: float) -> float:
     """Return by how much the field has turned past the phases, which a step at a Hall edge does not do."""
-    return turned if sense.hall < 0 else float(state.pole_pairs * sense.speed * state.control_period)
+    if sense.hall < 0:
+        return turned
+    return min(abs(turned), abs(float(state.pole_pairs * sense.speed * state.control_period)))
 
 
 @inlined
@@ -167,14 +191,17 @@ def look_for_faults(state: Any, sense: Any) -> bool:
         # There is no step before the first.
         state.is_watching = 1
         state.angle_before = sense.angle
+        state.hall_watched = sense.hall
         state.speed_seen = abs(sense.speed)
         return False
     turned = _turned(state, sense)
+    has_edge = sense.hall != state.hall_watched
+    state.hall_watched = sense.hall
     if _is_sum_wrong(state, sense):
         state.fault = CURRENT_FAULT
-    elif _is_shaft_wrong(state, sense, turned):
+    elif _is_shaft_wrong(state, sense, turned, sense.hall < 0 or has_edge) or _is_position_lost(state, sense):
         state.fault = SHAFT_FAULT
-    elif _is_stalled(state, sense, turned):
+    elif _is_stalled(state, sense, has_edge):
         state.fault = STALL_FAULT
     elif _is_phase_missing(state, sense, _passed_by(state, sense, turned)):
         state.fault = PHASE_FAULT

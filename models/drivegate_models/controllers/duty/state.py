@@ -123,15 +123,39 @@ FOC_STATE: Final = np.dtype(
         ("hall_before", np.int64),
         ("hall_angle", np.float64),
         ("hall_speed", np.float64),
+        # Hall switches of a shaft that a speed is requested of: rate of the observer (1/s), inertia, sector of the
+        # states (-1 before the first step), whether an edge has shown the place, time since the last edge (s), its
+        # place and what has been turned since (rad electrical), speed now and at that edge (rad/s electrical), what the
+        # load takes of the acceleration (rad/s² electrical), and the torque of the step before (N m).
+        ("observer_rate", np.float64),
+        ("inertia", np.float64),
+        ("sector", np.int64),
+        ("is_placed", np.int64),
+        ("since_edge", np.float64),
+        ("place", np.float64),
+        ("turned_on", np.float64),
+        ("rate", np.float64),
+        ("edge_rate", np.float64),
+        ("slowing", np.float64),
+        ("seen_torque", np.float64),
+        # Whether an edge is overdue for longer than a lost one explains, the currents of the step before, the voltage
+        # across the magnet's axis in it, and the current across it one step earlier.
+        ("is_overdue", np.int64),
+        ("direct_seen", np.float64),
+        ("quadrature_voltage", np.float64),
+        ("quadrature_seen", np.float64),
+        ("quadrature_before", np.float64),
         # Plausibility: constants, the code of the first fault, 1 once a step has been seen, its values, and for how
         # long, or for which electrical angle, each value has been implausible.
         ("base_speed", np.float64),
         ("slowing_step", np.float64),
         ("stall_periods", np.int64),
+        ("hall_stall_periods", np.int64),
         ("fault", np.int64),
         ("is_watching", np.int64),
         ("angle_before", np.float64),
         ("angle_drift", np.float64),
+        ("hall_watched", np.int64),
         ("speed_seen", np.float64),
         ("sum_count", np.int64),
         ("speed_count", np.int64),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from math import pi, sqrt
 from typing import Final
 
 from drivegate_cases.drive.limits import speed_tolerance_of
@@ -21,6 +22,10 @@ _SAFE_MOST_S: Final = 0.1
 _DETECTION_PERIODS: Final = 100
 _DETECTION_TURN: Final = 0.5
 _DETECTION_RUN_UP: Final = 0.2
+# Torque over the rated one that is left to turn a shaft past a sector of its Hall switches, where it starts under the
+# heaviest load with an angle that is off by half a sector. Until then it looks like a locked one.
+_LEFT: Final = 0.1
+_SECTORS: Final = 6
 _PERCENT: Final = 0.01
 _MILLI: Final = 0.001
 _SECONDS: Final = 60.0
@@ -107,11 +112,19 @@ def duty_limits_of(drive: PmAcDocument) -> DutyLimits:
         direct_error_a=_PERCENT * stated.direct_current_percent * rating.current_limit_a,
         braking=_PERCENT * stated.braking_torque_percent,
         safe_state_s=_safe_state_s(drive, _DETECTION_TURN / (FAILURE_SPEED_SHARE * turns)),
-        safe_state_locked_s=_safe_state_s(drive, _DETECTION_RUN_UP * run_up),
+        safe_state_locked_s=_safe_state_s(drive, _DETECTION_RUN_UP * run_up + _sector_s(drive, torque)),
         failure_torque_nm=_PERCENT * stated.failure_torque_percent * torque,
         dead_time_ripple=stated.dead_time_ripple,
         modulation_ripple=stated.modulation_ripple,
     )
+
+
+def _sector_s(drive: PmAcDocument, torque: float) -> float:
+    """Return how long a shaft that starts may show no edge of its Hall switches (s); 0 without such switches alone."""
+    if drive.position != "hall":
+        return 0.0
+    sector = 2.0 * pi / (_SECTORS * drive.machine.pole_pairs)
+    return sqrt(2.0 * sector * drive.machine.inertia_kg_m2 / (_LEFT * torque))
 
 
 def _safe_state_s(drive: PmAcDocument, seen_s: float) -> float:

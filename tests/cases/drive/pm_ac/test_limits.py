@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, cast
 
 import pytest
 
@@ -46,3 +46,15 @@ def test_a_stated_time_to_the_safe_state_is_taken_as_it_is() -> None:
     for base in (300.0, 2100.0):
         found = limits(safe_state_ms=20.0, base_speed_rpm=base)
         assert (found.safe_state_s, found.safe_state_locked_s) == (0.02, 0.02)
+
+
+def test_a_locked_shaft_looks_like_one_that_starts_until_that_one_must_have_passed_a_sector() -> None:
+    hall = duty_limits_of(cast(PmAcDocument, INTERIOR.with_overrides(["sensing.position=hall"])))
+    base = INTERIOR.rating.base_speed_rpm * 3.141592653589793 / 30.0
+    torque = INTERIOR.rating.rated_power_w / base
+    inertia, sector = INTERIOR.machine.inertia_kg_m2, 3.141592653589793 / 3.0 / INTERIOR.machine.pole_pairs
+    passed = (2.0 * sector * inertia / (0.1 * torque)) ** 0.5
+    assert hall.safe_state_locked_s == pytest.approx(0.01 + 0.2 * inertia * base / torque + passed)
+    assert hall.safe_state_s == limits().safe_state_s
+    encoder = duty_limits_of(cast(PmAcDocument, INTERIOR.with_overrides(["sensing.position=encoder"])))
+    assert encoder.safe_state_locked_s == limits().safe_state_locked_s

@@ -31,29 +31,31 @@ from drivegate.gate.step_timing import TimedSteps, time_steps
 from drivegate.results.verdict import check_outcomes
 from drivegate.scenarios.changes import with_scales
 from drivegate.scenarios.facts import facts_of
-from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.scenario.failure_kind import FailureKind
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import InputError
 from drivegate_reports.conformance.report import page
 
 INTERIOR = load_drive("pm-ac-interior").replaced(settling_s=0.3)
+BY_HALL = INTERIOR.with_overrides(["sensing.position=hall"])
 CONTRACT = contract_of(INTERIOR)
 
 
-def telling_runs() -> tuple[Scenario, ...]:
+def telling_runs(drive: DriveDocument = INTERIOR) -> tuple[Scenario, ...]:
     """Give runs that show every fault: great and small torque steps, weakening and its end, a free shaft, failures."""
-    assert isinstance(INTERIOR, PmAcDocument)
-    below, top = 1200.0, INTERIOR.rating.highest_speed_rpm
-    levels = [torque_of(INTERIOR, below, share) for share in (0.0, 0.5, 0.3, 0.15)]
+    assert isinstance(drive, PmAcDocument)
+    below, top = 1200.0, drive.rating.highest_speed_rpm
+    levels = [torque_of(drive, below, share) for share in (0.0, 0.5, 0.3, 0.15)]
     return (
-        torque_scenario(INTERIOR, below, levels),
-        torque_scenario(INTERIOR, top, (0.0, torque_of(INTERIOR, top, 3.0), 0.0)),
-        speed_scenario(INTERIOR, (1200.0, 2000.0), torque_nm=1.0),
-        torque_scenario(INTERIOR, 0.08 * INTERIOR.rating.base_speed_rpm, levels[1:3]),
-        failing(torque_scenario(INTERIOR, below, levels[1:2]), "stuck-current", 0.25),
-        failing(speed_scenario(INTERIOR, (below,), initial_speed_rpm=0.0), "locked-rotor", 0.0),
-        failing(with_edges(torque_scenario(INTERIOR, below, levels[1:2]), "hall", 1), "lost-edge", 0.25),
+        torque_scenario(drive, below, levels),
+        torque_scenario(drive, top, (0.0, torque_of(drive, top, 3.0), 0.0)),
+        speed_scenario(drive, (1200.0, 2000.0), torque_nm=1.0),
+        torque_scenario(drive, 0.08 * drive.rating.base_speed_rpm, levels[1:3]),
+        failing(torque_scenario(drive, below, levels[1:2]), "stuck-current", 0.25),
+        failing(speed_scenario(drive, (below,), initial_speed_rpm=0.0), "locked-rotor", 0.0),
+        failing(with_edges(torque_scenario(drive, below, levels[1:2]), "hall", 1), "lost-edge", 0.25),
     )
 
 
@@ -67,6 +69,63 @@ def test_a_faulty_controller_is_caught_by_its_check(name: str) -> None:
         for margin in judged(recorded(loaded, scenario, controller), CONTRACT.checks()).margins
     ]
     assert DUTY_FAULTS[name].check in {margin.check for margin in margins if not margin.met}
+
+
+@pytest.mark.parametrize(
+    "name", ["swapped-axes", "angle-offset", "no-speed-integral", "patient-stall-watch", "hall-edges-counted"]
+)
+def test_a_faulty_controller_is_caught_through_hall_switches_alone(name: str) -> None:
+    loaded = own_candidate(resolve_candidate(f"faulty:{name}"))
+    controller = loaded.controller()
+    margins = [
+        margin
+        for scenario in telling_runs(BY_HALL)
+        for margin in judged(recorded(loaded, scenario, controller), CONTRACT.checks()).margins
+    ]
+    assert DUTY_FAULTS[name].check in {margin.check for margin in margins if not margin.met}
+
+
+def test_a_quick_check_on_a_drive_with_hall_switches_alone_is_passed() -> None:
+    drive = load_drive("pm-ac-interior").with_overrides(["sensing.position=hall"])
+    events = list(
+        check_candidate(
+            resolve_candidate("foc"),
+            drive=drive,
+            effort="quick",
+            workers=1,
+            search=False,
+            focus=Focus(only=("STA-1", "SAF-1")),
+        )
+    )
+    assert isinstance(events[-1], CheckFinished)
+    result = events[-1].result
+    assert {outcome.id: outcome.verdict for outcome in result.checks} == {"STA-1": "pass", "SAF-1": "pass"}
+
+
+@pytest.mark.parametrize("share", [0.2, 0.35, 0.6])
+@pytest.mark.parametrize(
+    ("kind", "reference"),
+    [("lost-position", "speed"), ("lost-position", "torque"), ("locked-rotor", "speed")],
+)
+def test_what_stops_the_edges_is_noticed_through_hall_switches_alone(
+    kind: FailureKind, reference: str, share: float
+) -> None:
+    drive = load_drive("pm-ac-interior").with_overrides(["sensing.position=hall"])
+    assert isinstance(drive, PmAcDocument)
+    speed = share * drive.rating.base_speed_rpm
+    torque = torque_of(drive, speed, 0.45)
+    plain = (
+        torque_scenario(drive, speed, (torque,))
+        if reference == "torque"
+        else speed_scenario(drive, (speed,), torque_nm=torque)
+    )
+    loaded = own_candidate(resolve_candidate("foc"))
+    record = recorded(loaded, failing(plain, kind, 0.535), loaded.controller())
+    found = [
+        margin for margin in judged(record, CONTRACT.checks()).margins if margin.check in ("SAF-1", "OVC-1")
+    ]
+    assert len(found) == 2
+    assert all(margin.met for margin in found), found
 
 
 @pytest.mark.parametrize("name", ["foc", "predictive-flux", "direct-torque"])

@@ -181,6 +181,74 @@ def test_a_shaft_stalls_that_is_to_turn_and_stands_under_the_greatest_torque(
         assert (step + 1) * PERIOD == pytest.approx(300 * PERIOD, abs=2.0 * PERIOD)
 
 
+def between_edges(**state: float) -> Drive:
+    """Return a drive whose Hall switches have shown no edge for longer than a lost one explains."""
+    drive = Drive(100.0, hall=1)
+    values = {"is_overdue": 1, "edge_rate": POLE_PAIRS * 100.0, "resistance": 0.57, "magnet_flux": 0.0879}
+    for name, value in {
+        **values,
+        "quadrature_inductance": 22.78e-3,
+        "direct_inductance": 8.72e-3,
+        **state,
+    }.items():
+        drive.state[name] = value
+    return drive
+
+
+RESISTIVE = 0.57 * 3.0
+INDUCED = POLE_PAIRS * 100.0 * 0.0879
+
+
+@pytest.mark.parametrize(
+    ("state", "fault"),
+    [
+        ({"quadrature_voltage": RESISTIVE + INDUCED}, SHAFT_FAULT),
+        ({"quadrature_voltage": RESISTIVE + 0.3 * INDUCED}, 0),
+        ({"quadrature_voltage": RESISTIVE}, 0),
+        # The current rises by 0.05 A in a period, for which the inductance takes 11.4 V.
+        ({"quadrature_voltage": RESISTIVE + 11.4, "quadrature_before": 2.95}, 0),
+        # The current along the magnet's axis takes two fifths of the flux.
+        ({"quadrature_voltage": RESISTIVE + 0.4 * INDUCED, "direct_seen": -4.0}, SHAFT_FAULT),
+        ({"quadrature_voltage": RESISTIVE + INDUCED, "is_overdue": 0}, 0),
+    ],
+    ids=["turning", "slow", "standing", "rising", "weakened", "in time"],
+)
+def test_a_position_is_lost_where_no_edge_comes_and_the_magnet_still_induces(
+    state: dict[str, float], fault: int
+) -> None:
+    drive = between_edges(**{"quadrature_seen": 3.0, "quadrature_before": 3.0, **state})
+    assert drive.steps_to_fault(10)[0] == fault
+
+
+def test_hall_switches_show_a_speed_at_their_edges_alone() -> None:
+    drive = Drive(100.0, reference=0.0, hall=1)
+
+    def wait_for_an_edge(k: int) -> None:
+        # 100 rad/s may be 4 rad/s after 20 ms without an edge.
+        drive.sense.speed = 100.0 if k < 200 else 4.0
+
+    assert drive.steps_to_fault(400, wait_for_an_edge)[0] == 0
+    exact = Drive(100.0, reference=0.0)
+    assert exact.steps_to_fault(400, slowing(exact, 5.0))[0] == SHAFT_FAULT
+
+
+@pytest.mark.parametrize(("edges", "fault"), [(False, STALL_FAULT), (True, 0)])
+def test_hall_switches_show_by_their_edges_whether_a_shaft_stands(edges: bool, fault: int) -> None:
+    drive = Drive(5.0, hall=1)
+    drive.state.torque = GREATEST_TORQUE
+
+    def pass_edges(k: int) -> None:
+        if edges and k % 500 == 499:
+            drive.sense.hall = 3 if drive.sense.hall == 1 else 1
+
+    found, step = drive.steps_to_fault(3000, pass_edges)
+    assert found == fault
+    if fault:
+        # A tenth of the greatest torque turns the shaft by a sector in this time.
+        passed = (2.0 * pi / 3.0 / POLE_PAIRS * INERTIA / (0.1 * GREATEST_TORQUE)) ** 0.5
+        assert step * PERIOD == pytest.approx(passed, abs=2.0 * PERIOD)
+
+
 @pytest.mark.parametrize(("peak", "fault"), [(3.0, PHASE_FAULT), (0.9, 0)])
 def test_a_phase_without_current_is_missing_where_the_others_carry_any(peak: float, fault: int) -> None:
     drive = Drive(300.0, peak=peak)

@@ -14,11 +14,12 @@ from drivegate.contracts.duty.scenarios.windows import DutyDwell, duty_dwells
 from drivegate_cases.drive.data_sheet import USABLE_SHARE
 from drivegate_cases.drive.pm_ac.limits import duty_limits_of
 from drivegate_cases.drive.scales import NOMINAL
-from drivegate_cases.scenario.load import DynamometerLoad, LockedLoad
+from drivegate_cases.scenario.load import DynamometerLoad, LockedLoad, VehicleLoad
 from drivegate_cases.scenario.piecewise import value_from
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import stated_position
 from drivegate_models.contract.duty.signals import LEG_OFF
+from drivegate_models.loop.sensing.hall import SECTOR
 from drivegate_models.machine import ledger
 from drivegate_models.pm_ac.oracle import greatest_torque, undistorted_limits
 from drivegate_models.pm_ac.plant.advance import make_phases
@@ -44,6 +45,8 @@ def unfair_because(scenario: Scenario) -> str | None:
         return "Hall switches show the angle of a shaft at rest no closer than 30 electrical degrees"
     if isinstance(scenario.load, LockedLoad):
         return None
+    if _stops_within_a_sector(scenario):
+        return "a load stops the shaft before the next edge of its Hall switches can show it"
     if not all(_is_driven(scenario, dwell) for dwell in duty_dwells(scenario)):
         return "at one of its operating points no currents within the limits give the torque"
     return None
@@ -54,6 +57,24 @@ def _rests_by_hall_switches(scenario: Scenario) -> bool:
     is_dynamometer = isinstance(scenario.load, DynamometerLoad)
     at_rest = is_dynamometer and any(speed == 0.0 for _, speed in scenario.speed_rpm)
     return at_rest and stated_position(scenario.drive) == "hall"
+
+
+def _stops_within_a_sector(scenario: Scenario) -> bool:
+    """Return True if a load that begins or rises takes all energy of a shaft in one sector of its Hall switches."""
+    load = scenario.load
+    if isinstance(load, (LockedLoad, DynamometerLoad)) or stated_position(scenario.drive) != "hall":
+        return False
+    machine = duty_document(scenario.drive).machine
+    inertia = machine.inertia_kg_m2 + (load.inertia_kg_m2 if isinstance(load, VehicleLoad) else 0.0)
+    before, time, speed_rpm = 0.0, 0.0, scenario.initial_speed_rpm
+    for dwell in duty_dwells(scenario):
+        torque = load.torque_at(speed_rpm, dwell.load_factor)
+        speed = speed_rpm * RADIANS_PER_RPM
+        energy = 0.5 * inertia * speed * speed
+        if dwell.start == time and 0.0 < energy < (torque - before) * SECTOR / machine.pole_pairs:
+            return True
+        before, time, speed_rpm = torque, dwell.end, dwell.speed_rpm
+    return False
 
 
 def _is_driven(scenario: Scenario, dwell: DutyDwell) -> bool:

@@ -8,7 +8,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivegate.contracts.duty.scenarios.building import torque_of, torque_scenario
+from drivegate.contracts.duty.scenarios.building import (
+    load_step_scenario,
+    speed_scenario,
+    torque_of,
+    torque_scenario,
+)
 from drivegate.contracts.duty.scenarios.drawn import drawn_scenarios
 from drivegate.contracts.duty.scenarios.feasibility import unfair_because
 from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios
@@ -71,6 +76,31 @@ def test_no_torque_is_judged_at_rest_by_hall_switches_alone() -> None:
         torque = torque_of(drive, 0.0, 0.3)
         assert reason in str(unfair_because(torque_scenario(drive, 0.0, (0.0, torque))))
         assert unfair_because(torque_scenario(drive, 600.0, (0.0, torque))) is None
+
+
+@pytest.mark.parametrize(
+    ("run", "stops"),
+    [
+        # 0.99 J at 300 rpm, of which 0.85 of rated torque takes 1.01 J in a sector of 30 degrees of the shaft.
+        (load_step_scenario(BY_HALL, 300.0, 2.274, (0.85, 0.55)), True),
+        (load_step_scenario(BY_HALL, 300.0, 2.274, (0.2, 0.85)), False),
+        (load_step_scenario(BY_HALL, 300.0, 2.274, (0.0, 0.85)), True),
+        (load_step_scenario(BY_HALL, 320.0, 2.274, (0.85, 0.55)), False),
+        (load_step_scenario(drive_with("encoder"), 300.0, 2.274, (0.85, 0.55)), False),
+        (speed_scenario(BY_HALL, (420.0,), torque_nm=1.137, initial_speed_rpm=0.0), False),
+    ],
+    ids=["begins", "rises by less", "rises", "faster", "encoder", "starts"],
+)
+def test_a_load_that_stops_the_shaft_within_a_sector_is_set_aside(run: Scenario, stops: bool) -> None:
+    assert ("stops the shaft before the next edge" in str(unfair_because(run))) is stops
+
+
+def test_a_vehicle_has_the_energy_of_its_mass() -> None:
+    road = {"wheel_radius_m": 0.1, "gear_ratio": 1.0, "rolling_resistance": 0.2, "drag_area_m2": 0.0}
+    vehicle = {"kind": "vehicle", "mass_kg": 10.0, **road}
+    # 49 J of the vehicle, and 1 J of the shaft alone, of which a sector takes 1.03 J.
+    run = speed_scenario(BY_HALL, (300.0,)).replaced(load=vehicle)
+    assert "stops the shaft" not in str(unfair_because(run))
 
 
 def test_a_scenario_in_a_document_shows_it_when_it_is_read_again() -> None:
