@@ -67,15 +67,9 @@ def command(
     document = studied_drive(chosen, plot=plot)
 
     def show(console: Console) -> None:
-        if chosen.contract == "duty":
-            from drivegate.studies.drive.pm_ac_display import show_pm_ac_drive
-
-            show_pm_ac_drive(console, document, quote(drive))
-            return
-        from drivegate.drives.envelope_words import required
         from drivegate.studies.drive.display import show_drive
 
-        show_drive(console, document, quote(drive), required(chosen))
+        show_drive(console, document, quote(drive), chosen)
 
     return Outcome(document, show, ExitCode.REFUSED if document["unreachable"] else ExitCode.PASSED)
 

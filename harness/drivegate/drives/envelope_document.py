@@ -8,6 +8,7 @@ from functools import lru_cache
 from math import degrees
 from typing import TYPE_CHECKING, Any, Final
 
+from drivegate.drives.ability import rating_document
 from drivegate.drives.envelope import (
     SpeedPoint,
     envelope,
@@ -48,13 +49,7 @@ def envelope_document(drive: RatedDrive, line: AdvanceLine, points: Sequence[Spe
     loaded = [point for point in shared if _is_loaded(point, rating)]
     without_advance = speed_without_advance(drive)
     return {
-        "rating": {
-            "base_speed_rpm": _rpm(rating.base_speed),
-            "highest_speed_rpm": _rpm(rating.highest_speed),
-            "overspeed_rpm": _rpm(rating.overspeed),
-            "rated_power_w": rating.power,
-            "current_limit_a": drive.constants.current_limit,
-        },
+        "rating": rating_document(drive.document),
         "has_band": drive.has_band,
         "line": {
             "start_deg": degrees(line.start),

@@ -4,21 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from math import inf, isfinite
-from typing import Any
+from typing import Any, Final
 
 from drivegate.contracts.current.numbers import numbers as drive_numbers
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import limits_of
 
+_NO_BAND: Final = (
+    "the band is so narrow that it is taken as none, which the means do not show; a check computes each chop, and "
+    "takes long"
+)
+
 
 def facts(document: Mapping[str, Any]) -> list[str]:
-    """Tell the line of initial angles, where rated torque takes none or is lacking, the times and what they mean."""
+    """Describe the line of initial angles, where rated torque needs none or is lacking, and the times."""
     return [
         _line(document),
         _without_advance(document),
         *_out_of_reach(document),
         _times(document),
         _meaning(document),
+        *([] if document["has_band"] else [_NO_BAND]),
     ]
 
 

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
-from drivegate.drives.envelope_words import facts, required
-from drivegate.drives.pm_ac_envelope import pm_ac_envelope
-from drivegate.drives.pm_ac_words import pm_ac_facts, pm_ac_required
+from drivegate.drives.abilities import ability_of
+from drivegate.drives.kinds import kind_of
 from drivegate.results.result import finite
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import limits_of
-from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_reports.conformance.figures import drive_envelope, duty_envelope, rotor_plane
 from drivegate_reports.page.figure import PageFigure
 from drivegate_reports.page.printable import clean
@@ -34,21 +32,20 @@ class ShownDrive:
 
 
 def shown_drive(document: Mapping[str, Any], drive: DriveDocument) -> ShownDrive | None:
-    """Draw what the drive of a result can do; None for a result of earlier versions, which does not tell it."""
-    if isinstance(drive, PmAcDocument):
-        return _shown_pm_ac(drive)
-    envelope = document.get("envelope")
+    """Draw what the drive of a result can do; None for a result of earlier versions, which does not state it."""
+    ability, envelope = ability_of(drive), document.get("envelope")
+    if not envelope and kind_of(drive).angles is None:
+        # Results of such drives leave it out.
+        envelope = finite(ability.envelope(drive, lambda _: None))
     if not envelope:
         return None
-    limit = 100.0 * limits_of(drive).ripple
     with house_style():
-        svg = inline_svg(drive_envelope.draw(envelope, limit), "drive-envelope")
-    words = drive_envelope.alternative(envelope), drive_envelope.caption(envelope, limit)
+        figures = _FIGURES[drive.contract](envelope, drive)
     return ShownDrive(
         name=clean(drive.name),
-        facts=tuple(_sentence(words) for words in facts(envelope)),
-        required=tuple(_sentence(words) for words in required(drive)),
-        figures=(PageFigure("drive-envelope", drive_envelope.TITLE, svg, *words),),
+        facts=tuple(_sentence(words) for words in ability.facts(envelope)),
+        required=tuple(_sentence(words) for words in ability.required(drive)),
+        figures=figures,
     )
 
 
@@ -75,23 +72,27 @@ def stated_values(drive: DriveDocument) -> tuple[StatedValue, ...]:
     )
 
 
-def _shown_pm_ac(drive: PmAcDocument) -> ShownDrive:
-    envelope = finite(pm_ac_envelope(drive))
+def _over_speed(envelope: Mapping[str, Any], drive: DriveDocument) -> tuple[PageFigure, ...]:
+    limit = 100.0 * limits_of(drive).ripple
+    svg = inline_svg(drive_envelope.draw(envelope, limit), "drive-envelope")
+    words = drive_envelope.alternative(envelope), drive_envelope.caption(envelope, limit)
+    return (PageFigure("drive-envelope", drive_envelope.TITLE, svg, *words),)
+
+
+def _over_speed_and_in_plane(envelope: Mapping[str, Any], drive: DriveDocument) -> tuple[PageFigure, ...]:
     known, limit = envelope["trajectories"], drive.rating.current_limit_a
-    with house_style():
-        over_speed = inline_svg(duty_envelope.draw(envelope), "drive-envelope")
-        plane = inline_svg(rotor_plane.draw(known, limit, ()), "drive-plane")
+    over_speed = inline_svg(duty_envelope.draw(envelope), "drive-envelope")
+    plane = inline_svg(rotor_plane.draw(known, limit, ()), "drive-plane")
     words = duty_envelope.alternative(envelope), duty_envelope.caption(envelope)
     of_plane = rotor_plane.alternative(known, limit, ()), rotor_plane.caption(known)
-    return ShownDrive(
-        name=clean(drive.name),
-        facts=tuple(_sentence(words) for words in pm_ac_facts(envelope)),
-        required=(_sentence(pm_ac_required(drive)),),
-        figures=(
-            PageFigure("drive-envelope", duty_envelope.TITLE, over_speed, *words),
-            PageFigure("drive-plane", rotor_plane.TITLE, plane, *of_plane),
-        ),
+    return (
+        PageFigure("drive-envelope", duty_envelope.TITLE, over_speed, *words),
+        PageFigure("drive-plane", rotor_plane.TITLE, plane, *of_plane),
     )
+
+
+_FIGURES: Final = {"current": _over_speed, "duty": _over_speed_and_in_plane}
+"""What draws the envelope of a drive, by the name of its contract."""
 
 
 def _sentence(words: str) -> str:

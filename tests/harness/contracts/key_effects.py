@@ -13,8 +13,8 @@ from drivegate.candidates.python.bridge import PythonController
 from drivegate.contracts.catalogue import CONTRACTS, contract_of
 from drivegate.contracts.drive_numbers import TEXTS, on_drive
 from drivegate.contracts.duty.plant_run import duty_run
+from drivegate.drives.duty_ability import duty_envelope
 from drivegate.drives.kinds import DRIVE_KINDS
-from drivegate.drives.pm_ac_envelope import pm_ac_envelope
 from drivegate.drives.running import run_scenario
 from drivegate_cases.documents.document import Section
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
@@ -465,5 +465,5 @@ def required(drive: DriveDocument) -> list[str]:
 def planned(drive: DriveDocument) -> Any:
     """Return the fixed runs of a drive, and what `drivegate drive` shows of one that takes duty ratios."""
     runs = contract_of(drive).fixed_scenarios(drive, Declaration())
-    shown = pm_ac_envelope(drive) if isinstance(drive, PmAcDocument) else None
+    shown = duty_envelope(drive) if isinstance(drive, PmAcDocument) else None
     return [run.to_mapping() | {"drive": None} for run in runs], shown

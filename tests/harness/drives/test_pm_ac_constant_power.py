@@ -2,8 +2,7 @@
 
 import pytest
 
-from drivegate.drives.pm_ac_constant_power import pm_ac_constant_power
-from drivegate.drives.pm_ac_envelope import pm_ac_envelope
+from drivegate.drives.duty_ability import DUTY_ABILITY, duty_envelope
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_models.units import RADIANS_PER_RPM
@@ -17,7 +16,7 @@ def document(**changes: float) -> PmAcDocument:
 
 def test_it_is_that_of_the_envelope() -> None:
     drive = document()
-    found, told = pm_ac_constant_power(drive), pm_ac_envelope(drive)
+    found, told = DUTY_ABILITY.constant_power(drive), duty_envelope(drive)
     assert found.speeds[0] == pytest.approx(drive.rating.base_speed_rpm * RADIANS_PER_RPM)
     last = told["points"][-1]
     assert last["speed_rpm"] == drive.rating.overspeed_rpm
@@ -28,5 +27,7 @@ def test_it_is_that_of_the_envelope() -> None:
 
 def test_it_ends_at_overspeed_and_is_none_where_base_speed_has_no_rated_power() -> None:
     weak = document(rated_power_w=300.0)
-    assert pm_ac_constant_power(weak).reached == pytest.approx(weak.rating.overspeed_rpm * RADIANS_PER_RPM)
-    assert pm_ac_constant_power(document(rated_power_w=5000.0)).reached is None
+    assert DUTY_ABILITY.constant_power(weak).reached == pytest.approx(
+        weak.rating.overspeed_rpm * RADIANS_PER_RPM
+    )
+    assert DUTY_ABILITY.constant_power(document(rated_power_w=5000.0)).reached is None

@@ -7,7 +7,7 @@ import pytest
 
 from drivegate.drives.power_reach import UnreachableRating
 from drivegate.drives.rating import RatedDrive, rated_drive
-from drivegate.drives.reach import refusals, refuse_unreachable, unreachable_ratings
+from drivegate.drives.reach import refusals, refuse_unreachable, unreachable_rating
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_models.errors import InputError
 from drivegate_models.units import RADIANS_PER_RPM
@@ -18,7 +18,8 @@ def drive_with(**changes: Any) -> RatedDrive:
 
 
 def unreachable(**changes: Any) -> UnreachableRating:
-    (found,) = unreachable_ratings(drive_with(**changes))
+    found = unreachable_rating(load_drive("paper-5-phase").replaced(**changes))
+    assert found is not None
     return found
 
 
@@ -31,7 +32,7 @@ def test_the_papers_rating_is_the_papers() -> None:
 
 
 def test_the_papers_rating_can_be_met() -> None:
-    assert unreachable_ratings(drive_with()) == ()
+    assert unreachable_rating(load_drive("paper-5-phase")) is None
 
 
 def test_too_little_current_is_told_with_every_way_out() -> None:
@@ -51,7 +52,8 @@ def test_a_check_accepts_what_a_refusal_names_and_no_more_power(changes: dict[st
     document = load_drive("paper-5-phase").replaced(
         **changes, hysteresis_band_a=0.0, ripple_percent=40.0, point=()
     )
-    (found,) = unreachable_ratings(rated_drive(document))
+    found = unreachable_rating(document)
+    assert found is not None
     for named in found.accepted:
         assert refusals(document.replaced(**named)) == (), f"{named} is refused"
     more = 1.011 * found.nearest_power
@@ -62,8 +64,8 @@ def test_a_check_accepts_what_a_refusal_names_and_no_more_power(changes: dict[st
 def test_the_nearest_limit_suffices_and_a_little_less_does_not(limit: float) -> None:
     nearest = unreachable(current_limit_a=limit).nearest_limit
     assert nearest is not None
-    assert unreachable_ratings(drive_with(current_limit_a=nearest)) == ()
-    assert unreachable_ratings(drive_with(current_limit_a=0.97 * nearest))
+    assert unreachable_rating(load_drive("paper-5-phase").replaced(current_limit_a=nearest)) is None
+    assert unreachable(current_limit_a=0.97 * nearest)
 
 
 def test_where_the_supply_is_what_lacks_more_current_is_said_not_to_help() -> None:

@@ -42,7 +42,7 @@ class DrawnKind:
     """What each quantity is drawn within, by its name and in the order in which they are drawn."""
     draws_of: Mapping[str, Callable[[Bound, Random, Values], None]]
     """By the names of bounds, what draws the values where that is not a number times what it is measured by."""
-    measured_by: Callable[[DriveDocument], Mapping[str, float]]
+    measured_by: Callable[[DriveDocument], dict[str, float]]
     """Return what the table names in addition to keys of the document."""
     remarks: Mapping[str, str]
     """For keys that follow from no bound, where their values come from."""

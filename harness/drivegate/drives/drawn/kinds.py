@@ -8,11 +8,11 @@ from random import Random
 from types import MappingProxyType
 from typing import Final
 
+from drivegate.drives.abilities import ability_of
+from drivegate.drives.angle_ability import rating_is_met
 from drivegate.drives.drawn.bounds import Bound, Values, bounds_of, rounded
 from drivegate.drives.drawn.drawing import DrawnKind
-from drivegate.drives.pm_ac_reach import unreachable_duty
 from drivegate.drives.rating import rated_drive
-from drivegate.drives.reach import rating_is_met
 from drivegate.drives.required_ripple import unreachable_ripple
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
@@ -125,8 +125,7 @@ def _pm_ac_measured_by(drive: DriveDocument) -> dict[str, float]:
 
 
 def _pm_ac_accepted(document: DriveDocument) -> DriveDocument | None:
-    assert isinstance(document, PmAcDocument), "a drawn drive is of its kind"
-    return document if unreachable_duty(document) is None else None
+    return document if ability_of(document).accepts(document) else None
 
 
 HALF_BRIDGE: Final = DrawnKind(

@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
-from drivegate.drives.constant_power import ConstantPower, constant_power
-from drivegate.drives.pm_ac_constant_power import pm_ac_constant_power
-from drivegate.drives.rating import rated_drive
+from drivegate.drives.abilities import ability_of
 from drivegate.results.provenance import hash_of_content, provenance
 from drivegate.results.result import finite
 from drivegate.studies.compare.compared_drive import ComparedDrive
@@ -19,8 +17,6 @@ from drivegate.studies.compare.drive_tables import (
     summary_rows,
 )
 from drivegate.studies.compare.per_unit import BASES_IN_WORDS, bases_of
-from drivegate_cases.drive.drive_document import DriveDocument
-from drivegate_cases.drive.pm_ac.document import PmAcDocument
 
 SCHEMA: Final = 1
 """Version of the document."""
@@ -59,7 +55,7 @@ def drive_comparison_document(
     """
     points = operating_rows(labels, made, effort)
     drives = [one.drive for one in made]
-    ranges = [_constant_power(drive) for drive in drives]
+    ranges = [ability_of(drive).constant_power(drive) for drive in drives]
     parts = [one.document for one in made if one.document is not None]
     content: dict[str, Any] = {
         "schema": SCHEMA,
@@ -94,12 +90,6 @@ def drive_comparison_document(
     content["provenance"] = {**content["provenance"], "content_hash": hash_of_content(_hashed(content))}
     content["timing"] = finite(timing)
     return content
-
-
-def _constant_power(drive: DriveDocument) -> ConstantPower:
-    return (
-        pm_ac_constant_power(drive) if isinstance(drive, PmAcDocument) else constant_power(rated_drive(drive))
-    )
 
 
 def part_folder(place: int) -> str:

@@ -7,11 +7,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Final
 
-from drivegate.drives.envelope import envelope, recommended_line, speeds_of
-from drivegate.drives.envelope_document import envelope_document
-from drivegate.drives.pm_ac_envelope import pm_ac_envelope
-from drivegate.drives.rating import rated_drive
-from drivegate.drives.reach import Refusal, refusals
+from drivegate.drives.abilities import ability_of
+from drivegate.drives.reach import refusals
 from drivegate.output.progress import progress_on, with_rate
 from drivegate.studies.drive.figure import write_figure
 from drivegate.studies.drive.fit import fit_document
@@ -19,7 +16,6 @@ from drivegate.studies.drive.measured import read_measured
 from drivegate_cases.documents.wording import counted
 from drivegate_cases.drive.data_sheet import following
 from drivegate_cases.drive.drive_document import DriveDocument
-from drivegate_cases.drive.pm_ac.document import PmAcDocument
 
 SCHEMA: Final = 1
 """Version of the document."""
@@ -27,49 +23,22 @@ SCHEMA: Final = 1
 
 def studied_drive(chosen: DriveDocument, *, plot: Path | None = None) -> dict[str, Any]:
     """Compute what a drive can do, and draw it."""
-    if isinstance(chosen, PmAcDocument):
-        return _studied_pm_ac(chosen, plot)
-    drive = rated_drive(chosen)
-    speeds = speeds_of(drive.rating)
+    ability = ability_of(chosen)
     with progress_on(sys.stderr) as display:
-        report_progress = with_rate(display, drive.name, len(speeds), unit="speeds")
+        report_progress = with_rate(display, chosen.name, len(ability.speeds(chosen)), unit="speeds")
         refused = refusals(chosen)
-        line = recommended_line(drive)
         report_progress(0, 0)
-        points = []
-        for point in envelope(drive, line, speeds):
-            points.append(point)
-            report_progress(len(points), 0)
+        envelope = ability.envelope(chosen, lambda done: report_progress(done, 0))
     document = {
         "schema": SCHEMA,
         "kind": "drive",
-        "drive": drive.name,
-        **_of_its_file(chosen, refused),
-        **envelope_document(drive, line, points),
-    }
-    if plot is not None:
-        write_figure(document, plot)
-    return document | {"files": [] if plot is None else [str(plot)]}
-
-
-def _of_its_file(chosen: DriveDocument, refused: Sequence[Refusal]) -> dict[str, Any]:
-    """Return what follows from other values of the file, and what a check refuses of it."""
-    return {
+        "drive": chosen.name,
         "following": [
             {"key": key, "value": chosen.value(key), "from": source}
             for key, source in following(chosen).items()
         ],
         "unreachable": [row.document() for row in refused],
-    }
-
-
-def _studied_pm_ac(chosen: PmAcDocument, plot: Path | None) -> dict[str, Any]:
-    document = {
-        "schema": SCHEMA,
-        "kind": "drive",
-        "drive": chosen.name,
-        **_of_its_file(chosen, refusals(chosen)),
-        **pm_ac_envelope(chosen),
+        **envelope,
     }
     if plot is not None:
         write_figure(document, plot)

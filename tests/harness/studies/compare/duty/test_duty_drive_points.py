@@ -60,11 +60,11 @@ def test_points_are_matched_by_their_shares_and_written_alike() -> None:
 
 
 def test_a_drive_is_listed_with_its_link_and_its_bases() -> None:
-    from drivegate.drives.pm_ac_constant_power import pm_ac_constant_power
+    from drivegate.drives.abilities import ability_of
 
     drive = load_drive("pm-ac-surface")
     assert isinstance(drive, PmAcDocument)
-    (row,) = drive_rows(("surface",), [drive], [pm_ac_constant_power(drive)])
+    (row,) = drive_rows(("surface",), [drive], [ability_of(drive).constant_power(drive)])
     assert (row["supply_voltage_v"], row["phases"], row["base_current_sum_a"]) == (96.0, 3, 78.0)
     assert row["base_torque_nm"] == pytest.approx(700.0 / (550.0 * pi / 30.0), rel=1e-6)
     assert row["constant_power_up_to_pu"] == pytest.approx(1900.0 / 550.0, rel=1e-6)

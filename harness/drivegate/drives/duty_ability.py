@@ -1,0 +1,185 @@
+"""What a PM AC drive can do over speed, whoever controls it: greatest torque, least current and least loss."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import isfinite
+from typing import Any, Final
+
+import numpy as np
+
+from drivegate.contracts.duty.document import duty_document
+from drivegate.contracts.duty.efficiency import efficiency_map, known
+from drivegate.contracts.duty.numbers import numbers
+from drivegate.contracts.duty.scenarios.feasibility import IN_HAND
+from drivegate.contracts.duty.scenarios.windows import run_up_s
+from drivegate.contracts.duty.trajectories import trajectories
+from drivegate.drives.ability import Ability, RunTime, rating_document
+from drivegate.drives.constant_power import SPEEDS, ConstantPower
+from drivegate.drives.power_reach import PowerReach
+from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.pm_ac.limits import duty_limits_of
+from drivegate_models.pm_ac.fundamental import SIX_STEPS, base_speed
+from drivegate_models.pm_ac.oracle import (
+    CURRENT,
+    LOSS,
+    constant_power_end,
+    greatest_torque,
+    least_at,
+    undistorted_limits,
+)
+from drivegate_models.units import RADIANS_PER_RPM
+
+BELOW_BASE: Final = 4
+"""Steps of speed from standstill to base speed."""
+CONSTANT_POWER: Final = 8
+"""Steps from there to the highest."""
+REACH_SPEEDS: Final = 13
+"""Speeds from base speed to the highest at which rated power is looked for."""
+LONGEST_RUN_UP_S: Final = 60.0
+"""Longest time of a free shaft to its highest speed (s): runs are longer than that several times."""
+
+
+def _run_time(drive: DriveDocument) -> RunTime:
+    time = run_up_s(duty_document(drive), drive.rating.highest_speed_rpm)
+    return RunTime(time, LONGEST_RUN_UP_S, "to its highest speed", LONGEST_RUN_UP_S / time)
+
+
+def _reach(drive: DriveDocument) -> PowerReach:
+    plant, rating = duty_document(drive).plant(), drive.rating
+    limits = undistorted_limits(plant)
+    speeds = np.linspace(rating.base_speed_rpm, rating.highest_speed_rpm, REACH_SPEEDS) * RADIANS_PER_RPM
+    torques = [greatest_torque(plant, limits, float(speed)).torque for speed in speeds]
+    return PowerReach(
+        speeds=speeds,
+        needed=rating.rated_power_w / speeds + plant.friction + plant.viscous_friction * speeds,
+        greatest=np.array([IN_HAND * torque if isfinite(torque) else 0.0 for torque in torques]),
+        reserve=1.0 - IN_HAND,
+    )
+
+
+def _constant_power(drive: DriveDocument) -> ConstantPower:
+    rating, plant = drive.rating, duty_document(drive).plant()
+    limits = undistorted_limits(plant)
+    first, last = (speed * RADIANS_PER_RPM for speed in (rating.base_speed_rpm, rating.overspeed_rpm))
+    speeds = tuple(float(speed) for speed in np.linspace(first, last, SPEEDS))
+    powers = tuple(float(greatest_torque(plant, limits, speed).torque * speed) for speed in speeds)
+    end = constant_power_end(plant, limits, rating.rated_power_w)
+    return ConstantPower(speeds, powers, min(end, last) if powers[0] >= rating.rated_power_w else None)
+
+
+def _speeds(drive: DriveDocument) -> list[float]:
+    rating = drive.rating
+    parts = (
+        np.linspace(0.0, rating.base_speed_rpm, BELOW_BASE + 1),
+        np.linspace(rating.base_speed_rpm, rating.highest_speed_rpm, CONSTANT_POWER + 1)[1:],
+        [rating.overspeed_rpm],
+    )
+    return list(dict.fromkeys(float(speed) for part in parts for speed in part))
+
+
+def duty_envelope(drive: DriveDocument, report: Callable[[int], None] = lambda _: None) -> dict[str, Any]:
+    """Compute what a drive can do, as plain data in people's units; None where something is out of reach."""
+    document = duty_document(drive)
+    plant = document.plant()
+    limits = undistorted_limits(plant)
+    begin, end = base_speed(plant, *limits), constant_power_end(plant, limits, drive.rating.rated_power_w)
+    points = []
+    for speed_rpm in _speeds(drive):
+        points.append(_point(drive, speed_rpm))
+        report(len(points))
+    return {
+        "rating": rating_document(drive),
+        "control_period_s": document.inverter.control_period_s,
+        "settling_s": duty_limits_of(document).settling_s,
+        "undistorted_voltage_v": limits.voltage,
+        "six_step_voltage_v": SIX_STEPS * plant.link_voltage,
+        "magnet_current_a": plant.magnet_flux / plant.direct_inductance,
+        "voltage_used_up_at_rpm": begin / RADIANS_PER_RPM,
+        "rated_power_up_to_rpm": end / RADIANS_PER_RPM if isfinite(end) else None,
+        "points": points,
+        "trajectories": trajectories(document),
+        "efficiency_map": efficiency_map(document),
+    }
+
+
+def _point(drive: DriveDocument, speed_rpm: float) -> dict[str, float | None]:
+    plant, rating = duty_document(drive).plant(), drive.rating
+    limits, speed = undistorted_limits(plant), speed_rpm * RADIANS_PER_RPM
+    rated = rating.rated_power_w / (max(speed_rpm, rating.base_speed_rpm) * RADIANS_PER_RPM)
+    most = greatest_torque(plant, limits, speed)
+    least, cool = (least_at(plant, limits, speed, rated, purpose) for purpose in (CURRENT, LOSS))
+    return {
+        "speed_rpm": speed_rpm,
+        "rated_torque_nm": rated,
+        "greatest_torque_nm": known(most.torque),
+        "greatest_power_w": known(most.torque * speed),
+        "greatest_direct_a": known(most.direct),
+        "greatest_quadrature_a": known(most.quadrature),
+        "least_current_a": known(least.current),
+        "direct_a": known(least.direct),
+        "quadrature_a": known(least.quadrature),
+        "voltage_v": known(least.voltage),
+        "loss_w": known(least.loss),
+        "least_loss_w": known(cool.loss),
+        "least_loss_direct_a": known(cool.direct),
+    }
+
+
+def _facts(document: dict[str, Any]) -> tuple[str, ...]:
+    """Describe where the voltage is used up, how far rated power reaches, the times and the best efficiency."""
+    limit, magnet = document["rating"]["current_limit_a"], document["magnet_current_a"]
+    end = document["rated_power_up_to_rpm"]
+    reach = "without end" if end is None else f"up to {end:.5g} rpm"
+    flux = (
+        f"within the limit of {limit:g} A: the speed range is unbounded"
+        if magnet <= limit
+        else f"above the limit of {limit:g} A"
+    )
+    return (
+        f"the current limit uses up the undistorted {document['undistorted_voltage_v']:.4g} V of a phase at "
+        f"{document['voltage_used_up_at_rpm']:.5g} rpm; six steps would give {document['six_step_voltage_v']:.4g} V",
+        f"the magnet's flux is worth {magnet:.4g} A along its axis, {flux}; rated power is there {reach}",
+        f"a step every {1e6 * document['control_period_s']:.4g} µs; a steady state is judged "
+        f"{document['settling_s']:g} s after a change",
+        _most_efficient(document["efficiency_map"]),
+    )
+
+
+def _most_efficient(charted: dict[str, Any]) -> str:
+    rows = zip(charted["speed_rpm"], charted["torque_nm"], charted["efficiency_percent"], strict=True)
+    places = [
+        (value, speed, torque)
+        for speed, *row in rows
+        for torque, value in zip(*row, strict=True)
+        if value is not None
+    ]
+    if not places:
+        return "no torque of the efficiency map is within reach"
+    value, speed, torque = max(places)
+    return (
+        f"at least loss the efficiency is at most {value:.4g} %, of copper and core alone, near {speed:.4g} rpm and "
+        f"{torque:.4g} N·m"
+    )
+
+
+def _required(drive: DriveDocument) -> tuple[str, ...]:
+    return (
+        "required: speed within {k1} (k1) or torque within {torque_error}, steps with at most {overshoot} of overshoot "
+        "and {rise}, in weakening at least {weakening} of the greatest torque with {weakening_voltage} of the voltage, "
+        "phase currents up to {peak}".format_map(numbers(drive)),
+    )
+
+
+DUTY_ABILITY: Final = Ability(
+    run_time=_run_time,
+    reach=_reach,
+    accepts=lambda drive: _reach(drive).is_met,
+    unmet=lambda _: (),
+    constant_power=_constant_power,
+    speeds=_speeds,
+    envelope=duty_envelope,
+    facts=_facts,
+    required=_required,
+)
+"""Of drives that take duty ratios."""
