@@ -21,6 +21,13 @@ else:
     KindName = Literal[tuple(KINDS)]
 
 _KIND_OF_KEY = {key: kind.name for kind in KINDS.values() for key in kind.manifest_keys}
+_KEYS_OF_OTHERS = {
+    "current": {
+        "references": "whose controllers follow a speed",
+        "detects": "whose legs are no candidate's",
+    }
+}
+"""For each contract, keys of the contract of duty ratios alone, and why it has none."""
 
 Text = Annotated[str, Field(min_length=1)]
 Positive = Annotated[float, Field(gt=0)]
@@ -159,20 +166,11 @@ class Manifest(Document):
     def _references_fit_the_contract(self) -> Self:
         if not self.references:
             raise ValueError("the key 'references' is empty, but must name 'speed', 'torque' or both")
-        if self.contract == "current" and "references" in self.model_fields_set:
-            raise ValueError(
-                "the key 'references' is for the contract 'duty', but the contract is 'current', whose controllers "
-                "follow a speed"
-            )
-        return self
-
-    @model_validator(mode="after")
-    def _failures_fit_the_contract(self) -> Self:
-        if self.contract == "current" and self.detects:
-            raise ValueError(
-                "the key 'detects' is for the contract 'duty', but the contract is 'current', whose legs are no "
-                "candidate's"
-            )
+        for key, reason in _KEYS_OF_OTHERS.get(self.contract or "", {}).items():
+            if key in self.model_fields_set and getattr(self, key):
+                raise ValueError(
+                    f"the key '{key}' is for the contract 'duty', but the contract is '{self.contract}', {reason}"
+                )
         return self
 
     @model_validator(mode="after")

@@ -21,6 +21,7 @@ from drivegate_cases.drive.advance import Advance, advance_line
 from drivegate_cases.drive.data_sheet import check_continuous_current, completed, following
 from drivegate_cases.drive.inverter import Inverter
 from drivegate_cases.drive.machine import OF_SHAPE, Machine
+from drivegate_cases.drive.position import Position
 from drivegate_cases.drive.provenance import Provenance, check_provenance
 from drivegate_cases.drive.rating import Rating
 from drivegate_cases.drive.requirements import NO_REQUIREMENTS, Requirements, check_points
@@ -38,7 +39,9 @@ PM_AC: Final = "pm-ac"
 _KIND_NUMBERS: Final = {"half-bridge": 1, "star": 2}
 """The contract's number of each kind of drive."""
 
+_OF_PM_AC: Final = f'for drives of the kind "{PM_AC}"'
 _FEWEST_OF_STAR: Final = 3
+_PHASES_OF_HALL: Final = 3
 _MOST_NAMED: Final = 6
 
 
@@ -55,6 +58,16 @@ class DriveDocument(Document):
     """The tables of values, by name."""
     contract: ClassVar[str] = "current"
     """Contract of the controllers: what they answer with."""
+    sensor_kinds: ClassVar[tuple[str, ...]] = ("ideal", "mcs96", "hall")
+    """Kinds of sensors that such a drive can have."""
+    excluded: ClassVar[Mapping[str, str]] = {"failure": _OF_PM_AC}
+    """Keys of a scenario that are for other drives, with those that they are for."""
+    excluded_loads: ClassVar[Mapping[str, str]] = {
+        "dynamometer": f"{_OF_PM_AC}, whose controllers take a torque reference"
+    }
+    """Kinds of load that are for other drives, with those that they are for."""
+    usual_values_are_known: ClassVar[bool] = True
+    """Whether the values of its keys are known that a wrong unit would leave."""
 
     name: str = Field(min_length=1, max_length=200, description="name of the drive")
     kind: Literal["half-bridge", "star", "pm-ac"] = Field(
@@ -208,6 +221,21 @@ class DriveDocument(Document):
     def has_split_supply(self) -> bool:
         """Whether its phases are between legs and the tap of a split supply, whose halves may differ."""
         return self.kind == "half-bridge"
+
+    @property
+    def real_sensors(self) -> str:
+        """Kind of the sensors that it has where they are not ideal.
+
+        A star of three phases is commutated by Hall switches, as conventional brushless DC drives are; any other has
+        the encoder of the published implementation.
+        """
+        has_switches = self.kind == "star" and self.machine.phases == _PHASES_OF_HALL
+        return "hall" if has_switches else "mcs96"
+
+    @property
+    def position(self) -> Position:
+        """What shows the shaft in every run."""
+        return "exact"
 
     @property
     def control_period_s(self) -> float | None:

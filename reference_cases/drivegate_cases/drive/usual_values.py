@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from drivegate_cases.drive.drive_document import PM_AC, DriveDocument
+from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.units import RADIANS_PER_RPM
 
 _MILLI = 1e-3
@@ -44,8 +44,7 @@ class UsualRange:
 
 def unusual_values(drive: DriveDocument) -> tuple[str, ...]:
     """Tell each value that is far off its kind; what others are measured by comes alone."""
-    if drive.kind == PM_AC:
-        # Nothing is known yet of what its own keys usually are.
+    if not drive.usual_values_are_known:
         return ()
     stages = (_of_any_drive(), _of_its_power(drive), _of_its_kind(drive))
     return next(filter(None, (_unusual(drive, ranges) for ranges in stages)), ())

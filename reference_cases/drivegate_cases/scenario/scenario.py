@@ -8,7 +8,7 @@ from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from drivegate_cases.documents.document import Document
 from drivegate_cases.documents.packaged import load_named, packaged_names
-from drivegate_cases.drive.drive_document import PM_AC, DriveDocument
+from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.drive_reference import DriveReference
 from drivegate_cases.drive.scales import Scales
 from drivegate_cases.scenario.control_periods import on_whole_periods, period_start_s, whole_periods
@@ -196,15 +196,12 @@ class Scenario(Document):
 
     def _check_kind(self) -> None:
         """Refuse what the kind of drive cannot have."""
-        if isinstance(self.load, DynamometerLoad) and self.drive.kind != PM_AC:
-            raise ValueError(
-                f"the load 'dynamometer' is for drives of the kind \"{PM_AC}\", whose controllers take a torque "
-                f'reference, but this one\'s kind is "{self.drive.kind}"'
-            )
-        if self.failure is not None and self.drive.kind != PM_AC:
-            raise ValueError(
-                f'the key \'failure\' is for drives of the kind "{PM_AC}", but this one\'s kind is "{self.drive.kind}"'
-            )
+        own = f'but this one\'s kind is "{self.drive.kind}"'
+        if (others := self.drive.excluded_loads.get(self.load.kind)) is not None:
+            raise ValueError(f"the load '{self.load.kind}' is {others}, {own}")
+        for key, others in self.drive.excluded.items():
+            if getattr(self, key):
+                raise ValueError(f"the key '{key}' is {others}, {own}; leave it out")
         if (
             self.failure is not None
             and self.failure.kind == "lost-edge"
@@ -214,12 +211,6 @@ class Scenario(Document):
                 "the failure 'lost-edge' needs the sensors 'shunts' with the position 'encoder' or 'hall', or a drive "
                 "whose [sensing] states one of them, since an exact position has no edges"
             )
-        if self.drive.kind == PM_AC:
-            for key in ("restarts_s", "current_errors", "dropouts", "glitches"):
-                if getattr(self, key):
-                    raise ValueError(
-                        f"the key '{key}' is for other kinds of drives; leave it out for one of the kind \"{PM_AC}\""
-                    )
 
     def _check_whole_periods(self) -> None:
         if not whole_periods(self.duration_s, self.control_period_s):

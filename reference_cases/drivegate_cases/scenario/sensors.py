@@ -9,9 +9,8 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from drivegate_cases.documents.document import Section
 from drivegate_cases.drive.converter_ranges import converter_ranges
-from drivegate_cases.drive.drive_document import PM_AC, DriveDocument
-from drivegate_cases.drive.pm_ac.document import PmAcDocument
-from drivegate_cases.drive.pm_ac.sensing import Position
+from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.position import Position
 
 EncoderLines = Annotated[int, Field(ge=1, le=1_000_000, description="lines of the quadrature encoder a turn")]
 """Lines of an encoder."""
@@ -236,14 +235,8 @@ _PHASES_OF_HALL = 3
 
 
 def real_sensors(drive: DriveDocument) -> Sensors:
-    """Choose the sensors that a drive has where they are not ideal.
-
-    A star of three phases is commutated by Hall switches, as conventional brushless DC drives are; a drive that is
-    given duty ratios has shunts and an encoder; any other has the encoder of the published implementation.
-    """
-    if drive.kind == PM_AC:
-        return SHUNTS
-    return HALL if drive.kind == "star" and drive.machine.phases == _PHASES_OF_HALL else MCS96
+    """Return the sensors that a drive has where they are not ideal."""
+    return PLAIN[drive.real_sensors]
 
 
 def has_encoder(sensors: Sensors) -> bool:
@@ -251,17 +244,11 @@ def has_encoder(sensors: Sensors) -> bool:
     return isinstance(sensors, Mcs96Sensors)
 
 
-def stated_position(drive: DriveDocument) -> Position:
-    """Return what a drive shows of the shaft in every run."""
-    return drive.position if isinstance(drive, PmAcDocument) else "exact"
-
-
 def position_of(sensors: Sensors, drive: DriveDocument) -> Position:
     """Return what shows the shaft to a controller of duty ratios."""
-    stated = stated_position(drive)
     if not isinstance(sensors, ShuntSensors):
-        return stated
-    return sensors.position or ("encoder" if stated == "exact" else stated)
+        return drive.position
+    return sensors.position or ("encoder" if drive.position == "exact" else drive.position)
 
 
 def has_edges(sensors: Sensors, drive: DriveDocument) -> bool:
@@ -280,12 +267,11 @@ def refusal(sensors: Sensors, drive: DriveDocument) -> str | None:
     Three switches tell the angle of any rotor to 60 degrees, which is where the windows of three phases open and close,
     whether they are connected in a star or not; those of any other number of phases lie between the edges.
     """
-    if isinstance(sensors, IdealSensors):
-        return None
-    if (drive.kind == PM_AC) != isinstance(sensors, ShuntSensors):
-        own = "ideal or shunts" if drive.kind == PM_AC else "ideal, mcs96 or hall"
+    if sensors.kind not in drive.sensor_kinds:
+        *others, last = drive.sensor_kinds
+        own = f"{', '.join(others)} or {last}"
         return f"the sensors '{sensors.kind}' are for other kinds of drives; one of the kind \"{drive.kind}\" has {own}"
-    stated = stated_position(drive)
+    stated = drive.position
     if isinstance(sensors, ShuntSensors) and stated not in ("exact", position_of(sensors, drive)):
         return f"its 'position' is '{sensors.position}', but the drive's [sensing] states '{stated}' for every run"
     if isinstance(sensors, ShuntSensors):

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 from pydantic import ValidationError
 
+from drivegate.contracts.catalogue import contract_of
+from drivegate.contracts.duty.document import duty_document
 from drivegate.contracts.duty.trajectories import trajectories
 from drivegate.results.behaviour_section import BehaviourSection, EfficiencyPointSection
 from drivegate_cases.documents.wording import figure
@@ -47,14 +49,14 @@ class ShownBehaviour:
 def shown_behaviour(document: Mapping[str, Any], drive: DriveDocument) -> ShownBehaviour | None:
     """Draw how the candidate of a result behaves; None where that is not told."""
     told = document.get("behaviour")
-    if not isinstance(told, Mapping) or not isinstance(drive, PmAcDocument):
+    if not isinstance(told, Mapping) or contract_of(drive).behaviour is None:
         return None
     try:
         read = BehaviourSection.model_validate_json(json.dumps(told))
     except (ValidationError, TypeError, ValueError):
         return None
     with house_style():
-        figures = tuple(_figures(read, drive))
+        figures = tuple(_figures(read, duty_document(drive)))
     return ShownBehaviour(figures, tuple(_row(point) for point in read.points))
 
 

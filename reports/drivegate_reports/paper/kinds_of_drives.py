@@ -14,9 +14,9 @@ from functools import cache
 from math import inf, isfinite, nan, pi, radians, sin
 from typing import Final
 
+from drivegate.contracts.duty.document import duty_document
 from drivegate.drives.bisection import last_met
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
-from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_models.machine.rotor_frame import SUM_OVER_PEAK
 from drivegate_models.pm_ac.fundamental import SteadyState
 from drivegate_models.pm_ac.oracle import CURRENT, greatest_torque, least_at, undistorted_limits
@@ -146,8 +146,7 @@ def _of_angles(name: str, document: DriveDocument) -> KindOfDrive:
 
 
 def _of_duty_ratios(name: str, document: DriveDocument) -> KindOfDrive:
-    assert isinstance(document, PmAcDocument), "PM AC drives have such a document"
-    plant = document.plant()
+    plant = duty_document(document).plant()
     limits = undistorted_limits(plant)
 
     def at(speed_rpm: float, power_w: float) -> OperatingPoint:

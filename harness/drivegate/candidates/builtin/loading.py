@@ -40,10 +40,16 @@ SEARCHING: Final = ControllerCode(CONTROLLER_STATE, step_function, reset_functio
 
 def load_controller(candidate: Candidate) -> Controller:
     """Make a new instance of a built-in controller."""
-    if candidate.contract == "duty":
-        from drivegate.candidates.builtin.duty_loading import load_duty_controller
+    return _LOADERS[candidate.contract or "current"](candidate)
 
-        return load_duty_controller(candidate.entry)
+
+def _load_duty_controller(candidate: Candidate) -> Controller:
+    from drivegate.candidates.builtin.duty_loading import load_duty_controller
+
+    return load_duty_controller(candidate.entry)
+
+
+def _load_search(candidate: Candidate) -> Controller:
     if candidate.entry.startswith(FAULTY_PREFIX):
         from drivegate.candidates.builtin.faulty_controller import load_faulty_controller
 
@@ -55,6 +61,10 @@ def load_controller(candidate: Candidate) -> Controller:
     if candidate.entry.startswith(DESIGN_PREFIX):
         return _design_controller(candidate.entry.removeprefix(DESIGN_PREFIX))
     return BuiltinController(SEARCHES[candidate.entry])
+
+
+_LOADERS: Final = {"current": _load_search, "duty": _load_duty_controller}
+"""For each contract, what makes one of its controllers."""
 
 
 def _design_controller(design: str) -> "DesignController":

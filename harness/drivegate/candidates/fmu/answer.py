@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, TypeAlias
+from typing import Any, Final, TypeAlias
 
 from drivegate.candidates.fmu.variables import Connections
 from drivegate_models.contract.current.signals import Command
@@ -15,9 +15,15 @@ Answer: TypeAlias = Callable[[tuple[float, ...]], Any]
 
 def answer_of(connections: Connections) -> Answer:
     """Make what turns the outputs of an FMU into commands."""
-    if connections.contract == "current":
-        # Its fields are the outputs, in their order.
-        return lambda values: Command(*values)
+    return _ANSWERS[connections.contract](connections)
+
+
+def _of_angles(_connections: Connections) -> Answer:
+    # The fields of the command are the outputs, in their order.
+    return lambda values: Command(*values)
+
+
+def _of_duty_ratios(connections: Connections) -> Answer:
     places: dict[str, slice] = {}
     start = 0
     for name, count in connections.outputs:
@@ -36,6 +42,9 @@ def answer_of(connections: Connections) -> Answer:
         return DutyCommand(**fields)
 
     return answer
+
+
+_ANSWERS: Final = {"current": _of_angles, "duty": _of_duty_ratios}
 
 
 def _whole(value: float) -> float | int:

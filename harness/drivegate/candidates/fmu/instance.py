@@ -17,7 +17,7 @@ from drivegate.candidates.contract import AnyNameplate
 from drivegate.candidates.fmu.answer import answer_of
 from drivegate.candidates.fmu.description import FmuDescription
 from drivegate.candidates.fmu.log import forget_messages, with_messages
-from drivegate.candidates.fmu.ports import CURRENT, DUTY
+from drivegate.candidates.fmu.ports import PORTS
 
 WARNING: Final = 1
 """The worst status of an FMI function with which a run goes on."""
@@ -42,7 +42,7 @@ class FmuInstance(ABC):
 
     def __init__(self, description: FmuDescription, slave: Any) -> None:
         connections = description.connections
-        fields = (DUTY if connections.contract == "duty" else CURRENT).fields
+        fields = PORTS[connections.contract].fields
         inputs = len(connections.signals) + connections.phase_currents
         outputs = sum(count for _, count in connections.outputs)
         self.description = description

@@ -71,3 +71,6 @@ DUTY: Final = Ports(
     whole=("kind", "reference_kind", "pole_pairs", "updates", "update_delay"),
 )
 """Those of a controller that answers with duty ratios."""
+
+PORTS: Final = {ports.contract: ports for ports in (CURRENT, DUTY)}
+"""Those of each contract."""

@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from drivegate.candidates.manifest import Manifest
 
 _LOOPS: Final = ("pi",)
+_OUTER: Final = "current"
+_OWN: Final = "duty"
+"""Contracts of the controller that is asked for current, and of the loop that follows it."""
 _WAY: Final = "inner:pi:CANDIDATE, such as inner:pi:reference"
 
 
@@ -34,7 +37,7 @@ def from_text(specification: str) -> Candidate:
     if not named:
         raise InputError(f"the candidate '{one_line(specification)}' names no controller; write {_WAY}")
     outer = resolve_candidate(named)
-    if outer.contract == "duty":
+    if outer.contract not in (None, _OUTER):
         raise InputError(
             f"the candidate '{one_line(outer.name)}' answers with {ANSWERS[outer.contract]} itself; name it without "
             f"'{INNER_PREFIX}{loop}:'"
@@ -51,7 +54,7 @@ def from_text(specification: str) -> Candidate:
         details=OuterLoop(outer),
         # The one that its manifest names takes current references.
         drive=None,
-        contract="duty",
+        contract=_OWN,
     )
 
 

@@ -79,9 +79,9 @@ class BridgedSteps(ABC):
 
     def not_a_command(self, answer: object) -> Exception:
         """Tell what is wrong with an answer that is no command of this contract."""
-        other: ContractName = "duty" if self.contract == "current" else "current"
-        if isinstance(answer, _CONTRACTS[other].command):
-            return OtherContract(other_contract(other, self.contract))
+        for other, found in _CONTRACTS.items():
+            if other != self.contract and isinstance(answer, found.command):
+                return OtherContract(other_contract(other, self.contract))
         what = "None" if answer is None else f"an object of type {type(answer).__name__}"
         return InvalidOutput(f"step returned {what}, but must return a {_CONTRACTS[self.contract].example}")
 

@@ -14,7 +14,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
 from drivegate.candidates.contract import ANSWERS, ContractName
-from drivegate.drives.kinds import DEFAULT_DRIVES
+from drivegate.drives.kinds import DEFAULT_DRIVE, DEFAULT_DRIVES
 from drivegate.studies.new.wheel import wheel_bytes, wheel_name
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_models.errors import InputError
@@ -94,9 +94,10 @@ def write_candidate(
         _PLACES.get(place, place): _filled(place, text, kind, words).encode() for place, text in texts.items()
     }
     contents[words["@wheel@"]] = wheel_bytes()
-    if drive is None and KINDS[kind].contract != "current":
-        # Manifest and waivers that name none are for the drive of the paper.
-        drive = DEFAULT_DRIVES[KINDS[kind].contract]
+    usual = DEFAULT_DRIVES[KINDS[kind].contract]
+    if drive is None and usual != DEFAULT_DRIVE:
+        # Manifest and waivers that name none are for the default drive.
+        drive = usual
     if drive is not None:
         _name_drive(contents, drive, kind)
     try:

@@ -30,11 +30,15 @@ def correct_designs(contract: str = "current") -> tuple[CorrectDesign, ...]:
     The published search fails what its lock-up fails, but follows its own flowchart. Of the field-oriented ones, the
     one without weakening gives less torque above base speed than there is.
     """
-    if contract == "duty":
-        return tuple(CorrectDesign(name) for name in DUTY_CANDIDATES if name != _WITHOUT_WEAKENING)
-    return (
+    return _CORRECT[contract]
+
+
+_CORRECT: Final = {
+    "current": (
         CorrectDesign("reference"),
         *(CorrectDesign(name) for name in DESIGN_CANDIDATES),
         *(CorrectDesign(NEAR_PREFIX + name, near=True) for name in NEAR_DESIGNS),
         CorrectDesign("published", frozenset({"FLO-1"})),
-    )
+    ),
+    "duty": tuple(CorrectDesign(name) for name in DUTY_CANDIDATES if name != _WITHOUT_WEAKENING),
+}

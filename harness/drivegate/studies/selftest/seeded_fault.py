@@ -13,9 +13,9 @@ from drivegate.candidates.builtin.faults.mutation import Mutation, idle_on, told
 from drivegate.candidates.kinds import FAULTY_PREFIX
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.contracts.catalogue import contract_of
+from drivegate.contracts.duty.document import duty_document
 from drivegate.drives.choice import require_contract
 from drivegate_cases.drive.drive_document import DriveDocument
-from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_models.contract.duty.signals import DutyNameplate
 
 FAULTS_OF: Final[Mapping[str, Mapping[str, Mutation | DutyFault]]] = {
@@ -85,5 +85,5 @@ def _duty_fault_on(fault: DutyFault, drive: DriveDocument) -> FaultOnDrive:
 
 
 def _nameplate(drive: DriveDocument) -> DutyNameplate:
-    assert isinstance(drive, PmAcDocument), "controllers of duty ratios have such a drive"
-    return drive.duty_nameplate(drive.control_period_s, torque_reference=True)
+    document = duty_document(drive)
+    return document.duty_nameplate(document.control_period_s, torque_reference=True)

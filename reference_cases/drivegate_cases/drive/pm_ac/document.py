@@ -13,7 +13,8 @@ from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.pm_ac.inverter import UPDATES, PmAcInverter
 from drivegate_cases.drive.pm_ac.machine import PmAcMachine
 from drivegate_cases.drive.pm_ac.requirements import NO_PM_AC_REQUIREMENTS, PmAcRequirements
-from drivegate_cases.drive.pm_ac.sensing import PmAcSensing, Position
+from drivegate_cases.drive.pm_ac.sensing import PmAcSensing
+from drivegate_cases.drive.position import Position
 from drivegate_cases.drive.rating import Rating
 from drivegate_cases.drive.scales import NOMINAL, Scales
 from drivegate_models.units import RADIANS_PER_RPM
@@ -39,6 +40,12 @@ class PmAcDocument(DriveDocument):
     }
 
     contract: ClassVar[str] = "duty"
+    sensor_kinds: ClassVar[tuple[str, ...]] = ("ideal", "shunts")
+    excluded: ClassVar[Mapping[str, str]] = dict.fromkeys(
+        ("restarts_s", "current_errors", "dropouts", "glitches"), "for other kinds of drives"
+    )
+    excluded_loads: ClassVar[Mapping[str, str]] = {}
+    usual_values_are_known: ClassVar[bool] = False
 
     kind: Literal["pm-ac"] = Field(
         description='kind of drive: "pm-ac", a d-q machine on a two-level bridge that is given duty ratios'
@@ -75,6 +82,11 @@ class PmAcDocument(DriveDocument):
     def control_period_s(self) -> float:
         """Time between two steps of the controller (s)."""
         return self.inverter.control_period_s
+
+    @property
+    def real_sensors(self) -> str:
+        """Kind of the sensors that it has where they are not ideal."""
+        return "shunts"
 
     @property
     def position(self) -> Position:

@@ -1,13 +1,9 @@
 """The table `[sensing]` of a PM AC drive: what its controllers see of the shaft in every run."""
 
-from typing import Literal, TypeAlias
-
 from pydantic import Field
 
 from drivegate_cases.documents.document import Section
-
-Position: TypeAlias = Literal["exact", "encoder", "hall"]
-"""What shows angle and speed of the shaft."""
+from drivegate_cases.drive.position import Position
 
 
 class PmAcSensing(Section):

@@ -17,7 +17,6 @@ from drivegate_cases.drive.scales import NOMINAL
 from drivegate_cases.scenario.load import DynamometerLoad, LockedLoad, VehicleLoad
 from drivegate_cases.scenario.piecewise import value_from
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_cases.scenario.sensors import stated_position
 from drivegate_models.contract.duty.signals import LEG_OFF
 from drivegate_models.loop.sensing.hall import SECTOR
 from drivegate_models.machine import ledger
@@ -56,13 +55,13 @@ def _rests_by_hall_switches(scenario: Scenario) -> bool:
     """Return True if a torque is requested at standstill of a drive that has Hall switches alone."""
     is_dynamometer = isinstance(scenario.load, DynamometerLoad)
     at_rest = is_dynamometer and any(speed == 0.0 for _, speed in scenario.speed_rpm)
-    return at_rest and stated_position(scenario.drive) == "hall"
+    return at_rest and scenario.drive.position == "hall"
 
 
 def _stops_within_a_sector(scenario: Scenario) -> bool:
     """Return True if a load that begins or rises takes all energy of a shaft in one sector of its Hall switches."""
     load = scenario.load
-    if isinstance(load, (LockedLoad, DynamometerLoad)) or stated_position(scenario.drive) != "hall":
+    if isinstance(load, (LockedLoad, DynamometerLoad)) or scenario.drive.position != "hall":
         return False
     machine = duty_document(scenario.drive).machine
     inertia = machine.inertia_kg_m2 + (load.inertia_kg_m2 if isinstance(load, VehicleLoad) else 0.0)
