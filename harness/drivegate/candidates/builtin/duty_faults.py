@@ -30,8 +30,8 @@ class DutyFault:
     """From a nameplate to the one that the controller is given."""
     alter: Callable[[Any], None] | None = None
     """Changes the record of the state, just reset."""
-    spoilt: Callable[[DutyNameplate], dict[str, float]] | None = None
-    """From a nameplate to the fields of `SPOILT_STATE` that are not as they should be."""
+    perturbed: Callable[[DutyNameplate], dict[str, float]] | None = None
+    """Return the changed fields of `PERTURBED_STATE` for a nameplate."""
     less_salient: tuple[float, str] | None = None
     """Ratio of the inductances across the magnet's axis and along it up to which another check must catch it,
     and that check: the less reluctance torque there is, the less torque and current a wrong angle or
@@ -69,17 +69,17 @@ def _scaled(factor: float, *fields: str) -> Callable[[Any], None]:
 def _unseen_along(share: float) -> Callable[[DutyNameplate], dict[str, float]]:
     """Hide a current along the magnet's axis from the controller, of a share of the limit against the magnet."""
 
-    def spoilt(plate: DutyNameplate) -> dict[str, float]:
+    def perturbed(plate: DutyNameplate) -> dict[str, float]:
         return {"direct_added": share * plate.current_limit, "pole_pairs": float(plate.pole_pairs)}
 
-    return spoilt
+    return perturbed
 
 
 DUTY_FAULTS: Final = {
     "stuck-weakening": DutyFault(
         "FWK-2",
         "Weakens by 30 % of the current limit at all times, whatever the voltage, also at standstill without torque.",
-        spoilt=_unseen_along(STUCK_SHARE),
+        perturbed=_unseen_along(STUCK_SHARE),
     ),
     "delay-turned-back": DutyFault(
         "FWK-3",
@@ -125,42 +125,42 @@ DUTY_FAULTS: Final = {
     "angle-offset": DutyFault(
         "ACC-1",
         "Has an angle that is 5 electrical degrees off.",
-        spoilt=lambda plate: {"angle_added": radians(5.0) / plate.pole_pairs},
+        perturbed=lambda plate: {"angle_added": radians(5.0) / plate.pole_pairs},
         less_salient=(1.0, "FWK-1"),
     ),
     "current-sensor-offset": DutyFault(
         "ACC-1",
         "Reads the first phase current 15 % of the current limit too high.",
-        spoilt=lambda plate: {"current_added": 0.15 * plate.current_limit},
+        perturbed=lambda plate: {"current_added": 0.15 * plate.current_limit},
     ),
     "current-sensor-gain": DutyFault(
-        "ACC-1", "Reads its currents 10 % too high.", spoilt=lambda _plate: {"current_factor": 1.1}
+        "ACC-1", "Reads its currents 10 % too high.", perturbed=lambda _plate: {"current_factor": 1.1}
     ),
     "speed-misread": DutyFault(
-        "ACC-1", "Reads the speed 3 % too high.", spoilt=lambda _plate: {"speed_factor": 1.03}
+        "ACC-1", "Reads the speed 3 % too high.", perturbed=lambda _plate: {"speed_factor": 1.03}
     ),
     "supply-underestimated": DutyFault(
         "FWK-1",
         "Takes the link for 20 % less than it has, and weakens too early.",
-        spoilt=lambda _plate: {"supply_factor": 0.8},
+        perturbed=lambda _plate: {"supply_factor": 0.8},
     ),
     "late-samples": DutyFault(
-        "STP-1", "Regulates with the currents of the step before.", spoilt=lambda _plate: {"is_late": 1.0}
+        "STP-1", "Regulates with the currents of the step before.", perturbed=lambda _plate: {"is_late": 1.0}
     ),
     "unclamped-ratios": DutyFault(
         "DUT-1",
         "Stretches its duty ratios by a fifth behind its limiter.",
-        spoilt=lambda _plate: {"stretch": 1.2},
+        perturbed=lambda _plate: {"stretch": 1.2},
     ),
     "swapped-phases": DutyFault(
         "ACC-1",
         "Drives the third phase with the second one's ratio.",
-        spoilt=lambda _plate: {"swaps_phases": 1.0},
+        perturbed=lambda _plate: {"swaps_phases": 1.0},
     ),
     "long-period": DutyFault(
         "DUT-1",
         "Asks for a control period that is half as long again.",
-        spoilt=lambda plate: {"next_period": 1.5 * plate.control_period},
+        perturbed=lambda plate: {"next_period": 1.5 * plate.control_period},
     ),
     "swapped-axes": DutyFault(
         "MTP-1",
@@ -171,7 +171,7 @@ DUTY_FAULTS: Final = {
         less_salient=(_LITTLE_SALIENCY, "FWK-2"),
     ),
     "reversed-currents": DutyFault(
-        "OVC-1", "Reads its currents with the wrong sign.", spoilt=lambda _plate: {"current_factor": -1.0}
+        "OVC-1", "Reads its currents with the wrong sign.", perturbed=lambda _plate: {"current_factor": -1.0}
     ),
     "eager-integrals": DutyFault(
         "STP-1",
@@ -207,7 +207,7 @@ DUTY_FAULTS: Final = {
     "field-strengthened": DutyFault(
         "FWK-2",
         "Holds a current of 10 % of the limit along the magnet's axis that strengthens the field.",
-        spoilt=_unseen_along(-0.1),
+        perturbed=_unseen_along(-0.1),
     ),
     "shallow-weakening": DutyFault(
         "FWK-1",
@@ -222,12 +222,12 @@ DUTY_FAULTS: Final = {
     "shrunken-ratios": DutyFault(
         "FWK-1",
         "Gives 85 % of the voltage that it counts on.",
-        spoilt=lambda _plate: {"stretch": 0.85},
+        perturbed=lambda _plate: {"stretch": 0.85},
     ),
     "third-current-computed": DutyFault(
         "SAF-1",
         "Measures two currents and computes the third, and takes a sensor that is stuck for one that works.",
-        spoilt=lambda _plate: {"computes_third": 1.0},
+        perturbed=lambda _plate: {"computes_third": 1.0},
     ),
     "dead-time-times-ten": DutyFault(
         "DTM-1",
@@ -237,22 +237,22 @@ DUTY_FAULTS: Final = {
     "small-current-offset": DutyFault(
         "RIP-4",
         "Reads the first phase current 3 % of the current limit too high, which its sum does not tell.",
-        spoilt=lambda plate: {"current_added": 0.03 * plate.current_limit},
+        perturbed=lambda plate: {"current_added": 0.03 * plate.current_limit},
     ),
     "clamped-phases": DutyFault(
         "STP-1",
         "Takes the link's voltage for half of what it is, and clamps the duty ratio of each phase by itself.",
-        spoilt=lambda _plate: {"stretch": 2.0, "clamps": 1.0},
+        perturbed=lambda _plate: {"stretch": 2.0, "clamps": 1.0},
     ),
     "swapped-hall-switches": DutyFault(
         "ACC-1",
         "Has two of its Hall switches in each other's place, so that its angle turns backward.",
-        spoilt=lambda _plate: {"angle_factor": -1.0},
+        perturbed=lambda _plate: {"angle_factor": -1.0},
     ),
     "short-encoder-counter": DutyFault(
         "ACC-1",
         "Counts the edges of an encoder of 2500 lines in 16 bits, and takes the count that begins anew for the angle.",
-        spoilt=lambda _plate: {"wraps_after": 2.0 * pi * 2**16 / ENCODER_EDGES},
+        perturbed=lambda _plate: {"wraps_after": 2.0 * pi * 2**16 / ENCODER_EDGES},
     ),
     "patient-stall-watch": DutyFault(
         "SAF-1",
@@ -262,7 +262,7 @@ DUTY_FAULTS: Final = {
     "hall-edges-counted": DutyFault(
         "SAF-1",
         "Counts the edges of its Hall switches in place of reading their state, and is a sector off once one is lost.",
-        spoilt=lambda plate: {"counts_edges": 1.0, "pole_pairs": float(plate.pole_pairs)},
+        perturbed=lambda plate: {"counts_edges": 1.0, "pole_pairs": float(plate.pole_pairs)},
     ),
     "hall-edge-awaited": DutyFault(
         "SAF-1",

@@ -13,7 +13,7 @@ from drivegate_models.contract.duty.records import duty_nameplate_record
 from drivegate_models.contract.duty.signals import DutyNameplate
 from drivegate_models.controllers.duty.foc import reset_function, step_function
 from drivegate_models.controllers.duty.state import foc_state
-from drivegate_models.faults.duty.spoilt import spoilt_state, spoilt_step_function
+from drivegate_models.faults.duty.perturbed import perturbed_state, perturbed_step_function
 
 
 class DutyController:
@@ -50,14 +50,14 @@ class DutyController:
             fault.alter(self._state)
 
 
-class SpoiltController:
-    """A controller whose senses and answers are spoilt on the way; attributes as of any other."""
+class PerturbedController:
+    """A controller with perturbed Senses and commands, and the attributes of any other controller."""
 
-    def __init__(self, inner: DutyController, spoilt: Callable[[DutyNameplate], dict[str, float]]) -> None:
+    def __init__(self, inner: DutyController, perturbed: Callable[[DutyNameplate], dict[str, float]]) -> None:
         self._inner = inner
-        self._spoilt = spoilt
-        self._step = spoilt_step_function()
-        self._state = spoilt_state(inner.step_address, inner.state_address, {})
+        self._perturbed = perturbed
+        self._step = perturbed_step_function()
+        self._state = perturbed_state(inner.step_address, inner.state_address, {})
         self.step_address: int = self._step.address
         self.state_address: int = self._state.ctypes.data
         self.state_size: int = inner.state_size
@@ -66,17 +66,19 @@ class SpoiltController:
     def reset(self, nameplate: Any) -> None:
         """Reset the controller itself, and forget what it was shown."""
         self._inner.reset(nameplate)
-        fresh = spoilt_state(self._inner.step_address, self._inner.state_address, self._spoilt(nameplate))
+        fresh = perturbed_state(
+            self._inner.step_address, self._inner.state_address, self._perturbed(nameplate)
+        )
         for name in fresh.dtype.names or ():
             # Addresses are those of this state, which stays in its place.
             if not name.endswith("_address"):
                 self._state[name] = fresh[name]
 
 
-def load_duty_controller(name: str) -> DutyController | SpoiltController:
+def load_duty_controller(name: str) -> DutyController | PerturbedController:
     """Make a new instance of a controller by its name."""
     if not name.startswith(FAULTY_PREFIX):
         return DutyController(name)
     fault = DUTY_FAULTS[name.removeprefix(FAULTY_PREFIX)]
     inner = DutyController(fault=fault)
-    return inner if fault.spoilt is None else SpoiltController(inner, fault.spoilt)
+    return inner if fault.perturbed is None else PerturbedController(inner, fault.perturbed)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from tests.harness.contracts.duty.checks.conftest import CHECKS, Run, judged, with_column, with_command
 
-from drivegate.candidates.builtin.duty_loading import DutyController, SpoiltController
+from drivegate.candidates.builtin.duty_loading import DutyController, PerturbedController
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import own_candidate
@@ -313,7 +313,7 @@ def test_a_controller_may_reserve_a_little_voltage_on_a_steep_machine(reserved: 
     assert isinstance(drive, PmAcDocument)
     # The controller itself makes its references for `VOLTAGE_SHARE` of what it takes for the link.
     factor = (1.0 - reserved) / VOLTAGE_SHARE
-    controller = SpoiltController(DutyController(), lambda _plate: {"supply_factor": factor})
+    controller = PerturbedController(DutyController(), lambda _plate: {"supply_factor": factor})
     loaded = own_candidate(resolve_candidate("foc"))
     record = recorded(loaded, release_scenario(drive), controller)
     assert isinstance(record, DutyRecord)

@@ -22,7 +22,7 @@ _TURN = 2.0 * pi
 # Sectors of an electrical cycle, by the states of the Hall switches as bits; -1 for invalid states.
 _SECTORS = (-1, 0, 2, 1, 4, 5, 3, -1)
 
-SPOILT_STATE: Final = np.dtype(
+PERTURBED_STATE: Final = np.dtype(
     [
         # The controller itself, and the records below.
         ("step_address", np.int64),
@@ -68,21 +68,21 @@ SPOILT_STATE: Final = np.dtype(
 """State of a perturbed controller. It must not be moved in memory, and its targets must outlive it."""
 
 
-def spoilt_state(step_address: int, state_address: int, spoilt: dict[str, float]) -> NDArray[Any]:
-    """Return the state of a perturbed controller, shape (1,) of SPOILT_STATE.
+def perturbed_state(step_address: int, state_address: int, changes: dict[str, float]) -> NDArray[Any]:
+    """Return the state of a perturbed controller, shape (1,) of PERTURBED_STATE.
 
-    The addresses are those of the controller's step and of its state. `spoilt` contains the fields of SPOILT_STATE
+    The addresses are those of the controller's step and of its state. `changes` contains the fields of PERTURBED_STATE
     that differ from an unperturbed controller.
     """
-    state = np.zeros(1, SPOILT_STATE)
-    offsets: Any = SPOILT_STATE.fields
+    state = np.zeros(1, PERTURBED_STATE)
+    offsets: Any = PERTURBED_STATE.fields
     state["step_address"], state["state_address"] = step_address, state_address
     for record in ("sense", "command", "currents"):
         state[f"{record}_address"] = state.ctypes.data + offsets[record][1]
     state["command"] = duty_command_record()
     for name in ("current_factor", "speed_factor", "supply_factor", "angle_factor", "stretch"):
         state[name] = 1.0
-    for name, value in spoilt.items():
+    for name, value in changes.items():
         state[name] = value
     return state
 
@@ -164,7 +164,7 @@ def _write_command(state: Any, command: Any) -> None:
 
 
 @inlined
-def step_spoilt(state: Any, sense: Any, command: Any) -> None:
+def step_perturbed(state: Any, sense: Any, command: Any) -> None:
     """Compute the command of one control period with perturbed Sense and command."""
     _write_sense(state, sense)
     call_step(state.step_address, state.state_address, state.sense_address, state.command_address)
@@ -172,14 +172,14 @@ def step_spoilt(state: Any, sense: Any, command: Any) -> None:
 
 
 @cache
-def spoilt_step_function() -> Any:
+def perturbed_step_function() -> Any:
     """Return the step of a perturbed controller, compiled.
 
-    Its `address` is that of a C function whose state is a SPOILT_STATE. The caller must retain the object.
+    Its `address` is that of a C function whose state is a PERTURBED_STATE. The caller must retain the object.
     """
-    signature = step_signature(SPOILT_STATE, DUTY_SENSE, DUTY_COMMAND)
+    signature = step_signature(PERTURBED_STATE, DUTY_SENSE, DUTY_COMMAND)
 
     def drivegate_duty_step(state: Any, sense: Any, command: Any) -> None:
-        step_spoilt(carray(state, 1)[0], carray(sense, 1)[0], carray(command, 1)[0])
+        step_perturbed(carray(state, 1)[0], carray(sense, 1)[0], carray(command, 1)[0])
 
     return numba.cfunc(signature, cache=KEEPS_CACHE)(drivegate_duty_step)
