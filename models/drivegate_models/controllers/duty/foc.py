@@ -1,4 +1,4 @@
-"""Field-oriented control: from a reference of speed or torque by currents and weakening to duty ratios."""
+"""Field-oriented control of speed or torque: reference currents with field weakening, and duty ratios."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ from drivegate_models.controllers.duty.hall_observer import reset_observer
 from drivegate_models.controllers.duty.loss_model import least_loss_direct
 from drivegate_models.controllers.duty.loss_search import reset_search, restart_search, searched_offset
 from drivegate_models.controllers.duty.plausibility import (
+    detect_fault,
     hold_safe_state,
-    look_for_faults,
     reset_plausibility,
 )
-from drivegate_models.controllers.duty.position import regulated_speed, reset_position, see_shaft
+from drivegate_models.controllers.duty.position import locate_shaft, regulated_speed, reset_position
 from drivegate_models.controllers.duty.state import (
     BY_PREDICTION,
     FOC_STATE,
@@ -48,34 +48,28 @@ from drivegate_models.controllers.duty.state import (
 from drivegate_models.controllers.duty.torque_regulation import regulate_torque, reset_torque_regulation
 
 VOLTAGE_SHARE: Final = 0.98
-"""Share of the undistorted voltage that references are made for; the rest is for the current regulators."""
+"""Share of the undistorted voltage for the reference currents; the rest is reserved for the current regulators."""
 
-# Bandwidth of the speed over that of the currents.
+# Bandwidth of the speed regulator relative to that of the currents.
 _SPEED_SHARE = 0.02
 _SPEED_INTEGRAL = 0.25
-# Rate at which the voltage used asks for weakening, over that of the currents; the least share of the undistorted
-# voltage that references are then made for, and the most that counts as used, since a step's voltage is soon over.
+# Rate of field weakening by the voltage in use, relative to that of the currents; minimum share of the undistorted
+# voltage for the references; and maximum voltage in use, because a step needs its voltage only for a short time.
 _WEAKENING_RATE = 0.02
 _LEAST_SHARE = 0.5
 _MOST_USED = 1.5
-# Voltage that a speed regulator leaves in hand braking, and the braking over the greatest from which on it does so.
+# Voltage reserve of a speed regulator during braking, and share of the maximum torque from which it is complete.
 _BRAKING_ROOM = 0.1
 _WHOLE_ROOM_FROM = 0.2
-# Control periods in which a speed regulator may change its torque by the greatest.
+# Control periods in which a speed regulator may change its torque by the maximum torque.
 _FULL_TORQUE_PERIODS = 80.0
-# Share of the wanted torque below which it counts as limited.
-_GIVEN = 0.999999
+# Share of the requested torque below which it counts as limited.
+_LIMITED = 0.999999
 
 
 @inlined
 def reset_state(state: Any, nameplate: Any) -> None:
-    """Write the constants of a controller and forget everything else.
-
-    Parameters
-    ----------
-    state : record of FOC_STATE
-        Overwritten, but for its aim and its regulation.
-    """
+    """Write the constants of a controller and reset everything else, except for its aim and its regulation."""
     period = nameplate.control_period
     state.control_period = period
     speed_bandwidth = _SPEED_SHARE * BANDWIDTH / period
@@ -107,45 +101,45 @@ def reset_state(state: Any, nameplate: Any) -> None:
 def _currents_for(
     state: Any, torque: float, electrical: float, voltage: float, power: float
 ) -> tuple[float, float]:
-    """Return the currents for a torque, or for as much of it as the limits allow, by the controller's aim."""
-    wanted = min(abs(torque), state.greatest_torque)
+    """Return the d-axis and q-axis currents (A) for a torque (N m), or for as much of it as the limits allow."""
+    requested = min(abs(torque), state.greatest_torque)
     if state.regulates_speed == 1 and torque * electrical < 0.0:
-        # Currents that brake lead further away where they exceed the voltage limit.
-        braking = min(wanted / (_WHOLE_ROOM_FROM * state.greatest_torque), 1.0)
+        # Braking currents beyond the voltage limit move further away from their references.
+        braking = min(requested / (_WHOLE_ROOM_FROM * state.greatest_torque), 1.0)
         voltage *= 1.0 - _BRAKING_ROOM * braking
-    direct = least_current_direct(state, wanted)
+    direct = least_current_direct(state, requested)
     if state.aim == MODELLED_LOSS:
-        direct = least_loss_direct(state, wanted, electrical, direct)
+        direct = least_loss_direct(state, requested, electrical, direct)
     if state.aim != UNWEAKENED:
-        direct, wanted = limited_by_voltage(state, wanted, electrical, voltage, direct)
+        direct, requested = limited_by_voltage(state, requested, electrical, voltage, direct)
     if state.aim == SEARCHED_LOSS:
-        direct = _searched_direct(state, torque, wanted, electrical, power, direct)
-    return currents_for_torque(state, direct, wanted, torque < 0.0)
+        direct = _searched_direct(state, torque, requested, electrical, power, direct)
+    return currents_for_torque(state, direct, requested, torque < 0.0)
 
 
 @inlined
 def _searched_direct(
     state: Any, torque: float, possible: float, electrical: float, power: float, direct: float
 ) -> float:
-    """Return the current along the magnet's axis with what the search for least power adds to it (A).
+    """Return the d-axis current with the offset of the search for minimum power (A).
 
-    Where the limits give less torque than is wanted there is nothing to search for: less power is less torque.
+    There is no search if the limits do not allow the requested torque: less power is less torque.
     """
     speed = electrical / state.pole_pairs
-    if possible < _GIVEN * min(abs(torque), state.greatest_torque):
+    if possible < _LIMITED * min(abs(torque), state.greatest_torque):
         restart_search(state, torque, speed)
         return direct
     searched: float = direct + searched_offset(state, torque, speed, power)
     found, quadrature = currents_for_torque(state, searched, possible, False)
-    if torque_per_quadrature(state, found) * quadrature < _GIVEN * possible:
+    if torque_per_quadrature(state, found) * quadrature < _LIMITED * possible:
         restart_search(state, torque, speed)
         return direct
     return searched
 
 
 @inlined
-def _wanted_torque(state: Any, reference: float, speed: float) -> float:
-    """Return the torque that the reference asks for (N m)."""
+def _requested_torque(state: Any, reference: float, speed: float) -> float:
+    """Return the torque requested by the reference (N m): the reference itself, or the speed regulator's output."""
     if state.regulates_speed == 0:
         return reference
     error = reference - speed
@@ -154,30 +148,30 @@ def _wanted_torque(state: Any, reference: float, speed: float) -> float:
 
 
 @inlined
-def _ramped(state: Any, wanted: float) -> float:
-    """Return the torque that is gone for in this period: a speed regulator's changes at a limited rate (N m)."""
+def _ramped(state: Any, requested: float) -> float:
+    """Return the requested torque in this period (N m); that of a speed regulator changes at a limited rate."""
     if state.regulates_speed == 0:
-        return wanted
-    within = min(max(wanted, -state.greatest_torque), state.greatest_torque)
+        return requested
+    within = min(max(requested, -state.greatest_torque), state.greatest_torque)
     state.torque = min(max(within, state.torque - state.torque_step), state.torque + state.torque_step)
     return float(state.torque)
 
 
 @inlined
-def _unwind_speed(state: Any, reference: float, speed: float, wanted: float, given: float) -> None:
-    """Let the speed regulator's integral stand where the limits give less torque than it wants."""
+def _unwind_speed(state: Any, reference: float, speed: float, requested: float, possible: float) -> None:
+    """Anti-windup: stop the speed regulator's integral if the limits do not allow the requested torque."""
     error = reference - speed
-    if state.regulates_speed == 1 and abs(given) < _GIVEN * abs(wanted) and wanted * error > 0.0:
+    if state.regulates_speed == 1 and abs(possible) < _LIMITED * abs(requested) and requested * error > 0.0:
         state.speed_integral -= state.speed_integral_step * error
 
 
 @inlined
 def _share_voltage(state: Any, used: float) -> None:
-    """Make the next references for less voltage while more is used than they were made for, and for more else.
+    """Reduce the voltage of the next references while the regulators use more than intended; otherwise increase it.
 
     After Kim and Sul, "Speed control of interior permanent magnet synchronous motor drive for the flux weakening
-    operation", IEEE Transactions on Industry Applications 33(1), 1997: what the regulators ask for tells how much the
-    field must be weakened on a machine that is not the nominal one.
+    operation", IEEE Transactions on Industry Applications 33(1), 1997: the voltage requested by the regulators shows
+    the field weakening that a machine with other than nominal data needs.
     """
     spare = 0.5 * (1.0 + VOLTAGE_SHARE) - min(used, _MOST_USED)
     share = state.voltage_share + state.weakening_step * spare
@@ -186,28 +180,28 @@ def _share_voltage(state: Any, used: float) -> None:
 
 @inlined
 def step_state(state: Any, sense: Any, command: Any) -> None:
-    """Answer for one control period."""
+    """Compute the command of one control period."""
     timed = sense.speed
-    sense = see_shaft(state, sense)
+    sense = locate_shaft(state, sense)
     speed = regulated_speed(state, sense, timed)
     command.angle = sense.angle
     command.speed = sense.speed
-    if look_for_faults(state, sense):
+    if detect_fault(state, sense):
         hold_safe_state(state, command)
         return
     direct, quadrature = rotor_currents(state, sense)
     electrical = state.pole_pairs * sense.speed
     limit = voltage_limit(sense)
-    wanted = _wanted_torque(state, sense.reference, speed)
+    requested = _requested_torque(state, sense.reference, speed)
     direct_reference, quadrature_reference = _currents_for(
         state,
-        _ramped(state, wanted),
+        _ramped(state, requested),
         electrical,
         state.voltage_share * limit,
         sense.supply_voltage * sense.supply_current,
     )
-    given = torque_per_quadrature(state, direct_reference) * quadrature_reference
-    _unwind_speed(state, sense.reference, speed, wanted, given)
+    possible = torque_per_quadrature(state, direct_reference) * quadrature_reference
+    _unwind_speed(state, sense.reference, speed, requested, possible)
 
     if state.regulation == BY_PREDICTION:
         used = regulate_flux(
@@ -233,10 +227,7 @@ def step_state(state: Any, sense: Any, command: Any) -> None:
 def step_function() -> Any:
     """Return the controller's step, compiled.
 
-    Returns
-    -------
-    CFunc
-        Its `address` is that of a C function; keep the object.
+    Its `address` is that of a C function. The caller must retain the object.
     """
     signature = step_signature(FOC_STATE, DUTY_SENSE, DUTY_COMMAND)
 
@@ -248,12 +239,9 @@ def step_function() -> Any:
 
 @cache
 def reset_function() -> Any:
-    """Return the function that resets the controller, compiled.
+    """Return the compiled function that resets the controller.
 
-    Returns
-    -------
-    Dispatcher
-        Takes the state, shape (1,) of FOC_STATE, and the nameplate, shape (1,) of DUTY_NAMEPLATE.
+    Its arguments are the state, shape (1,) of FOC_STATE, and the nameplate, shape (1,) of DUTY_NAMEPLATE.
     """
 
     def reset(state: Any, nameplate: Any) -> None:

@@ -1,7 +1,7 @@
-"""A shaft that a speed is requested of, between two Hall edges: angle, speed and load by an observer.
+"""Observer of angle, speed and load between two Hall edges, for speed control.
 
-The timer's speed is the mean of the last electrical cycle, which at low speed is older than the speed regulator can
-bear. An observer knows the motor's own torque and needs edges only for what it does not know: the load.
+The timer's speed is the mean of the last electrical cycle. At low speed this delay is too long for the speed regulator.
+An observer uses the motor's torque, and needs edges only for the unknown load.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from typing import Any, Final
 
 from drivegate_models.compilation.kernels import inlined
 
-# Rate of the observer over the bandwidth of the speed, well above which it has to be.
+# Rate of the observer relative to the bandwidth of the speed regulator, which it must exceed by far.
 _RATE: Final = 10.0
 
 _TURN = 2.0 * pi
@@ -22,16 +22,9 @@ _SECTORS = 6
 
 @inlined
 def reset_observer(state: Any, speed_bandwidth: float, inertia: float) -> None:
-    """Write the constants and forget the shaft.
+    """Write the constants and reset the shaft's state.
 
-    Parameters
-    ----------
-    state : record of FOC_STATE
-        Receives them.
-    speed_bandwidth : float
-        Of the speed regulator (rad/s).
-    inertia : float
-        Of the shaft (kg m²).
+    `speed_bandwidth` is that of the speed regulator (rad/s), `inertia` that of the shaft (kg m²).
     """
     state.observer_rate = _RATE * speed_bandwidth
     state.inertia = inertia
@@ -48,14 +41,14 @@ def reset_observer(state: Any, speed_bandwidth: float, inertia: float) -> None:
 
 @inlined
 def _sector_of(electrical: float) -> int:
-    """Return the number of the sector that an angle of the timer lies in, 0 to 5."""
+    """Return the number of the sector, 0 to 5, of the timer's angle (rad electrical)."""
     place = electrical - _FIRST_EDGE
     return min(int((place - _TURN * floor(place / _TURN)) / _SECTOR), _SECTORS - 1)
 
 
 @inlined
 def _begin(state: Any, electrical: float, rate: float, sector: int) -> None:
-    """Start from what the timer shows: a turning shaft is in its place, one at rest somewhere in its sector."""
+    """Start from the timer's values: the angle of a turning shaft, or an unknown angle in the sector at rest."""
     state.sector = sector
     state.is_placed = 0 if rate == 0.0 else 1
     state.since_edge = 0.0
@@ -68,10 +61,10 @@ def _begin(state: Any, electrical: float, rate: float, sector: int) -> None:
 
 @inlined
 def _bound_rate(state: Any) -> None:
-    """Limit the speed at an edge to what a shaft can have that took so long for its sector, and blame the load.
+    """Limit the speed at an edge to the maximum for the time in the sector, and attribute the difference to the load.
 
-    One that speeds up evenly from rest leaves a whole sector at twice its mean speed, and one that starts somewhere in
-    it has half of it to go on average.
+    With constant acceleration from rest, a shaft leaves a whole sector at twice its mean speed. If it starts within the
+    sector, half of it remains on average.
     """
     mean = _SECTOR / state.since_edge
     most = 2.0 * mean if state.is_placed == 1 else mean
@@ -82,18 +75,16 @@ def _bound_rate(state: Any) -> None:
 
 @inlined
 def _correct(state: Any, electrical: float, rate: float, sector: int, passed: int) -> None:
-    """Take the place of an edge for the shaft's, and the error of its expectation for one of speed and load.
+    """Set the shaft to the place of an edge, and attribute the error of its prediction to speed and load.
 
-    Notes
-    -----
-    Errors of speed and acceleration shrink by ``p = 1 / (1 + r t)`` over each interval ``t``: the corrections are
+    Errors of speed and acceleration shrink by ``p = 1 / (1 + r t)`` over each interval ``t``. The corrections are
     ``(2 q - q² / 2) e / t`` and ``q² e / t²``, with ``q = 1 - p`` and the error ``e`` of the angle.
     """
     period = state.control_period
     if rate * passed > 0.0:
         place = electrical
     else:
-        # A timer that starts again shows the sector's middle.
+        # After a restart, the timer shows the sector's middle.
         entered = sector if passed > 0 else sector + 1
         place = _FIRST_EDGE + _SECTOR * entered + 0.5 * period * state.rate
     travelled = place - state.place
@@ -114,28 +105,17 @@ def _correct(state: Any, electrical: float, rate: float, sector: int, passed: in
 
 @inlined
 def greatest_speed(state: Any) -> float:
-    """Return the greatest mean speed of a shaft that has passed no edge since the last one (rad/s)."""
+    """Return the maximum mean speed of a shaft that has passed no edge since the last one (rad/s)."""
     return float(_SECTOR / (state.pole_pairs * max(state.since_edge, state.control_period)))
 
 
 @inlined
 def observe_shaft(state: Any, sense: Any, seen: Any) -> None:
-    """Write where the shaft is, and how fast.
+    """Write angle and speed of the shaft into `seen`, from the timer's values in `sense`.
 
-    Parameters
-    ----------
-    state : record of FOC_STATE
-        Updated.
-    sense : record of DUTY_SENSE
-        What the timer shows.
-    seen : record of DUTY_SENSE
-        Its angle and speed are written.
-
-    Notes
-    -----
-    Where an edge is overdue the shaft is led on past its place from some speed on, as a lost edge is likelier there
-    than a stop. Else the speed is no more than a sector over the time since the last edge, and the angle goes back to
-    the middle of the sector, which is off by half a sector at most.
+    At an overdue edge and above a minimum speed, the angle is extrapolated past the edge's place, because a lost
+    edge is more likely than a stop. Otherwise the speed is limited to a sector over the time since the last edge,
+    and the angle returns to the middle of the sector, with an error of at most half a sector.
     """
     period, pairs = state.control_period, state.pole_pairs
     electrical, timed = pairs * sense.angle, pairs * sense.speed
@@ -162,14 +142,14 @@ def observe_shaft(state: Any, sense: Any, seen: Any) -> None:
             inside = state.turned_on
         else:
             state.is_overdue = 1 if was_led_on else 0
-            # The longer no edge comes, the likelier the shaft has stopped somewhere in its sector.
+            # The longer there is no edge, the more likely the shaft has stopped somewhere in its sector.
             middle = begin + 0.5 * _SECTOR
             inside = middle + (inside - middle) * max(1.0 - 2.0 * state.led_on / _SECTOR, 0.0)
             state.led_on = 0.0
             most = pairs * greatest_speed(state)
             rate = min(max(rate, -most), most)
     if state.is_placed == 0:
-        # Nothing shows yet where in its sector the shaft has started.
+        # The initial place of the shaft in its sector is unknown.
         inside = begin + 0.5 * _SECTOR
     seen.angle = (state.place + inside) / pairs
     seen.speed = rate / pairs

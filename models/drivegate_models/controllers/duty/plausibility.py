@@ -1,9 +1,9 @@
-"""What field-oriented control holds its sensors and its machine to, and the safe state that it goes to for good.
+"""Plausibility of the sensors and the machine, and the safe state that a fault latches.
 
-Four things that no drive in order does: phase currents whose sum is not zero, a shaft whose angle does not turn by its
-speed or that stops faster than torque and inertia allow, one that stands under the greatest torque, and a phase
-without a current while the field turns past it. Hall switches show a speed at their edges alone; where they stay as
-they are although the magnet still induces a voltage, the position is lost.
+Four faults are physically implausible in a healthy drive: phase currents with a sum other than zero; a shaft whose
+angle disagrees with its speed, or that stops faster than torque and inertia allow; a stall under maximum torque; and
+a phase without current while the field turns past it. Hall switches measure a speed only at their edges. If their
+states remain constant although the magnet still induces a voltage, the position is lost.
 """
 
 from __future__ import annotations
@@ -16,41 +16,41 @@ from drivegate_models.compilation.kernels import inlined
 from drivegate_models.contract.duty.signals import LEG_OFF
 
 CURRENT_FAULT: Final = 1
-"""Code of currents whose sum is not zero: a sensor shows another one."""
+"""Code of currents with a sum other than zero: a current sensor is faulty."""
 SHAFT_FAULT: Final = 2
-"""Code of an angle that does not turn by its speed, or of a shaft that stops too fast: its sensor, or it is locked."""
+"""Code of an angle that disagrees with its speed, or of a shaft that stops too fast: faulty sensor, or locked shaft."""
 STALL_FAULT: Final = 3
-"""Code of a shaft that stands under the greatest torque."""
+"""Code of a shaft at standstill under maximum torque."""
 PHASE_FAULT: Final = 4
-"""Code of a phase without a current."""
+"""Code of a phase without current."""
 
-# Sum of the currents over the limit; sensors with errors of a few thousandths each stay below it.
+# Sum of the currents relative to the limit; sensors with errors of a few thousandths remain below it.
 _CURRENT_SUM = 0.05
-# Control periods for which a sum, or a speed, has to be implausible.
+# Number of control periods for which a sum, or a speed, must be implausible.
 _SEEN = 5
-# Angle in whose course a difference between angle and speed is forgotten, and how far it may get (rad electrical).
+# Angle over which a difference between angle and speed decays, and its maximum (rad electrical).
 _FORGOTTEN = 1.2
 _FARTHEST = 0.25
-# Deceleration over that of the greatest torque and the inertia, and the speed over base speed below which it is not
-# looked at: half of it for a load of the greatest torque, and once more for an inertia that is half the nominal one.
+# Maximum deceleration relative to that of maximum torque and inertia, and speed relative to base speed below which
+# it is not checked. A factor of two is for a load of maximum torque, and another one for half the nominal inertia.
 _STEEPEST = 4.0
 _SLOW = 0.05
 _STOPPED = 0.5
-# Speed over base speed at which a shaft stands, and torque over the greatest.
+# Speed relative to base speed that counts as standstill, and torque relative to maximum torque that counts as maximum.
 _STANDING = 0.01
 _FULL = 0.95
-# For how long: in control periods, at most (s), and at least what a shaft under load takes to turn faster than that,
-# over the time in which the greatest torque alone takes it to base speed.
+# Time of a stall: in control periods, its maximum (s), and its minimum, the time of a loaded shaft to exceed that
+# speed, relative to the time in which maximum torque alone accelerates it to base speed.
 _STALLED_PERIODS = 300
 _STALLED_MOST = 0.04
 _STALLED_LEAST = 0.06
-# Voltage that the field induces over that of the speed at the last edge, from which on it turns; and the least flux
-# along the magnet's axis that this goes by, over the magnet's own.
+# Induced voltage that shows rotation, relative to that of the speed at the last edge; and minimum d-axis flux for this
+# comparison, relative to the magnet's flux.
 _INDUCED = 0.5
-# Torque over the greatest that is left to turn a shaft past a sector of its Hall switches where the load is heavy.
+# Torque relative to the maximum that remains under a heavy load to turn the shaft past a sector of its Hall switches.
 _LEFT = 0.1
-# Current of a phase over that of all, current of all over the limit from which on it is looked at, and angle that the
-# field turns by meanwhile (rad electrical).
+# Current of a missing phase relative to the largest, minimum of the largest current relative to the limit, and rotation
+# of the field meanwhile (rad electrical).
 _MISSING = 0.03
 _CARRYING = 0.15
 _PASSED = pi / 4.0
@@ -60,13 +60,7 @@ _TURN = 2.0 * pi
 
 @inlined
 def reset_plausibility(state: Any, nameplate: Any) -> None:
-    """Write the constants and forget every suspicion.
-
-    Parameters
-    ----------
-    state : record of FOC_STATE
-        Receives them; its greatest torque is set.
-    """
+    """Write the constants and reset all checks; the maximum torque must be set."""
     period = nameplate.control_period
     state.base_speed = nameplate.base_speed
     state.slowing_step = _STEEPEST * state.greatest_torque / nameplate.inertia * period
@@ -91,7 +85,7 @@ def reset_plausibility(state: Any, nameplate: Any) -> None:
 
 @inlined
 def _turned(state: Any, sense: Any) -> float:
-    """Return by how much the angle has turned since the step before (rad electrical)."""
+    """Return the rotation since the preceding step (rad electrical)."""
     turned = float(state.pole_pairs * (sense.angle - state.angle_before))
     state.angle_before = sense.angle
     return turned - _TURN * floor(turned / _TURN + 0.5)
@@ -99,7 +93,7 @@ def _turned(state: Any, sense: Any) -> float:
 
 @inlined
 def _is_sum_wrong(state: Any, sense: Any) -> bool:
-    """Tell whether the currents' sum has not been zero for some periods."""
+    """Return True if the sum of the currents has been other than zero for some periods."""
     currents = sense.phase_currents
     total = double_at(currents, 0) + double_at(currents, 1) + double_at(currents, 2)
     state.sum_count = state.sum_count + 1 if abs(total) > _CURRENT_SUM * state.current_limit else 0
@@ -108,15 +102,15 @@ def _is_sum_wrong(state: Any, sense: Any) -> bool:
 
 @inlined
 def _is_shaft_wrong(state: Any, sense: Any, turned: float, shows_speed: bool) -> bool:
-    """Tell whether angle and speed disagree, or a speed that was shown has gone faster than the shaft can."""
+    """Return True if angle and speed disagree, or a measured speed has fallen faster than the shaft can stop."""
     expected = state.pole_pairs * sense.speed * state.control_period
     drift = max(1.0 - abs(expected) / _FORGOTTEN, 0.0) * state.angle_drift + turned - expected
     state.angle_drift = drift
-    # Hall switches give steps of 60 degrees before they give a speed.
+    # Hall switches have steps of 60 degrees before they measure a speed.
     if sense.hall < 0 and abs(drift) > _FARTHEST:
         return True
     speed = abs(sense.speed)
-    # Follows a rising speed at once, and a falling one as fast as the shaft can.
+    # Follow a rising speed at once, and a falling speed as fast as the shaft can stop.
     state.speed_seen = max(speed if shows_speed else 0.0, state.speed_seen - state.slowing_step)
     stops = speed < _STOPPED * state.speed_seen and state.speed_seen > _SLOW * state.base_speed
     state.speed_count = state.speed_count + 1 if stops else 0
@@ -125,7 +119,7 @@ def _is_shaft_wrong(state: Any, sense: Any, turned: float, shows_speed: bool) ->
 
 @inlined
 def _is_position_lost(state: Any, sense: Any) -> bool:
-    """Return True if no Hall edge comes any more although the magnet's field still turns past the winding."""
+    """Return True if no Hall edge appears although the magnet's field still turns past the winding."""
     if sense.hall < 0 or state.is_overdue == 0:
         return False
     before = state.edge_rate if state.regulates_speed == 1 else state.pole_pairs * state.hall_speed
@@ -138,10 +132,10 @@ def _is_position_lost(state: Any, sense: Any) -> bool:
 
 @inlined
 def _is_stalled(state: Any, sense: Any, has_edge: bool) -> bool:
-    """Tell whether a shaft that is to turn has stood under the greatest torque for long."""
+    """Return True if a shaft with a speed reference has been at standstill under maximum torque for long."""
     standing = _STANDING * state.base_speed
     pushed = abs(state.torque) >= _FULL * state.greatest_torque
-    # Hall switches show a shaft that begins to turn, or that stands, by their edges alone.
+    # Hall switches show the start or the standstill of a shaft only by their edges.
     longest = state.stall_periods if sense.hall < 0 else state.hall_stall_periods
     stands = abs(sense.speed) < standing if sense.hall < 0 else not has_edge
     stands = stands and standing < abs(sense.reference)
@@ -151,7 +145,7 @@ def _is_stalled(state: Any, sense: Any, has_edge: bool) -> bool:
 
 @inlined
 def _passed_by(state: Any, sense: Any, turned: float) -> float:
-    """Return by how much the field has turned past the phases, which a step at a Hall edge does not do."""
+    """Return the rotation of the field past the phases (rad electrical), without the step at a Hall edge."""
     if sense.hall < 0:
         return turned
     return min(abs(turned), abs(float(state.pole_pairs * sense.speed * state.control_period)))
@@ -159,7 +153,7 @@ def _passed_by(state: Any, sense: Any, turned: float) -> float:
 
 @inlined
 def _is_phase_missing(state: Any, sense: Any, turned: float) -> bool:
-    """Tell whether the field has turned past a phase that has had no current."""
+    """Return True if the field has turned past a phase without current."""
     currents = sense.phase_currents
     most = max(abs(double_at(currents, 0)), abs(double_at(currents, 1)), abs(double_at(currents, 2)))
     carrying = most > _CARRYING * state.current_limit
@@ -172,23 +166,12 @@ def _is_phase_missing(state: Any, sense: Any, turned: float) -> bool:
 
 
 @inlined
-def look_for_faults(state: Any, sense: Any) -> bool:
-    """Return whether something is, or has been, what no drive in order does.
-
-    Parameters
-    ----------
-    state : record of FOC_STATE
-        Updated; keeps the code of the first fault.
-
-    Returns
-    -------
-    bool
-        Whether the safe state is to be held.
-    """
+def detect_fault(state: Any, sense: Any) -> bool:
+    """Return True if a fault has been detected, now or before, and store the code of the first one."""
     if state.fault != 0:
         return True
     if state.is_watching == 0:
-        # There is no step before the first.
+        # The first step has no preceding step.
         state.is_watching = 1
         state.angle_before = sense.angle
         state.hall_watched = sense.hall
@@ -210,13 +193,7 @@ def look_for_faults(state: Any, sense: Any) -> bool:
 
 @inlined
 def hold_safe_state(state: Any, command: Any) -> None:
-    """Answer with all legs off and the code of the fault.
-
-    Parameters
-    ----------
-    state : record of FOC_STATE
-        With the code.
-    """
+    """Command all legs off, with the code of the fault."""
     command.first_duty = 0.5
     command.second_duty = 0.5
     command.third_duty = 0.5

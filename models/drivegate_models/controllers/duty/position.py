@@ -1,4 +1,4 @@
-"""Where field-oriented control takes the shaft to be: as it is sensed, and on past a Hall edge that does not come."""
+"""Position of the shaft for field-oriented control: as measured, or extrapolated past a missing Hall edge."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from typing import Any, Final
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.controllers.duty.hall_observer import greatest_speed, observe_shaft
 
-# Angle for which the shaft is led on without an edge: a sector, in which the next but one comes, and what the two may
-# be out of place (rad electrical).
+# Maximum extrapolation without an edge (rad electrical): a sector, in which the edge after the missing one appears,
+# plus the placement errors of both.
 _LED_ON: Final = 1.1 * pi / 3.0
-# Least speed over base speed: a slower shaft may come to rest within a sector.
+# Minimum speed for extrapolation, relative to base speed: a slower shaft may come to rest within a sector.
 _LEAST_SPEED: Final = 0.15
-# Share of the way of a period below which the angle is held back at its sector's end.
+# Share of the expected rotation in a period below which the timer limits the angle at its sector's end.
 _HELD_BACK: Final = 0.9
 
 _TURN = 2.0 * pi
@@ -21,7 +21,7 @@ _TURN = 2.0 * pi
 
 @inlined
 def reset_position(state: Any, nameplate: Any) -> None:
-    """Write the constants and forget where the shaft was."""
+    """Write the constants and reset the position."""
     state.led_on_longest = _LED_ON
     state.led_on_from = _LEAST_SPEED * nameplate.base_speed
     state.led_on = 0.0
@@ -37,7 +37,7 @@ def reset_position(state: Any, nameplate: Any) -> None:
 
 @inlined
 def copy_sense(sense: Any, seen: Any) -> None:
-    """Copy what is sensed into another record of DUTY_SENSE."""
+    """Copy a Sense into another record of DUTY_SENSE."""
     seen.struct_size = sense.struct_size
     seen.time = sense.time
     seen.reference = sense.reference
@@ -52,25 +52,13 @@ def copy_sense(sense: Any, seen: Any) -> None:
 
 
 @inlined
-def see_shaft(state: Any, sense: Any) -> Any:
-    """Return what the controller goes by: what is sensed, but for the shaft where a Hall edge is overdue.
+def locate_shaft(state: Any, sense: Any) -> Any:
+    """Return the Sense in use: the measured one, with the shaft's angle and speed extrapolated at an overdue Hall edge.
 
-    Parameters
-    ----------
-    state : record of FOC_STATE
-        Its `seen` is written where Hall switches show the shaft.
-
-    Returns
-    -------
-    record of DUTY_SENSE
-        `seen`, or else `sense` itself.
-
-    Notes
-    -----
-    A timer of Hall edges holds its angle at the sector's end until the next edge has come, and lets its speed fall.
-    Where the speed was high, a shaft that turns on is likelier than one that stops: for a sector more its angle goes on
-    with the speed that it had. If still no edge has come then, it is as sensed. Where a speed is requested of the shaft
-    an observer shows it between the edges.
+    With Hall switches it is the state's record `seen`, otherwise `sense` itself. A timer of Hall edges limits its
+    angle to the sector's end until the next edge, and reduces its speed. At a high speed, a lost edge is more
+    likely than a stop, so the angle is extrapolated with the last speed for one more sector. Without an edge until
+    then, the measured values are used. In speed control, an observer provides angle and speed between the edges.
     """
     if sense.hall < 0:
         return sense
@@ -102,7 +90,7 @@ def see_shaft(state: Any, sense: Any) -> Any:
 
 @inlined
 def regulated_speed(state: Any, seen: Any, timed: float) -> float:
-    """Return the speed that is regulated (rad/s): no more than a sector over the time without a Hall edge."""
+    """Return the speed for the regulator (rad/s), limited to a sector over the time since the last Hall edge."""
     if seen.hall < 0:
         return timed
     most = greatest_speed(state)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from drivegate_models.contract.duty.records import DUTY_NAMEPLATE, duty_sense_record
 from drivegate_models.controllers.duty.hall_observer import reset_observer
-from drivegate_models.controllers.duty.position import regulated_speed, reset_position, see_shaft
+from drivegate_models.controllers.duty.position import locate_shaft, regulated_speed, reset_position
 from drivegate_models.controllers.duty.state import foc_state
 from drivegate_models.loop.sensing.hall import hall_angle, hall_bits, hall_speed, turn_hall, turning_hall
 
@@ -65,7 +65,7 @@ class Shaft:
         self.sense.angle = hall_angle(self.switches, self.number * PERIOD) / POLE_PAIRS
         self.sense.speed = hall_speed(self.switches)
         self.sense.hall = hall_bits(self.switches)
-        see_shaft(self.state, self.sense)
+        locate_shaft(self.state, self.sense)
 
     @property
     def error(self) -> float:

@@ -21,8 +21,8 @@ from drivegate_models.controllers.duty.plausibility import (
     PHASE_FAULT,
     SHAFT_FAULT,
     STALL_FAULT,
+    detect_fault,
     hold_safe_state,
-    look_for_faults,
     reset_plausibility,
 )
 from drivegate_models.controllers.duty.state import foc_state
@@ -88,7 +88,7 @@ class Drive:
         for k in range(steps):
             self.turn(self.sense.speed)
             change(k)
-            if look_for_faults(self.state, self.sense):
+            if detect_fault(self.state, self.sense):
                 return int(self.state.fault), k
         return 0, steps
 
@@ -274,7 +274,7 @@ def test_a_fault_is_held_for_good_with_all_legs_off() -> None:
 
     assert drive.steps_to_fault(60, shift)[0] == CURRENT_FAULT
     drive.turn(300.0)
-    assert look_for_faults(drive.state, drive.sense), "the sum is zero again, and the fault stays"
+    assert detect_fault(drive.state, drive.sense), "the sum is zero again, and the fault stays"
     command: Any = duty_command_record().view(np.recarray)[0]
     hold_safe_state(drive.state, command)
     assert (command.first_leg, command.second_leg, command.third_leg) == (LEG_OFF,) * 3

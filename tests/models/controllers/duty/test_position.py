@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from drivegate_models.contract.duty.records import DUTY_NAMEPLATE, duty_sense_record
-from drivegate_models.controllers.duty.position import reset_position, see_shaft
+from drivegate_models.controllers.duty.position import locate_shaft, reset_position
 from drivegate_models.controllers.duty.state import foc_state
 from drivegate_models.loop.sensing.hall import (
     hall_angle,
@@ -60,7 +60,7 @@ class Shaft:
             self.sense.angle = hall_angle(self.switches, self.number * PERIOD) / POLE_PAIRS
             self.sense.speed = hall_speed(self.switches)
             self.sense.hall = hall_bits(self.switches)
-            see_shaft(self.state, self.sense)
+            locate_shaft(self.state, self.sense)
             found.append(remainder(POLE_PAIRS * self.state.seen.angle - self.angle, tau))
         return found
 
@@ -108,4 +108,4 @@ def test_what_is_sensed_otherwise_is_taken_as_it_is() -> None:
     shaft.sense.hall = -1
     for angle, speed in ((0.1, 100.0), (0.1, 100.0), (0.1, 100.0)):
         shaft.sense.angle, shaft.sense.speed, shaft.sense.reference = angle, speed, 7.0
-        assert see_shaft(shaft.state, shaft.sense) == shaft.sense
+        assert locate_shaft(shaft.state, shaft.sense) == shaft.sense
