@@ -13,7 +13,7 @@ from drivegate.scenarios.title import titled
 from drivegate_cases.drive.limits import rounded
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.limits import duty_limits_of
-from drivegate_cases.drive.pm_ac.sensing import Position
+from drivegate_cases.drive.position import Position
 from drivegate_cases.scenario.control_periods import first_period_from, period_start_s
 from drivegate_cases.scenario.failure_kind import FailureKind
 from drivegate_cases.scenario.load import ConstantTorqueLoad, DynamometerLoad
