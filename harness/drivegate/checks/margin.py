@@ -9,6 +9,8 @@ from typing import Final
 
 GREATEST: Final = 1e12
 """Greatest size of a margin: beyond it a miss tells nothing more, and sums and means of margins stay finite."""
+GREATEST_SHOWN: Final = 10.0
+"""Greatest size of a margin that people are shown."""
 _LEAST: Final = math.ulp(0.0)
 
 
@@ -30,6 +32,12 @@ class Margin:
     def met(self) -> bool:
         """Whether the requirement is met."""
         return self.value >= 0.0
+
+
+def margin_in_words(value: float, digits: int = 3) -> str:
+    """Write a margin for people: beyond 10 limits its size says nothing more, and is written as that."""
+    bound = min(max(value, -GREATEST_SHOWN), GREATEST_SHOWN)
+    return f"{'beyond ' if bound != value else ''}{bound:+.{digits}g}"
 
 
 def normalised(distance: float, limit: float) -> float:

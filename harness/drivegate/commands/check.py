@@ -79,6 +79,13 @@ DEFAULT_OUTPUT = "drivegate-report"
     help="Least level of a check whose failure fails the candidate.",
 )
 @click.option(
+    "--contested",
+    type=click.Choice(["pass", "fail"]),
+    default="pass",
+    show_default=True,
+    help="Whether a failure counts that no known good controller avoids in the same scenario.",
+)
+@click.option(
     "--only",
     multiple=True,
     metavar="CHECKS",
@@ -108,6 +115,7 @@ def command(
     waivers: Path | None,
     baseline: Path | None,
     fail_on: str,
+    contested: str,
     only: tuple[str, ...],
     stop_at_first: bool,
     last_failed: bool,
@@ -129,7 +137,7 @@ def command(
     from drivegate.studies.check.checked import summary
     from drivegate.studies.check.part import Part
 
-    how_much = Effort(effort, seed, workers, max_time, search, fail_on)
+    how_much = Effort(effort, seed, workers, max_time, search, fail_on, contested)
     records = Records(corpus, waivers, baseline)
     part = Part(only, stop_at_first, last_failed)
     all_checked = check_all(

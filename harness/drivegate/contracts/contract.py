@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from drivegate.checks.record import Record
     from drivegate.containment.messages import AnyController
     from drivegate.contracts.trace import RecordedTrace
+    from drivegate.contracts.witness import Witness
     from drivegate.scenarios.drawn_range import DrawnRange
     from drivegate.scenarios.simplification import Simplification
     from drivegate_cases.drive.drive_document import DriveDocument
@@ -36,6 +37,8 @@ class Contract:
     """Name of the packaged drive that candidates are judged on by default."""
     usual_candidate: str
     """Name of a built-in controller that runs on every drive of this contract."""
+    witnesses: tuple[Witness, ...]
+    """Known good controllers, in the order in which they are run where a candidate fails a check."""
     checks: Callable[[], tuple[Check, ...]]
     """Return the checks of a run, in the order in which they are reported."""
     every_run: tuple[str, ...]

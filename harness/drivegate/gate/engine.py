@@ -13,14 +13,23 @@ from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.checks.judging import InfeasibleScenario, JudgedRun, ShardOutcome
-from drivegate.checks.margin import Margin
+from drivegate.checks.margin import Margin, margin_in_words
+from drivegate.containment.messages import Job
 from drivegate.containment.pace_watch import SlowRun
 from drivegate.containment.pool import WorkerPool
 from drivegate.contracts.catalogue import CONTRACTS, all_checks, contract_of
 from drivegate.drives.choice import drive_for
 from drivegate.drives.reach import refuse_unreachable
 from drivegate.gate.behaviour import behaviour_job
-from drivegate.gate.events import CheckFinished, CheckStarted, Compiling, Event, RunDone, Shrinking
+from drivegate.gate.events import (
+    CheckFinished,
+    CheckStarted,
+    Compiling,
+    Event,
+    RunDone,
+    Shrinking,
+    WitnessesHeard,
+)
 from drivegate.gate.focus import WHOLE, Focus
 from drivegate.gate.plan import EXAMPLES, REPEATED, Origin, Work, planned_work
 from drivegate.gate.recording import recording_job, recording_plans, with_recordings
@@ -29,6 +38,7 @@ from drivegate.gate.same_drive import require_same_drive
 from drivegate.gate.shrinking import Shrunk
 from drivegate.gate.simplest import simplest_failures, with_simplest
 from drivegate.gate.warm_up import compile_kernels, uncompiled_kinds
+from drivegate.gate.witnesses import Acquittal, Defence, accusations, with_witnesses
 from drivegate.results.baseline import Baseline, compared
 from drivegate.results.counterexample import Counterexample
 from drivegate.results.provenance import machine, provenance
@@ -107,6 +117,7 @@ def check_candidate(
     baseline: Baseline | None = None,
     waivers: Sequence[Waiver] = (),
     fail_on: str = "required",
+    contested: str = "pass",
     focus: Focus = WHOLE,
     on_slow: Callable[[SlowRun], None] | None = None,
 ) -> Iterator[Event]:
@@ -170,6 +181,7 @@ def check_candidate(
         )
         outcomes = focus.outcomes(judged)
         outcomes = yield from _shrink(pool, outcomes, runs, effort, progress)
+        outcomes = yield from _hear(pool, judged_on, outcomes, runs, progress, counts=contested == "fail")
         outcomes, traces = _record(pool, outcomes, progress)
         behaviour = _behave(pool, judged_on, candidate.declaration, outcomes, progress)
     for outcome in outcomes:
@@ -191,7 +203,7 @@ def check_candidate(
     result = _result(
         candidate, judged_on, effort, seed, outcomes, comparisons, traces, progress, timing, fail_on
     )
-    result = replace(result, behaviour=behaviour)
+    result = replace(result, behaviour=behaviour, contested=contested)
     yield CheckFinished(replace(result, drive_named=drive_named))
 
 
@@ -244,6 +256,25 @@ def _shrink(
             if progress.time_is_up:
                 break
     return tuple(with_simplest(outcome, failures, shrunk) for outcome in outcomes)
+
+
+def _hear(
+    pool: WorkerPool,
+    drive: DriveDocument,
+    outcomes: tuple[CheckOutcome, ...],
+    runs: Sequence[JudgedRun],
+    progress: _Progress,
+    *,
+    counts: bool,
+) -> Generator[Event, None, tuple[CheckOutcome, ...]]:
+    """Run known good controllers where the candidate fails, and contest what none of them meets."""
+    accused = [] if progress.time_is_up else accusations(outcomes, runs, drive)
+    endings: list[Acquittal | Defence | Fault] = []
+    jobs: list[Job[Acquittal | Defence]] = [accusation.job() for accusation in accused]
+    for accusation, ending in zip(accused, pool.map(jobs), strict=True):
+        endings.append(ending)
+        yield WitnessesHeard(accusation.check, len(endings), len(accused))
+    return with_witnesses(outcomes, accused, endings, counts=counts)
 
 
 def _record(
@@ -331,4 +362,4 @@ def _worst(runs: Sequence[JudgedRun], focus: Focus) -> str:
     if not margins:
         return ""
     least = min(margins, key=lambda margin: margin.value)
-    return f"{least.check} {least.value:+.3g}"
+    return f"{least.check} {margin_in_words(least.value)}"

@@ -50,6 +50,18 @@ class Shrinking:
 
 
 @dataclass(frozen=True)
+class WitnessesHeard:
+    """Known good controllers have been run where a check fails."""
+
+    check: str
+    """Identifier of the check."""
+    done: int
+    """Failures that are done with."""
+    planned: int
+    """Number of failures."""
+
+
+@dataclass(frozen=True)
 class CheckFinished:
     """A candidate's check has ended."""
 
@@ -57,4 +69,4 @@ class CheckFinished:
     """The result."""
 
 
-Event: TypeAlias = CheckStarted | Compiling | RunDone | Shrinking | CheckFinished
+Event: TypeAlias = CheckStarted | Compiling | RunDone | Shrinking | WitnessesHeard | CheckFinished

@@ -50,7 +50,7 @@ def _level(check: dict[str, Any], counted: tuple[str, ...]) -> str:
     verdict = check["verdict"]
     if verdict in ("pass", "not applicable"):
         return ""
-    if verdict in STALE_WAIVERS or (check["level"] in counted and verdict != "waived"):
+    if verdict in STALE_WAIVERS or (check["level"] in counted and verdict not in ("contested", "waived")):
         return "error"
     return "notice" if verdict == "waived" else "warning"
 

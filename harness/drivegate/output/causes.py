@@ -63,6 +63,8 @@ def by_urgency(checks: list[dict[str, Any]]) -> list[dict[str, Any]]:
 def _urgency(check: Mapping[str, Any]) -> int:
     if check["verdict"] in ("pass", "not applicable"):
         return 3
+    if check["verdict"] == "contested":
+        return -1
     if check["verdict"] in ("waived", "inconclusive"):
         return 2
     return 0 if check["level"] == "required" else 1

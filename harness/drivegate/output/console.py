@@ -22,6 +22,7 @@ STYLES: Final = {
     "pass": "green",
     "fail": "bold red",
     ADVISED: "yellow",
+    "contested": "yellow",
     "waived": "yellow",
     "unexpectedly passes": "bold yellow",
     "no difference": "dim",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from drivegate.gate.events import CheckFinished, CheckStarted, Event, RunDone, Shrinking
+from drivegate.gate.events import CheckFinished, CheckStarted, Event, RunDone, Shrinking, WitnessesHeard
 from drivegate.output.pace import CheckPace
 from drivegate.output.progress import Display
 from drivegate.results.result import CheckResult
@@ -45,6 +45,8 @@ def _show(event: Event, display: Display) -> None:
         told = (worst, display.time_left(event.done, event.planned))
         display.advance(event.done, event.planned, ", ".join(filter(None, told)), unit="runs")
     elif isinstance(event, Shrinking):
-        display.remark(f"{event.done} of {event.planned} counterexamples made simpler")
+        display.remark(f"shrinking counterexamples: {event.done} of {event.planned}")
+    elif isinstance(event, WitnessesHeard):
+        display.remark(f"running known good controllers in counterexamples: {event.done} of {event.planned}")
     elif isinstance(event, CheckFinished):
         display.remark(f"{event.result.runs} runs made, {event.result.verdict}", always=True)

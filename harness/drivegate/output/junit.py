@@ -7,6 +7,7 @@ from collections.abc import Collection
 from pathlib import Path
 from typing import Any, Final
 
+from drivegate.checks.margin import margin_in_words
 from drivegate.output.distinct_faults import distinct_faults, in_runs
 from drivegate.output.explanations import explanations
 from drivegate.results.result import STALE_WAIVERS, counted_levels
@@ -77,12 +78,12 @@ def _judge(
     message = one_line(f"{explanation}; {check['message']}" if explanation else check["message"])
     required = check["level"] in counted
     unjudged = verdict == "inconclusive" and explanation
-    if verdict in ("not applicable", "waived") or (unjudged and not required):
+    if verdict in ("not applicable", "contested", "waived") or (unjudged and not required):
         # The message of a waived check ends with owner, last day and reason.
         ElementTree.SubElement(case, "skipped", message=message)
     elif verdict in STALE_WAIVERS or (required and verdict == "fail"):
         failure = ElementTree.SubElement(case, "failure", type=verdict, message=message)
-        margin = "–" if check["margin"] is None else f"{check['margin']:.4g}"
+        margin = "–" if check["margin"] is None else margin_in_words(check["margin"], 4)
         failure.text = one_line(f"{check['requirement']} Limit: {check['limit']}. Margin: {margin}.")
     elif required and verdict != "pass":
         ElementTree.SubElement(case, "error", type=one_line(verdict), message=message)

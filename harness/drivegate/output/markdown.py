@@ -65,7 +65,16 @@ def _what_failed(result: dict[str, Any]) -> list[str]:
     counted = counted_levels(result.get("fail_on"))
     failed = [check for check in result["checks"] if check["counterexample"] is not None]
     failed.sort(key=lambda check: (check["verdict"] == "waived", check["level"] not in counted))
-    lines = ["", "## What failed", ""] if failed else []
+    contested = [check for check in failed if check["verdict"] == "contested"]
+    lines = _listed_failures(result, "Contested: no known good controller meets these either", contested)
+    lines += _listed_failures(result, "What failed", [check for check in failed if check not in contested])
+    if failed:
+        lines += ["", "Run one again, in the folder of this report:", "", *_replays(result, failed)]
+    return lines
+
+
+def _listed_failures(result: dict[str, Any], title: str, failed: list[dict[str, Any]]) -> list[str]:
+    lines = ["", f"## {title}", ""] if failed else []
     for check in failed:
         file = counterexample_name(check["id"])
         lines.append(
@@ -73,8 +82,6 @@ def _what_failed(result: dict[str, Any]) -> list[str]:
             f"{escaped(check['counterexample']['name'])}: {escaped(check['message'])}; [{file}]({file})"
         )
         lines += _account(result, check)
-    if failed:
-        lines += ["", "Run one again, in the folder of this report:", "", *_replays(result, failed)]
     return lines
 
 

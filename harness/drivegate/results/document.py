@@ -69,6 +69,15 @@ class FoundSection(Section):
     runs: int = Field(ge=0, description="runs that it took to make it simpler")
 
 
+class WitnessedSection(Section):
+    """A known good controller that meets the requirement where the candidate does not."""
+
+    name: Text = Field(description="its name, as a candidate")
+    margin: Number = Field(description="its margin in the scenario of the counterexample")
+    measured: Text = Field(description="what the margin was measured as")
+    knows_plant: bool = Field(description="whether it knows more of the drive than its nameplate states")
+
+
 class RecordingSection(Section):
     """Where the signals of the run are that a report shows for a check."""
 
@@ -87,7 +96,7 @@ class CheckSection(Section):
     level: Literal["required", "advisory"] = Field(description="whether a failure fails the candidate")
     limit: Text = Field(description="the limit in people's units")
     verdict: Text = Field(
-        description="pass, fail, waived, waiver expired, unexpectedly passes, not applicable or inconclusive"
+        description="pass, fail, contested, waived, waiver expired, unexpectedly passes, not applicable or inconclusive"
     )
     margin: Number = Field(
         description="least margin: distance from the limit over the limit, negative when not met"
@@ -102,6 +111,11 @@ class CheckSection(Section):
     margins: tuple[Number, ...] = Field(default=(), description="margins of all runs that decide, in order")
     recording: RecordingSection | None = Field(
         default=None, description="signals of the run that reports show"
+    )
+    witness: WitnessedSection | None = Field(
+        default=None,
+        description="a known good controller that meets the requirement in the counterexample; null where none did, or "
+        "none was run",
     )
 
 
@@ -217,6 +231,10 @@ class ResultDocument(Document):
     )
     fail_on: Literal["required", "advisory"] = Field(
         default="required", description="'advisory' where advisory checks count like required ones"
+    )
+    contested: Literal["pass", "fail"] = Field(
+        default="pass",
+        description="'fail' where failures count that no known good controller has shown to be avoidable",
     )
     focus: FocusSection | None = Field(
         default=None, description="what the check was confined to; null for a whole one"

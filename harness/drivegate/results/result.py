@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault
 from drivegate.candidates.kinds import KINDS
+from drivegate.checks.margin import margin_in_words
 from drivegate.results.provenance import hash_of_content
 
 if TYPE_CHECKING:
@@ -41,6 +42,25 @@ class Found:
     """How much the scenario differs from the plainest one."""
     runs: int
     """Number of runs that it took to make it simpler."""
+
+
+@dataclass(frozen=True)
+class Witnessed:
+    """A known good controller that meets a requirement where the candidate does not."""
+
+    name: str
+    """Its name, as a candidate."""
+    margin: float
+    """Its margin in the scenario of the counterexample."""
+    measured: str
+    """What the margin was measured as."""
+    knows_plant: bool
+    """Whether it knows more of the drive than its nameplate states."""
+
+    def sentence(self) -> str:
+        """State that the requirement can be met, in one clause."""
+        knowing = ", which knows the drive's constants," if self.knows_plant else ""
+        return f"{self.name}{knowing} meets it there with margin {margin_in_words(self.margin)}"
 
 
 @dataclass(frozen=True)
@@ -78,8 +98,8 @@ class CheckOutcome:
     limit: str
     """As in `drivegate.checks.check.Check`."""
     verdict: str
-    """``pass``, ``fail``, ``waived``, ``waiver expired``, ``unexpectedly passes``, ``not applicable`` or
-    ``inconclusive``."""
+    """``pass``, ``fail``, ``contested``, ``waived``, ``waiver expired``, ``unexpectedly passes``,
+    ``not applicable`` or ``inconclusive``."""
     margin: float | None
     """Least margin; None where the check did not apply, or depends on the machine."""
     measured: str
@@ -101,6 +121,9 @@ class CheckOutcome:
     that is spread evenly over their order. None of a check whose numbers depend on the machine."""
     recording: Recording | None = None
     """Signals of the counterexample, or of the worst scenario."""
+    witness: Witnessed | None = None
+    """A known good controller that meets the requirement in the counterexample; None where none did, or none was
+    run."""
 
 
 @dataclass(frozen=True)
@@ -131,7 +154,7 @@ class CheckResult:
     drive: DriveDocument
     """The drive that it was checked on."""
     verdict: str
-    """``pass``, ``waived``, ``fail``, ``waiver expired``, ``unexpectedly passes``, ``inconclusive``,
+    """``pass``, ``contested``, ``waived``, ``fail``, ``waiver expired``, ``unexpectedly passes``, ``inconclusive``,
     ``harness fault``, or the kind of the candidate's fault."""
     exit_code: int
     """0, 1 or 3."""
@@ -160,6 +183,8 @@ class CheckResult:
     """How margins have changed since an earlier result; None where it was not compared with one."""
     fail_on: str = "required"
     """``required``, or ``advisory`` where advisory checks count like required ones."""
+    contested: str = "pass"
+    """``fail`` where failures count that no witness has shown to be avoidable, else ``pass``."""
     traces: tuple[dict[str, list[float]], ...] = ()
     """Recorded signals: lists of equal length by column."""
     behaviour: dict[str, Any] | None = None
@@ -199,6 +224,7 @@ class CheckResult:
             "effort": self.effort,
             "judged_by": "own code" if KINDS[candidate.kind].comes_along else "playback",
             "fail_on": self.fail_on,
+            "contested": self.contested,
             "focus": self.focus,
             "checks": [asdict(outcome) for outcome in self.checks],
             "faults": [_fault_document(fault) for fault in self.faults],

@@ -168,4 +168,4 @@ def candidate_verdict(
     for verdict in ("fail", *STALE_WAIVERS, "inconclusive"):
         if verdict in found:
             return verdict, 1
-    return ("waived" if "waived" in found else "pass"), 0
+    return next((verdict for verdict in ("contested", "waived") if verdict in found), "pass"), 0

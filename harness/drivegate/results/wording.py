@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from shlex import quote
 from typing import Any
 
+from drivegate.checks.margin import margin_in_words
 from drivegate_cases.documents.wording import counted
 
 
@@ -13,7 +14,7 @@ def printed_margin(document: dict[str, Any], check: dict[str, Any]) -> str:
     """Write the margin of a check for people, also of one that depends on the machine."""
     timed = document["timing"].get("checks", {}).get(check["id"], {})
     margin = timed.get("margin") if check["margin"] is None else check["margin"]
-    return "–" if margin is None else f"{margin:+.3g}"
+    return "–" if margin is None else margin_in_words(margin)
 
 
 def drive_option(document: Mapping[str, Any]) -> str:

@@ -119,8 +119,9 @@ class Conformance:
         """Pass, fail, skip or warn, as the check came out.
 
         A required check passes when it is met, and fails otherwise. A check that is waived is skipped with the owner
-        and the last day of the waiver, and one that does not apply with the reason. An advisory check that is not met
-        is a `ConformanceWarning`. The item of the candidate fails when the candidate was refused, raised, crashed,
+        and the last day of the waiver, and one that does not apply with the reason. An advisory check that is not met,
+        and one whose failure is contested, is a `ConformanceWarning`. The item of the candidate fails when the
+        candidate was refused, raised, crashed,
         hung or answered what is no answer.
         """
         import pytest
@@ -140,13 +141,14 @@ class Conformance:
             pytest.skip(f"{self.item} is waived: {outcome['message']}")
         elif outcome["verdict"] == "pass":
             return
-        elif outcome["level"] == "required":
+        elif outcome["level"] == "required" and outcome["verdict"] != "contested":
             pytest.fail(self._message(outcome), pytrace=False)
         else:
             warnings.warn(self._message(outcome), ConformanceWarning, stacklevel=2)
 
     def _message(self, outcome: Mapping[str, Any]) -> str:
         """Tell a check that is not met: what, by how much, and how to see it again."""
+        from drivegate.checks.margin import margin_in_words
         from drivegate.output.explanations import explanations
         from drivegate.output.result_file import counterexample_name
 
@@ -160,7 +162,7 @@ class Conformance:
                 "  this is a fault of drivegate itself, so no verdict on the candidate can be trusted"
             )
         if outcome["margin"] is not None:
-            lines.append(f"  margin: {outcome['margin']:+.4g}")
+            lines.append(f"  margin: {margin_in_words(outcome['margin'], 4)}")
         if outcome["counterexample"] is not None:
             file = self.judged.folder / counterexample_name(self.item)
             lines.append(f"  counterexample: {file}")

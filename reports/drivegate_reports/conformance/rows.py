@@ -8,12 +8,15 @@ from dataclasses import dataclass
 from statistics import median
 from typing import Any, Final
 
+from drivegate.checks.margin import margin_in_words
 from drivegate.output.result_file import counterexample_name
 from drivegate.output.scenario_words import scenario_in_short
-from drivegate_reports.page.printable import LONGEST_BLOCK, clean, plain_data, plain_number
+from drivegate.results.result import Witnessed
+from drivegate_reports.page.printable import LONGEST_BLOCK, clean, plain_data
 
 TONES: Final = {
     "pass": "pass",
+    "contested": "caution",
     "waived": "caution",
     "waiver expired": "fail",
     "unexpectedly passes": "caution",
@@ -62,6 +65,8 @@ class CheckRow:
         What the counterexample gave; empty where there is none.
     spread : str
         Least, median and greatest margin of all runs; empty where they are not kept.
+    witness : str
+        The known good controller that meets the requirement in the counterexample; empty where there is none.
     waiver : tuple of tuple of str
         Names and values of the waiver; empty where there is none.
     """
@@ -84,6 +89,7 @@ class CheckRow:
     file: str
     found: str
     spread: str
+    witness: str
     waiver: tuple[tuple[str, str], ...]
 
 
@@ -143,7 +149,7 @@ def check_row(check: Mapping[str, Any]) -> CheckRow:
         level=level,
         verdict=verdict,
         tone=tone,
-        margin=plain_number(margin) if known else "–",
+        margin=margin_in_words(margin).replace("-", "−") if known else "–",
         bar=margin_bar(float(margin)) if known else None,
         measured=clean(check["measured"]),
         limit=clean(check["limit"]),
@@ -154,6 +160,7 @@ def check_row(check: Mapping[str, Any]) -> CheckRow:
         file=clean(counterexample_name(str(check["id"]))) if check["counterexample"] is not None else "",
         found=_found(check),
         spread=_spread(check.get("margins")),
+        witness=_witness(check.get("witness")),
         waiver=tuple(
             (clean(key).replace("_", " "), clean(value)) for key, value in (check.get("waiver") or {}).items()
         ),
@@ -169,6 +176,12 @@ def _found(check: Mapping[str, Any]) -> str:
     return f"{clean(found.get('measured', ''))}{simplified}"
 
 
+def _witness(witness: object) -> str:
+    if not isinstance(witness, Mapping) or not isinstance(witness.get("margin"), int | float):
+        return ""
+    return clean(Witnessed(**witness).sentence())
+
+
 def _spread(margins: object) -> str:
     if not isinstance(margins, list) or not margins:
         return ""
@@ -176,7 +189,7 @@ def _spread(margins: object) -> str:
     if len(known) < len(margins) or not known:
         return ""
     listed = (min(known), median(known), max(known))
-    least, middle, greatest = map(plain_number, listed)
+    least, middle, greatest = (margin_in_words(value).replace("-", "−") for value in listed)
     return f"least {least}, median {middle}, greatest {greatest}"
 
 

@@ -75,8 +75,13 @@ class ResultView:
 
     @property
     def broken(self) -> tuple[CheckRow, ...]:
-        """Checks with a counterexample."""
-        return tuple(row for row in self.checks if row.file)
+        """Checks with a counterexample that counts."""
+        return tuple(row for row in self.checks if row.file and row.verdict != "contested")
+
+    @property
+    def contested(self) -> tuple[CheckRow, ...]:
+        """Checks that no known good controller meets in their counterexamples either."""
+        return tuple(row for row in self.checks if row.file and row.verdict == "contested")
 
     @property
     def met(self) -> tuple[CheckRow, ...]:
@@ -147,6 +152,8 @@ def _with_timed_numbers(check: Mapping[str, Any], times: Mapping[str, Any]) -> d
 def _meaning(verdict: str, failing: Sequence[str]) -> str:
     meanings = {
         "pass": "Every required check is met in every run that it applies to.",
+        "contested": "Every required check is met, except where no known good controller meets it in the same scenario "
+        "either. Such a failure does not count; it may be a fault of drivegate.",
         "waived": "Every required check is met, but for failures that somebody answers for by a waiver.",
         "waiver expired": "A check fails whose waiver has expired.",
         "unexpectedly passes": "A check passes that has a waiver, which is to be removed.",

@@ -110,7 +110,7 @@ def outcome(
         runs=int(applied),
         message=message,
         scenario=scenario if applied else None,
-        counterexample=scenario if verdict == "fail" else None,
+        counterexample=scenario if verdict in ("fail", "contested") else None,
     )
 
 

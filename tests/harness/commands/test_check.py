@@ -2,10 +2,13 @@
 
 import json
 import xml.etree.ElementTree as ElementTree
+from dataclasses import replace
 
 import pytest
+from tests.harness.commands.conftest import outcome
 
 from drivegate.candidates.fault import Fault, FaultKind
+from drivegate.results.result import Witnessed
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_models.errors import HarnessFault, InputError
 
@@ -30,7 +33,8 @@ def test_a_pass_is_reported_and_reported(command, engine, tmp_path):
     assert ended.code == 0
     requested = {"effort": "quick", "seed": 7, "workers": 1, "max_time": 9.0}
     given = {key: value for key, value in engine.options.items() if key != "on_slow"}
-    assert given == {**requested, "search": True, "fail_on": "required", "drive": None, "drive_named": None}
+    usual = {"search": True, "fail_on": "required", "contested": "pass", "drive": None, "drive_named": None}
+    assert given == requested | usual
     assert "reference: pass" in ended.out
     assert "report: drivegate-report/report.html" in ended.out
     assert "a report that prints" not in ended.out
@@ -193,3 +197,35 @@ def test_a_candidate_that_raises_is_checked_for_real(command, controllers, tmp_p
     assert ended.document["exit_code"] == 1
     assert set(ended.document["faults"][0]) >= set(Fault.__dataclass_fields__) - {"time"}
     assert (tmp_path / "drivegate-report" / "summary.md").exists()
+
+
+def test_a_contested_failure_is_listed_first_and_passes(command, engine, tmp_path):
+    engine.outcomes = (
+        outcome("CNV-1", "pass"),
+        outcome("CNV-2", "contested", message="contested: none meets it"),
+    )
+    engine.verdict = "contested"
+    ended = command("check", "reference")
+    assert ended.code == 0
+    rows = [line for line in ended.out.splitlines() if line.startswith((" CNV-1", " CNV-2"))]
+    assert [row.split()[0] for row in rows] == ["CNV-2", "CNV-1"], "what is contested is listed first"
+    assert "contested: CNV-2: no known good controller meets them" in ended.out
+    summary = (tmp_path / "drivegate-report" / "summary.md").read_text(encoding="utf-8")
+    assert summary.index("## Contested") < summary.index("**CNV-2** contested") < summary.index("| check |")
+    cases = ElementTree.parse(tmp_path / "drivegate-report" / "junit.xml").iter("testcase")
+    case = next(case for case in cases if case.get("name") == "CNV-2")
+    assert case.find("failure") is None
+    assert "none meets it" in case.find("skipped").get("message")
+
+
+def test_a_witness_is_named_with_its_margin(command, engine):
+    witness = Witnessed("predictive-flux", 0.62, "as good as it gets", knows_plant=False)
+    engine.outcomes = (replace(outcome("CNV-1", "fail"), witness=witness),)
+    engine.verdict, engine.exit_code = "fail", 1
+    assert "  predictive-flux meets it there with margin +0.62\n" in command("check", "reference").out
+
+
+@pytest.mark.parametrize("counts", ["pass", "fail"])
+def test_what_is_contested_counts_only_where_the_user_says_so(command, engine, counts):
+    command("check", "reference", "--contested", counts)
+    assert engine.options["contested"] == counts

@@ -41,6 +41,7 @@ def check(verdict: str, level: str = "required", message: str = "as measured") -
         ("inconclusive", "required", "required", "error"),
         ("waiver expired", "required", "required", "error"),
         ("waived", "required", "required", "notice"),
+        ("contested", "required", "required", "warning"),
         ("fail", "advisory", "required", "warning"),
         ("fail", "advisory", "advisory", "error"),
     ],

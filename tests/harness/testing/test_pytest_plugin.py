@@ -242,6 +242,14 @@ def test_a_waived_check_is_skipped(suite: Any, engine: FakeEngine) -> None:
     assert f"{check} is waived: the message of {check}" in text_of(result)
 
 
+def test_a_contested_failure_warns(suite: Any, engine: FakeEngine) -> None:
+    check = of_level("required")
+    engine.verdicts[check] = "contested"
+    result = suite()
+    result.assert_outcomes(passed=len(CHECKS) + 1, warnings=1)
+    assert f"{check} contested (required)" in text_of(result)
+
+
 def test_a_failure_of_the_plant_is_reported_as_drivegates_own(suite: Any, engine: FakeEngine) -> None:
     engine.verdicts[next(check.id for check in CHECKS if check.subject == "plant")] = "fail"
     assert "a fault of drivegate itself" in text_of(suite())

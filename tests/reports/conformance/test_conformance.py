@@ -160,7 +160,7 @@ def test_a_recorded_run_is_drawn_accounted_for_and_can_be_repeated(recorded_page
         "the angle passed 51.9°, the smallest at which the motor can give the 9.8 N·m demanded",
         "236 rpm below the reference",
         "made simpler in 11 runs",
-        "least −46.3, median −1.45, greatest +0.9",
+        "least beyond −10, median −1.45, greatest +0.9",
         "drivegate replay counterexamples/CNV-1.json --candidate 'golden.py:Golden Section' --plot CNV-1.svg",
         "a known weakness",
     ):

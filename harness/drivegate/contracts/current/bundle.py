@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 from drivegate.contracts.contract import Contract
 from drivegate.contracts.current.columns import OBSERVATIONS, RECORDED_NAMES, SUMMARY_ROWS, WINDOW_COLUMNS
 from drivegate.contracts.current.families import DRAWN, EVERY_RUN
+from drivegate.contracts.witness import Witness
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -187,10 +188,20 @@ def _observe(record: Any) -> dict[str, float]:
     return observe(record)
 
 
+_KINDS: Final = ("half-bridge", "star")
+
 CURRENT: Final = Contract(
     name="current",
     default_drive="paper-5-phase",
     usual_candidate="reference",
+    witnesses=(
+        Witness("reference", _KINDS),
+        # These have a table of the drive's angles, computed from its nominal constants.
+        *(
+            Witness(f"design:{name}", _KINDS, knows_plant=True)
+            for name in ("angle-table", "golden-section", "quadratic-interpolation", "sweep")
+        ),
+    ),
     checks=_checks,
     every_run=EVERY_RUN,
     families=DRAWN,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 from drivegate.contracts.contract import Contract
 from drivegate.contracts.duty.columns import OBSERVATIONS, RECORDED_NAMES, SUMMARY_ROWS, WINDOW_COLUMNS
 from drivegate.contracts.duty.families import DRAWN, EVERY_RUN
+from drivegate.contracts.witness import Witness
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -179,6 +180,9 @@ DUTY: Final = Contract(
     name="duty",
     default_drive="pm-ac-interior",
     usual_candidate="foc",
+    witnesses=tuple(
+        Witness(name, ("pm-ac",)) for name in ("foc", "predictive-flux", "direct-torque", "foc-loss-model")
+    ),
     checks=_checks,
     every_run=EVERY_RUN,
     families=DRAWN,

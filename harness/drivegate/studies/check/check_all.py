@@ -47,6 +47,8 @@ class Effort:
     """Whether the search climbs toward small margins."""
     fail_on: str = "required"
     """``required``, or ``advisory`` where advisory checks count like required ones."""
+    contested: str = "pass"
+    """``fail`` where failures count that no known good controller avoids in the same scenario, else ``pass``."""
 
 
 @dataclass(frozen=True)
@@ -143,6 +145,7 @@ def _options(effort: Effort, records: Records, names: Sequence[str]) -> dict[str
         "max_time": effort.max_time,
         "search": effort.search,
         "fail_on": effort.fail_on,
+        "contested": effort.contested,
     }
     if records.corpus is not None:
         from drivegate.results.corpus import read_corpus

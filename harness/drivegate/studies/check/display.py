@@ -11,7 +11,7 @@ from drivegate.output.distinct_faults import distinct_faults, in_runs
 from drivegate.output.explanations import unjudged_in_words
 from drivegate.output.result_file import counterexample_name
 from drivegate.output.scenario_words import scenario_in_short
-from drivegate.results.result import counted_levels
+from drivegate.results.result import Witnessed, counted_levels
 from drivegate.results.signature import fingerprint
 from drivegate.results.wording import drive_option, printed_margin
 from drivegate.scenarios.facts import facts_in_short
@@ -33,6 +33,7 @@ def show_checked(console: Console, checked: Checked) -> None:
     if left := unjudged_in_words(document):
         console.print(plain(f"  {left}", "bold"))
     _show_causes(console, document)
+    _show_contested(console, document)
     console.print(plain(f"on the drive {document['drive']['name']}", "dim"))
     listed = table("check", "level", "verdict", "margin", "message", right=("margin",))
     counted = counted_levels(document.get("fail_on"))
@@ -67,6 +68,13 @@ def _show_causes(console: Console, document: dict[str, Any]) -> None:
         console.print(plain(str(cause), "bold red"))
 
 
+def _show_contested(console: Console, document: dict[str, Any]) -> None:
+    names = [check["id"] for check in document["checks"] if check["verdict"] == "contested"]
+    if names:
+        sentence = "no known good controller meets them in the same scenarios either, so they do not count"
+        console.print(plain(f"contested: {', '.join(names)}: {sentence}", "bold yellow"))
+
+
 def _show_fault(console: Console, fault: dict[str, Any], count: int) -> None:
     console.print(plain(f"{fault['kind']}{in_runs(count)}: {fault['message']}", "bold red"))
     if fault["time_s"] is not None:
@@ -86,6 +94,8 @@ def _show_counterexample(
     console.print(plain(f"{check['id']} {outcome} ({check['level']}): {check['requirement']}", style))
     measured = check["measured"] if check["found"] is None else check["found"]["measured"]
     console.print(plain(f"  measured {measured}; limit {check['limit']}"))
+    if check.get("witness") is not None:
+        console.print(plain(f"  {Witnessed(**check['witness']).sentence()}"))
     console.print(plain(f"  in {scenario_in_short(check['counterexample'])}"))
     console.print(plain(f"  facts {facts_in_short(check['counterexample'])}"))
     for sentence in account_of(document, check):

@@ -88,7 +88,7 @@ def _last_failed(output: Path, candidate: Candidate) -> list[Counterexample]:
             f"--last-failed: {shown_path(path)} is the result of '{one_line(name)}', not of "
             f"'{one_line(candidate.name)}'; name its folder with --output"
         )
-    waived = {check["id"] for check in result["checks"] if check["verdict"] == "waived"}
+    waived = {check["id"] for check in result["checks"] if check["verdict"] in ("contested", "waived")}
     stored: list[dict[str, Any]] = counterexamples(_required_alone(result))
     return [
         parse_document(content, Counterexample, str(path))

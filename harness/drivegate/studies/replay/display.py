@@ -6,6 +6,7 @@ from pathlib import Path
 from shlex import quote
 from typing import TYPE_CHECKING, Any
 
+from drivegate.checks.margin import margin_in_words
 from drivegate.output.console import plain
 from drivegate.output.result_file import COUNTEREXAMPLES
 from drivegate.studies.replay.replay import FIXED, NOT_REPRODUCED, STILL_FAILS
@@ -70,7 +71,7 @@ def _where(document: dict[str, Any]) -> str:
 
 def _margin_text(measured: dict[str, Any]) -> str:
     margin = measured["margin"]
-    text = "margin –" if margin is None else f"margin {margin:+.4g}"
+    text = "margin –" if margin is None else f"margin {margin_in_words(margin, 4)}"
     return f"{text} ({measured['measured']})" if measured["measured"] else text
 
 

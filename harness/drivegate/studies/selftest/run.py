@@ -153,11 +153,12 @@ def judged_design(design: CorrectDesign, result: CheckResult) -> DesignRow:
                 f"{outcome.id}, {outcome.message}"
             )
     judged = [outcome for outcome in result.checks if design.checks is None or outcome.id in design.checks]
-    failed = [outcome for outcome in judged if outcome.verdict == "fail"]
+    # Of a correct controller, a failure that no witness avoids is a fault of the checks all the same.
+    failed = [outcome for outcome in judged if outcome.verdict in ("fail", "contested")]
     accused_by = {outcome.id: outcome.message for outcome in failed if outcome.level == "required"}
     advised_by = tuple(outcome.id for outcome in failed if outcome.level != "required")
     if design.checks is None:
-        verdict, acquitted = result.verdict, result.exit_code == 0
+        verdict, acquitted = result.verdict, result.exit_code == 0 and result.verdict != "contested"
     else:
         acquitted = not result.faults and all(outcome.verdict == "pass" for outcome in judged)
         verdict = "pass" if acquitted else "fail"

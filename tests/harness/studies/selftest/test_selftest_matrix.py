@@ -172,6 +172,12 @@ def test_a_design_is_judged_by_the_checks_that_it_must_pass(
     assert bool(row.accused_by) is not acquitted
 
 
+def test_a_contested_failure_of_a_correct_design_is_a_fault_of_the_checks() -> None:
+    row = judged_design(CorrectDesign("reference"), result("contested", 0, outcome("CNV-1", "contested")))
+    assert not row.acquitted
+    assert set(row.accused_by) == {"CNV-1"}
+
+
 def test_a_check_that_does_not_come_to_a_pass_acquits_nobody() -> None:
     design = CorrectDesign("reference", frozenset({"FLO-1"}))
     row = judged_design(design, result("pass", 0, outcome("FLO-1", "not applicable")))

@@ -24,6 +24,8 @@ class FailedCheck:
     """The limit."""
     facts: str
     """The facts of the simplest counterexample."""
+    contested: bool = False
+    """Whether no known good controller meets it either, so that it does not count against a candidate."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +55,7 @@ def gate_row(result: CheckResult) -> GateRow:
     return GateRow(
         seed=result.seed,
         verdict=result.verdict,
-        passed=result.exit_code == 0,
+        passed=result.exit_code == 0 and result.verdict != "contested",
         runs=result.runs,
         failed=tuple(_failed(result.checks)),
         message=result.faults[0].message if result.faults else "",
@@ -72,8 +74,9 @@ def _failed(outcomes: Sequence[CheckOutcome]) -> list[FailedCheck]:
             margin=outcome.margin,
             measured=outcome.measured if outcome.found is None else outcome.found.measured,
             limit=outcome.limit,
+            contested=outcome.verdict == "contested",
             facts="" if outcome.counterexample is None else facts_in_short(outcome.counterexample),
         )
         for outcome in outcomes
-        if outcome.level == "required" and outcome.verdict == "fail"
+        if outcome.level == "required" and outcome.verdict in ("fail", "contested")
     ]

@@ -1,0 +1,182 @@
+"""Run known good controllers in the scenarios of an accusation, to show that the requirement can be met there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any, Final
+
+from drivegate.candidates.declaration import Declaration
+from drivegate.candidates.fault import CandidateFault, Fault
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.checks.judging import JudgedRun
+from drivegate.checks.margin import Margin
+from drivegate.checks.record import Record
+from drivegate.containment.judge import own_candidate
+from drivegate.containment.messages import Job, JudgedCandidate
+from drivegate.contracts.catalogue import check_of, contract_of
+from drivegate.contracts.witness import Witness
+from drivegate.drives.running import recorded
+from drivegate.gate.plan import REPEATED
+from drivegate.results.result import CheckOutcome, Found, Witnessed
+from drivegate.results.verdict import considered
+from drivegate.scenarios.size import size_of
+from drivegate_cases.documents.document import parse_document
+from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.scenario.scenario import Scenario
+
+MOST_SCENARIOS: Final = 4
+"""Scenarios of a failed check that witnesses are run in before the failure is contested."""
+# Checks that a candidate fails often fail in one scenario, whose run then serves them all.
+_KEPT_RUNS: Final = 4
+
+
+@dataclass(frozen=True)
+class Accusation:
+    """A failed check of the candidate, and scenarios in which it fails."""
+
+    check: str
+    """Identifier of the check."""
+    failures: tuple[tuple[Mapping[str, Any], Margin], ...]
+    """The scenarios as plain data with the candidate's margins, the counterexample first."""
+
+    def job(self) -> Job[Acquittal | Defence]:
+        """Plan the runs of the witnesses."""
+        return Job(hear_witnesses, self)
+
+
+@dataclass(frozen=True)
+class Defence:
+    """A witness has met the requirement, so the accusation stands."""
+
+    witnessed: Witnessed
+    """What the witness did."""
+    place: int
+    """Which of the accusation's scenarios it was run in."""
+
+
+@dataclass(frozen=True)
+class Acquittal:
+    """No witness has met the requirement, so the accusation is contested."""
+
+    witnesses: tuple[str, ...]
+    """Their names."""
+
+
+def witnesses_for(drive: DriveDocument) -> tuple[Witness, ...]:
+    """Return the witnesses on a drive, in the order in which they are heard."""
+    return tuple(witness for witness in contract_of(drive).witnesses if drive.kind in witness.kinds)
+
+
+def accusations(
+    outcomes: Iterable[CheckOutcome], runs: Sequence[JudgedRun], drive: DriveDocument
+) -> list[Accusation]:
+    """List the failed checks of the candidate that a witness can speak on: not those of a repeated run or a script."""
+    if not witnesses_for(drive):
+        return []
+    return [
+        Accusation(outcome.id, _failures(outcome, runs))
+        for outcome in outcomes
+        if outcome.verdict == "fail"
+        and outcome.subject == "candidate"
+        and outcome.id != REPEATED
+        and outcome.counterexample is not None
+        and outcome.counterexample.get("kind") != "script"
+    ]
+
+
+def _failures(
+    outcome: CheckOutcome, runs: Sequence[JudgedRun]
+) -> tuple[tuple[Mapping[str, Any], Margin], ...]:
+    """Return the counterexample, the worst run, and of the other failed runs the simplest ones."""
+    failed = [(run.scenario, margin) for margin, run in considered(outcome.id, runs) if not margin.met]
+    failed.sort(key=lambda failure: (failure[0] != outcome.scenario, size_of(failure[0])))
+    assert outcome.counterexample is not None, "only a failed check is an accusation"
+    shrunk = outcome.found
+    if shrunk is not None:
+        margin = Margin(outcome.id, shrunk.margin, shrunk.measured)
+        failed = [(outcome.counterexample, margin), *failed]
+    chosen: list[tuple[Mapping[str, Any], Margin]] = []
+    for failure in failed:
+        if all(failure[0] != scenario for scenario, _ in chosen):
+            chosen.append(failure)
+    return tuple(chosen[:MOST_SCENARIOS])
+
+
+def hear_witnesses(loaded: JudgedCandidate, accusation: Accusation) -> Acquittal | Defence:
+    """Run witnesses in an accusation's scenarios until one meets the requirement; this is what the worker does.
+
+    They are judged by the declaration of the candidate that is accused: by the same requirement in the same scenario.
+    """
+    declaration = loaded.candidate.declaration
+    heard: tuple[Witness, ...] = ()
+    for place, (mapping, _) in enumerate(accusation.failures):
+        scenario = parse_document(mapping, Scenario, "the scenario")
+        heard = witnesses_for(scenario.drive)
+        for witness in heard:
+            margin = _margin(witness.candidate, scenario, declaration, accusation.check)
+            if margin is not None and margin.met:
+                witnessed = Witnessed(
+                    witness.candidate, margin.value, margin.measured, knows_plant=witness.knows_plant
+                )
+                return Defence(witnessed, place)
+    return Acquittal(tuple(witness.candidate for witness in heard))
+
+
+def _margin(name: str, scenario: Scenario, declaration: Declaration, check: str) -> Margin | None:
+    record = _record(name, scenario, declaration)
+    return None if record is None else check_of(scenario.drive.contract, check).evaluate(record)
+
+
+@lru_cache(maxsize=_KEPT_RUNS)
+def _record(name: str, scenario: Scenario, declaration: Declaration) -> Record | None:
+    """Run a witness in a scenario; a fault of its own leaves it without a say."""
+    witness = own_candidate(replace(resolve_candidate(name), declaration=declaration))
+    try:
+        return recorded(witness, scenario, witness.controller())
+    except CandidateFault:
+        return None
+
+
+def with_witnesses(
+    outcomes: Iterable[CheckOutcome],
+    accused: Sequence[Accusation],
+    endings: Sequence[Acquittal | Defence | Fault],
+    *,
+    counts: bool = False,
+) -> tuple[CheckOutcome, ...]:
+    """Put what the witnesses did into the outcomes; a contested failure remains one where it `counts`."""
+    heard = {
+        accusation.check: (accusation, ending)
+        for accusation, ending in zip(accused, endings, strict=False)
+        if not isinstance(ending, Fault)
+    }
+    return tuple(
+        _with_witness(outcome, *heard[outcome.id], counts) if outcome.id in heard else outcome
+        for outcome in outcomes
+    )
+
+
+def _with_witness(
+    outcome: CheckOutcome, accusation: Accusation, ending: Acquittal | Defence, counts: bool
+) -> CheckOutcome:
+    if isinstance(ending, Defence):
+        made = replace(
+            outcome, witness=ending.witnessed, message=f"{outcome.message}; {ending.witnessed.sentence()}"
+        )
+        return made if ending.place == 0 else _shown_by(made, *accusation.failures[ending.place])
+    names = ", ".join(ending.witnesses)
+    sentence = f"contested: none of {names} meets it there"
+    sentence += ", but --contested fail counts it" if counts else ", so it does not count"
+    return replace(
+        outcome,
+        verdict=outcome.verdict if counts else "contested",
+        message=f"{outcome.message}; {sentence}",
+    )
+
+
+def _shown_by(outcome: CheckOutcome, scenario: Mapping[str, Any], margin: Margin) -> CheckOutcome:
+    """Show a failure by the run in which a witness meets the requirement."""
+    found = Found(margin.value, margin.measured, size_of(scenario), 0)
+    return replace(outcome, counterexample=dict(scenario), found=found)

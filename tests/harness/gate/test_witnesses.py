@@ -1,0 +1,157 @@
+"""Every accusation is backed by a controller that meets the requirement in the very same scenario."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from drivegate.candidates.fault import Fault, FaultKind
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.checks.judging import JudgedRun
+from drivegate.checks.margin import Margin
+from drivegate.containment.judge import own_candidate
+from drivegate.contracts.catalogue import CONTRACTS
+from drivegate.contracts.witness import Witness
+from drivegate.drives.kinds import DRIVE_KINDS
+from drivegate.gate import witnesses
+from drivegate.gate.witnesses import (
+    MOST_SCENARIOS,
+    Accusation,
+    Acquittal,
+    Defence,
+    accusations,
+    hear_witnesses,
+    with_witnesses,
+)
+from drivegate.results.result import CheckOutcome, Found, Witnessed
+from drivegate.results.verdict import candidate_verdict
+from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.scenario.scenario import load_scenario
+
+PAPER = load_drive("paper-5-phase")
+LOCK_UP = load_scenario("lock-up").to_mapping()
+SHRUNK = LOCK_UP | {"duration_s": 12.0}
+MARGIN = Margin("CNV-1", -2.0, "speed error 15 rpm")
+OUTCOME = CheckOutcome(
+    id="CNV-1",
+    requirement="",
+    source="",
+    subject="candidate",
+    level="required",
+    limit="",
+    verdict="fail",
+    margin=-2.0,
+    measured=MARGIN.measured,
+    runs=1,
+    message="speed error 15 rpm; fails in 1 of 1 runs: lock-up",
+    scenario=LOCK_UP,
+    counterexample=SHRUNK,
+    found=Found(-1.0, "speed error 10 rpm", 3, 5),
+)
+RUNS = [JudgedRun(LOCK_UP, (MARGIN,))]
+WITNESSED = Witnessed("reference", 0.62, "speed error 2 rpm", knows_plant=False)
+
+
+def scenarios(accusation: Accusation) -> list[Any]:
+    return [scenario for scenario, _ in accusation.failures]
+
+
+def test_the_counterexample_is_heard_first_and_then_the_worst_run() -> None:
+    (accusation,) = accusations([OUTCOME], RUNS, PAPER)
+    assert scenarios(accusation) == [SHRUNK, LOCK_UP]
+    assert accusation.failures[0][1].value == -1.0
+    assert accusation.failures[1][1] is MARGIN
+
+
+def test_no_more_than_a_few_scenarios_are_heard() -> None:
+    others = [JudgedRun(LOCK_UP | {"seed": seed}, (MARGIN,)) for seed in range(9)]
+    (accusation,) = accusations([OUTCOME], [*RUNS, *others], PAPER)
+    assert len(accusation.failures) == MOST_SCENARIOS
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"id": "DET-1"},
+        {"subject": "plant"},
+        {"verdict": "waived"},
+        {"verdict": "pass"},
+        {"counterexample": {"kind": "script"}},
+        {"counterexample": None},
+    ],
+)
+def test_what_no_witness_can_speak_on_is_not_heard(changes: dict[str, Any]) -> None:
+    assert not accusations([replace(OUTCOME, **changes)], RUNS, PAPER)
+
+
+def test_a_failure_stands_where_a_witness_meets_the_requirement() -> None:
+    accused = accusations([OUTCOME], RUNS, PAPER)
+    (outcome,) = with_witnesses([OUTCOME], accused, [Defence(WITNESSED, 0)])
+    assert outcome.verdict == "fail"
+    assert outcome.witness == WITNESSED
+    assert outcome.counterexample == SHRUNK
+    assert outcome.message.endswith("; reference meets it there with margin +0.62")
+    assert candidate_verdict([outcome], []) == ("fail", 1)
+
+
+def test_the_counterexample_becomes_the_run_that_has_a_witness() -> None:
+    accused = accusations([OUTCOME], RUNS, PAPER)
+    (outcome,) = with_witnesses([OUTCOME], accused, [Defence(WITNESSED, 1)])
+    assert outcome.counterexample == LOCK_UP
+    assert outcome.found is not None
+    assert (outcome.found.margin, outcome.found.measured) == (-2.0, "speed error 15 rpm")
+
+
+def test_what_no_witness_meets_is_contested_and_does_not_count() -> None:
+    accused = accusations([OUTCOME], RUNS, PAPER)
+    acquittal = Acquittal(("reference", "design:sweep"))
+    (outcome,) = with_witnesses([OUTCOME], accused, [acquittal])
+    assert outcome.verdict == "contested"
+    assert outcome.witness is None
+    assert "none of reference, design:sweep meets it there, so it does not count" in outcome.message
+    assert candidate_verdict([outcome], []) == ("contested", 0)
+    other = replace(OUTCOME, id="CNV-2")
+    assert candidate_verdict([outcome, other], []) == ("fail", 1), "another failure counts all the same"
+
+
+def test_a_contested_failure_counts_where_the_user_wants_it_to() -> None:
+    accused = accusations([OUTCOME], RUNS, PAPER)
+    (outcome,) = with_witnesses([OUTCOME], accused, [Acquittal(("reference",))], counts=True)
+    assert outcome.verdict == "fail"
+    assert "--contested fail counts it" in outcome.message
+
+
+def test_a_witness_that_was_not_heard_changes_nothing() -> None:
+    accused = accusations([OUTCOME], RUNS, PAPER)
+    fault = Fault(FaultKind.CRASH, "it ended", "step")
+    assert with_witnesses([OUTCOME], accused, [fault]) == (OUTCOME,)
+
+
+def test_the_reference_meets_what_the_published_search_does_not_in_the_same_scenario() -> None:
+    accused = own_candidate(resolve_candidate("published"))
+    ending = hear_witnesses(accused, Accusation("CNV-1", ((LOCK_UP, MARGIN),)))
+    assert isinstance(ending, Defence), "the published search locks up at an angle that the reference leaves"
+    assert ending.witnessed.name == "reference"
+    assert ending.witnessed.margin > 0.0
+    assert not ending.witnessed.knows_plant
+    assert ending.place == 0
+
+
+def test_a_witness_that_fails_as_well_contests_the_accusation(monkeypatch: pytest.MonkeyPatch) -> None:
+    poor = Witness("published", ("half-bridge",))
+    monkeypatch.setattr(witnesses, "witnesses_for", lambda _drive: (poor,))
+    accused = own_candidate(resolve_candidate("reference"))
+    ending = hear_witnesses(accused, Accusation("CNV-1", ((LOCK_UP, MARGIN),)))
+    assert ending == Acquittal(("published",))
+
+
+@pytest.mark.parametrize("kind", DRIVE_KINDS.values(), ids=lambda kind: kind.name)
+def test_every_kind_of_drive_has_a_witness_that_knows_no_more_than_its_nameplate(kind: Any) -> None:
+    heard = witnesses.witnesses_for(load_drive(kind.default_drive))
+    assert heard[0].candidate == CONTRACTS[kind.contract].usual_candidate, "its code is compiled in any case"
+    assert not heard[0].knows_plant
+    assert len(heard) > 1
+    for witness in heard:
+        assert resolve_candidate(witness.candidate).contract == kind.contract
