@@ -270,7 +270,7 @@ def _hear(
     """Run known good controllers where the candidate fails, and contest what none of them meets."""
     accused = [] if progress.time_is_up else accusations(outcomes, runs, drive)
     endings: list[Acquittal | Defence | Fault] = []
-    jobs: list[Job[Acquittal | Defence]] = [accusation.job() for accusation in accused]
+    jobs: list[Job[Acquittal | Defence | Fault]] = [accusation.job() for accusation in accused]
     for accusation, ending in zip(accused, pool.map(jobs), strict=True):
         endings.append(ending)
         yield WitnessesHeard(accusation.check, len(endings), len(accused))

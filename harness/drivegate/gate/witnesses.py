@@ -41,7 +41,7 @@ class Accusation:
     failures: tuple[tuple[Mapping[str, Any], Margin], ...]
     """The scenarios as plain data with the candidate's margins, the counterexample first."""
 
-    def job(self) -> Job[Acquittal | Defence]:
+    def job(self) -> Job[Acquittal | Defence | Fault]:
         """Plan the runs of the witnesses."""
         return Job(hear_witnesses, self)
 
