@@ -15,7 +15,10 @@ from drivegate.candidates.builtin.loading import BuiltinController
 from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import own_candidate
+from drivegate.contracts.comparison import ComparisonRequest, PlannedRun
+from drivegate.contracts.current.comparison.plan import planned_runs
 from drivegate.contracts.current.figures import recorded_signals
+from drivegate.contracts.duty.comparison.plan import planned_duty_runs
 from drivegate.contracts.duty.scenarios.building import torque_of, torque_scenario
 from drivegate.contracts.recorded_trace import thinned
 from drivegate.drives.envelope_document import envelope_of
@@ -27,16 +30,12 @@ from drivegate.results.result import finite
 from drivegate.studies.campaign.manifest import MANIFEST
 from drivegate.studies.campaign.row import JUDGED_CHECKS
 from drivegate.studies.campaign.summary import SUMMARY
-from drivegate.studies.compare.compare_all import COMPARISON_FILE, write_comparison, write_tables
-from drivegate.studies.compare.compare_drives import write_drive_comparison
+from drivegate.studies.compare.compare import COMPARISON_FILE, write_comparison, write_tables
 from drivegate.studies.compare.compared_drive import ComparedDrive
 from drivegate.studies.compare.document import comparison_document
 from drivegate.studies.compare.drive_comparison import drive_comparison_document
-from drivegate.studies.compare.duty.document import duty_document
-from drivegate.studies.compare.duty.plan import planned_duty_runs
 from drivegate.studies.compare.engine import Compared, labelled
 from drivegate.studies.compare.per_unit import drive_labels
-from drivegate.studies.compare.plan import PlannedRun, planned_runs
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.drive_cycle import load_drive_cycle
@@ -273,11 +272,12 @@ def _made_up_drives(
 ) -> Document:
     made = [_made_up_drive(drive, names, faulted=faulted) for drive in drives]
     timing = {"started_utc": "2030-01-01", "seconds": 1.0}
-    return drive_comparison_document(drive_labels(drives), made, effort="quick", seed=0, timing=timing)
+    return drive_comparison_document(drive_labels(drives), made, timing=timing)
 
 
 def _made_up_drive(drive: DriveDocument, names: Sequence[str], *, faulted: bool) -> ComparedDrive:
-    plan = planned_runs(drive, CYCLE, "quick", 0)
+    request = ComparisonRequest(drive, "quick", 0, CYCLE)
+    plan = planned_runs(request)
     everybody = []
     for place, name in enumerate(names):
         made = Compared(name, name, resolve_candidate("initial"))
@@ -290,8 +290,7 @@ def _made_up_drive(drive: DriveDocument, names: Sequence[str], *, faulted: bool)
         fault = Fault(FaultKind.EXCEPTION, "ValueError: <b>no</b>", "step", traceback="line 1 <script>")
         broken = Compared("broken", "broken", resolve_candidate("initial"), faults=[fault], complete=False)
         everybody += [broken, Compared("gone", "gone", error=InputError("gone does not exist"))]
-    count = sum(planned.group == "points" for planned in plan)
-    best = {
+    point = {
         "feasible": True,
         "torques_nm": [4.0, 6.0],
         "edges_deg": [35.0, 35.0],
@@ -299,19 +298,17 @@ def _made_up_drive(drive: DriveDocument, names: Sequence[str], *, faulted: bool)
         "least_input_powers_w": [900.0, 1000.0],
     }
     speeds = dict.fromkeys(run.speed_rpm for run in plan if run.group == "points" and run.speed_rpm)
-    envelope = [{"speed_rpm": speed, "torque_nm": 1e4 / speed} for speed in speeds]
+    best = {("point", index): point for index, planned in enumerate(plan) if planned.group == "points"}
+    best |= {("envelope", speed): 1e4 / speed for speed in speeds}
     document = comparison_document(
         everybody,
         plan,
-        {"points": [best] * count, "envelope": envelope},
-        drive=drive,
-        cycle=CYCLE,
-        effort="quick",
-        seed=0,
+        best,
+        request,
         checks=False,
         timing={"started_utc": "2030-01-01", "seconds": 1.0},
     )
-    return ComparedDrive(drive, plan, everybody, document)
+    return ComparedDrive(request, plan, everybody, document)
 
 
 @pytest.fixture(scope="session")
@@ -435,7 +432,8 @@ def _made_up_duty_comparison() -> Document:
     """Make a comparison of controllers of duty ratios from figures that nobody measured."""
     drive = load_drive("pm-ac-surface")
     assert isinstance(drive, PmAcDocument)
-    plan, made = planned_duty_runs(drive, "quick"), labelled(("foc", "foc-mtpa"), ("foc", "foc-mtpa"))
+    request = ComparisonRequest(drive, "quick", 0, CYCLE)
+    plan, made = planned_duty_runs(request), labelled(("foc", "foc-mtpa"), ("foc", "foc-mtpa"))
     for number, one in enumerate(made):
         one.candidate = resolve_candidate(one.specification)
         for index, planned in enumerate(plan):
@@ -443,11 +441,7 @@ def _made_up_duty_comparison() -> Document:
             rows = [_made_up_duty_row(speed, torque, number) for torque in (1.0, 2.0)]
             one.figures[index] = {planned.group: rows}
     document: Document = json.loads(
-        json.dumps(
-            duty_document(
-                made, plan, drive=drive, effort="quick", seed=0, checks=False, timing={"seconds": 1.0}
-            )
-        )
+        json.dumps(comparison_document(made, plan, {}, request, checks=False, timing={"seconds": 1.0}))
     )
     return document
 
@@ -516,7 +510,7 @@ def pages(
     across = json.loads(json.dumps(made_up_drives(faulted=True)))
     drives = folder / "drives"
     drives.mkdir()
-    write_drive_comparison(across, drives)
+    write_comparison(across, drives)
     summary = _made_up_campaign()
     for name in (SUMMARY, MANIFEST):
         (folder / name).write_text(json.dumps(summary), encoding="utf-8")

@@ -76,17 +76,11 @@ def command(
     The exit code is 0 when the report is complete, whatever the candidates do, 2 when one is refused, 3 after a
     fault of drivegate.
     """
-    from drivegate.studies.compare.compare_all import compare_all
+    from drivegate.studies.compare.compare import compare
     from drivegate.studies.compare.options import ComparisonOptions
 
     named = [found for drive in drives if (found := named_drive(drive)) is not None]
-    options = ComparisonOptions(effort, seed, workers, checks, cycle, named[0] if named else None)
-    if len(named) > 1:
-        from drivegate.studies.compare.compare_drives import compare_drives
-
-        ending = compare_drives(candidates, named, output, options)
-    else:
-        ending = compare_all(candidates, output, options)
+    ending = compare(candidates, named, output, ComparisonOptions(effort, seed, workers, checks, cycle))
     if ending.document is None and len(ending.refused) == 1:
         raise ending.refused[0][1]
     failures = [failure_of(error).about(specification) for specification, error in ending.refused]
@@ -100,12 +94,7 @@ def command(
         if ending.document is None:
             return
         from drivegate.studies.compare.display import show_comparison
-        from drivegate.studies.compare.drives_display import show_drive_comparison
-        from drivegate.studies.compare.duty.display import show_duty_comparison
 
-        shown = {"drive-comparison": show_drive_comparison, "duty-comparison": show_duty_comparison}.get(
-            ending.document["kind"], show_comparison
-        )
-        shown(console, ending.document, ending.pages or (output,))
+        show_comparison(console, ending.document, ending.pages or (output,))
 
     return Outcome(document, show, code)

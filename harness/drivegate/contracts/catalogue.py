@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING, Final
 
 from drivegate.contracts.current.bundle import CURRENT
 from drivegate.contracts.duty.bundle import DUTY
+from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
     from drivegate.checks.check import Check
+    from drivegate.contracts.comparison import Comparison
     from drivegate.contracts.contract import Contract
     from drivegate_cases.drive.drive_document import DriveDocument
 
@@ -39,3 +41,13 @@ def check_of(contract: str, name: str) -> Check:
     """Return a contract's check by its identifier, or that of another contract where it has none."""
     own = next((check for check in CONTRACTS[contract].checks() if check.id == name), None)
     return own or all_checks()[name]
+
+
+def comparison_of(kind: object) -> Comparison:
+    """Return how the controllers of a comparison were compared, by the kind of its document."""
+    made = [contract.comparison() for contract in CONTRACTS.values()]
+    found = next((comparison for comparison in made if comparison.kind == kind), None)
+    if found is None:
+        kinds = " or ".join(f"'{comparison.kind}'" for comparison in made)
+        raise InputError(f"the document is of kind {kind!r}, but must be of kind {kinds}")
+    return found

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from drivegate.checks.margin import Margin
     from drivegate.checks.record import Record
     from drivegate.containment.messages import AnyController
+    from drivegate.contracts.comparison import Comparison
     from drivegate.contracts.trace import RecordedTrace
     from drivegate.contracts.witness import Witness
     from drivegate.scenarios.drawn_range import DrawnRange
@@ -95,6 +96,10 @@ class Contract:
     """Names of the figures that a campaign keeps of each run, with their units."""
     observe: Callable[[Record], dict[str, float]]
     """Return these figures of a run, without those that it has not."""
+    rehearsed: str
+    """Name of a built-in controller that fails checks: running it compiles what only failures need."""
+    comparison: Callable[[], Comparison]
+    """Return how controllers are compared."""
     behaviour: (
         Callable[[Callable[[Scenario], Record], DriveDocument, Scenario | None], dict[str, Any]] | None
     ) = None

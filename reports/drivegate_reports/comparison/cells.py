@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
+from drivegate.contracts.comparison import Column, Words
 from drivegate_cases.documents import wording
 from drivegate_reports.page.printable import clean
 
@@ -39,16 +41,35 @@ class Sheet:
     """The first cell of each names the row."""
 
 
+def sheet_of(
+    table: str, caption: str, columns: Sequence[Column], rows: Iterable[Mapping[str, Any]], first: str = ""
+) -> Sheet:
+    """Write the columns of rows; `first` is the first candidate of the ranking, which a heading may name."""
+    heads = tuple(column.heading.replace("{first}", first) for column in columns)
+    return Sheet(
+        table, caption, heads, tuple(tuple(cell_of(column, row) for column in columns) for row in rows)
+    )
+
+
+def cell_of(column: Column, row: Mapping[str, Any]) -> Cell:
+    """Write a column of a row."""
+    if isinstance(column, Words):
+        text, tone = column.write(dict(row)), column.tone(dict(row))
+        return Cell(clean(text, column.longest), tone, is_number=text[:1].isdigit())
+    if column.digits is None:
+        return absolute(row[column.name])
+    return figure(row[column.name], column.digits, signed=column.signed)
+
+
 def name(value: object) -> str:
     """Make a candidate's name printable and short enough for a heading."""
     return clean(value, _LONGEST_NAME)
 
 
-def figure(value: float | None, digits: int, *, signed: bool = False, tone: str = "") -> Cell:
+def figure(value: float | None, digits: int, *, signed: bool = False) -> Cell:
     """Write a number as a cell."""
-    return Cell(
-        written(value, digits, signed=signed), tone, is_number=True, sort="" if value is not None else "1e99"
-    )
+    sort = "" if value is not None else "1e99"
+    return Cell(written(value, digits, signed=signed), is_number=True, sort=sort)
 
 
 def absolute(value: float | None) -> Cell:

@@ -8,18 +8,15 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from drivegate_reports.comparison.inks import Ink
+from drivegate.contracts.comparison import POINTS
+from drivegate_reports.comparison.inks import Ink, legend_below
+from drivegate_reports.comparison.sheets import is_real
 from drivegate_reports.page.style import GREY, WIDTH_INCH, ink, label, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_PANELS: Final = (
-    ("drawn", "input_power_w", "input power, drawn plants", "W"),
-    ("drawn", "current_sum_a", "Σ|i|, drawn plants", "A"),
-    ("drive cycle", "energy_wh_per_km", "energy, drive cycle", "Wh/km"),
-)
 _SHOWN_BEFORE: Final = 0.1
 _SHOWN_AFTER: Final = 0.6
 _USUAL_HELD_RPM: Final = 5.0
@@ -29,70 +26,49 @@ _ERROR_TICKS: Final = (-200.0, -40.0, -10.0, -3.0, -1.0, 0.0, 1.0, 3.0, 10.0, 40
 
 
 @dataclass(frozen=True)
-class Measured:
-    """A difference from the first candidate."""
-
-    candidate: str
-    """The other candidate."""
-    mean: float
-    low: float
-    high: float
-    """Other less first, and its interval."""
-    is_real: bool
-    """Whether it is more than chance and matters."""
-
-
-@dataclass(frozen=True)
 class DifferencePanel:
     """The differences in one quantity."""
 
-    title: str
-    unit: str
-    """What is compared."""
-    rows: tuple[Measured, ...]
-    """In the order of the ranking."""
+    label: str
+    """What is compared, with its unit."""
+    rows: tuple[Mapping[str, Any], ...]
+    """Differences of the first candidate less another one, in the order of the ranking."""
 
 
-def measured_differences(document: Mapping[str, Any]) -> tuple[DifferencePanel, ...]:
+def measured_differences(
+    document: Mapping[str, Any], declared: Sequence[tuple[str, str, str, str]]
+) -> list[DifferencePanel]:
     """Collect the differences from the first candidate that have an interval."""
     ranked = [row["candidate"] for row in document["tables"]["ranking"] if row["rank"] is not None]
-    panels = []
-    for where, key, title, unit in _PANELS:
-        rows = tuple(
-            Measured(
-                row["second"],
-                -row["mean_difference"],
-                -row["high"],
-                -row["low"],
-                row["verdict"] not in ("no real difference", "too few pairs"),
-            )
-            for row in document["tables"]["differences"]
-            if row["where"].startswith(where)
-            and row["quantity"] == key
-            and row["first"] == ranked[0]
-            and row["low"] is not None
-        )
-        if rows:
-            panels.append(DifferencePanel(title, unit, rows))
-    return tuple(panels)
+    known = [
+        row
+        for row in document["tables"]["differences"]
+        if row["first"] == ranked[0] and row["low"] is not None
+    ]
+    return [
+        DifferencePanel(f"{title} ({unit})", rows)
+        for where, key, title, unit in declared
+        if (rows := tuple(row for row in known if row["where"].startswith(where) and row["quantity"] == key))
+    ]
 
 
 def draw_differences(panels: Sequence[DifferencePanel], inks: Mapping[str, Ink]) -> Figure:
-    """Draw means and intervals of differences."""
+    """Draw means and intervals of how much more others have than the first."""
     most = max(len(panel.rows) for panel in panels)
     figure, axes = new_figure(len(panels) * (0.75 + 0.26 * most), len(panels))
     for panel, axis in zip(panels, axes, strict=True):
-        for place, row in enumerate(panel.rows):
-            look = inks[row.candidate]
-            axis.plot([row.low, row.high], [place, place], color=look.colour, linewidth=2.2)
-            fill = look.colour if row.is_real else "white"
-            axis.plot([row.mean], [place], look.marker, color=look.colour, markerfacecolor=fill, markersize=7)
+        looks = [inks[row["second"]] for row in panel.rows]
+        for place, (row, look) in enumerate(zip(panel.rows, looks, strict=True)):
+            axis.plot([-row["high"], -row["low"]], [place, place], color=look.colour, linewidth=2.2)
+            fill = look.colour if is_real(row) else "white"
+            mark: dict[str, Any] = {"color": look.colour, "markerfacecolor": fill, "markersize": 7}
+            axis.plot([-row["mean_difference"]], [place], look.marker, **mark)
         axis.axvline(0.0, color=ink(GREY), linewidth=1.0)
-        axis.set_yticks(range(len(panel.rows)), [inks[row.candidate].label for row in panel.rows])
-        for tick, row in zip(axis.get_yticklabels(), panel.rows, strict=True):
-            tick.set_color(ink(inks[row.candidate].colour))
-        axis.set_ylim(len(panel.rows) - 0.4, -0.6)
-        axis.set_xlabel(f"{panel.title} ({panel.unit})")
+        axis.set_yticks(range(len(looks)), [look.label for look in looks])
+        for tick, look in zip(axis.get_yticklabels(), looks, strict=True):
+            tick.set_color(ink(look.colour))
+        axis.set_ylim(len(looks) - 0.4, -0.6)
+        axis.set_xlabel(panel.label)
         axis.grid(visible=False, axis="y")
         axis.margins(x=0.08)
     return figure
@@ -100,63 +76,60 @@ def draw_differences(panels: Sequence[DifferencePanel], inks: Mapping[str, Ink])
 
 def loads_shown(document: Mapping[str, Any]) -> tuple[float, float]:
     """Choose the loads that curves over speed are drawn at."""
-    loads = [100.0 * share for share in document["size"]["shares"]]
+    loads = {row["load_percent"] for row in solved_points(document)}
     return min(loads, key=lambda load: abs(load - 50.0)), max(loads)
 
 
-def draw_over_speed(document: Mapping[str, Any], inks: Mapping[str, Ink], loads: Sequence[float]) -> Figure:
-    """Draw Σ|i|, and input power above the least, over speed."""
+def solved_points(document: Mapping[str, Any]) -> Sequence[Mapping[str, Any]]:
+    """Return a row for each operating point: the best possible where the document has it."""
+    tables = document["tables"]
+    found: Sequence[Mapping[str, Any]] = tables.get("best_possible", tables[POINTS])
+    return found
+
+
+def draw_over_speed(
+    document: Mapping[str, Any],
+    inks: Mapping[str, Ink],
+    loads: Sequence[float],
+    panels: Sequence[tuple[str, str, str]],
+) -> Figure:
+    """Draw figures of operating points over speed, a column for each load."""
     from matplotlib.figure import Figure as NewFigure
 
-    figure = NewFigure(figsize=(WIDTH_INCH, 5.4), layout="constrained")
-    axes = figure.subplots(2, len(loads), squeeze=False, sharex=True)
+    figure = NewFigure(figsize=(WIDTH_INCH, 2.7 * len(panels)), layout="constrained")
+    axes = figure.subplots(len(panels), len(loads), squeeze=False, sharex=True)
     for column, load in enumerate(loads):
-        top, bottom = axes[0][column], axes[1][column]
-        best = [row for row in document["tables"]["best_possible"] if _at(row, load) and row["feasible"]]
-        speeds = [row["speed_rpm"] for row in best]
-        top.plot(speeds, [row["least_current_sum_a"] for row in best], color=GREY, linewidth=3.5, alpha=0.55)
-        for candidate, look in inks.items():
-            rows = [
-                row
-                for row in document["tables"]["operating_points"]
-                if row["candidate"] == candidate and _at(row, load)
-            ]
-            x = [row["speed_rpm"] for row in rows]
-            style: dict[str, Any] = {
-                "color": look.colour,
-                "linestyle": look.dash,
-                "marker": look.marker,
-                "markersize": 4,
-            }
-            for axis, key in ((top, "current_sum_a"), (bottom, "gap_power_w")):
-                y = [np.nan if not row["held"] or row[key] is None else row[key] for row in rows]
-                axis.plot(x, y, **style)
-        top.set_title(f"{load:g} % of rated power")
-        top.set_ylim(bottom=0.0)
-        bottom.set_xlabel("speed (rpm)")
-        top.margins(x=0.05)
-    axes[0][0].set_ylabel("Σ|i| (A)")
-    axes[1][0].set_ylabel("power above least (W)")
-    _legend(figure, inks)
+        best = [row for row in solved_points(document) if _at(row, load) and row.get("feasible", True)]
+        for row_of_axes, (key, words, best_key) in zip(axes, panels, strict=True):
+            axis = row_of_axes[column]
+            if best_key:
+                speeds = [row["speed_rpm"] for row in best]
+                axis.plot(speeds, [row[best_key] for row in best], color=GREY, linewidth=3.5, alpha=0.55)
+                axis.set_ylim(bottom=0.0)
+            _plot_candidates(axis, document, inks, load, key)
+            if column == 0:
+                axis.set_ylabel(words)
+        axes[0][column].set_title(f"{load:g} % of rated power")
+        axes[0][column].margins(x=0.05)
+        axes[-1][column].set_xlabel("speed (rpm)")
+    legend_below(figure, [(look.label, look.style) for look in inks.values()])
     return figure
+
+
+def _plot_candidates(
+    axis: Axes, document: Mapping[str, Any], inks: Mapping[str, Ink], load: float, key: str
+) -> None:
+    for candidate, look in inks.items():
+        rows = [row for row in document["tables"][POINTS] if row["candidate"] == candidate and _at(row, load)]
+        axis.plot(
+            [row["speed_rpm"] for row in rows],
+            [np.nan if not row["held"] or row[key] is None else row[key] for row in rows],
+            **look.style,
+        )
 
 
 def _at(row: Mapping[str, Any], load: float) -> bool:
     return abs(float(row["load_percent"]) - load) < 1e-6
-
-
-def _legend(figure: Figure, inks: Mapping[str, Ink]) -> None:
-    from matplotlib.lines import Line2D
-
-    handles = [
-        Line2D(
-            [], [], color=look.colour, linestyle=look.dash, marker=look.marker, markersize=4, label=look.label
-        )
-        for look in inks.values()
-    ]
-    figure.legend(
-        handles=handles, loc="outside lower center", ncols=min(len(handles), 4), frameon=False, fontsize=9.0
-    )
 
 
 def held_rpm(document: Mapping[str, Any]) -> float:
@@ -169,12 +142,13 @@ def change_s(document: Mapping[str, Any]) -> float:
     return float(document["drive"].get("change_s", _USUAL_CHANGE_S))
 
 
-def draw_disturbance(document: Mapping[str, Any], inks: Mapping[str, Ink], run: str) -> Figure:
+def draw_run(
+    document: Mapping[str, Any], inks: Mapping[str, Ink], run: str, declared: Sequence[tuple[str, str]]
+) -> Figure:
     """Draw what follows a disturbance, all candidates overlaid."""
     held, change = held_rpm(document), change_s(document)
     begin, end = change - _SHOWN_BEFORE * change, change + _SHOWN_AFTER * change
-    figure, panels = new_figure(5.6, 3, (1.2, 1.0, 1.0))
-    keys = ("speed_error_rpm", "advance_deg", "current_sum_a")
+    figure, panels = new_figure(5.6, len(declared), (1.2, *(1.0,) * (len(declared) - 1)))
     entries = [
         entry for entry in document["trajectories"] if entry["run"] == run and entry["candidate"] in inks
     ]
@@ -182,7 +156,7 @@ def draw_disturbance(document: Mapping[str, Any], inks: Mapping[str, Ink], run: 
         look = inks[entry["candidate"]]
         times = np.array(entry["time_s"])
         shown = (times >= begin) & (times <= end)
-        for panel, key in zip(panels, keys, strict=True):
+        for panel, (key, _) in zip(panels, declared, strict=True):
             panel.plot(
                 times[shown],
                 np.array(entry[key])[shown],
@@ -197,13 +171,13 @@ def draw_disturbance(document: Mapping[str, Any], inks: Mapping[str, Ink], run: 
     ticks = [tick * held for tick in _ERROR_TICKS if low <= tick * held <= high]
     panels[0].set_yticks(ticks, [f"{tick:g}".replace("-", "−") for tick in ticks])
     panels[0].minorticks_off()
-    for panel, words in zip(
-        panels, ("speed error (rpm)", "advance angle (el. deg)", "Σ|i| (A)"), strict=True
-    ):
+    for panel, (_, words) in zip(panels, declared, strict=True):
         panel.set_ylabel(words)
         panel.set_xlim(begin, end)
     panels[-1].set_xlabel("time (s)")
-    _legend(figure, {entry["candidate"]: inks[entry["candidate"]] for entry in entries})
+    legend_below(
+        figure, [(look.label, look.style) for look in (inks[entry["candidate"]] for entry in entries)]
+    )
     return figure
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from drivegate_reports.comparison.cells import name, written
 from drivegate_reports.comparison.figures import placed_figure
-from drivegate_reports.comparison.inks import COLOURS, DASHES, MARKERS, short_label
+from drivegate_reports.comparison.inks import COLOURS, DASHES, MARKERS, legend_below, line_style, short_label
 from drivegate_reports.page.figure import PageFigure
 from drivegate_reports.page.style import GREY, WIDTH_INCH, house_style, ink
 
@@ -82,23 +82,16 @@ def _full_load(
     )
 
 
+def _style(colour: str, number: int) -> dict[str, Any]:
+    return line_style(colour, DASHES[number % len(DASHES)], MARKERS[number % len(MARKERS)])
+
+
 def _lines(document: Mapping[str, Any]) -> list[tuple[str, str, dict[str, Any]]]:
-    """Give candidate, drive and look of each line: the drive by its colour, the candidate by dash and marker."""
-    drives = [entry["label"] for entry in document["drives"]]
-    candidates = [entry["label"] for entry in document["candidates"]]
+    """List candidate, drive and look of each line: the drive by its colour, the candidate by dash and marker."""
     return [
-        (
-            candidate,
-            drive,
-            {
-                "color": COLOURS[place % len(COLOURS)],
-                "linestyle": DASHES[number % len(DASHES)],
-                "marker": MARKERS[number % len(MARKERS)],
-                "markersize": 4,
-            },
-        )
-        for number, candidate in enumerate(candidates)
-        for place, drive in enumerate(drives)
+        (candidate["label"], drive["label"], _style(COLOURS[place % len(COLOURS)], number))
+        for number, candidate in enumerate(document["candidates"])
+        for place, drive in enumerate(document["drives"])
     ]
 
 
@@ -165,24 +158,12 @@ def draw_greatest_power(document: Mapping[str, Any]) -> Figure:
 
 
 def _legend(figure: Figure, document: Mapping[str, Any]) -> None:
-    from matplotlib.lines import Line2D
-
-    handles = [
-        Line2D([], [], color=COLOURS[place % len(COLOURS)], linewidth=4.0, label=short_label(entry["label"]))
-        for place, entry in enumerate(document["drives"])
-    ]
-    handles += [
-        Line2D(
-            [],
-            [],
-            color=ink(GREY),
-            linestyle=DASHES[number % len(DASHES)],
-            marker=MARKERS[number % len(MARKERS)],
-            markersize=4,
-            label=short_label(entry["label"]),
-        )
-        for number, entry in enumerate(document["candidates"])
-    ]
-    figure.legend(
-        handles=handles, loc="outside lower center", ncols=min(len(handles), 4), frameon=False, fontsize=9.0
+    drives, candidates = (
+        [short_label(entry["label"]) for entry in document[key]] for key in ("drives", "candidates")
     )
+    colours: list[tuple[str, dict[str, Any]]] = [
+        (label, {"color": COLOURS[place % len(COLOURS)], "linewidth": 4.0})
+        for place, label in enumerate(drives)
+    ]
+    dashes = [(label, _style(ink(GREY), number)) for number, label in enumerate(candidates)]
+    legend_below(figure, [*colours, *dashes])

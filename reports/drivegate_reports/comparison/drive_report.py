@@ -21,9 +21,7 @@ def write(document: Mapping[str, Any], folder: Path) -> Path:
 
 def page(document: Mapping[str, Any]) -> str:
     """Make the page."""
-    from drivegate_reports.comparison.drive_curves import drive_figures
     from drivegate_reports.comparison.drive_view import drive_view_of
     from drivegate_reports.page.page import page_text
 
-    view = drive_view_of(document)
-    return page_text("drive_comparison.html.j2", view=view, figures=drive_figures(document))
+    return page_text("comparison.html.j2", view=drive_view_of(document))

@@ -1,63 +1,50 @@
-"""The figures of the comparison page, drawn from the comparison document alone."""
+"""The figures of the comparison page, as its contract declares them, drawn from the document alone."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from collections.abc import Callable, Iterator, Mapping
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
+from drivegate.contracts.comparison_drawings import (
+    CycleCurves,
+    DifferenceBars,
+    Drawing,
+    RowMarks,
+    RunCurves,
+    SpeedCurves,
+    SpeedLoadMap,
+)
 from drivegate_reports.comparison.cells import name, written
 from drivegate_reports.comparison.curves import (
     change_s,
     draw_cycle,
     draw_differences,
-    draw_disturbance,
     draw_over_speed,
+    draw_run,
     held_rpm,
     loads_shown,
     measured_differences,
 )
-from drivegate_reports.comparison.inks import Ink, inks_of
-from drivegate_reports.comparison.maps import MAPS, draw_map, map_words
+from drivegate_reports.comparison.inks import Ink
+from drivegate_reports.comparison.maps import draw_map, map_words
+from drivegate_reports.comparison.marks import draw_marks, marked_rows, marks_in_words
 from drivegate_reports.page.figure import PageFigure
 from drivegate_reports.page.printable import clean
-from drivegate_reports.page.style import house_style, inline_svg
+from drivegate_reports.page.style import inline_svg
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+Document: TypeAlias = Mapping[str, Any]
+Inks: TypeAlias = Mapping[str, Ink]
+
 _PLACES: Final = 4
-SHOWN_DISTURBANCES: Final = 2
-"""How many disturbances are drawn."""
-
-
-@dataclass(frozen=True)
-class ComparisonFigures:
-    """The figures by the section that they stand in."""
-
-    differences: tuple[PageFigure, ...]
-    points: tuple[PageFigure, ...]
-    disturbances: tuple[PageFigure, ...]
-    cycle: tuple[PageFigure, ...]
-    """Empty where there is nothing to draw."""
-
-
-def comparison_figures(document: Mapping[str, Any]) -> ComparisonFigures:
-    """Draw everything."""
-    inks = inks_of(document)
-    with house_style():
-        return ComparisonFigures(
-            differences=tuple(_differences(document, inks)),
-            points=(*_over_speed(document, inks), *_maps(document, inks)),
-            disturbances=tuple(_disturbances(document, inks)),
-            cycle=tuple(_cycle(document, inks)),
-        )
 
 
 def placed_figure(
     identifier: str, title: str, draw: Callable[[], Figure], alternative: str, caption: str
 ) -> PageFigure:
-    """Draw a figure and give it with its words, as a page places it."""
+    """Draw a figure and return it with its words, as a page places it."""
     svg = inline_svg(_settled(draw()), f"figure-{identifier}")
     return PageFigure(f"figure-{identifier}", title, svg, clean(alternative), clean(caption))
 
@@ -72,100 +59,108 @@ def _settled(figure: Figure) -> Figure:
     return figure
 
 
-def _differences(document: Mapping[str, Any], inks: Mapping[str, Ink]) -> Sequence[PageFigure]:
-    panels = measured_differences(document)
+def drawn(document: Document, drawing: Drawing, inks: Inks) -> Iterator[PageFigure]:
+    """Draw what a contract declares; nothing where there is nothing to draw."""
+    if inks:
+        yield from _DRAW[type(drawing)](document, drawing, inks)
+
+
+def _differences(document: Document, drawing: DifferenceBars, inks: Inks) -> Iterator[PageFigure]:
+    panels, first = measured_differences(document, drawing.panels), name(next(iter(inks)))
     if not panels:
-        return []
-    first = name(next(iter(inks)))
+        return
     differences = [
-        f"{panel.title}: "
+        f"{panel.label}: "
         + ", ".join(
-            f"{name(row.candidate)} {written(row.mean, 2, signed=True)} {panel.unit} "
-            f"({written(row.low, 2, signed=True)} to {written(row.high, 2, signed=True)})"
+            f"{name(row['second'])} {written(-row['mean_difference'], 2, signed=True)} "
+            f"({written(-row['high'], 2, signed=True)} to {written(-row['low'], 2, signed=True)})"
             for row in panel.rows
         )
         for panel in panels
     ]
-    return [
-        placed_figure(
-            "differences",
-            f"How much more than {first}, and how sure that is",
-            lambda: draw_differences(panels, inks),
-            f"Mean paired differences from {first} with their intervals. " + "; ".join(differences) + ".",
-            f"Mean paired difference from {first} and its interval; to the right of zero is more. Open markers: "
-            "no real difference. Only runs that both hold are paired.",
-        )
-    ]
+    yield placed_figure(
+        "differences",
+        f"How much more than {first}, and how sure that is",
+        lambda: draw_differences(panels, inks),
+        f"Mean paired differences from {first} with their intervals. " + "; ".join(differences) + ".",
+        drawing.caption.replace("{first}", first),
+    )
 
 
-def _over_speed(document: Mapping[str, Any], inks: Mapping[str, Ink]) -> Sequence[PageFigure]:
-    if not inks:
-        return []
+def _over_speed(document: Document, drawing: SpeedCurves, inks: Inks) -> Iterator[PageFigure]:
     loads = loads_shown(document)
-    shown = " and ".join(f"{load:g} %" for load in loads)
-    return [
-        placed_figure(
-            "over-speed",
-            "Σ|i| and input power over speed",
-            lambda: draw_over_speed(document, inks, loads),
-            f"Current sum, and input power above the best possible, over speed at {shown} of rated power, for each "
-            "candidate. The numbers are in the table of every operating point.",
-            f"Left at {loads[0]:g} %, right at {loads[-1]:g} % of rated power. The grey line is the least Σ|i| that "
-            "any angle gives; input power is shown above the least that any angle gives. A point that is not held is "
-            "left out.",
-        )
-    ]
+    words, shown = (
+        ", ".join(label for _, label, _ in drawing.panels),
+        " and ".join(f"{load:g} %" for load in loads),
+    )
+    yield placed_figure(
+        "over-speed",
+        drawing.title,
+        lambda: draw_over_speed(document, inks, loads, drawing.panels),
+        f"Over speed at {shown} of rated power, for each candidate: {words}. The numbers are in the table of every "
+        "operating point.",
+        drawing.caption.format(light=f"{loads[0]:g}", heavy=f"{loads[-1]:g}"),
+    )
 
 
-def _maps(document: Mapping[str, Any], inks: Mapping[str, Ink]) -> Sequence[PageFigure]:
-    if not inks:
-        return []
-    return [
-        placed_figure(
-            f"map-{quantity.key.replace('_', '-')}",
-            quantity.title,
-            lambda quantity=quantity: draw_map(document, inks, quantity),  # type: ignore[misc]
-            map_words(document, inks, quantity),
-            f"{quantity.caption} All candidates share the scale, whose ends hold everything beyond. A cross is a "
-            "point that is not held; the line is the greatest torque that any angle gives within the current limit.",
-        )
-        for quantity in MAPS
-    ]
+def _map(document: Document, drawing: SpeedLoadMap, inks: Inks) -> Iterator[PageFigure]:
+    yield placed_figure(
+        f"map-{drawing.key.replace('_', '-')}",
+        drawing.title,
+        lambda: draw_map(document, inks, drawing),
+        map_words(document, inks, drawing),
+        f"{drawing.caption} All candidates share the scale, whose ends include everything beyond. A cross is a point "
+        "that is not held; the line is the greatest torque of any angle within the current limit.",
+    )
 
 
-def _disturbances(document: Mapping[str, Any], inks: Mapping[str, Ink]) -> Sequence[PageFigure]:
+def _runs(document: Document, drawing: RunCurves, inks: Inks) -> Iterator[PageFigure]:
     runs = list(dict.fromkeys(entry["run"] for entry in document["trajectories"]))
-    return [
-        placed_figure(
+    words = ", ".join(label for _, label in drawing.panels)
+    for number, run in enumerate(runs[: drawing.most], start=1):
+        yield placed_figure(
             f"disturbance-{number}",
             clean(run[:1].upper() + run[1:]),
-            lambda run=run: draw_disturbance(document, inks, run),  # type: ignore[misc]
-            f"Speed error, advance angle and current sum of each candidate over time in the run '{run}'.",
-            "Largest speed error of each 50 ms, advance angle, and mean Σ|i| of each 50 ms, all candidates overlaid; "
-            f"the disturbance comes at {change_s(document):g} s. The dotted lines are the "
-            f"{held_rpm(document):g} rpm within which a speed counts as held.",
+            lambda run=run: draw_run(document, inks, run, drawing.panels),  # type: ignore[misc]
+            f"Over time, of each candidate in the run '{run}': {words}.",
+            drawing.caption.format(change_s=f"{change_s(document):g}", held_rpm=f"{held_rpm(document):g}"),
         )
-        for number, run in enumerate(runs[:SHOWN_DISTURBANCES], start=1)
-    ]
 
 
-def _cycle(document: Mapping[str, Any], inks: Mapping[str, Ink]) -> Sequence[PageFigure]:
-    entries = document["cycle_samples"]
-    if not entries:
-        return []
+def _cycle(document: Document, drawing: CycleCurves, inks: Inks) -> Iterator[PageFigure]:
+    if not document["cycle_samples"]:
+        return
     first = name(next(iter(inks)))
     rows = [row for row in document["tables"]["drive_cycle"] if row["seed"] is None]
     energies = ", ".join(
         f"{name(row['candidate'])} {written(row['energy_wh_per_km'], 2)} Wh/km" for row in rows
     )
-    return [
-        placed_figure(
-            "cycle",
-            "The drive cycle, with ideal sensors",
-            lambda: draw_cycle(document, inks),
-            f"Speed over time of each candidate beside the cycle, and energy taken so far above that of {first}. "
-            f"{energies}.",
-            f"Top: the cycle in grey and every candidate's speed. Bottom: energy taken so far, less that of {first}. "
-            "Who leaves the cycle saves energy that way; the table says who follows.",
+    yield placed_figure(
+        "cycle",
+        drawing.title,
+        lambda: draw_cycle(document, inks),
+        f"Speed over time of each candidate and of the cycle, and energy taken so far above that of {first}. "
+        f"{energies}.",
+        drawing.caption.replace("{first}", first),
+    )
+
+
+def _marks(document: Document, drawing: RowMarks, inks: Inks) -> Iterator[PageFigure]:
+    if marked_rows(document, drawing):
+        yield placed_figure(
+            drawing.name,
+            drawing.title,
+            lambda: draw_marks(document, drawing, inks),
+            marks_in_words(document, drawing, inks),
+            drawing.caption,
         )
-    ]
+
+
+_DRAW: Final[Mapping[type, Callable[..., Iterator[PageFigure]]]] = {
+    DifferenceBars: _differences,
+    SpeedCurves: _over_speed,
+    SpeedLoadMap: _map,
+    RunCurves: _runs,
+    CycleCurves: _cycle,
+    RowMarks: _marks,
+}

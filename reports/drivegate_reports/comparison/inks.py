@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from drivegate_reports.comparison.cells import name
 from drivegate_reports.page.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 COLOURS: Final = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, GREY)
 """The house's colours in the order in which lines get them."""
@@ -30,6 +33,26 @@ class Ink:
     """A line style of matplotlib."""
     marker: str
     """A marker of matplotlib."""
+
+    @property
+    def style(self) -> dict[str, Any]:
+        """How matplotlib draws its lines."""
+        return line_style(self.colour, self.dash, self.marker)
+
+
+def line_style(colour: str, dash: Any, marker: str) -> dict[str, Any]:
+    """Return how matplotlib draws a line with small markers."""
+    return {"color": colour, "linestyle": dash, "marker": marker, "markersize": 4}
+
+
+def legend_below(figure: Figure, styles: Iterable[tuple[str, Mapping[str, Any]]]) -> None:
+    """Explain lines, each by its label and its style, below a figure."""
+    from matplotlib.lines import Line2D
+
+    handles = [Line2D([], [], label=label, **style) for label, style in styles]
+    figure.legend(
+        handles=handles, loc="outside lower center", ncols=min(len(handles), 4), frameon=False, fontsize=9.0
+    )
 
 
 def inks_of(document: Mapping[str, Any]) -> dict[str, Ink]:

@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.contracts.current.checks.feasible_angles import FEASIBLE
+from drivegate.contracts.comparison import POINTS
+from drivegate.contracts.comparison_drawings import SpeedLoadMap
 from drivegate_reports.comparison.cells import name, written
+from drivegate_reports.comparison.curves import solved_points
 from drivegate_reports.comparison.inks import Ink
 from drivegate_reports.page.style import GREY, WIDTH_INCH, ink
 
@@ -22,54 +24,6 @@ _COLUMNS: Final = 2
 _NEWTON_METRES: Final = "torque (N·m)"
 _STEPS: Final = 8
 _SHOWN_SHARE: Final = 0.93
-
-
-@dataclass(frozen=True)
-class MapQuantity:
-    """What a map shows."""
-
-    key: str
-    """Column of the operating points."""
-    title: str
-    caption: str
-    scale: str
-    """Words of the figure and of its scale."""
-    digits: int
-    """Digits after the point."""
-
-
-MAPS: Final = (
-    MapQuantity(
-        "gap_current_percent",
-        "Optimality gap: Σ|i| above the least possible",
-        f"How far each candidate stays from the feasible angle of least Σ|i| for the same torque. {FEASIBLE}",
-        "Σ|i| above least (%)",
-        1,
-    ),
-    MapQuantity(
-        "gap_power_w",
-        "Input power above the least possible",
-        "What each candidate wastes against the angle of least input power for the same torque.",
-        "input power above least (W)",
-        1,
-    ),
-    MapQuantity(
-        "ripple_percent",
-        "Torque ripple",
-        "Peak to peak over mean, of the worst electrical period of the last second.",
-        "torque ripple (%)",
-        1,
-    ),
-    MapQuantity(
-        "above_edge_deg",
-        "Angle above the feasible edge",
-        "How far each candidate stays from the smallest angle that gives the torque: little is efficient, "
-        "and less is lost.",
-        "angle above edge (el. deg)",
-        1,
-    ),
-)
-"""The maps of the page."""
 
 
 @dataclass(frozen=True)
@@ -88,8 +42,7 @@ class CandidateMap:
 
 def candidate_map(document: Mapping[str, Any], candidate: str, key: str) -> CandidateMap:
     """Lay a candidate's operating points out over speed and load."""
-    rows = document["tables"]["operating_points"]
-    best = document["tables"]["best_possible"]
+    rows, best = document["tables"][POINTS], solved_points(document)
     speeds = sorted({row["speed_rpm"] for row in best})
     loads = sorted({row["load_percent"] for row in best})
     torque = np.full((len(loads), len(speeds)), np.nan)
@@ -106,7 +59,7 @@ def candidate_map(document: Mapping[str, Any], candidate: str, key: str) -> Cand
     return CandidateMap(np.array(speeds), torque, values, lost)
 
 
-def draw_map(document: Mapping[str, Any], inks: Mapping[str, Ink], quantity: MapQuantity) -> Figure:
+def draw_map(document: Mapping[str, Any], inks: Mapping[str, Ink], quantity: SpeedLoadMap) -> Figure:
     """Draw one quantity for all candidates."""
     from matplotlib.figure import Figure as NewFigure
 
@@ -188,7 +141,9 @@ def _draw_panel(panel: Axes, drawn: CandidateMap, levels: NDArray[np.float64]) -
 
 
 def _draw_edge(panel: Axes, document: Mapping[str, Any]) -> None:
-    edge = document["tables"]["envelope"]
+    edge = document["tables"].get("envelope", ())
+    if not edge:
+        return
     panel.plot(
         [row["speed_rpm"] for row in edge], [row["torque_nm"] for row in edge], color=ink(GREY), linewidth=1.2
     )
@@ -205,7 +160,7 @@ def _borders(centres: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.concatenate((centres[:1], 0.5 * (centres[1:] + centres[:-1]), centres[-1:]))
 
 
-def map_words(document: Mapping[str, Any], inks: Mapping[str, Ink], quantity: MapQuantity) -> str:
+def map_words(document: Mapping[str, Any], inks: Mapping[str, Ink], quantity: SpeedLoadMap) -> str:
     """Describe a map in words."""
     described = []
     for candidate in inks:

@@ -1,4 +1,4 @@
-"""The comparison report: one page that decides between candidates, from the comparison document alone."""
+"""The report of a comparison: one page that decides between candidates, from the comparison document alone."""
 
 from __future__ import annotations
 
@@ -21,15 +21,7 @@ def write(document: Mapping[str, Any], folder: Path) -> Path:
 
 def page(document: Mapping[str, Any]) -> str:
     """Make the page."""
-    from drivegate.studies.compare.duty.document import DUTY_KIND
-    from drivegate_reports.comparison.duty_figures import duty_figures
-    from drivegate_reports.comparison.duty_view import duty_view_of
-    from drivegate_reports.comparison.figures import comparison_figures
     from drivegate_reports.comparison.view import view_of
     from drivegate_reports.page.page import page_text
 
-    if document.get("kind") == DUTY_KIND:
-        of_duty = duty_view_of(document)
-        return page_text("duty_comparison.html.j2", view=of_duty, figures=duty_figures(document))
-    view = view_of(document)
-    return page_text("comparison.html.j2", view=view, figures=comparison_figures(document))
+    return page_text("comparison.html.j2", view=view_of(document))

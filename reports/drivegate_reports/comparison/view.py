@@ -1,29 +1,25 @@
-"""From the comparison document to what its page says: the decision in sentences, then tables."""
+"""From the document of a comparison on one drive to what its page says: the decision in sentences, then sections."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
-from drivegate.studies.compare.document import KIND, SCHEMA
+from drivegate.contracts.catalogue import comparison_of
+from drivegate.contracts.comparison import Comparison, Excess
+from drivegate.studies.compare.document import SCHEMA
 from drivegate_cases.documents.wording import counted
 from drivegate_reports.comparison.cells import Sheet, name, written
-from drivegate_reports.comparison.curves import held_rpm
-from drivegate_reports.comparison.run_sheets import (
-    check_sheet,
-    cycle_sheet,
-    disturbance_sheet,
-    point_sheet,
-    timing_sheet,
-)
-from drivegate_reports.comparison.sheets import difference_sheet, ranking_sheet, region_sheet
+from drivegate_reports.comparison.figures import drawn
+from drivegate_reports.comparison.inks import inks_of
+from drivegate_reports.comparison.sheets import joined, table_sheet
+from drivegate_reports.page.figure import PageFigure
 from drivegate_reports.page.printable import clean
 from drivegate_reports.page.readable import require_document
+from drivegate_reports.page.style import house_style
 
 _MOST_SENTENCES: Final = 6
-_UNTOLD_SENSORS: Final = "the sensors of the drive"
-"""Of documents of earlier versions, which do not tell them."""
 _LONGEST_BLOCK: Final = 4_000
 
 
@@ -32,7 +28,7 @@ class Trouble:
     """A candidate that could not be compared."""
 
     candidate: str
-    """Its name."""
+    """Its name, and where that was."""
     what: str
     """``refused``, or the kind of fault."""
     message: str
@@ -41,204 +37,203 @@ class Trouble:
     """Traceback; empty where there is none."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
+class PageSection:
+    """A section of the page."""
+
+    name: str
+    title: str
+    link: str
+    """Its anchor, its heading, and what links to it."""
+    words: tuple[str, ...] = ()
+    figures: tuple[PageFigure, ...] = ()
+    sheet: Sheet | None = None
+    """What it shows."""
+    folded: str = ""
+    """What opens the table where it is closed at first."""
+    links: tuple[tuple[str, str], ...] = ()
+    """Names and addresses of other pages."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class ComparisonView:
     """A comparison as the page shows it."""
 
-    candidates: tuple[str, ...]
-    """Names."""
+    subject: str
+    """What is compared."""
     headline: str
     """Who is first."""
     sentences: tuple[tuple[str, str], ...]
-    """The decision: a name and what is to be said of it, best first."""
-    rule: str
-    method: str
-    """How candidates are ranked, and how differences are judged."""
-    facts: tuple[tuple[str, str], ...]
-    """Names and values about the comparison."""
+    """Names, and what is said of each, best first."""
+    note: str
+    """How candidates are ranked, or what per unit is."""
+    sections: tuple[PageSection, ...]
+    """The sections, in their order."""
     troubles: tuple[Trouble, ...]
     """Candidates that were refused or failed."""
-    ranking: Sheet
-    regions: Sheet
-    differences: Sheet
-    points: Sheet
-    disturbances: Sheet
-    cycle: Sheet
-    """Tables."""
-    checks: Sheet | None
-    timing: Sheet | None
-    """Tables that may be missing."""
-    sensors: str
-    """The sensors of the noisy runs."""
-    held_rpm: str
-    """k1, the speed error within which a speed counts as held."""
-    vehicle: str
-    """The vehicle of the drive cycle, in a sentence."""
-    cycle_words: str
-    """The drive cycle, in a sentence."""
+    method: tuple[str, ...]
+    """How the comparison was made."""
+    facts: tuple[tuple[str, str], ...]
     provenance: tuple[tuple[str, str], ...]
     """Names and values."""
+    file: str
+    """Name of the document."""
 
 
 def view_of(document: Mapping[str, Any]) -> ComparisonView:
     """Prepare a comparison document for the page."""
-    require_document(document, KIND, SCHEMA, "the comparison")
+    comparison = comparison_of(document.get("kind"))
+    require_document(document, comparison.kind, SCHEMA, "the comparison")
+    with house_style():
+        sections = tuple(_sections(document, comparison))
     return ComparisonView(
-        candidates=tuple(name(entry["label"]) for entry in document["candidates"]),
+        subject=f"of {len(document['candidates'])} candidates",
         headline=_headline(document),
-        sentences=tuple(_sentences(document))[:_MOST_SENTENCES],
-        rule=clean(document["rule"]),
-        method=clean(document["method"]),
-        facts=_facts(document),
+        sentences=tuple(_sentences(document, comparison))[:_MOST_SENTENCES],
+        note=f"Rule: {clean(document['rule'])}",
+        sections=sections,
         troubles=tuple(troubles_of(document)),
-        ranking=ranking_sheet(document),
-        regions=region_sheet(document),
-        differences=difference_sheet(document),
-        points=point_sheet(document),
-        disturbances=disturbance_sheet(document),
-        cycle=cycle_sheet(document),
-        checks=check_sheet(document),
-        timing=timing_sheet(document),
-        sensors=clean(document["drive"].get("sensors", _UNTOLD_SENSORS)),
-        held_rpm=f"{held_rpm(document):g}",
-        vehicle=_vehicle(document),
-        cycle_words=_cycle(document),
+        method=cleaned(comparison.method(document)),
+        facts=(
+            ("drive", clean(document["drive"]["name"])),
+            ("runs of each candidate", str(document["size"]["runs_of_each"])),
+            *comparison.shown_facts(document),
+            *common_facts(document),
+        ),
         provenance=provenance_rows(document),
+        file="comparison.json",
     )
 
 
-def _joined(names: list[str]) -> str:
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
+def cleaned(texts: Iterable[str]) -> tuple[str, ...]:
+    """Make texts printable."""
+    return tuple(map(clean, texts))
 
 
-def _headline(document: Mapping[str, Any]) -> str:
-    first = [name(row["candidate"]) for row in document["tables"]["ranking"] if row["rank"] == 1]
-    if not first:
-        return "No candidate could be compared"
-    if len(first) == 1:
-        return f"{first[0]} ranks first"
-    return f"{_joined(first)} share the first place"
-
-
-def _sentences(document: Mapping[str, Any]) -> list[tuple[str, str]]:
-    ranked = [row for row in document["tables"]["ranking"] if row["rank"] is not None]
-    if not ranked:
-        return []
-    first, *others = ranked
-    said = [(name(first["candidate"]), _standing(first))]
-    return said + [(name(row["candidate"]), _against(document, first, row)) for row in others]
-
-
-def _standing(row: Mapping[str, Any]) -> str:
-    failed, all_points = row["required_failed"], row["points_feasible"]
-    parts = []
-    if failed is not None:
-        parts.append(
-            f"fails {counted(failed, 'required check')}" if failed else "passes every required check"
-        )
-    held = "all" if row["points_held"] == all_points else f"{row['points_held']} of"
-    parts.append(f"holds {held} {all_points} operating points")
-    if row["gap_power_w"] is not None:
-        parts.append(
-            f"takes {written(row['gap_power_w'], 1)} W more than the best possible angle would, in the mean"
-        )
-    return f"{_joined(parts)}."
-
-
-def _against(document: Mapping[str, Any], first: Mapping[str, Any], row: Mapping[str, Any]) -> str:
-    watts, amperes, shared = row["power_above_first_w"], row["current_above_first_a"], row["points_shared"]
-    if watts is None:
-        said = f"holds no operating point that {name(first['candidate'])} holds"
-    else:
-        power = _more(watts, row["input_power_w"], ("W", "input power"), 1)
-        current = _more(amperes, row["current_sum_a"], ("A", "Σ|i|"), 2)
-        said = f"takes {power} and {current} over the {shared} points that both hold"
-    lost = row["points_feasible"] - row["points_held"]
-    if lost:
-        said += f", but loses {lost} of {row['points_feasible']} points"
-    if row["required_failed"]:
-        said += f", and fails {counted(row['required_failed'], 'required check')}"
-    sure = _certainty(document, first["candidate"], row["candidate"])
-    return said + (f"; {sure}." if sure else ".")
-
-
-def _more(change: float, level: float, what: tuple[str, str], digits: int) -> str:
-    """State a change against a level before it, with its share."""
-    unit, quantity = what
-    before = level - change
-    share = f" ({written(100.0 * change / before, 1, signed=True)} %)" if before else ""
-    if round(abs(change), digits) == 0.0:
-        return f"as much {quantity}"
-    return f"{written(abs(change), digits)} {unit} {'more' if change > 0 else 'less'} {quantity}{share}"
-
-
-def _certainty(document: Mapping[str, Any], first: str, second: str) -> str:
-    for row in document["tables"]["differences"]:
-        if row["where"].startswith("drawn") and row["quantity"] == "input_power_w":
-            if (row["first"], row["second"]) != (first, second) or row["low"] is None:
-                continue
-            watts = f"{written(-row['high'], 1, signed=True)} to {written(-row['low'], 1, signed=True)} W"
-            where = f"over {row['pairs']} drawn plants with noise that both hold"
-            if row["verdict"] == "no real difference":
-                return f"{where} there is no real difference in watts ({watts})"
-            return f"{where} the difference is real ({watts})"
-    return ""
-
-
-def _facts(document: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
-    size = document["size"]
+def common_facts(document: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
+    """Return names and values about any comparison."""
     return (
         ("effort", clean(document["effort"])),
         ("seed", str(document["seed"])),
-        ("runs of each candidate", str(size["runs_of_each"])),
-        ("operating points", str(len(size["speeds_rpm"]) * len(size["shares"]))),
-        ("disturbances", str(size["disturbances"])),
-        ("drawn plants", str(size["drawn"])),
-        ("drive", clean(document["drive"]["name"])),
         ("date", clean(document["timing"].get("started_utc", "–"))),
     )
 
 
-def troubles_of(document: Mapping[str, Any]) -> list[Trouble]:
-    """List the candidates that could not be compared, and why."""
-    troubles = []
-    for entry in document["candidates"]:
-        if entry["refusal"] is not None:
-            troubles.append(Trouble(name(entry["label"]), "refused", clean(entry["refusal"]), ""))
-        for fault in entry["faults"]:
-            detail = clean(fault["traceback"], _LONGEST_BLOCK)
-            troubles.append(
-                Trouble(name(entry["label"]), clean(fault["kind"]), clean(fault["message"]), detail)
+def _sections(document: Mapping[str, Any], comparison: Comparison) -> Iterator[PageSection]:
+    inks = inks_of(document)
+    for section in comparison.sections:
+        sheet = table_sheet(document, section.table)
+        if sheet is not None:
+            yield PageSection(
+                name=section.name,
+                title=section.title,
+                link=section.link,
+                words=cleaned(section.words(document)),
+                figures=tuple(
+                    made for drawing in section.drawings for made in drawn(document, drawing, inks)
+                ),
+                sheet=sheet,
+                folded=section.folded,
             )
-    return troubles
 
 
-def _vehicle(document: Mapping[str, Any]) -> str:
-    vehicle = document["cycle"]["vehicle"]
+def _headline(document: Mapping[str, Any]) -> str:
+    first = [name(row["candidate"]) for row in document["tables"]["ranking"] if row["rank"] == 1]
+    on = f"on {name(document['drive']['name'])}"
+    if not first:
+        return f"No candidate could be compared {on}"
     return (
-        "a vehicle of the drive's size, at 1.5 kW a light electric scooter with its rider: "
-        f"{vehicle['mass_kg']:g} kg, wheels of {vehicle['wheel_radius_m']:g} m radius behind a gear of "
-        f"{vehicle['gear_ratio']:g}, rolling resistance "
-        f"{vehicle['rolling_resistance']:g}, drag area {vehicle['drag_area_m2']:g} m²"
+        f"{first[0]} ranks first {on}" if len(first) == 1 else f"{joined(first)} share the first place {on}"
     )
 
 
-def _cycle(document: Mapping[str, Any]) -> str:
-    cycle = document["cycle"]
-    return (
-        f"{clean(cycle['name'])}: {clean(cycle['description'])} {cycle['duration_s']:g} s and "
-        f"{cycle['distance_km']:.3f} km. Source: {clean(cycle['source'])}."
-    ).replace("..", ".")
+def _sentences(document: Mapping[str, Any], comparison: Comparison) -> Iterator[tuple[str, str]]:
+    """Describe the first candidate by itself, and every other one by the first, as far as the ranking does."""
+    ranked = [row for row in document["tables"]["ranking"] if row["rank"] is not None]
+    for place, row in enumerate(ranked):
+        against = place > 0 and comparison.ranking.against_first
+        words = _against(document, comparison, ranked[0], row) if against else _standing(comparison, row)
+        yield name(row["candidate"]), words
+
+
+def _standing(comparison: Comparison, row: Mapping[str, Any]) -> str:
+    failed, all_points, held = row["required_failed"], row[comparison.ranking.count], row["points_held"]
+    parts = []
+    if failed is not None:
+        names = f": {clean(row['failed_checks']).replace(' ', ', ')}" if failed else ""
+        parts.append(
+            f"fails {counted(failed, 'required check')}{names}" if failed else "passes every required check"
+        )
+    parts.append(
+        f"holds {'all' if held == all_points else f'{held} of'} {counted(all_points, 'operating point')}"
+    )
+    parts += comparison.ranking.standing(dict(row))
+    return f"{joined(parts)}."
+
+
+def _against(
+    document: Mapping[str, Any], comparison: Comparison, first: Mapping[str, Any], row: Mapping[str, Any]
+) -> str:
+    excesses, count = comparison.ranking.against_first, comparison.ranking.count
+    if row[excesses[0].above] is None:
+        words = f"holds no operating point that {name(first['candidate'])} holds"
+    else:
+        more = " and ".join(_more(row, excess) for excess in excesses)
+        words = f"takes {more} over the {row['points_shared']} points that both hold"
+    lost = row[count] - row["points_held"]
+    if lost:
+        words += f", but loses {lost} of {row[count]} points"
+    if row["required_failed"]:
+        words += f", and fails {counted(row['required_failed'], 'required check')}"
+    certainty = _certainty(document, excesses[0], first["candidate"], row["candidate"])
+    return words + (f"; {certainty}." if certainty else ".")
+
+
+def _more(row: Mapping[str, Any], excess: Excess) -> str:
+    """Write how much more a candidate takes than the first, with its share."""
+    figure, change = excess.figure, row[excess.above]
+    digits, level = figure.digits or 0, row[figure.name] - change
+    share = f" ({written(100.0 * change / level, 1, signed=True)} %)" if level else ""
+    if round(abs(change), digits) == 0.0:
+        return f"as much {figure.label}"
+    more = "more" if change > 0 else "less"
+    return f"{written(abs(change), digits)} {figure.unit} {more} {figure.label}{share}"
+
+
+def _certainty(document: Mapping[str, Any], excess: Excess, first: str, second: str) -> str:
+    unit = excess.figure.unit
+    for row in document["tables"].get("differences", ()):
+        known = row["where"].startswith("drawn") and row["quantity"] == excess.figure.name
+        if known and (row["first"], row["second"]) == (first, second) and row["low"] is not None:
+            interval = (
+                f"{written(-row['high'], 1, signed=True)} to {written(-row['low'], 1, signed=True)} {unit}"
+            )
+            where = f"over {row['pairs']} drawn plants with noise that both hold"
+            if row["verdict"] == "no real difference":
+                return f"{where} there is no real difference in {excess.figure.label} ({interval})"
+            return f"{where} the difference is real ({interval})"
+    return ""
+
+
+def troubles_of(document: Mapping[str, Any], place: str = "") -> Iterator[Trouble]:
+    """List the candidates that could not be compared, and why; `place` is added to their names."""
+    for entry in document["candidates"]:
+        label = f"{name(entry['label'])}{place}"
+        if entry["refusal"] is not None:
+            yield Trouble(label, "refused", clean(entry["refusal"]), "")
+        for fault in entry["faults"]:
+            detail = clean(fault["traceback"], _LONGEST_BLOCK)
+            yield Trouble(label, clean(fault["kind"]), clean(fault["message"]), detail)
 
 
 def provenance_rows(document: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
     """List what a comparison was made with."""
-    given = document["provenance"]
-    packages = ", ".join(f"{key} {value}" for key, value in given.get("packages", {}).items())
-    rows = [(key, value) for key, value in given.items() if key != "packages"]
+    used = document["provenance"]
+    packages = ", ".join(f"{key} {value}" for key, value in used.get("packages", {}).items())
+    rows = [(key, value) for key, value in used.items() if key != "packages"]
     hashes = [
         (f"{entry['label']}, {entry['kind']}", entry["hash"])
-        for entry in document["candidates"]
+        for entry in (*document.get("drives", ()), *document["candidates"])
         if entry["hash"]
     ]
     return tuple((name(key), clean(value)) for key, value in (*rows, ("packages", packages), *hashes))

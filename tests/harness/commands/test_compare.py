@@ -5,8 +5,8 @@ import json
 
 import pytest
 
-from drivegate.studies.compare import plan as comparison_plan
-from drivegate.studies.compare.compare_all import table_text
+from drivegate.contracts.current.comparison import plan as comparison_plan
+from drivegate.studies.compare.compare import table_text
 from drivegate_cases.drive.drive_document import load_drive
 
 SMALL = comparison_plan.ComparisonEffort((0.2, 1.0), (0.25, 1.0), 1, 1, 3)

@@ -40,7 +40,7 @@ def test_controllers_of_duty_ratios_are_compared_on_one_drive(command, tmp_path)
     assert made.code == 0, made.err
     assert made.out.index("foc-loss-model") < made.out.index(" foc "), "the one that loses less is first"
     written = (tmp_path / "made" / "comparison.html").read_text(encoding="utf-8")
-    assert "foc-loss-model is first on pm-ac-surface" in written
+    assert "foc-loss-model ranks first on pm-ac-surface" in written
     assert (tmp_path / "made" / "tables" / "operating_points.csv").is_file()
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pandas
 import pytest
 
-from drivegate.studies.compare import plan as comparison_plan
+from drivegate.contracts.current.comparison import plan as comparison_plan
 from drivegate_cases.scenario.scenario import load_scenario
 
 STAR = ("--drive", "star-3-phase", "--workers", 1)

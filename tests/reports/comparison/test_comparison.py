@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from drivegate.contracts.current.checks.feasible_angles import FEASIBLE
+from drivegate.contracts.current.comparison.page import AFTER_CHANGE, DIFFERENCES, MAPS, OVER_SPEED
 from drivegate.contracts.current.numbers import sensors_of
 from drivegate.output.console import console_for
 from drivegate.studies.compare.display import show_comparison
@@ -19,14 +20,14 @@ from drivegate_reports.comparison.cells import written
 from drivegate_reports.comparison.curves import (
     draw_cycle,
     draw_differences,
-    draw_disturbance,
     draw_over_speed,
+    draw_run,
     measured_differences,
 )
 from drivegate_reports.comparison.inks import inks_of
-from drivegate_reports.comparison.maps import MAPS, candidate_map, draw_map
+from drivegate_reports.comparison.maps import candidate_map, draw_map
 from drivegate_reports.comparison.report import page, write
-from drivegate_reports.comparison.sheets import difference_sheet, ranking_sheet, region_sheet
+from drivegate_reports.comparison.sheets import table_sheet
 from drivegate_reports.comparison.view import view_of
 from drivegate_reports.page.style import house_style
 
@@ -68,31 +69,33 @@ def test_the_page_names_the_sensors_that_the_drive_has(document, text):
     assert "through the sensors of the published implementation" in text
     document = copy.deepcopy(document)
     document["drive"]["sensors"] = sensors_of(load_drive("star-3-phase"))
-    assert view_of(document).sensors.endswith("three Hall switches, current sensors, converter")
+    assert "three Hall switches, current sensors, converter with" in view_of(document).method[0]
     del document["drive"]["sensors"]
-    assert view_of(document).sensors == "the sensors of the drive", "documents of earlier versions tell none"
+    assert "through the sensors of the drive" in view_of(document).method[0], (
+        "documents of earlier versions tell none"
+    )
 
 
 def test_page_and_terminal_say_which_points_count_and_why_less_than_the_least_is_possible(document):
     stream = io.StringIO()
     show_comparison(console_for(stream), document, ())
     assert f"points and the best possible are of feasible angles: {FEASIBLE}" in stream.getvalue()
-    assert ranking_sheet(document).caption.endswith(FEASIBLE)
+    assert table_sheet(document, "ranking").caption.endswith(FEASIBLE)
     gap = next(quantity for quantity in MAPS if quantity.key == "gap_current_percent")
     assert gap.caption.endswith(FEASIBLE), "a gap below zero needs its reason"
 
 
 def test_ranking_and_regions_say_by_how_much(document):
-    ranking = cells(ranking_sheet(document))
+    ranking = cells(table_sheet(document, "ranking"))
     assert [row[:2] for row in ranking] == [["thrifty", "1"], ["wasteful", "2"], ["loses", "3"]]
     assert ranking[1][4:8] == ["1020.0", "+20.0", "32.00", "+2.00"]
-    regions = cells(region_sheet(document))
+    regions = cells(table_sheet(document, "regions"))
     assert regions[0][1] == "thrifty and loses", "light load at low speed is held by all"
     assert regions[1][1:] == ["thrifty, by 20.0 W", "0.0 W, 0.0 A", "+20.0 W, +2.0 A", "loses 1 of 3"]
 
 
 def test_differences_come_with_intervals_and_words(document):
-    rows = cells(difference_sheet(document))
+    rows = cells(table_sheet(document, "differences"))
     drawn = [row for row in rows if row[0].startswith("drawn") and row[1] == "input power (W)"]
     assert [row[2] for row in drawn] == ["thrifty − wasteful", "thrifty − loses", "wasteful − loses"]
     assert drawn[0][-1] == "thrifty is lower"
@@ -112,17 +115,17 @@ def test_figures_show_the_document_s_numbers(document):
         "the optimum at 5 N·m lies between those solved"
     )
     with house_style():
-        speed = draw_over_speed(document, inks, (50.0, 100.0))
+        speed = draw_over_speed(document, inks, (50.0, 100.0), OVER_SPEED.panels)
         line = speed.axes[0].lines[1]
         assert line.get_xdata().tolist() == [550.0, 1000.0, 1500.0, 2000.0]
         assert line.get_ydata().tolist() == [30.0] * 4
         lost = speed.axes[1].lines[-1].get_ydata()
         assert np.isnan(lost).all(), "a lost point is no point of a line"
-        panels = measured_differences(document)
+        panels = measured_differences(document, DIFFERENCES.panels)
         differences = draw_differences(panels, inks)
         mean = differences.axes[0].lines[1].get_xdata()[0]
-        assert mean == pytest.approx(panels[0].rows[0].mean)
-        assert panels[0].rows[0].mean > 0.0, "what is drawn is how much more the others take"
+        assert mean == pytest.approx(-panels[0].rows[0]["mean_difference"])
+        assert -panels[0].rows[0]["mean_difference"] > 0.0, "what is drawn is how much more the others take"
         cycle = draw_cycle(document, inks)
         assert cycle.axes[1].lines[1].get_ydata()[-1] == pytest.approx(2.0)
         for figure in (speed, differences, cycle, *(draw_map(document, inks, quantity) for quantity in MAPS)):
@@ -136,7 +139,7 @@ def test_what_is_shown_of_a_disturbance_follows_the_drive(document):
     slow["drive"].update(change_s=20.0, speed_tolerance_rpm=12.0)
     run = document["trajectories"][0]["run"]
     with house_style():
-        shown = [draw_disturbance(made, inks_of(made), run).axes for made in (document, slow)]
+        shown = [draw_run(made, inks_of(made), run, AFTER_CHANGE.panels).axes for made in (document, slow)]
     assert [axes[-1].get_xlim() for axes in shown] == [(9.0, 16.0), (18.0, 32.0)]
     assert [max(axes[0].get_yticks()) for axes in shown] == [5.0, 12.0], "k1 of the drive"
 
@@ -185,9 +188,9 @@ def test_hostile_names_stay_text_also_of_candidates_that_fail(made_up):
 
 def test_a_single_candidate_can_be_reported(made_up):
     view = view_of(made_up(NAMES[:1]))
-    assert view.headline == "thrifty ranks first"
-    assert view.differences.rows == ()
-    assert measured_differences(made_up(NAMES[:1])) == ()
+    assert view.headline == "thrifty ranks first on paper-5-phase"
+    assert table_sheet(made_up(NAMES[:1]), "differences").rows == ()
+    assert measured_differences(made_up(NAMES[:1]), DIFFERENCES.panels) == []
 
 
 def test_times_are_outside_of_the_hash(document, made_up):

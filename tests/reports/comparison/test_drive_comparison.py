@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from drivegate.output.console import console_for
-from drivegate.studies.compare.drives_display import show_drive_comparison
+from drivegate.studies.compare.display import show_comparison
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_models.errors import InputError
 from drivegate_reports.comparison.drive_curves import draw_full_load, draw_greatest_power
 from drivegate_reports.comparison.drive_report import page, write
-from drivegate_reports.comparison.drive_sheets import drive_sheet, summary_sheet
+from drivegate_reports.comparison.drive_view import drive_view_of
 from drivegate_reports.page.style import house_style
 
 HOSTILE = "<script>alert(1)</script><img src=x onerror=alert(2)>\"'&{{7*7}}</style>$x^2$\u202e\x00"
@@ -43,10 +43,11 @@ def test_the_page_begins_with_what_differs_under_each_controller(text):
 def test_a_candidate_is_compared_over_the_points_that_it_holds_on_every_drive(document):
     shared = {row["candidate"]: row["points_shared"] for row in document["tables"]["summary"]}
     assert shared == {"thrifty": 16, "wasteful": 16, "loses": 12}, "full load is lost on both"
-    rows = {row[0].text: [cell.text for cell in row] for row in summary_sheet(document).rows}
+    sheets = {section.name: section.sheet for section in drive_view_of(document).sections}
+    rows = {row[0].text: [cell.text for cell in row] for row in sheets["summary"].rows}
     assert rows["loses"][4:6] == ["12 of 16", "12"]
     assert rows["loses"][-2:] == ["–", "–"], "rated power was held nowhere"
-    assert [row[-2].text for row in drive_sheet(document).rows] == ["4.00", "4.00"]
+    assert [row[-2].text for row in sheets["drives"].rows] == ["4.00", "4.00"]
 
 
 def test_figures_show_the_document_s_numbers(document):
@@ -90,7 +91,7 @@ def test_hostile_names_of_candidates_and_drives_stay_text(made_up_drives):
     assert "ValueError: &lt;b&gt;no&lt;/b&gt;" in text
     assert "gone does not exist" in text
     stream = io.StringIO()
-    show_drive_comparison(console_for(stream), document, ())
+    show_comparison(console_for(stream), document, ())
     assert "\u202e" not in stream.getvalue()
     assert "broken on fan-3-phase: exception" in stream.getvalue()
     assert "Per unit (pu): speed over base speed" in stream.getvalue()

@@ -7,18 +7,27 @@ from typing import Any
 
 import pytest
 
+from drivegate.contracts.duty.comparison.page import STEADY_MARKS, STEP_MARKS
 from drivegate_models.errors import InputError
-from drivegate_reports.comparison.duty_figures import duty_figures
-from drivegate_reports.comparison.duty_view import duty_view_of
+from drivegate_reports.comparison.figures import drawn
+from drivegate_reports.comparison.inks import inks_of
 from drivegate_reports.comparison.report import page
+from drivegate_reports.comparison.view import view_of
+from drivegate_reports.page.figure import PageFigure
 
 Document = dict[str, Any]
 
 
+def _figures(document: Document) -> list[PageFigure]:
+    return [
+        made for marks in (STEADY_MARKS, STEP_MARKS) for made in drawn(document, marks, inks_of(document))
+    ]
+
+
 def test_the_page_decides_and_shows_everything(duty_comparison: Document) -> None:
     text = page(duty_comparison)
-    assert "<h1>foc is first on pm-ac-surface</h1>" in text
-    for name in ("points", "steps-drawn"):
+    assert "<h1>foc ranks first on pm-ac-surface</h1>" in text
+    for name in ("figure-points", "figure-steps"):
         assert text.count(f'<figure class="card" id="{name}"') == 1, name
     for table in ("ranking", "operating points", "steps"):
         assert f'data-name="{table}"' in text
@@ -27,9 +36,9 @@ def test_the_page_decides_and_shows_everything(duty_comparison: Document) -> Non
 
 
 def test_points_that_are_not_held_are_told_and_not_drawn(duty_comparison: Document) -> None:
-    view = duty_view_of(duty_comparison)
+    view = view_of(duty_comparison)
     assert view.sentences[1][1].startswith("holds 6 of 10 operating points")
-    points, steps = duty_figures(duty_comparison)
+    points, steps = _figures(duty_comparison)
     assert "foc: loss above least (%) from 11.10 to 11.10" in points.alternative
     assert "foc-mtpa: overshoot (%) from 7.00 to 7.00" in steps.alternative, "no rise time is known"
 
@@ -41,7 +50,7 @@ def test_where_nobody_ran_the_page_says_so(duty_comparison: Document) -> None:
         row | {"rank": None, "status": "faulted", "loss_above_least_percent": None}
         for row in nothing["tables"]["ranking"]
     ]
-    assert duty_figures(nothing) == ()
+    assert _figures(nothing) == []
     assert "No candidate could be compared on pm-ac-surface" in page(nothing)
 
 
@@ -62,7 +71,7 @@ def test_another_kind_or_a_newer_one_is_refused(duty_comparison: Document) -> No
     with pytest.raises(InputError, match="schema 2"):
         page(duty_comparison | {"schema": 2})
     with pytest.raises(InputError, match="kind"):
-        duty_view_of(duty_comparison | {"kind": "comparison"})
+        view_of(duty_comparison | {"kind": "drive-comparison"})
 
 
 def test_what_was_followed_is_told(duty_comparison: Document) -> None:

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from drivegate.checks.check import Check
     from drivegate.checks.margin import Margin
     from drivegate.containment.messages import AnyController
+    from drivegate.contracts.comparison import Comparison
     from drivegate.contracts.current.record import CurrentRecord
     from drivegate.contracts.current.run import PrepareLoop
     from drivegate.contracts.trace import RecordedTrace
@@ -188,6 +189,12 @@ def _observe(record: Any) -> dict[str, float]:
     return observe(record)
 
 
+def _comparison() -> Comparison:
+    from drivegate.contracts.current.comparison.declaration import COMPARISON
+
+    return COMPARISON
+
+
 _KINDS: Final = ("half-bridge", "star")
 
 CURRENT: Final = Contract(
@@ -230,5 +237,7 @@ CURRENT: Final = Contract(
     window_columns=WINDOW_COLUMNS,
     observations=OBSERVATIONS,
     observe=_observe,
+    rehearsed="published",
+    comparison=_comparison,
 )
 """A current reference and an advance angle, as the paper's controller gives them."""

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from drivegate.checks.margin import Margin
     from drivegate.checks.record import Record
     from drivegate.containment.messages import AnyController
+    from drivegate.contracts.comparison import Comparison
     from drivegate.contracts.duty.record import DutyRecord
     from drivegate.contracts.duty.run import DutyClosedLoopRun, PrepareDutyLoop
     from drivegate.contracts.trace import RecordedTrace
@@ -176,6 +177,12 @@ def _behaviour(
     return behaviour(run, duty_document(drive), step)
 
 
+def _comparison() -> Comparison:
+    from drivegate.contracts.duty.comparison.declaration import COMPARISON
+
+    return COMPARISON
+
+
 DUTY: Final = Contract(
     name="duty",
     default_drive="pm-ac-interior",
@@ -211,6 +218,8 @@ DUTY: Final = Contract(
     window_columns=WINDOW_COLUMNS,
     observations=OBSERVATIONS,
     observe=_observe,
+    rehearsed="foc-mtpa",
+    comparison=_comparison,
     behaviour=_behaviour,
 )
 """Three duty ratios, as the firmware of a PM AC drive writes them to its timer."""

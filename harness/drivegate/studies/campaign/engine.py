@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
-from types import MappingProxyType
-from typing import Final, TypeAlias
+from typing import TypeAlias
 
 from drivegate.candidates.kinds import KINDS
 from drivegate.candidates.resolution import resolve_candidate
@@ -13,15 +12,13 @@ from drivegate.containment.backend import Backend, done_by
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.containment.pool import WorkerPool
+from drivegate.contracts.catalogue import CONTRACTS
 from drivegate.gate.warm_up import compile_missing
 from drivegate.studies.campaign.folder import CampaignFolder
 from drivegate.studies.campaign.plan import CampaignPlan
 from drivegate.studies.campaign.row import RowRequest, run_row
 from drivegate.studies.campaign.run import packed, run_chunk
 from drivegate.studies.campaign.table import table_bytes
-
-REHEARSED: Final = MappingProxyType({"current": "published", "duty": "foc-mtpa"})
-"""A candidate of each contract that fails checks, so that what only failures need is compiled too."""
 
 ReportProgress: TypeAlias = Callable[[int, int], None]
 """Takes the number of runs that are kept so far, and how many of them were there before."""
@@ -68,7 +65,7 @@ def rehearse(plan: CampaignPlan) -> None:
     """
     step = plan.campaign.runs_per_candidate // len(plan.cases)
     requests = [RowRequest(plan.run(place * step).scenario, plan.checks) for place in range(len(plan.cases))]
-    with WorkerPool(resolve_candidate(REHEARSED[plan.contract]), workers=1) as pool:
+    with WorkerPool(resolve_candidate(CONTRACTS[plan.contract].rehearsed), workers=1) as pool:
         deque(pool.map([Job(_rehearsed, requests)]), maxlen=0)
 
 

@@ -1,29 +1,29 @@
-"""Every two candidates of a comparison over drawn plants, noise and the drive cycle, with uncertainty."""
+"""Every two candidates of a comparison over repeated runs, with uncertainty."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from typing import Any, Final
+from collections.abc import Iterator, Mapping, Sequence
 
+from drivegate.contracts.comparison import Population, Row
 from drivegate.studies.compare.statistics import NO_DIFFERENCE, paired_difference
 
-Row = dict[str, Any]
 
-
-def difference_rows(labels: Sequence[str], repeated: Sequence[Row], cycles: Sequence[Row]) -> list[Row]:
-    """Compare every two candidates over drawn plants, noise and the drive cycle."""
+def difference_rows(
+    labels: Sequence[str], populations: Sequence[Population], tables: Mapping[str, Sequence[Row]]
+) -> list[Row]:
+    """Compare every two candidates over the repeated runs."""
     pairs = [(first, second) for place, first in enumerate(labels) for second in labels[place + 1 :]]
     rows = []
-    for where, runs, keys, counts in _populations(repeated, cycles):
-        for key, unit in keys:
+    for where, runs, population in _all_runs(populations, tables):
+        for figure in population.figures:
             for first, second in pairs:
-                values = _paired(runs, first, second, key, counts)
+                values = _paired(runs, first, second, figure.name, population.counts)
                 made = paired_difference(*values[:2], intervals=len(pairs))
                 rows.append(
                     {
                         "where": where,
-                        "quantity": key,
-                        "unit": unit,
+                        "quantity": figure.name,
+                        "unit": figure.unit,
                         "first": first,
                         "second": second,
                         "pairs": made.pairs,
@@ -38,19 +38,17 @@ def difference_rows(labels: Sequence[str], repeated: Sequence[Row], cycles: Sequ
     return rows
 
 
-_STEADY_KEYS: Final = (("input_power_w", "W"), ("current_sum_a", "A"))
-_CYCLE_KEYS: Final = (("energy_wh_per_km", "Wh/km"), ("current_sum_mean_a", "A"))
-
-
-def _populations(
-    repeated: Sequence[Row], cycles: Sequence[Row]
-) -> Iterable[tuple[str, list[Row], tuple[tuple[str, str], ...], str]]:
-    yield "drawn plants and noise", [row for row in repeated if row["group"] == "drawn"], _STEADY_KEYS, "held"
-    noise = [row for row in repeated if row["group"] == "noise"]
-    for scenario in dict.fromkeys(row["scenario"] for row in noise):
-        yield scenario, [row for row in noise if row["scenario"] == scenario], _STEADY_KEYS, "held"
-    noisy = [row for row in cycles if row["seed"] is not None]
-    yield "drive cycle, noisy sensors", noisy, _CYCLE_KEYS, "follows"
+def _all_runs(
+    populations: Sequence[Population], tables: Mapping[str, Sequence[Row]]
+) -> Iterator[tuple[str, list[Row], Population]]:
+    """Go through the populations: where, its runs, and what it is."""
+    for population in populations:
+        runs = [row for row in tables[population.table] if population.contains(row)]
+        if population.where:
+            yield population.where, runs, population
+            continue
+        for scenario in dict.fromkeys(row["scenario"] for row in runs):
+            yield scenario, [row for row in runs if row["scenario"] == scenario], population
 
 
 def _paired(

@@ -1,4 +1,4 @@
-"""The document of a comparison: everything that its report is made from, as plain data."""
+"""The document of a comparison on one drive: everything that its report is made from, as plain data."""
 
 from __future__ import annotations
 
@@ -7,99 +7,65 @@ from dataclasses import asdict
 from typing import Any, Final
 
 from drivegate.candidates.fault import Fault, bounded_line
-from drivegate.contracts.current.numbers import sensors_of
+from drivegate.contracts.catalogue import contract_of
+from drivegate.contracts.comparison import POINTS, Comparison, ComparisonRequest, PlannedRun, Row, RunTable
 from drivegate.results.provenance import hash_of_content, provenance
 from drivegate.results.result import finite
-from drivegate.scenarios.drive_scale import scale_of
 from drivegate.studies.compare.differences import difference_rows
-from drivegate.studies.compare.drive_cycle_run import TOLERANCE_KM_H, cycle_vehicle
-from drivegate.studies.compare.engine import CHECKS_EFFORT, Compared
-from drivegate.studies.compare.plan import EFFORTS, PlannedRun
-from drivegate.studies.compare.ranking import (
-    COMPARED,
-    RULE,
-    RULE_WITHOUT_CHECKS,
-    ranking_rows,
-    region_rows,
-    status_of,
-)
+from drivegate.studies.compare.engine import CHECKS_EFFORT, COMPARED, Best, Compared
+from drivegate.studies.compare.ranking import ranking_rows, region_rows, rule_of
 from drivegate.studies.compare.statistics import METHOD
-from drivegate.studies.compare.tables import (
-    check_rows,
-    cycle_rows,
-    disturbance_rows,
-    oracle_rows,
-    point_rows,
-    repeated_rows,
-)
 from drivegate_cases.drive.drive_document import DriveDocument
-from drivegate_cases.drive.limits import limits_of
-from drivegate_cases.scenario.drive_cycle import DriveCycle
 
 SCHEMA: Final = 1
-"""Version of the comparison document."""
-KIND: Final = "comparison"
-"""Kind of the document."""
+"""Version of the comparison document, whatever the contract."""
 
 
 def comparison_document(
     all_compared: Sequence[Compared],
     plan: Sequence[PlannedRun],
-    oracle: dict[str, Any],
+    best: Best,
+    request: ComparisonRequest,
     *,
-    drive: DriveDocument,
-    cycle: DriveCycle,
-    effort: str,
-    seed: int,
     checks: bool,
     timing: Mapping[str, Any],
 ) -> dict[str, Any]:
     """Put a comparison together."""
-    points = point_rows(all_compared, plan, oracle)
-    ranking = ranking_rows(all_compared, points)
-    repeated, cycles = repeated_rows(all_compared, plan), cycle_rows(all_compared, plan)
-    ranked = [row["candidate"] for row in ranking if row["status"] == COMPARED]
+    drive = request.drive
+    comparison = contract_of(drive).comparison()
+    facts = comparison.facts(request, plan)
     content: dict[str, Any] = {
         "schema": SCHEMA,
-        "kind": KIND,
-        "effort": effort,
-        "seed": seed,
-        "rule": RULE if checks else RULE_WITHOUT_CHECKS,
-        "method": METHOD,
+        "kind": comparison.kind,
+        "effort": request.effort,
+        "seed": request.seed,
+        "rule": rule_of(comparison.ranking, checks=checks),
+        **({"method": METHOD} if comparison.populations else {}),
         "checks_effort": CHECKS_EFFORT if checks else None,
+        **facts,
         "drive": {
             **drive.identity(),
             "base_speed_rpm": drive.rating.base_speed_rpm,
             "rated_power_w": drive.rating.rated_power_w,
-            "speed_tolerance_rpm": limits_of(drive).speed_tolerance_rpm,
-            "change_s": scale_of(drive).change_s,
-            "sensors": sensors_of(drive),
+            **facts["drive"],
         },
-        "size": _size(effort, plan),
-        "cycle": _cycle(cycle, drive),
-        "candidates": [candidate_entry(compared) for compared in all_compared],
-        "tables": {
-            "ranking": ranking,
-            "regions": region_rows(all_compared, points, scale_of(drive)),
-            "differences": difference_rows(ranked, repeated, cycles),
-            "operating_points": points,
-            "best_possible": oracle_rows(all_compared, plan, oracle),
-            "envelope": oracle["envelope"],
-            "disturbances": disturbance_rows(all_compared, plan),
-            "repetitions": repeated,
-            "drive_cycle": cycles,
-            "checks": check_rows(all_compared),
-        },
-        "trajectories": _kept(all_compared, plan, "disturbances", "trajectory"),
-        "cycle_samples": _kept(all_compared, plan, "cycle", "samples"),
-        "provenance": provenance(),
+        "size": facts["size"] | {"runs_of_each": len(plan)},
+        "candidates": [_candidate(compared) for compared in all_compared],
+        "tables": _tables(all_compared, plan, best, drive, comparison),
+        **{name: _curves(all_compared, plan, *where) for name, where in comparison.curves.items()},
     }
-    content = {key: finite(value) for key, value in content.items()}
-    content["provenance"] = {
-        **content["provenance"],
-        "content_hash": hash_of_content(hashed_content(content)),
-    }
-    content["timing"] = finite(
+    return sealed(
+        content,
+        # What a dying process printed differs from run to run.
+        lambda made: (
+            made
+            | {
+                "candidates": [
+                    {**entry, "faults": [{**fault, "traceback": ""} for fault in entry["faults"]]}
+                    for entry in made["candidates"]
+                ]
+            }
+        ),
         {
             **timing,
             "steps": [
@@ -107,29 +73,78 @@ def comparison_document(
                 for compared in all_compared
                 if compared.timing
             ],
-        }
+        },
     )
-    return content
 
 
-def hashed_content(content: dict[str, Any]) -> dict[str, Any]:
-    """Leave out what a dying process printed, which differs from run to run."""
-    candidates = [
-        {**entry, "faults": [{**fault, "traceback": ""} for fault in entry["faults"]]}
-        for entry in content["candidates"]
+def sealed(content: dict[str, Any], hashed: Any, timing: Mapping[str, Any]) -> dict[str, Any]:
+    """Add provenance, with the hash of what `hashed` returns of the content, and the times, which are not hashed."""
+    content = {key: finite(value) for key, value in (content | {"provenance": provenance()}).items()}
+    content["provenance"] = content["provenance"] | {"content_hash": hash_of_content(hashed(content))}
+    return content | {"timing": finite(dict(timing))}
+
+
+def _tables(
+    all_compared: Sequence[Compared],
+    plan: Sequence[PlannedRun],
+    best: Best,
+    drive: DriveDocument,
+    comparison: Comparison,
+) -> dict[str, list[Row]]:
+    """Make every table, the ones that decide first."""
+    runs = {table.name: _run_rows(table, all_compared, plan, best) for table in comparison.tables}
+    ranking = ranking_rows(all_compared, comparison.ranking, runs)
+    ranked = [row["candidate"] for row in ranking if row["status"] == COMPARED]
+    tables = {"ranking": ranking}
+    if comparison.regions is not None:
+        ends = comparison.regions.ends_rpm(drive)
+        tables["regions"] = region_rows(all_compared, runs[POINTS], ends, comparison.regions.excesses)
+    if comparison.populations:
+        tables["differences"] = difference_rows(ranked, comparison.populations, runs)
+    return (
+        tables | runs | comparison.best_tables(plan, best, runs[POINTS]) | {"checks": _checks(all_compared)}
+    )
+
+
+def _run_rows(
+    table: RunTable, all_compared: Sequence[Compared], plan: Sequence[PlannedRun], best: Best
+) -> list[Row]:
+    """List what was measured in a table's runs, candidate by candidate."""
+    return [
+        {"candidate": compared.label, **row}
+        for group in table.groups
+        for compared in all_compared
+        for index, planned in enumerate(plan)
+        if planned.group == group and index in compared.figures
+        for row in table.rows(planned, compared.figures[index], best.get(("point", index)))
     ]
-    return {**content, "candidates": candidates}
 
 
-def candidate_entry(compared: Compared) -> dict[str, Any]:
-    """Tell what a candidate is and what has become of it."""
+def _checks(all_compared: Sequence[Compared]) -> list[Row]:
+    """List verdict and margin of each check for each candidate."""
+    keys = ("level", "verdict", "margin", "measured", "runs", "requirement")
+    return [
+        {
+            "candidate": compared.label,
+            "check": outcome.id,
+            **{key: getattr(outcome, key) for key in keys},
+        }
+        for compared in all_compared
+        for outcome in compared.outcomes or ()
+        # What takes times is reported with the times.
+        if outcome.id != "TIM-1" and outcome.subject == "candidate"
+    ]
+
+
+def _candidate(compared: Compared) -> dict[str, Any]:
+    """Return what a candidate is and what has become of it."""
     candidate = compared.candidate
     return {
         "label": compared.label,
         "specification": compared.specification,
         "kind": None if candidate is None else candidate.kind,
         "hash": None if candidate is None else candidate.content_hash,
-        "status": status_of(compared),
+        "status": compared.status,
         "refusal": None if compared.error is None else bounded_line(str(compared.error)),
         "complete": compared.complete,
         "faults": [_fault(fault) for fault in compared.faults],
@@ -143,27 +158,7 @@ def _fault(fault: Fault) -> dict[str, Any]:
     return document
 
 
-def _size(effort: str, plan: Sequence[PlannedRun]) -> dict[str, Any]:
-    """Tell how much is run, with the speeds that the shares of the effort are on this drive."""
-    size = asdict(EFFORTS[effort])
-    del size["speeds"]
-    speeds = dict.fromkeys(run.speed_rpm for run in plan if run.group == "points")
-    return {"speeds_rpm": list(speeds)} | size | {"runs_of_each": len(plan)}
-
-
-def _cycle(cycle: DriveCycle, drive: DriveDocument) -> dict[str, Any]:
-    return {
-        "name": cycle.name,
-        "description": cycle.description,
-        "source": cycle.source,
-        "duration_s": cycle.duration_s,
-        "distance_km": cycle.distance_m / 1000.0,
-        "tolerance_km_h": TOLERANCE_KM_H,
-        "vehicle": cycle_vehicle(drive).model_dump(mode="json", exclude={"kind", "grade_percent"}),
-    }
-
-
-def _kept(
+def _curves(
     all_compared: Sequence[Compared], plan: Sequence[PlannedRun], group: str, key: str
 ) -> list[dict[str, Any]]:
     """Collect the curves of a group, without repetitions with other noise."""

@@ -6,9 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from drivegate.drives.abilities import ability_of
-from drivegate.results.provenance import hash_of_content, provenance
-from drivegate.results.result import finite
 from drivegate.studies.compare.compared_drive import ComparedDrive
+from drivegate.studies.compare.document import sealed
 from drivegate.studies.compare.drive_tables import (
     LOSSES_IN_WORDS,
     drive_rows,
@@ -25,25 +24,16 @@ KIND: Final = "drive-comparison"
 
 
 def drive_comparison_document(
-    labels: Sequence[str],
-    made: Sequence[ComparedDrive],
-    *,
-    effort: str,
-    seed: int,
-    timing: Mapping[str, Any],
+    labels: Sequence[str], made: Sequence[ComparedDrive], *, timing: Mapping[str, Any]
 ) -> dict[str, Any]:
     """Put a comparison of drives together.
 
     Parameters
     ----------
     labels : sequence of str
-        A name of its own for each drive.
+        A different name for each drive.
     made : sequence of ComparedDrive
-        What the candidates came to on each, in the same order; every one with a document.
-    effort : str
-        How much was run.
-    seed : int
-        Seed of everything drawn.
+        The outcome on each, in the same order; every one with a document.
     timing : mapping
         Day and duration, which the hash leaves out.
 
@@ -53,25 +43,26 @@ def drive_comparison_document(
         Plain data: ``drives`` with bases and folder, ``candidates``, ``tables``, and the comparison on each drive in
         ``parts``.
     """
-    points = operating_rows(labels, made, effort)
-    drives = [one.drive for one in made]
+    points = operating_rows(labels, made)
+    drives = [one.request.drive for one in made]
     ranges = [ability_of(drive).constant_power(drive) for drive in drives]
     parts = [one.document for one in made if one.document is not None]
     content: dict[str, Any] = {
         "schema": SCHEMA,
         "kind": KIND,
-        "effort": effort,
-        "seed": seed,
+        "effort": made[0].request.effort,
+        "seed": made[0].request.seed,
         "bases": BASES_IN_WORDS,
         "losses": LOSSES_IN_WORDS,
         "drives": [
             {
                 "label": label,
-                **one.drive.identity(),
-                "per_unit": bases_of(one.drive).document(),
-                "folder": part_folder(place),
+                **drive.identity(),
+                "per_unit": bases_of(drive).document(),
+                # A name is anybody's text.
+                "folder": f"drive-{number}",
             }
-            for place, (label, one) in enumerate(zip(labels, made, strict=True))
+            for number, (label, drive) in enumerate(zip(labels, drives, strict=True), 1)
         ],
         "candidates": [
             {key: entry[key] for key in ("label", "specification", "kind", "hash")}
@@ -84,19 +75,10 @@ def drive_comparison_document(
             "greatest_power": power_rows(labels, drives, ranges),
         },
         "parts": parts,
-        "provenance": provenance(),
     }
-    content = {key: finite(value) for key, value in content.items()}
-    content["provenance"] = {**content["provenance"], "content_hash": hash_of_content(_hashed(content))}
-    content["timing"] = finite(timing)
-    return content
-
-
-def part_folder(place: int) -> str:
-    """Name the folder of a drive's own report, which its name, anybody's text, could not."""
-    return f"drive-{place + 1}"
+    return sealed(content, _hashed, timing)
 
 
 def _hashed(content: dict[str, Any]) -> dict[str, Any]:
-    """Have each part stand for itself by its own hash, which leaves out what differs from run to run."""
+    """Represent each part by its own hash, which leaves out what differs from run to run."""
     return {**content, "parts": [part["provenance"]["content_hash"] for part in content["parts"]]}

@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
+from drivegate.contracts.catalogue import contract_of
+from drivegate.contracts.comparison import DrivePoint, Row, mean_of
 from drivegate.drives.constant_power import ConstantPower
 from drivegate.studies.compare.compared_drive import ComparedDrive
-from drivegate.studies.compare.drive_points import DrivePoint, drive_points
 from drivegate.studies.compare.per_unit import Bases, bases_of
-from drivegate.studies.compare.ranking import Row, status_of
-from drivegate.studies.compare.statistics import mean_of
 from drivegate_cases.drive.drive_document import DriveDocument
-from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_models.units import RADIANS_PER_RPM
 
 LOSSES_IN_WORDS: Final = (
@@ -45,11 +43,7 @@ def _drive_row(label: str, drive: DriveDocument, power: ConstantPower) -> Row:
         "drive": label,
         "hash": drive.values_hash,
         "phases": drive.machine.phases,
-        "supply_voltage_v": (
-            drive.inverter.link_voltage_v
-            if isinstance(drive, PmAcDocument)
-            else drive.inverter.supply_voltage_v
-        ),
+        "supply_voltage_v": contract_of(drive).comparison().supply_voltage_v(drive),
         "rated_power_w": rating.rated_power_w,
         "current_limit_a": rating.current_limit_a,
         "base_speed_rpm": rating.base_speed_rpm,
@@ -83,13 +77,14 @@ def power_rows(
     return rows
 
 
-def operating_rows(labels: Sequence[str], made: Sequence[ComparedDrive], effort: str) -> list[Row]:
-    """List what each candidate came to on each drive at the same shares of range and rating."""
+def operating_rows(labels: Sequence[str], made: Sequence[ComparedDrive]) -> list[Row]:
+    """List the points of each candidate on each drive, at the same shares of range and rating."""
     rows: list[Row] = []
     for label, one in zip(labels, made, strict=True):
-        bases = bases_of(one.drive)
+        bases = bases_of(one.request.drive)
+        points_of = contract_of(one.request.drive).comparison().drive_points
         for compared in one.all_compared:
-            for point in drive_points(one, compared, effort):
+            for point in points_of(one.request, one.plan, compared.figures):
                 where = {"candidate": compared.label, "drive": label, "speed_share": point.speed_share}
                 rows.append(where | _operating_row(point, bases))
     return rows
@@ -166,14 +161,12 @@ def _summary_row(
     heaviest = max((row["load_percent"] for row in points), default=None)
     full = [row for row in points if row["load_percent"] == heaviest]
     shaft, power = (mean_of(row[key] for row in over) for key in ("shaft_power_w", "input_power_w"))
-    failed = None
-    if compared.outcomes is not None:
-        failed = sum(made.level == "required" and made.verdict == "fail" for made in compared.outcomes)
+    failed = compared.failed_checks
     return {
         "candidate": compared.label,
         "drive": label,
-        "status": status_of(compared),
-        "required_failed": failed,
+        "status": compared.status,
+        "required_failed": None if failed is None else len(failed),
         "points_held": sum(row["held"] for row in points),
         "points": len(points),
         "points_shared": len(over),

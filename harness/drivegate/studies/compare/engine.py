@@ -1,11 +1,11 @@
-"""Running several candidates through the same plan, one after another, in contained processes."""
+"""The runs of the candidates of a comparison on one drive, one after another, in contained processes."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Final, Protocol, TypeAlias
+from typing import Any, Final, TypeAlias
 
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault, FaultKind, bounded_line
@@ -13,14 +13,14 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.judging import JudgedRun
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.containment.pool import WorkerPool
+from drivegate.contracts.catalogue import contract_of
+from drivegate.contracts.comparison import PlannedRun, Row
+from drivegate.drives.running import recorded
 from drivegate.gate.events import CheckStarted, Compiling, Event, RunDone
 from drivegate.gate.plan import Origin, Work, planned_work
 from drivegate.gate.warm_up import compile_kernels, uncompiled_kinds
 from drivegate.results.result import CheckOutcome
 from drivegate.results.verdict import check_outcomes
-from drivegate.studies.compare.oracle import greatest_torque, oracle_point, solved
-from drivegate.studies.compare.plan import PlannedRun
-from drivegate.studies.compare.run import Figures, measured, timed
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import HarnessFault
@@ -29,19 +29,11 @@ CHECKS_EFFORT: Final = "quick"
 """Effort of the checks whose margins are compared."""
 MOST_FAULTS: Final = 3
 """Faults after which a candidate is not run any further; one hang is enough."""
-_SOLVER: Final = "initial"
+COMPARED, FAULTED, REFUSED = "compared", "faulted", "refused"
+"""What can become of a candidate."""
 
-
-class Planned(Protocol):
-    """A run that every candidate makes, whatever is measured in it."""
-
-    @property
-    def label(self) -> str:
-        """What it is, for people."""
-
-    @property
-    def scenario(self) -> Scenario:
-        """What is run."""
+Best: TypeAlias = Mapping[tuple[str, float], Any]
+"""The best possible, by what was found and where."""
 
 
 @dataclass
@@ -56,34 +48,37 @@ class Compared:
     """The candidate, if there is one."""
     error: Exception | None = None
     """Why it was refused, or what failed in drivegate."""
-    figures: dict[int, Figures] = field(default_factory=dict)
+    figures: dict[int, Row] = field(default_factory=dict)
     """What was measured, by the index of the planned run."""
     faults: list[Fault] = field(default_factory=list)
     """The candidate's faults."""
     complete: bool = True
     """Whether every planned run was made."""
     outcomes: tuple[CheckOutcome, ...] | None = None
-    """What the checks came to; None where they were not made."""
-    timing: dict[str, Any] = field(default_factory=dict)
+    """Outcomes of the checks; None where they were not made."""
+    timing: Row = field(default_factory=dict)
     """Numbers that depend on the machine."""
 
+    @property
+    def status(self) -> str:
+        """What has become of it."""
+        if self.error is not None or self.candidate is None:
+            return REFUSED
+        return FAULTED if self.faults else COMPARED
+
+    @property
+    def failed_checks(self) -> list[str] | None:
+        """The required checks that it fails; None where they were not made."""
+        if self.outcomes is None:
+            return None
+        return [made.id for made in self.outcomes if made.level == "required" and made.verdict == "fail"]
+
     def goes_on_after(self, fault: Fault) -> bool:
-        """Keep a fault, and tell whether the candidate is run any further."""
+        """Store a fault, and return True if the candidate is run any further."""
         self.faults.append(fault)
         ends = fault.kind is FaultKind.HANG or fault.phase == "loading" or len(self.faults) >= MOST_FAULTS
         self.complete &= not ends
         return not ends
-
-
-Refused: TypeAlias = tuple[tuple[str, Exception], ...]
-"""Specification and error of each candidate that could not be compared."""
-
-
-def refused_of(all_compared: Iterable[Compared]) -> Refused:
-    """List who could not be compared."""
-    return tuple(
-        (compared.specification, compared.error) for compared in all_compared if compared.error is not None
-    )
 
 
 def prepared(drive: DriveDocument) -> Iterator[Event]:
@@ -94,47 +89,55 @@ def prepared(drive: DriveDocument) -> Iterator[Event]:
         compile_kernels(kinds)
 
 
-def solve_plan(plan: Sequence[PlannedRun], workers: int | None, found: dict[str, Any]) -> Iterator[Event]:
-    """Find what the drive can do at best at every operating point of a plan."""
-    points = [oracle_point(planned) for planned in plan if planned.group == "points"]
-    by_speed = {point.speed_rpm: point for point in points}
-    jobs: list[Job[Any]] = [Job(solved, point) for point in points]
-    jobs += [Job(greatest_torque, point) for point in by_speed.values()]
+def find_best(plan: Sequence[PlannedRun], workers: int | None, found: dict[Any, Any]) -> Iterator[Event]:
+    """Find what the drive can do at best in the runs of a plan, as far as the contract knows."""
+    contract = contract_of(plan[0].scenario.drive)
+    jobs = contract.comparison().best(plan)
+    if not jobs:
+        return
     yield CheckStarted("the best possible", len(jobs))
-    outcomes: list[Any] = []
-    with WorkerPool(resolve_candidate(_SOLVER), workers=_count(workers)) as pool:
-        for outcome in pool.map(jobs):
+    with WorkerPool(resolve_candidate(contract.usual_candidate), workers=_count(workers)) as pool:
+        for done, (what, outcome) in enumerate(zip(jobs, pool.map(list(jobs.values())), strict=True), 1):
             if isinstance(outcome, Fault):
                 raise HarnessFault(f"an operating point cannot be solved: {outcome.message}")
-            outcomes.append(outcome)
-            yield RunDone(len(outcomes), len(jobs), "operating points", "")
-    found["points"] = outcomes[: len(points)]
-    found["envelope"] = [
-        {"speed_rpm": speed, "torque_nm": torque}
-        for speed, torque in zip(by_speed, outcomes[len(points) :], strict=True)
-    ]
+            found[what] = outcome
+            yield RunDone(done, len(jobs), "operating points", "")
+
+
+def measured(loaded: JudgedCandidate, planned: PlannedRun) -> Row:
+    """Run a candidate through a planned run; this is what a worker process does."""
+    comparison = contract_of(planned.scenario.drive).comparison()
+    every = comparison.trace_every(planned)
+    record = recorded(loaded, planned.scenario, loaded.controller(), trace_every=every)
+    return comparison.measure(planned, record)
+
+
+def timed(loaded: JudgedCandidate, scenario: Scenario) -> Row:
+    """Time a candidate's steps on what it sensed in a run; this is what a worker process does."""
+    controller = loaded.controller()
+    record = recorded(loaded, scenario, controller, trace_every=1)
+    step = contract_of(scenario.drive).step_seconds(controller, record)
+    size = getattr(controller, "state_size", None)
+    return {
+        "step_us": 1e6 * step,
+        "share_of_period_percent": 100.0 * step / scenario.control_period_s,
+        "state_bytes": int(size) if isinstance(size, int) and size > 0 else None,
+    }
 
 
 def run_plan(
-    compared: Compared,
-    plan: Sequence[Planned],
-    *,
-    seed: int,
-    workers: int | None,
-    checks: bool,
-    measure: Callable[[JudgedCandidate, Any], Figures] = measured,
-    time_step: Callable[[JudgedCandidate, Any], dict[str, Any]] | None = timed,
+    compared: Compared, plan: Sequence[PlannedRun], *, seed: int, workers: int | None, checks: bool
 ) -> Iterator[Event]:
-    """Run a candidate through a plan, and let the checks judge it."""
+    """Run a candidate through a plan, let the checks judge it, and time its steps."""
     candidate = compared.candidate
     assert candidate is not None, "only a candidate can be run"
     drive = plan[0].scenario.drive
     work = _checks_work(candidate, drive, seed) if checks else []
-    total = len(plan) + (time_step is not None) + sum(item.runs for item in work)
+    total = len(plan) + 1 + sum(item.runs for item in work)
     yield CheckStarted(compared.label, total)
     done = 0
     with WorkerPool(candidate, workers=_count(workers)) as pool:
-        for index, outcome in enumerate(pool.map([Job(measure, planned) for planned in plan])):
+        for index, outcome in enumerate(pool.map([Job(measured, planned) for planned in plan])):
             done += 1
             yield RunDone(done, total, plan[index].label, "")
             if not isinstance(outcome, Fault):
@@ -143,8 +146,8 @@ def run_plan(
                 break
         if compared.complete and work:
             yield from _run_checks(compared, pool, drive, work, done, total)
-        if compared.complete and time_step is not None:
-            for timing in pool.map([Job(time_step, plan[0].scenario)]):
+        if compared.complete:
+            for timing in pool.map([Job(timed, plan[0].scenario)]):
                 if not isinstance(timing, Fault):
                     compared.timing = timing
 
@@ -154,7 +157,7 @@ def _count(workers: int | None) -> int:
 
 
 def _checks_work(candidate: Candidate, drive: DriveDocument, seed: int) -> list[Work]:
-    """Plan the checks, but for the one that takes times: those are taken apart."""
+    """Plan the checks, but for the one of times, which are measured separately."""
     work = planned_work(CHECKS_EFFORT, seed, drive=drive, declaration=candidate.declaration)
     return [item for item in work if item.origin is not Origin.TIMED]
 
@@ -195,7 +198,7 @@ def named_candidates(
 
 
 def labelled(specifications: Iterable[str], names: Iterable[str]) -> list[Compared]:
-    """Give every candidate a label of its own."""
+    """Label every candidate, each differently."""
     made: list[Compared] = []
     for specification, name in zip(specifications, names, strict=True):
         label, number = name, 1

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from drivegate.candidates.contract import ANSWERS
+from drivegate.contracts.catalogue import contract_of
 from drivegate_cases.documents.wording import one_line
 from drivegate_models.errors import InputError
 
@@ -30,8 +31,6 @@ class ComparisonOptions:
     """Whether the checks are made as well."""
     cycle: str | None = None
     """Name or file of the drive cycle; None for the default."""
-    drive: DriveDocument | None = None
-    """The drive; None for that of the candidates' manifests, or the default."""
 
     @property
     def seed(self) -> int:
@@ -40,12 +39,10 @@ class ComparisonOptions:
 
     def refuse_unused(self, drive: DriveDocument) -> None:
         """Refuse an option that changes nothing in a comparison on a drive."""
-        if drive.contract != "duty":
+        ignores = contract_of(drive).comparison().ignores
+        if not ignores:
             return
-        because = (
-            f"the drive '{one_line(drive.name)}' takes {ANSWERS[drive.contract]}, and such controllers are compared at "
-            "constant speeds without noise"
-        )
+        because = f"the drive '{one_line(drive.name)}' takes {ANSWERS[drive.contract]}, and {ignores}"
         if self.cycle is not None:
             raise InputError(f"--cycle has no effect, since {because}; leave it out")
         if self.stated_seed is not None and not self.checks:

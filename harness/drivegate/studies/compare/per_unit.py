@@ -8,8 +8,6 @@ from typing import Final
 
 from drivegate.scenarios.drive_scale import scale_of
 from drivegate_cases.drive.drive_document import DriveDocument
-from drivegate_cases.drive.pm_ac.document import PmAcDocument
-from drivegate_cases.drive.pm_ac.limits import duty_limits_of
 from drivegate_models.errors import InputError
 
 BASES_IN_WORDS: Final = (
@@ -34,24 +32,23 @@ class Bases:
     """Rated power (W)."""
 
     def document(self) -> dict[str, float]:
-        """Give the bases as plain data."""
+        """Return the bases as plain data."""
         return asdict(self)
 
 
 def bases_of(drive: DriveDocument) -> Bases:
-    """Give the per-unit bases of a drive."""
+    """Return the per-unit bases of a drive."""
     rating = drive.rating
-    is_pm_ac = isinstance(drive, PmAcDocument)
     return Bases(
         speed_rpm=rating.base_speed_rpm,
-        torque_nm=(duty_limits_of(drive) if is_pm_ac else scale_of(drive)).rated_torque_nm,
+        torque_nm=scale_of(drive).rated_torque_nm,
         current_sum_a=drive.machine.phases * rating.current_limit_a,
         power_w=rating.rated_power_w,
     )
 
 
 def drive_labels(drives: Sequence[DriveDocument]) -> tuple[str, ...]:
-    """Give every drive a label of its own: its name, with its hash where another has the same name."""
+    """Label every drive by its name, and by its hash where another has the same name."""
     names = [drive.name for drive in drives]
     for place, drive in enumerate(drives):
         same = next((other for other in drives[:place] if other.values_hash == drive.values_hash), None)

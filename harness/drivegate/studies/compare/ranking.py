@@ -3,70 +3,67 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import pairwise
-from typing import Any, Final
+from typing import Final, TypeAlias
 
-from drivegate.scenarios.drive_scale import DriveScale
-from drivegate.studies.compare.engine import Compared
-from drivegate.studies.compare.statistics import LEAST_EFFECT, mean_of
+from drivegate.contracts.comparison import POINTS, Excess, Ranking, Row, mean_of
+from drivegate.studies.compare.engine import COMPARED, FAULTED, REFUSED, Compared
 
-Row = dict[str, Any]
-
-RULE: Final = (
-    "Fewest required checks failed, then most operating points held within k1, then least mean true input power "
-    "over the points that all equals hold; means within 0.1 % share a place."
-)
-"""The rule in words."""
-RULE_WITHOUT_CHECKS: Final = (
-    "Most operating points held within k1, then least mean true input power over the points that all equals hold; "
-    "means within 0.1 % share a place."
-)
-"""The same where no checks were made."""
-COMPARED, FAULTED, REFUSED = "compared", "faulted", "refused"
-"""What can become of a candidate."""
-
-Place = tuple[float, float]
-"""Speed (rpm) and load (%) of an operating point."""
+Place: TypeAlias = tuple[float, float]
+"""Speed (rpm) and load of an operating point."""
+Held: TypeAlias = Mapping[str, Mapping[Place, Row]]
+"""For each candidate, the operating points that it holds."""
 
 _ORDER: Final = {COMPARED: 0, FAULTED: 1, REFUSED: 2}
-_MEANS: Final = {"input_power_w": "power_above_best_w", "current_sum_a": "current_above_best_a"}
-_BANDS_END_AT: Final = (0.3, 0.7, 1.0)
-"""Ends of the bands of speed, shares of the range from base speed to the highest (1)."""
 _HEAVY_PERCENT: Final = 50.0
 
 
-def status_of(compared: Compared) -> str:
-    """Tell what has become of a candidate."""
-    if compared.error is not None or compared.candidate is None:
-        return REFUSED
-    return FAULTED if compared.faults else COMPARED
+def rule_of(ranking: Ranking, *, checks: bool) -> str:
+    """Return the rule in words."""
+    rule = f"fewest required checks failed, then {ranking.rule}" if checks else ranking.rule
+    return rule[0].upper() + rule[1:]
 
 
-def _failed_checks(compared: Compared) -> list[str] | None:
-    """List the required checks that a candidate fails; None where they were not made."""
-    if compared.outcomes is None:
-        return None
-    return [
-        outcome.id
-        for outcome in compared.outcomes
-        if outcome.level == "required" and outcome.verdict == "fail"
-    ]
+def ranking_rows(
+    all_compared: Sequence[Compared], ranking: Ranking, tables: Mapping[str, Sequence[Row]]
+) -> list[Row]:
+    """Rank the candidates."""
+    held = {
+        compared.label: {
+            (row[ranking.place[0]], row[ranking.place[1]]): row
+            for row in tables[POINTS]
+            if row["candidate"] == compared.label and row["held"] and row.get("feasible", True)
+        }
+        for compared in all_compared
+    }
+    rows: list[Row] = []
+    for equals in _equals(_standing(compared, ranking, held, tables) for compared in all_compared):
+        rows += _placed(equals, ranking, held, len(rows))
+    for row in rows if ranking.against_first else ():
+        row.update(_against(row["candidate"], rows[0]["candidate"], ranking.against_first, held))
+    return rows
 
 
-def standing_of(compared: Compared) -> Row:
-    """Begin the row of a candidate: who it is, what has become of it, and what it fails."""
-    failed = _failed_checks(compared)
+def _standing(compared: Compared, ranking: Ranking, held: Held, tables: Mapping[str, Sequence[Row]]) -> Row:
+    """Begin the row of a candidate: who it is, what has become of it, what it fails and holds."""
+    label, failed = compared.label, compared.failed_checks
+    own = {name: [row for row in rows if row["candidate"] == label] for name, rows in tables.items()}
+    could = sum(row.get("feasible", True) for row in own[POINTS])
+    own[POINTS] = list(held[label].values())
     return {
         "rank": None,
-        "candidate": compared.label,
-        "status": status_of(compared),
+        "candidate": label,
+        "status": compared.status,
         "required_failed": None if failed is None else len(failed),
         "failed_checks": "" if failed is None else " ".join(failed),
+        "points_held": len(held[label]),
+        ranking.count: could,
+        **{summary.name: summary.value(own[summary.table]) for summary in ranking.summaries},
     }
 
 
-def equals_of(standings: Iterable[Row]) -> Iterator[list[Row]]:
+def _equals(standings: Iterable[Row]) -> Iterator[list[Row]]:
     """Group candidates that fail and hold equally many, the best first."""
     by_merit: dict[tuple[int, int, int], list[Row]] = {}
     for row in standings:
@@ -76,118 +73,82 @@ def equals_of(standings: Iterable[Row]) -> Iterator[list[Row]]:
         yield equals
 
 
-def ranking_rows(all_compared: Sequence[Compared], points: Sequence[Row]) -> list[Row]:
-    """Rank the candidates."""
-    held = _held(all_compared, points)
-    standings = [_standing(compared, points, held[compared.label]) for compared in all_compared]
-    rows = _placed(standings, held)
-    for row in rows:
-        row.update(_against(row, rows[0], held))
-    return rows
+def _placed(equals: list[Row], ranking: Ranking, held: Held, before: int) -> list[Row]:
+    """Order candidates of equal merit, and assign places to those that can be compared."""
+    common = set.intersection(*(set(held[row["candidate"]]) for row in equals))
+    means: dict[str, float] = {}
+    for row in equals:
+        points = (held[row["candidate"]][place][ranking.decides] for place in common)
+        mean = mean_of(value for value in points if value is not None)
+        means[row["candidate"]] = mean or 0.0
+        if ranking.at_shared:
+            row[ranking.at_shared] = mean
+    equals.sort(key=lambda row: means[row["candidate"]])
+    best = means[equals[0]["candidate"]]
+    for place, row in enumerate(equals):
+        if row["status"] == COMPARED:
+            above = means[row["candidate"]] - best
+            shares = above <= ranking.same_share * best + ranking.same_amount
+            row["rank"] = before + 1 if shares else before + place + 1
+    return equals
 
 
-def _held(all_compared: Sequence[Compared], points: Sequence[Row]) -> dict[str, dict[Place, Row]]:
-    """Sort the feasible operating points that were held by candidate and place."""
-    return {
-        compared.label: {
-            _place(row): row
-            for row in points
-            if row["candidate"] == compared.label and row["held"] and row["feasible"]
-        }
-        for compared in all_compared
-    }
-
-
-def _placed(standings: list[Row], held: dict[str, dict[Place, Row]]) -> list[Row]:
-    """Put the candidates in order, and give places to those that can be compared."""
-    rows: list[Row] = []
-    for equals in equals_of(standings):
-        common = set.intersection(*(set(held[row["candidate"]]) for row in equals))
-        watts = {
-            row["candidate"]: mean_of(held[row["candidate"]][place]["input_power_w"] for place in common)
-            for row in equals
-        }
-        equals.sort(key=lambda row: watts[row["candidate"]] or 0.0)
-        best, first = watts[equals[0]["candidate"]] or 0.0, len(rows) + 1
-        for row in equals:
-            if row["status"] == COMPARED:
-                above = (watts[row["candidate"]] or 0.0) - best
-                row["rank"] = first if above <= LEAST_EFFECT * best else len(rows) + 1
-            rows.append(row)
-    return rows
-
-
-def _standing(compared: Compared, points: Sequence[Row], held: dict[Place, Row]) -> Row:
-    own = [row for row in points if row["candidate"] == compared.label]
-    return {
-        **standing_of(compared),
-        "points_held": len(held),
-        "points_feasible": sum(row["feasible"] for row in own),
-        "gap_power_w": mean_of(_known(held.values(), "gap_power_w")),
-        "gap_current_percent": mean_of(_known(held.values(), "gap_current_percent")),
-        "ripple_worst_percent": max((row["ripple_percent"] for row in held.values()), default=None),
-        "converged_after_s": mean_of(_known(held.values(), "converged_after_s")),
-    }
-
-
-def _against(row: Row, best: Row, held: dict[str, dict[Place, Row]]) -> Row:
-    """Compare a candidate with the best over the points that both hold."""
-    own, others = held[row["candidate"]], held[best["candidate"]]
-    both = sorted(set(own) & set(others))
-    watts, amperes = (
-        mean_of(own[place][key] for place in both) for key in ("input_power_w", "current_sum_a")
+def _against(label: str, first: str, excesses: Sequence[Excess], held: Held) -> Row:
+    """Compare a candidate with the first over the points that both hold."""
+    both = sorted(set(held[label]) & set(held[first]))
+    own, others = (
+        {made.figure.name: mean_of(held[who][place][made.figure.name] for place in both) for made in excesses}
+        for who in (label, first)
     )
-    best_watts, best_amperes = (
-        mean_of(others[place][key] for place in both) for key in ("input_power_w", "current_sum_a")
-    )
-    return {
-        "points_shared": len(both),
-        "input_power_w": watts,
-        "current_sum_a": amperes,
-        "power_above_first_w": None if watts is None or best_watts is None else watts - best_watts,
-        "current_above_first_a": None if amperes is None or best_amperes is None else amperes - best_amperes,
-    }
+    above = {made.above: _difference(own[made.figure.name], others[made.figure.name]) for made in excesses}
+    return {"points_shared": len(both), **own, **above}
 
 
-def _place(row: Row) -> Place:
-    return row["speed_rpm"], row["load_percent"]
+def _difference(own: float | None, other: float | None) -> float | None:
+    return None if own is None or other is None else own - other
 
 
-def _known(rows: Iterable[Row], key: str) -> list[float]:
-    return [row[key] for row in rows if row[key] is not None]
-
-
-def region_rows(all_compared: Sequence[Compared], points: Sequence[Row], scale: DriveScale) -> list[Row]:
-    """Tell who wins where: in bands of the drive's speeds, at light and at heavy load."""
-    labels = [compared.label for compared in all_compared if status_of(compared) == COMPARED]
+def region_rows(
+    all_compared: Sequence[Compared],
+    points: Sequence[Row],
+    ends_rpm: Sequence[float],
+    excesses: Sequence[Excess],
+) -> list[Row]:
+    """List who wins where: in bands of the drive's speeds, at light and at heavy load."""
+    labels = [compared.label for compared in all_compared if compared.status == COMPARED]
     rows: list[Row] = []
-    for name, inside in _regions(scale):
+    for name, inside in _regions(ends_rpm):
         here = [row for row in points if row["feasible"] and inside(row)]
         if here:
             rows += _region(
-                name, {label: [row for row in here if row["candidate"] == label] for label in labels}
+                name,
+                {label: [row for row in here if row["candidate"] == label] for label in labels},
+                excesses,
             )
     return rows
 
 
-def _region(name: str, runs: dict[str, list[Row]]) -> list[Row]:
+def _region(name: str, runs: dict[str, list[Row]], excesses: Sequence[Excess]) -> list[Row]:
     rows: list[Row] = []
     for label, own in runs.items():
         held = [row for row in own if row["held"]]
         whole = bool(own) and len(held) == len(own)
-        means = {key: mean_of(row[key] for row in held) if whole else None for key in _MEANS}
+        means = {
+            made.figure.name: mean_of(row[made.figure.name] for row in held) if whole else None
+            for made in excesses
+        }
         counts = {"points": len(own), "points_held": len(held)}
         rows.append({"region": name, "candidate": label, **counts, **means})
-    for key, above in _MEANS.items():
-        least = min(_known(rows, key), default=0.0)
+    for made in excesses:
+        key = made.figure.name
+        least = min((row[key] for row in rows if row[key] is not None), default=0.0)
         for row in rows:
-            row[above] = None if row[key] is None else row[key] - least
+            row[made.above] = _difference(row[key], least)
     return rows
 
 
-def _regions(scale: DriveScale) -> Iterable[tuple[str, Callable[[Row], bool]]]:
-    ends = (0.0, *map(scale.speed, _BANDS_END_AT), math.inf)
-    for low, high in pairwise(ends):
+def _regions(ends_rpm: Sequence[float]) -> Iterable[tuple[str, Callable[[Row], bool]]]:
+    for low, high in pairwise(ends_rpm):
         speeds = f"up to {high:g} rpm" if low == 0.0 else f"{low:g} to {high:g} rpm"
         speeds = f"above {low:g} rpm" if high == math.inf else speeds
         for heavy in (False, True):

@@ -1,9 +1,9 @@
-"""Means over runs, and whether two candidates really differ: intervals of the mean of paired differences."""
+"""Whether two candidates really differ: intervals of the mean of paired differences."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -38,12 +38,6 @@ class PairedDifference:
     """Mean difference over the second's mean (%)."""
     verdict: str
     """``first lower``, ``first higher``, ``no real difference`` or ``too few pairs``."""
-
-
-def mean_of(values: Iterable[float]) -> float | None:
-    """Give the mean of values; None where there are none."""
-    known = list(values)
-    return math.fsum(known) / len(known) if known else None
 
 
 def paired_difference(

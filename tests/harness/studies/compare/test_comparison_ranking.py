@@ -4,8 +4,9 @@ import pytest
 
 from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.contracts.comparison import POINTS
+from drivegate.contracts.current.comparison.declaration import COMPARISON
 from drivegate.results.result import CheckOutcome
-from drivegate.scenarios.drive_scale import scale_of
 from drivegate.studies.compare.differences import difference_rows
 from drivegate.studies.compare.engine import Compared, labelled
 from drivegate.studies.compare.ranking import ranking_rows, region_rows
@@ -45,12 +46,20 @@ def points(label, watts, held=(True, True, True)):
     ]
 
 
+def ranked(everybody, rows):
+    return ranking_rows(everybody, COMPARISON.ranking, {POINTS: rows})
+
+
+def regions(everybody, rows, drive):
+    return region_rows(everybody, rows, COMPARISON.regions.ends_rpm(drive), COMPARISON.regions.excesses)
+
+
 def places(rows):
     return [(row["rank"], row["candidate"]) for row in rows]
 
 
 def test_fewer_failed_checks_come_before_watts():
-    rows = ranking_rows(
+    rows = ranked(
         [compared("thrifty", failed=1), compared("correct", failed=0)],
         points("thrifty", (100.0, 400.0, 400.0)) + points("correct", (200.0, 800.0, 800.0)),
     )
@@ -60,7 +69,7 @@ def test_fewer_failed_checks_come_before_watts():
 
 
 def test_points_held_come_before_watts():
-    rows = ranking_rows(
+    rows = ranked(
         [compared("loses"), compared("holds")],
         points("loses", (1.0, 1.0, 1.0), (True, True, False)) + points("holds", (200.0, 800.0, 800.0)),
     )
@@ -71,7 +80,7 @@ def test_points_held_come_before_watts():
 
 
 def test_equals_are_separated_by_watts_and_share_a_place_within_a_thousandth():
-    rows = ranking_rows(
+    rows = ranked(
         [compared("worse"), compared("best"), compared("nearly")],
         points("worse", (103.0, 400.0, 800.0))
         + points("best", (100.0, 400.0, 800.0))
@@ -83,7 +92,7 @@ def test_equals_are_separated_by_watts_and_share_a_place_within_a_thousandth():
 def test_faults_and_refusals_have_no_place():
     fault = Fault(FaultKind.CRASH, "died", "step")
     refused = Compared("refused", "refused", error=InputError("no such candidate"))
-    rows = ranking_rows(
+    rows = ranked(
         [refused, compared("faulted", faults=[fault]), compared("fine")],
         points("fine", (100.0, 400.0, 800.0)) + points("faulted", (1.0, 1.0, 1.0)),
     )
@@ -93,10 +102,10 @@ def test_faults_and_refusals_have_no_place():
 
 
 def test_only_who_holds_a_region_can_win_it():
-    rows = region_rows(
+    rows = regions(
         [compared("loses"), compared("holds")],
         points("loses", (1.0, 1.0, 1.0), (True, False, True)) + points("holds", (200.0, 800.0, 800.0)),
-        scale_of(load_drive("paper-5-phase")),
+        load_drive("paper-5-phase"),
     )
     of = {(row["region"], row["candidate"]): row for row in rows}
     heavy = of["up to 800 rpm, half load and more", "loses"]
@@ -112,7 +121,7 @@ def test_bands_of_speed_follow_from_the_drive():
         speeds = [share * drive.rating.base_speed_rpm for share in (1.5, 2.0, 3.0, 4.0)]
         one = points("any", (1.0, 1.0, 1.0))[0] | {"load_percent": 100.0}
         made = [one | {"speed_rpm": speed} for speed in speeds]
-        return [row["region"] for row in region_rows([compared("any")], made, scale_of(drive))]
+        return [row["region"] for row in regions([compared("any")], made, drive)]
 
     heavy = ", half load and more"
     paper = ["up to 800 rpm", "800 to 1200 rpm", "1200 to 1500 rpm", "above 1500 rpm"]
@@ -141,7 +150,7 @@ def test_pairs_are_matched_by_seed_and_lost_runs_are_counted():
         ]
 
     runs = drawn("a", (100.0, 200.0, 300.0, 400.0)) + drawn("b", (110.0, 211.0, 312.0, 9.0), lost={3})
-    rows = difference_rows(["a", "b"], list(reversed(runs)), [])
+    rows = difference_rows(["a", "b"], COMPARISON.populations, {"repetitions": runs[::-1], "drive_cycle": []})
     power = next(row for row in rows if row["quantity"] == "input_power_w")
     assert (power["pairs"], power["left_out"]) == (3, 1)
     assert power["mean_difference"] == pytest.approx(-11.0)

@@ -5,10 +5,11 @@ from math import pi
 import pytest
 
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.contracts.comparison import ComparisonRequest
+from drivegate.contracts.current.comparison.plan import EFFORTS, planned_runs
 from drivegate.studies.compare.compared_drive import ComparedDrive
 from drivegate.studies.compare.drive_tables import operating_rows, summary_rows
 from drivegate.studies.compare.engine import Compared
-from drivegate.studies.compare.plan import EFFORTS, planned_runs
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.drive_cycle import load_drive_cycle
 
@@ -31,12 +32,13 @@ def figures(planned, held=True):
 
 
 def compared_on(drive, lost=()):
-    plan = planned_runs(drive, CYCLE, "quick", 0)
+    request = ComparisonRequest(drive, "quick", 0, CYCLE)
+    plan = planned_runs(request)
     one = Compared("one", "one", resolve_candidate("initial"))
     points = [(index, planned) for index, planned in enumerate(plan) if planned.group == "points"]
     for place, (index, planned) in enumerate(points):
         one.figures[index] = figures(planned, place not in lost)
-    return ComparedDrive(drive, plan, [one], {})
+    return ComparedDrive(request, plan, [one], {})
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +49,7 @@ def made():
 
 @pytest.fixture(scope="module")
 def points(made):
-    return operating_rows(LABELS, made, "quick")
+    return operating_rows(LABELS, made)
 
 
 def test_losses_are_split_at_the_torque(points):
@@ -87,7 +89,7 @@ def test_rated_power_is_held_up_to_the_first_gap(made, points):
 
 def test_points_of_a_narrow_range_that_are_one_speed_stand_for_every_share():
     narrow = PAPER.replaced(overspeed_rpm=PAPER.rating.highest_speed_rpm)
-    rows = operating_rows(("narrow",), [compared_on(narrow)], "quick")
+    rows = operating_rows(("narrow",), [compared_on(narrow)])
     size = EFFORTS["quick"]
     assert len(rows) == len(size.speeds) * len(size.shares)
     assert {row["speed_rpm"] for row in rows if row["speed_share"] >= 1.0} == {1500.0}

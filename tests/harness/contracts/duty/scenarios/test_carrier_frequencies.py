@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import json
+from typing import get_args
 
 import pytest
 from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis import strategies as st
 
+from drivegate.contracts.comparison import ComparisonRequest
+from drivegate.contracts.duty.comparison.plan import planned_duty_runs
 from drivegate.contracts.duty.scenarios.building import PERIODS_AT_A_TIME, dwell_periods, torque_scenario
 from drivegate.contracts.duty.scenarios.drawn import FAMILY_GROUPS, failure_scenarios
 from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios
@@ -16,12 +19,13 @@ from drivegate.contracts.duty.scenarios.windows import duty_windows
 from drivegate.contracts.traceability import family_name
 from drivegate.scenarios.simplification import simplified
 from drivegate.studies.campaign.parameters import with_parameters
-from drivegate.studies.compare.duty.plan import planned_duty_runs
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.control_periods import seen_at_s
+from drivegate_cases.scenario.drive_cycle import load_drive_cycle
 from drivegate_cases.scenario.failure_kind import FAILURE_KINDS
+from drivegate_cases.scenario.reference import Reference
 from drivegate_cases.scenario.scenario import Scenario
 
 KILOHERTZ = (
@@ -191,8 +195,10 @@ def test_simpler_scenarios_and_other_studies_are_whole_periods_too(kilohertz: fl
     ]
     compared = [
         planned.scenario
-        for kind in ("torque", "speed")
-        for planned in planned_duty_runs(drive, "quick", kind)
+        for kind in get_args(Reference)
+        for planned in planned_duty_runs(
+            ComparisonRequest(drive, "quick", 0, load_drive_cycle("ece-15"), kind)
+        )
     ]
     changed = with_parameters(
         torque_scenario(SURFACE, 123.0, (0.0, 1.0)),

@@ -7,8 +7,8 @@ import pandas
 import pytest
 
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.contracts.catalogue import CONTRACTS
 from drivegate.contracts.duty.columns import OBSERVATIONS
-from drivegate.studies.campaign.engine import REHEARSED
 from drivegate.studies.campaign.file import read_campaign
 from drivegate.studies.campaign.folder import CampaignFolder
 from drivegate.studies.campaign.plan import planned
@@ -80,9 +80,8 @@ def test_rows_have_the_margins_and_observations_of_the_contract(plan, folder):
 
 
 def test_the_first_runs_are_made_by_a_candidate_of_the_contract(plan):
-    assert REHEARSED.keys() == JUDGED_CHECKS.keys()
-    for contract, name in REHEARSED.items():
-        assert resolve_candidate(name).contract == contract
+    for contract in CONTRACTS.values():
+        assert resolve_candidate(contract.rehearsed).contract == contract.name
 
 
 def test_parameters_change_the_plant_and_the_drive_of_a_case(plan):

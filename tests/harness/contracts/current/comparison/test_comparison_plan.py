@@ -2,17 +2,22 @@
 
 import pytest
 
+from drivegate.contracts.comparison import ComparisonRequest
+from drivegate.contracts.current.comparison.plan import EFFORTS, planned_runs
 from drivegate.contracts.current.scenarios.feasibility import is_fair
-from drivegate.studies.compare.plan import EFFORTS, planned_runs
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.drive_cycle import load_drive_cycle
 
 DRIVE, CYCLE = load_drive("paper-5-phase"), load_drive_cycle("ece-15")
 
 
+def planned(effort, seed):
+    return planned_runs(ComparisonRequest(DRIVE, effort, seed, CYCLE))
+
+
 @pytest.fixture(scope="module")
 def plan():
-    return planned_runs(DRIVE, CYCLE, "quick", 0)
+    return planned("quick", 0)
 
 
 def test_the_plan_has_what_the_effort_says(plan):
@@ -35,8 +40,8 @@ def test_everything_steady_can_be_done_at_some_angle(plan):
 
 
 def test_the_same_seed_gives_the_same_plan(plan):
-    assert planned_runs(DRIVE, CYCLE, "quick", 0) == plan
-    other = planned_runs(DRIVE, CYCLE, "quick", 1)
+    assert planned("quick", 0) == plan
+    other = planned("quick", 1)
     drawn = [[run.scenario for run in made if run.group == "drawn"] for made in (plan, other)]
     assert drawn[0] != drawn[1]
     fixed = [[run.scenario for run in made if run.group == "points"] for made in (plan, other)]
@@ -44,6 +49,6 @@ def test_the_same_seed_gives_the_same_plan(plan):
 
 
 def test_a_greater_effort_keeps_what_a_smaller_one_draws(plan):
-    more = planned_runs(DRIVE, CYCLE, "default", 0)
+    more = planned("default", 0)
     drawn = [[run.scenario for run in made if run.group == "drawn"] for made in (plan, more)]
     assert drawn[1][: len(drawn[0])] == drawn[0]

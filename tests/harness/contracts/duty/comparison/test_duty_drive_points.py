@@ -5,14 +5,16 @@ from math import pi
 import pytest
 
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.contracts.comparison import ComparisonRequest
+from drivegate.contracts.duty.comparison.plan import EFFORTS, planned_duty_runs
 from drivegate.contracts.duty.scenarios.building import torque_of
 from drivegate.contracts.duty.scenarios.fixed import speed_of
 from drivegate.studies.compare.compared_drive import ComparedDrive
 from drivegate.studies.compare.drive_tables import drive_rows, operating_rows, summary_rows
-from drivegate.studies.compare.duty.plan import EFFORTS, planned_duty_runs
 from drivegate.studies.compare.engine import Compared
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.scenario.drive_cycle import load_drive_cycle
 
 SIZE = EFFORTS["quick"]
 TORQUES = len(SIZE.torques)
@@ -41,12 +43,13 @@ def compared_on(name: str, lost: int | None = None) -> ComparedDrive:
                 for place, torque in enumerate(torque_of(drive, speed, load) for load in SIZE.torques)
             ]
         }
-    return ComparedDrive(drive, planned_duty_runs(drive, "quick"), [one], {})
+    request = ComparisonRequest(drive, "quick", 0, load_drive_cycle("ece-15"))
+    return ComparedDrive(request, planned_duty_runs(request), [one], {})
 
 
 def test_points_are_matched_by_their_shares_and_written_alike() -> None:
     made = [compared_on("pm-ac-surface"), compared_on("pm-ac-interior", lost=0)]
-    rows = operating_rows(("surface", "interior"), made, "quick")
+    rows = operating_rows(("surface", "interior"), made)
     assert len(rows) == 2 * len(SIZE.speeds) * TORQUES
     for row in rows:
         assert row["current_sum_a"] == pytest.approx(30.0 / pi), "three sines of 5 A"

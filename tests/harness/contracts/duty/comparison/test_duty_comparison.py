@@ -11,15 +11,19 @@ import pytest
 
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import own_candidate
-from drivegate.studies.compare.duty.compared import _common_reference
-from drivegate.studies.compare.duty.document import duty_document
-from drivegate.studies.compare.duty.plan import EFFORTS, planned_duty_runs
-from drivegate.studies.compare.duty.ranking import duty_ranking
-from drivegate.studies.compare.duty.run import measured_duty
+from drivegate.contracts.comparison import POINTS, ComparisonRequest
+from drivegate.contracts.duty.comparison.declaration import COMPARISON
+from drivegate.contracts.duty.comparison.plan import EFFORTS, planned_duty_runs
+from drivegate.studies.compare.compared_drive import _common_reference
+from drivegate.studies.compare.document import comparison_document
 from drivegate.studies.compare.engine import Compared, labelled
+from drivegate.studies.compare.engine import measured as run_and_measure
+from drivegate.studies.compare.ranking import ranking_rows
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.scenario.drive_cycle import load_drive_cycle
 from drivegate_cases.scenario.load import ConstantTorqueLoad, DynamometerLoad
+from drivegate_cases.scenario.reference import Reference
 
 Row = dict[str, Any]
 
@@ -30,13 +34,17 @@ def surface() -> PmAcDocument:
     return drive
 
 
-PLAN = planned_duty_runs(surface(), "quick")
-LOADS = planned_duty_runs(surface(), "quick", "speed")
+def request(effort: str = "quick", reference: Reference = "torque") -> ComparisonRequest:
+    return ComparisonRequest(surface(), effort, 0, load_drive_cycle("ece-15"), reference)
+
+
+PLAN = planned_duty_runs(request())
+LOADS = planned_duty_runs(request(reference="speed"))
 
 
 @cache
 def measured(candidate: str, index: int) -> Row:
-    return measured_duty(own_candidate(resolve_candidate(candidate)), PLAN[index])
+    return run_and_measure(own_candidate(resolve_candidate(candidate)), PLAN[index])
 
 
 def found(candidate: str, group: str, speed: float) -> list[Row]:
@@ -63,6 +71,10 @@ def named(names: str) -> list[Compared]:
     return made
 
 
+def ranked(names: str, points: list[Row], steps: list[Row]) -> list[Row]:
+    return ranking_rows(named(names), COMPARISON.ranking, {POINTS: points, "steps": steps})
+
+
 def point(candidate: str, reference: float, *, held: bool = True, loss: float | None = 1.0) -> Row:
     return {
         "candidate": candidate,
@@ -78,7 +90,7 @@ def point(candidate: str, reference: float, *, held: bool = True, loss: float | 
 @pytest.mark.parametrize("effort", EFFORTS)
 def test_the_plan_goes_from_slow_to_weakening_by_torques_in_reach(effort: str) -> None:
     drive = surface()
-    plan = planned_duty_runs(drive, effort)
+    plan = planned_duty_runs(request(effort))
     speeds = [planned.scenario.speed_rpm[0][1] for planned in plan if planned.group == "points"]
     assert speeds == sorted(set(speeds))
     assert speeds[0] < 0.2 * drive.rating.base_speed_rpm
@@ -116,23 +128,21 @@ def test_who_holds_more_is_first_then_who_loses_less() -> None:
         *(point("c", torque, loss=2.0) for torque in (1.0, 2.0)),
         *(point("d", torque, loss=2.05) for torque in (1.0, 2.0)),
     ]
-    rows = duty_ranking(named("abcd"), points, [])
+    rows = ranked("abcd", points, [])
     assert [(row["candidate"], row["rank"]) for row in rows] == [("c", 1), ("d", 1), ("a", 3), ("b", 4)]
     assert rows[-1]["points_held"] == 1
 
 
 def test_a_rise_that_is_not_reached_is_no_number() -> None:
     step = {"candidate": "a", "rise_ms": None, "allowed_ms": 1.0, "overshoot_percent": 0.0}
-    (row,) = duty_ranking(named("a"), [point("a", 1.0)], [step])
+    (row,) = ranked("a", [point("a", 1.0)], [step])
     assert row["rise_worst_percent_of_allowed"] is None
 
 
 def test_the_document_has_what_was_measured() -> None:
     (one,) = made = compared("foc")
     one.figures = {4: measured("foc", 4)}
-    document = duty_document(
-        made, PLAN, drive=surface(), effort="quick", seed=0, checks=False, timing={"seconds": 1.0}
-    )
+    document = comparison_document(made, PLAN, {}, request(), checks=False, timing={"seconds": 1.0})
     assert document["kind"] == "duty-comparison"
     rows = document["tables"]["operating_points"]
     assert [row["speed_rpm"] for row in rows] == [1650.0] * 3
@@ -158,7 +168,7 @@ def test_a_plan_of_speeds_has_the_points_of_that_of_torques_and_no_steps() -> No
 
 
 def test_a_loaded_point_tells_its_load_and_what_goes_in() -> None:
-    (row,) = measured_duty(own_candidate(resolve_candidate("foc")), LOADS[7])["points"]
+    (row,) = run_and_measure(own_candidate(resolve_candidate("foc")), LOADS[7])["points"]
     assert row["held"] is True
     assert row["torque_nm"] == pytest.approx(row["reference_nm"], rel=0.05), "friction is small"
     mechanical = row["torque_nm"] * row["speed_rpm"] * math.pi / 30.0

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from drivegate.studies.compare.run import converged_after, recovery_figures
+from drivegate.contracts.current.comparison.measuring import converged_after, recovery_figures
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.limits import limits_of
 

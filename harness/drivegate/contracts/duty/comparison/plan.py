@@ -1,21 +1,18 @@
-"""What every controller of duty ratios of a comparison runs: torques at held speeds and steps of them, or loads."""
+"""What every controller of duty ratios of a comparison runs: torques at constant speeds, with steps, or loads."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Final, Literal, TypeAlias
+from typing import Final
 
+from drivegate.contracts.comparison import ComparisonRequest, PlannedRun
+from drivegate.contracts.duty.document import duty_document
 from drivegate.contracts.duty.scenarios.building import speed_scenario, torque_of, torque_scenario
 from drivegate.contracts.duty.scenarios.fixed import speed_of
 from drivegate.scenarios.title import titled
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.control_periods import on_whole_periods
-from drivegate_cases.scenario.reference import Reference
-from drivegate_cases.scenario.scenario import Scenario
-
-DutyGroup: TypeAlias = Literal["points", "steps"]
-"""Kinds of runs of such a comparison."""
 
 SEARCH_S: Final = 6.0
 """Length of a run of a speed reference, in which a search of seconds finds its angle (s)."""
@@ -51,40 +48,26 @@ EFFORTS: Final = {
 """What is run, by the name of the effort."""
 
 
-@dataclass(frozen=True)
-class DutyPlannedRun:
-    """One run that every candidate makes."""
-
-    group: DutyGroup
-    """What the run is for."""
-    label: str
-    """What it is, for people."""
-    scenario: Scenario
-    """The scenario."""
-
-
-def planned_duty_runs(
-    drive: PmAcDocument, effort: str, reference: Reference = "torque"
-) -> tuple[DutyPlannedRun, ...]:
+def planned_duty_runs(request: ComparisonRequest) -> tuple[PlannedRun, ...]:
     """Plan the runs of a comparison; those of a speed reference have the same speeds and loads, and no steps."""
-    runs = _loads if reference == "speed" else _torques
-    return tuple(runs(drive, EFFORTS[effort]))
+    runs = _loads if request.reference == "speed" else _torques
+    return tuple(runs(duty_document(request.drive), EFFORTS[request.effort]))
 
 
-def _loads(drive: PmAcDocument, size: DutyEffort) -> Iterator[DutyPlannedRun]:
+def _loads(drive: PmAcDocument, size: DutyEffort) -> Iterator[PlannedRun]:
     for speed in dict.fromkeys(speed_of(drive, share) for share in size.speeds):
         for share in size.torques:
             torque = torque_of(drive, speed, share)
             run = speed_scenario(drive, (speed,), torque_nm=torque)
             searched = on_whole_periods(SEARCH_S, drive.control_period_s)
             whole = titled(run.replaced(duration_s=max(run.duration_s, searched)))
-            yield DutyPlannedRun("points", f"{torque:g} N·m at {speed:g} rpm", whole)
+            yield PlannedRun("points", f"{torque:g} N·m at {speed:g} rpm", whole)
 
 
-def _torques(drive: PmAcDocument, size: DutyEffort) -> Iterator[DutyPlannedRun]:
+def _torques(drive: PmAcDocument, size: DutyEffort) -> Iterator[PlannedRun]:
     for speed in dict.fromkeys(speed_of(drive, share) for share in size.speeds):
         torques = [torque_of(drive, speed, share) for share in size.torques]
-        yield DutyPlannedRun("points", f"torques at {speed:g} rpm", torque_scenario(drive, speed, torques))
+        yield PlannedRun("points", f"torques at {speed:g} rpm", torque_scenario(drive, speed, torques))
     for speed in dict.fromkeys(speed_of(drive, share) for share in size.step_speeds):
         torques = [torque_of(drive, speed, share) for share in STEPS]
-        yield DutyPlannedRun("steps", f"steps at {speed:g} rpm", torque_scenario(drive, speed, torques))
+        yield PlannedRun("steps", f"steps at {speed:g} rpm", torque_scenario(drive, speed, torques))

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from drivegate.candidates.builtin.loading import BuiltinController
-from drivegate.drives.running import run_scenario
-from drivegate.studies.compare.drive_cycle_run import (
+from drivegate.contracts.current.comparison.drive_cycle import (
     braking_grade,
     cycle_figures,
     cycle_scenario,
     cycle_vehicle,
 )
+from drivegate.drives.running import run_scenario
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.drive_cycle import DriveCycle, load_drive_cycle
 from drivegate_cases.scenario.load import GRAVITY

@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Final, Literal, TypeAlias
+from typing import Final
 
 import numpy as np
 
-from drivegate.contracts.catalogue import contract_of
+from drivegate.contracts.comparison import ComparisonRequest, PlannedRun
+from drivegate.contracts.current.comparison.drive_cycle import cycle_scenario
 from drivegate.contracts.current.scenarios.building import steady_scenario
+from drivegate.contracts.current.scenarios.feasibility import is_fair
 from drivegate.scenarios.changes import (
     pulsed,
     stepped,
@@ -21,13 +23,9 @@ from drivegate.scenarios.changes import (
     with_supply,
 )
 from drivegate.scenarios.drive_scale import scale_of, tidy
-from drivegate.studies.compare.drive_cycle_run import cycle_scenario
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.drive_cycle import DriveCycle
 from drivegate_cases.scenario.scenario import Scenario
-
-Group: TypeAlias = Literal["points", "disturbances", "noise", "drawn", "cycle"]
-"""Kinds of runs of a comparison."""
 
 
 @dataclass(frozen=True)
@@ -72,34 +70,15 @@ _MOST_DRAWS: Final = 100
 """Draws for one scenario that is fair, at most."""
 
 
-@dataclass(frozen=True)
-class PlannedRun:
-    """One run that every candidate makes."""
-
-    group: Group
-    """What the run is for."""
-    label: str
-    """What it is, for people; the same label stands for repetitions with other noise."""
-    scenario: Scenario
-    """The scenario."""
-    speed_rpm: float | None = None
-    share: float | None = None
-    """The operating point where it is one; share of rated power (1)."""
-    change_s: float | None = None
-    """When the disturbance is over (s)."""
-    seed: int | None = None
-    """Number of the repetition or draw."""
-
-
-def planned_runs(drive: DriveDocument, cycle: DriveCycle, effort: str, seed: int) -> tuple[PlannedRun, ...]:
+def planned_runs(request: ComparisonRequest) -> tuple[PlannedRun, ...]:
     """Plan the runs of a comparison."""
-    size = EFFORTS[effort]
+    drive, seed, size = request.drive, request.seed, EFFORTS[request.effort]
     return (
         *_operating_points(drive, size),
         *disturbances(drive)[: size.disturbances],
         *_noisy(drive, size, seed),
         *_drawn(drive, size, seed),
-        *_cycles(drive, cycle, size, seed),
+        *_cycles(drive, request.cycle, size, seed),
     )
 
 
@@ -191,7 +170,7 @@ def _drawn(drive: DriveDocument, size: ComparisonEffort, seed: int) -> Iterator[
         generator = np.random.default_rng([seed, 1_000_000 + number])
         for _ in range(_MOST_DRAWS):
             speed, share, scenario = _draw(drive, generator)
-            if contract_of(scenario.drive).is_fair(scenario):
+            if is_fair(scenario):
                 noisy = with_real_sensors(scenario, seed=_noise_seed(seed, 1_000_000 + number))
                 yield PlannedRun("drawn", noisy.name, noisy, speed, share, seed=number)
                 break

@@ -8,14 +8,11 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.containment.messages import AnyController, JudgedCandidate
-from drivegate.contracts.current.timed_steps import senses_of_run, step_seconds
-from drivegate.drives.running import run_scenario
+from drivegate.checks.record import Record
+from drivegate.contracts.comparison import PlannedRun, Row
+from drivegate.contracts.current.comparison.drive_cycle import cycle_figures
 from drivegate.scenarios.drive_scale import scale_of
-from drivegate.studies.compare.drive_cycle_run import cycle_figures
-from drivegate.studies.compare.plan import PlannedRun
 from drivegate_cases.drive.limits import Limits, limits_of
-from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.loop import observation
 from drivegate_models.loop.closed_loop import ClosedLoopRun
 from drivegate_models.units import RADIANS_PER_RPM
@@ -25,14 +22,15 @@ TRACE_EVERY: Final = 20
 SHOWN_EVERY_S: Final = 0.05
 """Time between two rows of a trajectory that the report draws (s)."""
 
-Figures = dict[str, Any]
-"""What was measured: plain data."""
+
+def trace_every(planned: PlannedRun) -> int:
+    """Return the control periods from one kept row of a trace to the next."""
+    return 1 if planned.group == "cycle" else TRACE_EVERY
 
 
-def measured(loaded: JudgedCandidate, planned: PlannedRun) -> Figures:
-    """Run a candidate through a planned run."""
-    every = 1 if planned.group == "cycle" else TRACE_EVERY
-    run = run_scenario(planned.scenario, loaded.controller(), trace_every=every)
+def measured(planned: PlannedRun, record: Record) -> Row:
+    """Return the figures of a run."""
+    run: Any = record.run
     if planned.group == "cycle":
         return cycle_figures(planned.scenario, run)
     limits = limits_of(planned.scenario.drive)
@@ -48,7 +46,7 @@ def measured(loaded: JudgedCandidate, planned: PlannedRun) -> Figures:
     return figures | {"converged_after_s": converged_after(columns, figures, limits)}
 
 
-def steady_figures(run: ClosedLoopRun, limits: Limits) -> Figures:
+def steady_figures(run: ClosedLoopRun, limits: Limits) -> Row:
     """Tell what the last steady stretch of a run came to; it is held within k1."""
     row = run.windows[-1]
     error = row.speed_error / RADIANS_PER_RPM
@@ -65,9 +63,7 @@ def steady_figures(run: ClosedLoopRun, limits: Limits) -> Figures:
     }
 
 
-def converged_after(
-    columns: dict[str, NDArray[np.float64]], figures: Figures, limits: Limits
-) -> float | None:
+def converged_after(columns: dict[str, NDArray[np.float64]], figures: Row, limits: Limits) -> float | None:
     """Tell when a run had converged: from then on the speed is held and the angle stays near its last mean."""
     error = np.abs(columns["speed_rpm"] - columns["speed_reference_rpm"])
     moved = np.abs(columns["advance_deg"] - figures["advance_deg"])
@@ -78,7 +74,7 @@ def converged_after(
 
 def recovery_figures(
     columns: dict[str, NDArray[np.float64]], begins_s: float, change_s: float, limits: Limits
-) -> Figures:
+) -> Row:
     """Tell how a candidate got over a disturbance, from when it begins and when it is over."""
     times = columns["time_s"]
     error = np.abs(columns["speed_rpm"] - columns["speed_reference_rpm"])
@@ -123,21 +119,3 @@ def _trajectory(columns: dict[str, NDArray[np.float64]]) -> dict[str, list[float
             for value in columns["current_sum_a"][:whole].reshape(-1, every).mean(axis=1)
         ],
     }
-
-
-def timed(loaded: JudgedCandidate, scenario: Scenario) -> Figures:
-    """Time a candidate's steps on what it sensed in a run."""
-    controller = loaded.controller()
-    run = run_scenario(scenario, controller, trace_every=1)
-    nameplate = scenario.nameplate()
-    step = step_seconds(controller, nameplate, senses_of_run(run, nameplate))
-    return {
-        "step_us": 1e6 * step,
-        "share_of_period_percent": 100.0 * step / scenario.control_period_s,
-        "state_bytes": _state_size(controller),
-    }
-
-
-def _state_size(controller: AnyController) -> int | None:
-    size = getattr(controller, "state_size", None)
-    return int(size) if isinstance(size, int) and size > 0 else None

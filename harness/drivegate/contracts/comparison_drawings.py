@@ -1,0 +1,96 @@
+"""The kinds of figures that the page of a comparison can draw, each as a contract declares it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+
+@dataclass(frozen=True, kw_only=True)
+class DifferenceBars:
+    """Mean differences from the first candidate, with their intervals."""
+
+    panels: tuple[tuple[str, str, str, str], ...]
+    """How `where` begins, and quantity, title and unit of each panel."""
+    caption: str
+    """Its caption; ``{first}`` stands for the first candidate."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpeedCurves:
+    """Figures of operating points over speed, at a medium and at the heaviest load."""
+
+    title: str
+    panels: tuple[tuple[str, str, str], ...]
+    """Key and label of each panel, and the key of the best possible; empty for none."""
+    caption: str
+    """Its caption; ``{light}`` and ``{heavy}`` stand for the loads (%)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpeedLoadMap:
+    """A figure of operating points over speed and torque, in a map for each candidate."""
+
+    key: str
+    """The figure."""
+    title: str
+    caption: str
+    scale: str
+    """Words of the scale."""
+    digits: int = 1
+    """Digits after the point."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunCurves:
+    """What follows a change, over time, in a drawing for each of some runs."""
+
+    most: int
+    """How many runs are drawn."""
+    panels: tuple[tuple[str, str], ...]
+    """Key and label of each panel; the first is an error."""
+    caption: str
+    """Its caption; ``{change_s}`` and ``{held_rpm}`` stand for time of the change (s) and limit of the error (rpm)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class CycleCurves:
+    """Speed and energy over a drive cycle."""
+
+    title: str
+    caption: str
+    """Its caption; ``{first}`` stands for the first candidate."""
+
+
+@dataclass(frozen=True)
+class MarkPanel:
+    """A panel with a mark for each candidate and row."""
+
+    label: str
+    """Its axis."""
+    value: Callable[[Mapping[str, Any]], float | None]
+    """From a row, return what is drawn."""
+    limit: Callable[[Mapping[str, Any]], float] | None = None
+    """From the document, return a limit to be drawn."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RowMarks:
+    """Rows of a table by speed and load, with a mark for each candidate."""
+
+    name: str
+    title: str
+    caption: str
+    table: str
+    """The table; of operating points, those that are held are drawn."""
+    load: str
+    """Key of the load."""
+    load_label: str
+    """What it is called, with its unit."""
+    panels: tuple[MarkPanel, ...]
+    """The panels."""
+
+
+Drawing: TypeAlias = DifferenceBars | SpeedCurves | SpeedLoadMap | RunCurves | CycleCurves | RowMarks
+"""Any of them."""

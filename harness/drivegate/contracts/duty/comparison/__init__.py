@@ -1,0 +1,1 @@
+"""How controllers that answer with duty ratios are compared."""

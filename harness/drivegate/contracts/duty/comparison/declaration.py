@@ -1,0 +1,228 @@
+"""Measures, tables, ranking and page of a comparison of controllers of duty ratios."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from math import hypot
+from typing import Any, Final
+
+from drivegate.checks.record import Record
+from drivegate.contracts.comparison import (
+    POINTS,
+    Column,
+    Comparison,
+    ComparisonRequest,
+    DrivePoint,
+    Figure,
+    PlannedRun,
+    Ranking,
+    Row,
+    RunTable,
+    Summary,
+    held_column,
+    mean,
+    name_of,
+    worst,
+)
+from drivegate.contracts.duty.checks.judged import duty_record
+from drivegate.contracts.duty.comparison.page import SECTIONS, method, rise_percent, shown_facts
+from drivegate.contracts.duty.comparison.plan import EFFORTS, planned_duty_runs
+from drivegate.contracts.duty.document import duty_document
+from drivegate.contracts.duty.points import steady_points, step_rows
+from drivegate.contracts.duty.scenarios.building import torque_of
+from drivegate.contracts.duty.scenarios.fixed import speed_of
+from drivegate_cases.documents.rounding import significant
+from drivegate_cases.drive.pm_ac.limits import duty_limits_of
+from drivegate_models.machine.rotor_frame import SUM_OVER_PEAK
+
+_DIGITS: Final = 6
+_LOSS: Final = Figure("loss_above_least_percent", "loss above least", "%")
+_CURRENT: Final = Figure("current_above_least_percent", "current above least", "%")
+_SPEED: Final = Figure("speed_rpm", "speed", "rpm", None)
+
+
+def _measured(planned: PlannedRun, record: Record) -> Row:
+    run = duty_record(record)
+    return {planned.group: steady_points(run) if planned.group == "points" else list(step_rows(run))}
+
+
+def _rows(planned: PlannedRun, figures: Row, _best: Row | None) -> Iterator[Row]:
+    for row in figures[planned.group]:
+        yield {key: _rounded(value) for key, value in row.items()}
+
+
+def _rounded(value: Any) -> Any:
+    # Smaller than that is what rounding leaves of none.
+    return significant(round(value, _DIGITS), _DIGITS) + 0.0 if isinstance(value, float) else value
+
+
+_POINT_COLUMNS: Final[tuple[Column, ...]] = (
+    name_of("candidate"),
+    _SPEED,
+    Figure("reference_nm", "asked", "N·m", None),
+    Figure("torque_nm", "torque", "N·m", None),
+    held_column(),
+    Figure("direct_current_a", "d", "A", None),
+    Figure("quadrature_current_a", "q", "A", None),
+    _CURRENT,
+    Figure("input_power_w", "input", "W", None),
+    Figure("loss_w", "loss", "W", None),
+    _LOSS,
+    Figure("efficiency_percent", "efficiency", "%"),
+    Figure("voltage_percent", "voltage", "%", 1),
+    Figure("ripple_percent", "ripple", "%"),
+)
+_STEP_COLUMNS: Final[tuple[Column, ...]] = (
+    name_of("candidate"),
+    _SPEED,
+    Figure("before_nm", "from", "N·m", None),
+    Figure("after_nm", "to", "N·m", None),
+    Figure("rise_ms", "rise", "ms"),
+    Figure("allowed_ms", "allowed", "ms"),
+    Figure("overshoot_percent", "overshoot", "%"),
+)
+_TABLES: Final = (
+    RunTable(
+        name=POINTS,
+        groups=("points",),
+        rows=_rows,
+        columns=_POINT_COLUMNS,
+        caption=lambda _: (
+            "Torque asked for, or of the load. Currents and losses of the fundamental compared with the least for the "
+            "same torque; voltage of the undistorted."
+        ),
+    ),
+    RunTable(
+        name="steps",
+        groups=("steps",),
+        rows=_rows,
+        columns=_STEP_COLUMNS,
+        caption=lambda _: "Steps of the torque reference for which the voltage leaves room.",
+    ),
+)
+
+
+def _worst_rise(rows: Sequence[Row]) -> float | None:
+    """Return the longest rise time over what is allowed (%); None where one is not known."""
+    known = [rise for row in rows if (rise := rise_percent(row)) is not None]
+    return max(known) if known and len(known) == len(rows) else None
+
+
+def _standing(row: Row) -> Iterator[str]:
+    if row["loss_above_least_percent"] is not None:
+        yield (
+            f"loses {row['loss_above_least_percent']:.2f} % more than the least on average, at worst "
+            f"{row['loss_worst_percent']:.2f} %"
+        )
+
+
+_RANKING: Final = Ranking(
+    rule=(
+        "most operating points held, then least mean loss above the least possible over the points that all equals "
+        "hold; means within 0.1 % share a place."
+    ),
+    decides="loss_above_least_percent",
+    at_shared="loss_at_shared_percent",
+    place=("speed_rpm", "reference_nm"),
+    count="points",
+    same_amount=0.1,
+    summaries=(
+        Summary("loss_above_least_percent", mean("loss_above_least_percent")),
+        Summary("loss_worst_percent", worst("loss_above_least_percent")),
+        Summary("current_above_least_percent", mean("current_above_least_percent")),
+        Summary("ripple_worst_percent", worst("ripple_percent")),
+        Summary("overshoot_worst_percent", worst("overshoot_percent"), "steps"),
+        Summary("rise_worst_percent_of_allowed", _worst_rise, "steps"),
+    ),
+    columns=(
+        _LOSS,
+        _CURRENT,
+        Figure("ripple_worst_percent", "worst ripple", "%"),
+        Figure("overshoot_worst_percent", "worst overshoot", "%"),
+        Figure("rise_worst_percent_of_allowed", "worst rise of allowed", "%", 0),
+    ),
+    printed=(
+        "loss_above_least_percent",
+        "current_above_least_percent",
+        "ripple_worst_percent",
+        "overshoot_worst_percent",
+        "rise_worst_percent_of_allowed",
+    ),
+    caption=lambda _: (
+        "How many required checks are failed and how many operating points held; then means and worst values over the "
+        "points that a candidate holds, ripple over rated torque, rise time over the longest that is allowed."
+    ),
+    standing=_standing,
+)
+
+
+def _facts(request: ComparisonRequest, _plan: Sequence[PlannedRun]) -> Row:
+    limits = duty_limits_of(duty_document(request.drive))
+    return {
+        "reference": request.reference,
+        "drive": {
+            "rated_torque_nm": limits.rated_torque_nm,
+            "torque_tolerance_nm": limits.torque_error_nm,
+            "speed_tolerance_rpm": limits.speed_tolerance_rpm,
+            "overshoot_limit_percent": 100.0 * limits.overshoot,
+        },
+        "size": {"torques": list(EFFORTS[request.effort].torques)},
+    }
+
+
+def _place(speed_rpm: float, torque_nm: float) -> tuple[float, float]:
+    return round(speed_rpm, _DIGITS), round(torque_nm, _DIGITS)
+
+
+def _drive_points(
+    request: ComparisonRequest, _plan: Sequence[PlannedRun], all_figures: Mapping[int, Row]
+) -> Iterator[DrivePoint]:
+    drive, size = duty_document(request.drive), EFFORTS[request.effort]
+    rated_torque = duty_limits_of(drive).rated_torque_nm
+    rows = [row for figures in all_figures.values() for row in figures.get("points", ())]
+    by_place = {_place(row["speed_rpm"], row["reference_nm"]): row for row in rows}
+    for share in size.speeds:
+        speed = speed_of(drive, share)
+        for load in size.torques:
+            row = by_place.get(_place(speed, torque_of(drive, speed, load)))
+            if row is not None:
+                yield _drive_point(share, load, rated_torque, row)
+
+
+def _drive_point(share: float, load: float, rated_torque_nm: float, row: Row) -> DrivePoint:
+    swing = row["ripple_percent"] * rated_torque_nm
+    return DrivePoint(
+        speed_share=share,
+        load_percent=round(100.0 * load, _DIGITS),
+        speed_rpm=row["speed_rpm"],
+        torque_nm=row["reference_nm"],
+        held=row["held"],
+        # The shaft is held at its speed, or follows it within the tolerance of what is held.
+        speed_mean_rpm=row["speed_rpm"],
+        torque_mean_nm=row["torque_nm"],
+        input_power_w=row["input_power_w"],
+        current_sum_a=SUM_OVER_PEAK * hypot(row["direct_current_a"], row["quadrature_current_a"]),
+        ripple_percent=swing / abs(row["torque_nm"]) if row["torque_nm"] else 0.0,
+    )
+
+
+def _supply_voltage_v(drive: Any) -> float:
+    return float(drive.inverter.link_voltage_v)
+
+
+COMPARISON: Final = Comparison(
+    kind="duty-comparison",
+    ignores="such controllers are compared at constant speeds without noise",
+    plan=planned_duty_runs,
+    measure=_measured,
+    tables=_TABLES,
+    curves={},
+    ranking=_RANKING,
+    facts=_facts,
+    supply_voltage_v=_supply_voltage_v,
+    drive_points=_drive_points,
+    sections=SECTIONS,
+    method=method,
+    shown_facts=shown_facts,
+)
+"""How these controllers are compared."""

@@ -1,1 +1,0 @@
-"""Comparing controllers that answer with duty ratios."""

@@ -1,0 +1,111 @@
+"""Marks of every candidate at the rows of a table, by speed and load."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import groupby
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from drivegate.contracts.comparison import POINTS
+from drivegate.contracts.comparison_drawings import RowMarks
+from drivegate_reports.comparison.cells import written
+from drivegate_reports.comparison.inks import Ink
+from drivegate_reports.page.style import GREY, VERMILION, new_figure
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Row = Mapping[str, Any]
+
+_DASHED: Final = (0, (4, 3))
+_APART: Final = 0.7
+
+
+def marked_rows(document: Row, drawing: RowMarks) -> list[Row]:
+    """Return the rows that are drawn: of operating points, those that are held."""
+    return [row for row in document["tables"][drawing.table] if drawing.table != POINTS or row["held"]]
+
+
+def _places(rows: Sequence[Row], key: str) -> list[tuple[float, float]]:
+    return sorted({(row["speed_rpm"], row[key]) for row in rows})
+
+
+def draw_marks(document: Row, drawing: RowMarks, inks: Mapping[str, Ink]) -> Figure:
+    """Draw a mark for each candidate at each place, in a panel for each quantity."""
+    rows, key, panels = marked_rows(document, drawing), drawing.load, drawing.panels
+    places = _places(document["tables"][drawing.table], key)
+    figure, axes = new_figure(1.1 + 1.25 * len(panels), len(panels))
+    known = {(row["candidate"], row["speed_rpm"], row[key]): row for row in rows}
+    shifts = np.linspace(-0.5, 0.5, len(inks) + 2)[1:-1] * _APART
+    for axis, panel in zip(axes, panels, strict=True):
+        for (candidate, ink), shift in zip(inks.items(), shifts, strict=True):
+            marks = [
+                (x + shift, value)
+                for x, place in enumerate(places)
+                if (row := known.get((candidate, *place))) is not None
+                and (value := panel.value(row)) is not None
+            ]
+            if marks:
+                axis.plot(
+                    *zip(*marks, strict=True), ink.marker, color=ink.colour, markersize=4.5, label=ink.label
+                )
+        if panel.limit is not None:
+            axis.axhline(panel.limit(document), color=VERMILION, linewidth=1.1, linestyle=_DASHED)
+        axis.set_ylabel(panel.label)
+        axis.set_ylim(bottom=min(0.0, axis.get_ylim()[0]))
+        _mark_speeds(axis, places)
+    _name_speeds(axes[0], places)
+    for axis in axes[:-1]:
+        axis.tick_params(labelbottom=False)
+    turned = 90 if len(places) > 16 else 0
+    axes[-1].set_xticks(range(len(places)), [f"{value:.3g}" for _, value in places], rotation=turned)
+    axes[-1].set_xlabel(drawing.load_label)
+    handles, labels = axes[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=4, frameon=False, fontsize=9.0)
+    return figure
+
+
+def _groups(places: Sequence[tuple[float, float]]) -> list[tuple[float, int, int]]:
+    """Return each speed with its first and its last place."""
+    found, begin = [], 0
+    for speed, members in groupby(places, key=lambda place: place[0]):
+        end = begin + len(list(members))
+        found.append((speed, begin, end - 1))
+        begin = end
+    return found
+
+
+def _mark_speeds(axis: Axes, places: Sequence[tuple[float, float]]) -> None:
+    axis.set_xlim(-0.5, len(places) - 0.5)
+    axis.set_xticks(range(len(places)))
+    axis.grid(visible=False, axis="x")
+    for _, begin, _ in _groups(places)[1:]:
+        axis.axvline(begin - 0.5, color=GREY, linewidth=0.8)
+
+
+def _name_speeds(axis: Axes, places: Sequence[tuple[float, float]]) -> None:
+    for speed, begin, end in _groups(places):
+        axis.annotate(
+            f"{speed:g} rpm",
+            (0.5 * (begin + end), 1.03),
+            xycoords=("data", "axes fraction"),
+            ha="center",
+            fontsize=9.0,
+        )
+
+
+def marks_in_words(document: Row, drawing: RowMarks, inks: Mapping[str, Ink]) -> str:
+    """Describe a figure in words, for who cannot see it."""
+    rows, described = marked_rows(document, drawing), []
+    for candidate, ink in inks.items():
+        own, ranges = [row for row in rows if row["candidate"] == candidate], []
+        for panel in drawing.panels:
+            values = [value for row in own if (value := panel.value(row)) is not None]
+            if values:
+                name = panel.label.replace("\n", " ")
+                ranges.append(f"{name} from {written(min(values), 2)} to {written(max(values), 2)}")
+        described.append(f"{ink.label}: {'; '.join(ranges) or 'nothing'}.")
+    return " ".join(described)
