@@ -27,7 +27,7 @@ from drivegate.contracts.coverage import (
     drawn_by_family,
     varied_keys,
 )
-from drivegate.contracts.current.families import DRAWN, EVERY_RUN
+from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.contracts.current.scenarios.drawn.families import FAMILY_GROUPS, Family
 from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
 from drivegate.contracts.traceability import family_name, traced_checks, traced_facts
@@ -148,7 +148,8 @@ def fixed_table(_: str) -> str:
 def drawn_table(_: str) -> str:
     """The families that are drawn, from the docstrings of the functions that draw them."""
     rows = (_family(family) for group in FAMILY_GROUPS for family in group)
-    return _table(("family", "drawn", f"exercises, beside {', '.join(EVERY_RUN)}"), rows)
+    every_run = ", ".join(check.id for check in CHECKS if check.every_run)
+    return _table(("family", "drawn", f"exercises, beside {every_run}"), rows)
 
 
 def fact_table(_: str) -> str:
@@ -312,7 +313,11 @@ def _family(family: Family) -> tuple[str, str, str]:
     returned = re.search(r"Of scenarios ?(.*?)\.?(\n\n|\Z)", text, re.DOTALL)
     detail = "" if returned is None else " ".join(returned[1].split())
     name = family_name(family.__name__)
-    return name, _plain(f"{summary}: {detail}" if detail else summary), ", ".join(DRAWN[name])
+    return (
+        name,
+        _plain(f"{summary}: {detail}" if detail else summary),
+        ", ".join(sorted(check.id for check in CHECKS if name in check.families)),
+    )
 
 
 def _table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

@@ -52,6 +52,10 @@ class Check:
     """How the margin follows from what is measured."""
     why: str
     """Why the requirement is worth checking."""
+    every_run: bool = False
+    """Whether it judges every run in the closed loop."""
+    families: tuple[str, ...] = ()
+    """Families of drawn scenarios that exercise it, where it does not judge every run."""
     evaluate: Evaluate = judged_elsewhere
     """The margin of a run."""
     reason_not_applicable: ReasonNotApplicable = always_applicable

@@ -42,10 +42,8 @@ class Contract:
     """Known good controllers, in the order in which they are run where a candidate fails a check."""
     checks: Callable[[], tuple[Check, ...]]
     """Return the checks of a run, in the order in which they are reported."""
-    every_run: tuple[str, ...]
-    """Identifiers of the checks that judge every run in the closed loop."""
-    families: Mapping[str, tuple[str, ...]]
-    """For each family of drawn scenarios, the checks that it exercises in addition to those of every run."""
+    families: tuple[str, ...]
+    """Names of the families of drawn scenarios."""
     numbers: Callable[[DriveDocument], Mapping[str, str]]
     """Return a drive's numbers by the names that the texts of checks use."""
     fixed_scenarios: Callable[[DriveDocument, Declaration], tuple[Scenario, ...]]

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any, Final
 
 from drivegate.checks.check import Check
-from drivegate.contracts.catalogue import CONTRACTS, contract_of
+from drivegate.contracts.catalogue import CONTRACTS, check_of, contract_of
 from drivegate.contracts.drive_numbers import on_drive
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.publication.facts import Fact, facts
@@ -29,11 +29,8 @@ def family_name(function_name: str) -> str:
 def families_of(check: str, contract: str = "current") -> tuple[str, ...]:
     """List the kinds of runs that exercise a check of a contract."""
     special = tuple(kind for kind, checks in SPECIAL.items() if check in checks)
-    bundle = CONTRACTS[contract]
-    drawn = tuple(
-        family for family, checks in bundle.families.items() if check in (*bundle.every_run, *checks)
-    )
-    return special or (FIXED, *drawn)
+    found, drawn = check_of(contract, check), CONTRACTS[contract].families
+    return special or (FIXED, *(name for name in drawn if found.every_run or name in found.families))
 
 
 def facts_of(check: Check) -> tuple[Fact, ...]:

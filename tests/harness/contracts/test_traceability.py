@@ -10,8 +10,9 @@ from hypothesis import HealthCheck, Phase, given, seed, settings
 from drivegate.candidates.builtin.candidates import BUILTIN_CANDIDATES
 from drivegate.candidates.builtin.loading import BuiltinController
 from drivegate.candidates.declaration import Declaration
+from drivegate.contracts.catalogue import CONTRACTS
+from drivegate.contracts.contract import Contract
 from drivegate.contracts.current.checks.catalogue import CHECKS
-from drivegate.contracts.current.families import DRAWN, EVERY_RUN
 from drivegate.contracts.current.record import CurrentRecord
 from drivegate.contracts.current.scenarios.drawn.families import FAMILY_GROUPS, Family
 from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
@@ -47,13 +48,22 @@ def judged() -> Judged:
 
 
 def test_every_family_has_its_row() -> None:
-    assert [family_name(family.__name__) for family in FAMILIES] == list(DRAWN)
+    assert [family_name(family.__name__) for family in FAMILIES] == list(CONTRACTS["current"].families)
 
 
 def test_every_check_is_exercised() -> None:
     assert all(row["families"] for row in traced_checks(DRIVE))
     known = {check.id for check in CHECKS}
-    assert {check for checks in (*DRAWN.values(), *SPECIAL.values()) for check in checks} <= known
+    assert {check for checks in SPECIAL.values() for check in checks} <= known
+
+
+@pytest.mark.parametrize("contract", CONTRACTS.values(), ids=lambda contract: contract.name)
+def test_a_check_judges_every_run_or_names_families_of_its_contract(
+    contract: Contract,
+) -> None:
+    for check in contract.checks():
+        assert not (check.every_run and check.families), check.id
+        assert set(check.families) <= set(contract.families), f"{check.id} names {check.families}"
 
 
 def test_the_fixed_scenarios_exercise_every_check_in_the_closed_loop(judged: Judged) -> None:
@@ -78,7 +88,8 @@ def test_a_family_exercises_the_checks_that_it_is_there_for(family: Family, judg
         draws.append(judged(scenario))
 
     draw()
-    listed = {*EVERY_RUN, *DRAWN[family_name(family.__name__)]} & APPLICABLE
+    name = family_name(family.__name__)
+    listed = {check.id for check in CHECKS if check.every_run or name in check.families} & APPLICABLE
     sometimes, always = set().union(*draws), set.intersection(*draws)
     assert listed <= sometimes, f"{listed - sometimes} are never exercised"
     assert always <= listed, f"{always - listed} are always exercised, but not listed"

@@ -10,11 +10,9 @@ import pytest
 from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis.strategies import SearchStrategy
 
-from drivegate.contracts.catalogue import contract_of
-from drivegate.contracts.current.families import DRAWN
+from drivegate.contracts.catalogue import CONTRACTS, contract_of
 from drivegate.contracts.current.scenarios.building import steady_scenario
 from drivegate.contracts.current.scenarios.drawn import families
-from drivegate.contracts.duty.families import DRAWN as DUTY_DRAWN
 from drivegate.contracts.duty.scenarios import drawn as duty
 from drivegate.contracts.duty.scenarios.building import failing, speed_scenario, torque_of, torque_scenario
 from drivegate.contracts.traceability import family_name
@@ -101,8 +99,12 @@ def corners(scenario: Scenario) -> Iterator[tuple[float, float]]:
 
 
 def test_every_family_is_tried() -> None:
-    assert {family_name(family.__name__) for family in OUTER_FAMILIES} == set(DRAWN)
-    assert {family_name(family.__name__) for family in DUTY_FAMILIES} == set(DUTY_DRAWN) == set(DUTY_RANGES)
+    assert {family_name(family.__name__) for family in OUTER_FAMILIES} == set(CONTRACTS["current"].families)
+    assert (
+        {family_name(family.__name__) for family in DUTY_FAMILIES}
+        == set(CONTRACTS["duty"].families)
+        == set(DUTY_RANGES)
+    )
 
 
 @pytest.mark.parametrize("family", DUTY_FAMILIES, ids=lambda family: family_name(family.__name__))

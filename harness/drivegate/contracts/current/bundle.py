@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any, Final
 
 from drivegate.contracts.contract import Contract
 from drivegate.contracts.current.columns import OBSERVATIONS, RECORDED_NAMES, SUMMARY_ROWS, WINDOW_COLUMNS
-from drivegate.contracts.current.families import DRAWN, EVERY_RUN
 from drivegate.contracts.witness import Witness
 
 if TYPE_CHECKING:
@@ -210,8 +209,25 @@ CURRENT: Final = Contract(
         ),
     ),
     checks=_checks,
-    every_run=EVERY_RUN,
-    families=DRAWN,
+    families=(
+        "steady",
+        "constant power",
+        "required point",
+        "parameter",
+        "load step",
+        "load course",
+        "sensor",
+        "phase",
+        "supply",
+        "beginning",
+        "fault",
+        "restart",
+        "speed step",
+        "standstill",
+        "base speed",
+        "overspeed",
+        "vehicle",
+    ),
     numbers=_numbers,
     fixed_scenarios=_fixed_scenarios,
     drawn_scenarios=_drawn_scenarios,

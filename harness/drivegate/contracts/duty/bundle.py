@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any, Final
 
 from drivegate.contracts.contract import Contract
 from drivegate.contracts.duty.columns import OBSERVATIONS, RECORDED_NAMES, SUMMARY_ROWS, WINDOW_COLUMNS
-from drivegate.contracts.duty.families import DRAWN, EVERY_RUN
 from drivegate.contracts.witness import Witness
 
 if TYPE_CHECKING:
@@ -191,8 +190,17 @@ DUTY: Final = Contract(
         Witness(name, ("pm-ac",)) for name in ("foc", "predictive-flux", "direct-torque", "foc-loss-model")
     ),
     checks=_checks,
-    every_run=EVERY_RUN,
-    families=DRAWN,
+    families=(
+        "torque step",
+        "weakening",
+        "speed step",
+        "load step",
+        "start",
+        "parameter",
+        "supply step",
+        "sensor",
+        "failure",
+    ),
     numbers=_numbers,
     fixed_scenarios=_fixed_scenarios,
     drawn_scenarios=_drawn_scenarios,

@@ -50,6 +50,7 @@ def reference_range(record: CurrentRecord) -> Margin:
 
 ADV_1 = Check(
     id="ADV-1",
+    families=("standstill", "base speed"),
     requirement="The advance angle is 0 whenever the speed in that step's own Sense is below base speed.",
     source="P5",
     subject="candidate",
@@ -63,6 +64,7 @@ ADV_1 = Check(
 )
 ADV_2 = Check(
     id="ADV-2",
+    every_run=True,
     requirement="The advance angle stays within 0° to 90°.",
     source="P10",
     subject="candidate",
@@ -75,6 +77,7 @@ ADV_2 = Check(
 )
 CMD_1 = Check(
     id="CMD-1",
+    every_run=True,
     requirement="The current reference stays within 0 to the limit.",
     source="P3",
     subject="candidate",

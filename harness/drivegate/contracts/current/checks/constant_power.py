@@ -51,6 +51,7 @@ def _speed_error(window: SteadyWindow) -> float:
 
 CPW_1 = Check(
     id="CPW-1",
+    families=("constant power",),
     requirement="Constant power: {power} is held within k1 at every speed from {lowest} to {highest}.",
     source="P5, P10",
     subject="candidate",
@@ -64,6 +65,7 @@ CPW_1 = Check(
 )
 CPW_2 = Check(
     id="CPW-2",
+    families=("overspeed",),
     requirement="Constant power beyond {highest}: {power} is held within k1 at speeds up to {overspeed}.",
     source="P10",
     subject="candidate",

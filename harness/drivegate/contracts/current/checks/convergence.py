@@ -209,8 +209,14 @@ def _lost_at_limit(record: CurrentRecord, window: SteadyWindow, speed: float) ->
     return f": at {math.degrees(values.angle):.3g}°, {given_below_limit(found.reference)}"
 
 
+_CALM = ("steady", "constant power", "required point", "beginning", "overspeed")
+_CHANGING = ("load step", "load course", "supply", "restart", "speed step", "standstill")
+LOADED = (*_CALM, *_CHANGING)
+"""Families of runs under load but those of a vehicle."""
+
 CNV_1 = Check(
     id="CNV-1",
+    families=_CALM,
     requirement=(
         "Within {settling} of a steady reference the search has converged: from then on the true speed error stays "
         "within k1, the {mean} means of Σ|i| within k2 (of no less than Σ|i| at a fifth of the rated torque), and the "
@@ -231,6 +237,7 @@ CNV_1 = Check(
 )
 CNV_2 = Check(
     id="CNV-2",
+    families=(*LOADED, "vehicle"),
     requirement=(
         "The search converges to the optimum: Σ|i| lies within {optimum} of the least at that speed and mean torque, "
         "of all angles that give this torque with the current at its limit too (at others a regulator at its limit "
@@ -248,6 +255,7 @@ CNV_2 = Check(
 )
 CNV_3 = Check(
     id="CNV-3",
+    families=("required point", *_CHANGING, "vehicle"),
     requirement=(
         "No lock-up: after any load step, speed step or supply dip that leaves the point feasible, the search "
         "converges again as CNV-1 requires."

@@ -31,6 +31,7 @@ def _unless_regulated(_declaration: Declaration, drive: DriveDocument) -> str | 
 
 CUR_1 = Check(
     id="CUR-1",
+    every_run=True,
     requirement="No phase current exceeds the limit plus the hysteresis band, diode overshoot included.",
     source="P3",
     subject="candidate",

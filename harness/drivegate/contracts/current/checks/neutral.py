@@ -30,6 +30,7 @@ def _unless_isolated(_declaration: Declaration, drive: DriveDocument) -> str | N
 
 NEU_1 = Check(
     id="NEU-1",
+    every_run=True,
     requirement=(
         "The phase currents of a star sum to zero, and both halves of its link give the same charge in every control "
         "period."

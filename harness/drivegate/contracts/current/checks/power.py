@@ -49,6 +49,7 @@ def estimated_power(record: CurrentRecord) -> Margin | None:
 
 PWR_1 = Check(
     id="PWR-1",
+    every_run=True,
     requirement=(
         "The power exchanged with the half-sources equals their voltage times the magnitudes of the phase currents, "
         "and the net input power is that less twice what flows back."
@@ -64,6 +65,7 @@ PWR_1 = Check(
 )
 PWR_2 = Check(
     id="PWR-2",
+    every_run=True,
     requirement=(
         "An estimate of the input power equals half supply voltage times current magnitude sum of the Sense given, "
         "of that step alone or their mean over the time that the candidate declares."

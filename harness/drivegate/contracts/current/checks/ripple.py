@@ -8,7 +8,7 @@ from drivegate.candidates.declaration import Declaration
 from drivegate.checks.check import Check, ReasonNotApplicable
 from drivegate.checks.margin import Margin, below, worst_required
 from drivegate.contracts.current.checks.constant_power import is_in
-from drivegate.contracts.current.checks.convergence import ABOVE_BASE_SPEED, described
+from drivegate.contracts.current.checks.convergence import ABOVE_BASE_SPEED, LOADED, described
 from drivegate.contracts.current.checks.declared_speeds import constant_power, required_points, unless_speeds
 from drivegate.contracts.current.record import CurrentRecord, SteadyWindow, rated_torque
 from drivegate_cases.documents.wording import figure
@@ -102,6 +102,7 @@ def _where_limited(name: str, otherwise: ReasonNotApplicable) -> ReasonNotApplic
 
 RIP_1 = Check(
     id="RIP-1",
+    families=("required point",),
     requirement="Torque ripple at {points}, ideal regulator, at the angle that the candidate converged to.",
     source="P8",
     subject="candidate",
@@ -115,6 +116,7 @@ RIP_1 = Check(
 )
 RIP_2 = Check(
     id="RIP-2",
+    families=("constant power",),
     requirement=(
         "Torque ripple at every speed from {lowest} to {highest} at {power}, ideal regulator, at the angle that the "
         "candidate converged to."
@@ -134,6 +136,7 @@ RIP_2 = Check(
 )
 RIP_3 = Check(
     id="RIP-3",
+    families=(*LOADED, "vehicle"),
     requirement=(
         "Torque ripple of the closed loop, with band and speed regulator, in the worst electrical period of 1 s."
     ),

@@ -59,6 +59,7 @@ def _requirement(window: SteadyWindow) -> str:
 
 ROB_1 = Check(
     id="ROB-1",
+    families=("parameter",),
     requirement=(
         "CNV-1 and CNV-3 hold with half to twice the resistance, 20 % more or less inductance, 5 % more or less EMF, "
         "and up to {friction} of friction added."
@@ -77,6 +78,7 @@ ROB_1 = Check(
 )
 ROB_2 = Check(
     id="ROB-2",
+    families=("sensor", "phase"),
     requirement="CNV-1 and CNV-3 hold through {sensors}.",
     source="P6, P11",
     subject="candidate",
@@ -90,6 +92,7 @@ ROB_2 = Check(
 )
 ROB_3 = Check(
     id="ROB-3",
+    families=("phase", "fault"),
     requirement="CNV-1 and CNV-3 hold after {disturbed_sensors}, and with {disturbed_plant}.",
     source="P6, P11",
     subject="candidate",

@@ -6,7 +6,7 @@ import math
 
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, worst_required
-from drivegate.contracts.current.checks.convergence import ABOVE_BASE_SPEED, described
+from drivegate.contracts.current.checks.convergence import ABOVE_BASE_SPEED, LOADED, described
 from drivegate.contracts.current.record import CurrentRecord, SteadyWindow, rated_torque
 from drivegate_cases.scenario.circumstance import Circumstance
 
@@ -36,6 +36,7 @@ def _margin(window: SteadyWindow) -> Margin:
 
 TRQ_1 = Check(
     id="TRQ-1",
+    families=LOADED,
     requirement="The torque is never negative in the steady state under half of {power} and more.",
     source="P9",
     subject="candidate",

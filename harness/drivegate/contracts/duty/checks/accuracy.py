@@ -35,6 +35,7 @@ def reference_error(check: str, record: DutyRecord, window: DutyWindow, factor: 
 
 ACC_1 = Check(
     id="ACC-1",
+    families=("torque step", "speed step", "load step", "start", "supply step"),
     requirement="In steady state the mean torque or speed is the reference.",
     source="the contract",
     subject="candidate",

@@ -45,6 +45,7 @@ def _inside(lowest: float, highest: float) -> float:
 
 DUT_1 = Check(
     id="DUT-1",
+    every_run=True,
     requirement="Duty ratios stay within 0 to 1, and a control period that is asked for within 20 % of the drive's.",
     source="the contract",
     subject="candidate",

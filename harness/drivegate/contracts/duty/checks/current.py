@@ -129,6 +129,7 @@ def _loss_excess(record: DutyRecord, window: DutyWindow) -> Margin:
 
 OVC_1 = Check(
     id="OVC-1",
+    every_run=True,
     requirement="No phase current exceeds its peak limit, whatever load, reference or supply do.",
     source="the contract",
     subject="candidate",
@@ -144,6 +145,7 @@ OVC_1 = Check(
 )
 MTP_1 = Check(
     id="MTP-1",
+    families=("torque step", "speed step", "load step", "start", "supply step"),
     requirement="Below weakening a torque takes hardly more than its least current, or than its least loss.",
     source="the contract",
     subject="candidate",

@@ -55,6 +55,7 @@ def _moved(record: DutyRecord, step: TorqueStep) -> Margin:
 
 DEC_1 = Check(
     id="DEC-1",
+    families=("torque step",),
     requirement="A step of the torque moves the d current hardly beyond where it was and where it goes.",
     source="the contract",
     subject="candidate",

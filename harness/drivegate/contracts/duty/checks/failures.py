@@ -107,6 +107,7 @@ def _detects_nothing(declaration: Declaration, _drive: DriveDocument) -> str | N
 
 SAF_1 = Check(
     id="SAF-1",
+    families=("failure",),
     requirement=(
         "Behind each failure that the candidate declares to detect the drive is soon in a safe state for good, and its "
         "torque goes hardly beyond the reference until then; behind an edge that is lost it may also go on."

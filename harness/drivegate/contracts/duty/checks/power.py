@@ -21,6 +21,7 @@ def balanced_energy(record: Record) -> Margin:
 
 DUTY_PWR_1 = Check(
     id="PWR-1",
+    every_run=True,
     requirement=(
         "In every control period the energy from the dc link equals copper, core and device loss, shaft work and the "
         "change of what the windings store."

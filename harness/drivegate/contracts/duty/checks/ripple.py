@@ -147,6 +147,7 @@ def _over(
 
 RIP_4 = Check(
     id="RIP-4",
+    families=("torque step", "speed step", "load step", "start"),
     requirement="In steady state the torque ripple is hardly more than that of ideal space-vector modulation.",
     source="the contract",
     subject="candidate",
@@ -160,6 +161,7 @@ RIP_4 = Check(
 )
 DTM_1 = Check(
     id="DTM-1",
+    families=("torque step",),
     requirement="At low speed dead time adds hardly anything to the torque ripple.",
     source="the contract",
     subject="candidate",

@@ -72,6 +72,7 @@ def through_sensors(record: Record) -> Margin | None:
 
 ROB_4 = Check(
     id="ROB-4",
+    families=("parameter",),
     requirement="On a plant that differs from the nameplate the speed is held, and nothing grows.",
     source="the contract",
     subject="candidate",
@@ -85,6 +86,7 @@ ROB_4 = Check(
 
 ROB_5 = Check(
     id="ROB-5",
+    families=("sensor",),
     requirement="Through shunts, converters and an encoder or Hall switches the reference is held.",
     source="the contract",
     subject="candidate",

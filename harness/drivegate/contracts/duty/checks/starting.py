@@ -45,6 +45,7 @@ def start(record: Record) -> Margin | None:
 
 STA_1 = Check(
     id="STA-1",
+    families=("start",),
     requirement="From any angle of the rotor the shaft starts under its load, and does not turn back far.",
     source="the contract",
     subject="candidate",

@@ -151,6 +151,7 @@ def voltage_time_s(record: DutyRecord, step: TorqueStep) -> float:
 
 STP_1 = Check(
     id="STP-1",
+    families=("torque step",),
     requirement="A step of the torque reference is followed without much overshoot, and in time.",
     source="the contract",
     subject="candidate",

@@ -120,6 +120,7 @@ def _release(record: DutyRecord, step: TorqueStep) -> Margin:
 
 FWK_1 = Check(
     id="FWK-1",
+    families=("weakening",),
     requirement="Above base speed the torque reaches nearly the greatest that current and voltage allow.",
     source="the contract",
     subject="candidate",
@@ -135,6 +136,7 @@ FWK_1 = Check(
 )
 FWK_2 = Check(
     id="FWK-2",
+    families=("torque step", "weakening", "speed step", "load step", "start", "supply step"),
     requirement="Where 10 % of the voltage is free the d current is that of least current, of least loss, or between.",
     source="the contract",
     subject="candidate",
@@ -147,6 +149,7 @@ FWK_2 = Check(
 )
 FWK_3 = Check(
     id="FWK-3",
+    families=("torque step", "weakening"),
     requirement="A torque reference that goes to zero above base speed neither brakes nor drives the current too high.",
     source="the contract",
     subject="candidate",
