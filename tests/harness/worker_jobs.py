@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 
 from drivegate.containment.messages import JudgedCandidate
-from drivegate.contracts.current.scripted import GivenSteps
+from drivegate.contracts.current.scripted import given_steps
 from drivegate_models.contract.current.signals import Nameplate
 from drivegate_models.errors import InputError
+from drivegate_models.loop.given_steps import senses_of
 
 NAMEPLATE = Nameplate(
     *(5, 11, 48.0, 52.36, 1500.0, 26.0, 0.0005, 0.25, 0.08, 0.00288, 0.339, 0.05),
@@ -18,10 +19,11 @@ NAMEPLATE = Nameplate(
 
 def drive(loaded: JudgedCandidate, steps: int) -> float:
     """Step the candidate through a run without a plant, and return the sum of its references."""
-    times = np.arange(steps) * NAMEPLATE.control_period
-    signals = np.broadcast_to([100.0, 99.0, 5.0, 48.0, *[1.0] * 5], (steps, 9))
-    answers = GivenSteps(loaded.controller(), NAMEPLATE).answers(np.column_stack([times, signals]))
-    return float(answers[:, 0].sum())
+    signals = np.broadcast_to([100.0, 99.0, 5.0, 48.0], (steps, 4))
+    senses, currents = senses_of(signals, NAMEPLATE.phases, NAMEPLATE.control_period)
+    currents[:] = 1.0
+    answers = given_steps(loaded.controller(), NAMEPLATE).answers(senses, currents)
+    return float(answers["current_reference"].sum())
 
 
 def drive_slowly(loaded: JudgedCandidate, steps: int) -> tuple[float, float, float]:

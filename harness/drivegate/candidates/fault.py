@@ -8,7 +8,7 @@ import traceback
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from typing import Any, Final, Literal
+from typing import Final, Literal
 
 from drivegate_cases.documents.wording import one_line
 from drivegate_models.contract.current.signals import Sense
@@ -80,10 +80,8 @@ def exception_fault(error: BaseException, phase: Phase) -> Fault:
     return Fault(FaultKind.EXCEPTION, message, phase, error=name, traceback=trace)
 
 
-def refused_command(command: Any, *, finite: bool, step: int, sense: Sense) -> Fault:
-    """Describe a command at which a run ended without the controller having a fault to tell."""
-    values = ", ".join(f"{name} = {command[name]}" for name in (command.dtype.names or ())[1:])
-    message = OVERWRITTEN_SIZE if finite else f"the command is not finite: {values}"
+def refused_command(message: str, step: int, sense: Sense | DutySense) -> Fault:
+    """Describe a command at which a run ended although the controller itself reports no fault."""
     return Fault(FaultKind.INVALID_OUTPUT, message, "step", step=step, time=sense.time, sense=sense._asdict())
 
 

@@ -10,17 +10,14 @@ import click
 
 from drivegate.commands.conduct import Outcome
 from drivegate.commands.options import bounded, chosen_scenario, drive_options, drive_words, json_option
+from drivegate.contracts.catalogue import CONTRACTS, contract_of
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-_FIELDS = {
-    "current": ("current_reference", "advance_angle", "input_power"),
-    "duty": (
-        *("first_duty", "second_duty", "third_duty", "first_leg", "second_leg", "third_leg"),
-        *("next_period", "torque", "angle", "speed", "input_power", "fault"),
-    ),
-}
+    from drivegate.contracts.contract import Contract
+
+_FIELDS = tuple(dict.fromkeys(name for contract in CONTRACTS.values() for name in contract.outputs))
 _AROUND_IN_FIGURE = 100
 
 
@@ -38,7 +35,7 @@ _AROUND_IN_FIGURE = 100
 )
 @click.option(
     "--ignore",
-    type=click.Choice(tuple(dict.fromkeys(name for names in _FIELDS.values() for name in names))),
+    type=click.Choice(_FIELDS),
     multiple=True,
     help="Leave out a field of the command; may be given again.",
 )
@@ -86,37 +83,30 @@ def command(
 
     candidates = (resolve_candidate(first), resolve_candidate(second))
     scenario = chosen_scenario(case, drive, settings)
-    judged = _judged(scenario.drive.contract, ignore)
+    contract = contract_of(scenario.drive)
+    _require_fields(contract, ignore)
     check_targets(None, None, plot)
 
     from drivegate.drives.choice import require_contract
     from drivegate.studies.diff.diff import compared
     from drivegate.studies.diff.document import document_of
-    from drivegate.studies.diff.duty.comparison import duty_compared
-    from drivegate.studies.diff.jobs import BITWISE, Rule
+    from drivegate.studies.diff.rule import BITWISE, Rule
 
     for candidate in candidates:
         require_contract(candidate, scenario.drive)
-    rule = Rule(BITWISE if tolerance is None else tolerance, judged)
+    rule = Rule(BITWISE if tolerance is None else tolerance, ignore)
     around = 0 if plot is None else _AROUND_IN_FIGURE
-    compare = duty_compared if scenario.drive.contract == "duty" else compared
-    comparison = compare(*candidates, scenario, rule, before=max(before, around), after=around, again=again)
+    comparison = compared(*candidates, scenario, rule, before=max(before, around), after=around, again=again)
     document = document_of(candidates, scenario, rule, comparison)
     found = document["difference"]
     if found is not None:
         found["before"] = found["before"][len(found["before"]) - min(before, len(found["before"])) :]
         del found["after"]
     if plot is not None and comparison.difference is not None:
-        from drivegate.studies.diff.duty.comparison import DutyDifference
-        from drivegate.studies.diff.duty.figure import drawn_duty_steps
-        from drivegate.studies.diff.figure import draw, drawn_steps
+        from drivegate.studies.diff.figure import draw
 
         names = (candidates[0].name, candidates[1].name)
-        differing = comparison.difference
-        drawn = (
-            drawn_duty_steps(differing) if isinstance(differing, DutyDifference) else drawn_steps(differing)
-        )
-        draw(drawn, names, plot, f"{names[0]} and {names[1]}: {scenario.name}")
+        draw(comparison.difference, contract, names, plot, f"{names[0]} and {names[1]}: {scenario.name}")
         document["files"] = [str(plot)]
     words = " ".join(quote(word) for word in (first, second, "--case", case, *(["--again"] if again else [])))
     words += drive_words(drive, settings)
@@ -124,20 +114,16 @@ def command(
     def show(console: Console) -> None:
         from drivegate.studies.diff.display import show_difference
 
-        show_difference(console, document, words)
+        show_difference(console, document, contract.sensed, words)
 
     return Outcome(document, show, document["exit_code"])
 
 
-def _judged(contract: str, ignore: tuple[str, ...]) -> tuple[str, ...]:
-    """Choose the fields of a command that are compared."""
-    fields = _FIELDS[contract]
-    unknown = next((name for name in ignore if name not in fields), None)
+def _require_fields(contract: Contract, ignored: tuple[str, ...]) -> None:
+    """Refuse to leave out what no command of a contract has, or all that it has."""
+    unknown = next((name for name in ignored if name not in contract.outputs), None)
     if unknown is not None:
-        raise click.UsageError(
-            f"--ignore {unknown} names no field of the drive's contract; it has {', '.join(fields)}"
-        )
-    judged = tuple(name for name in fields if name not in ignore)
-    if not judged:
+        fields = ", ".join(contract.outputs)
+        raise click.UsageError(f"--ignore {unknown} names no field of the drive's contract; it has {fields}")
+    if set(contract.outputs) <= set(ignored):
         raise click.UsageError("--ignore leaves no field to compare; leave one out")
-    return judged

@@ -2,42 +2,47 @@
 
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.containment.candidate_process import Answered, CandidateProcess
-from drivegate.containment.orders import CloseLoop, GiveDutySenses, GiveSenses, Reset
+from drivegate.containment.orders import CloseLoop, GiveSenses, Reset
 from drivegate.containment.serving import check_of
 from drivegate_models.contract.current.signals import Nameplate
-from drivegate_models.contract.duty.records import DUTY_COMMAND
 from drivegate_models.contract.duty.signals import DutyNameplate
-from drivegate_models.loop.command_playing import player_of, playing_step, rows_of
-from drivegate_models.loop.duty_command_playing import duty_playing_step
+from drivegate_models.loop.command_playing import player_of, playing_step
 from drivegate_models.loop.exchange import COMPLETED
 
 
-class PlayedCommands:
-    """A controller that gives again what another one has answered; the plant it is run against is the judge's own.
+class CommandPlayer:
+    """A controller that answers with given commands, whatever it senses.
 
     Attributes
     ----------
     step_address, state_address : int
         Addresses of its step and of its state; valid as long as this object lives.
     fault : Fault or None
-        What ended the answers.
+        What ended the answers, where that is known.
     """
 
-    def __init__(self, answered: Answered) -> None:
-        self._answered = answered
-        if answered.commands.dtype == DUTY_COMMAND:
-            self._step, self._commands = duty_playing_step(), answered.commands
-        else:
-            self._step, self._commands = playing_step(), rows_of(answered.commands)
+    def __init__(self, commands: NDArray[Any], fault: Fault | None = None) -> None:
+        self._step, self._commands = playing_step(), np.ascontiguousarray(commands)
         self._state = player_of(self._commands)
         self.step_address: int = self._step.address
         self.state_address: int = self._state.ctypes.data
-        self.fault: Fault | None = answered.fault
+        self.fault = fault
 
     def reset(self, _nameplate: Nameplate | DutyNameplate) -> None:
         """Go on: the commands are those of the whole run, with its restarts."""
+
+
+class PlayedCommands(CommandPlayer):
+    """The answers of a contained instance, played back; the plant that they drive is the judge's own."""
+
+    def __init__(self, answered: Answered) -> None:
+        super().__init__(answered.commands, answered.fault)
+        self._answered = answered
 
     def disturbed(self, records: Any) -> Fault | None:
         """Compare the records of a finished run with what the plant in the candidate's process came to."""
@@ -80,6 +85,6 @@ class ContainedController:
         """Run the instance, already reset, in closed loop, and give its commands for being played back."""
         return PlayedCommands(self._process.answered(order, steps))
 
-    def answers(self, order: GiveSenses | GiveDutySenses) -> Answered:
+    def answers(self, order: GiveSenses) -> Answered:
         """Step the instance through given Senses, which follow on those since the reset."""
         return self._process.answered(order, len(order.senses))

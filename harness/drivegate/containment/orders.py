@@ -7,7 +7,7 @@ None of them holds a scenario, a seed, or a limit that is judged.
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from struct import Struct
-from typing import Any, ClassVar, Final, TypeAlias
+from typing import Any, Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from drivegate.candidates.candidate import Candidate
 from drivegate_models.contract.current.records import COMMAND
 from drivegate_models.contract.current.signals import Nameplate
-from drivegate_models.contract.duty.records import DUTY_COMMAND
 from drivegate_models.contract.duty.signals import DutyNameplate
+from drivegate_models.contract.layout import LAYOUTS
 
 PACKET: Final = Struct("=8sqq")
 """A word that says whose it is, the number of bytes of the order, which lies in the shared memory, and that of the
@@ -69,23 +69,18 @@ class CloseLoop:
 class GiveSenses:
     """Step the instance through given Senses, which follow on those given since the reset, and keep the commands."""
 
-    senses: NDArray[np.float64]
-    """One row for each step, shape (n, len(given_steps.SCALARS)."""
-    commands: ClassVar[np.dtype[Any]] = COMMAND
-
-
-@dataclass(frozen=True)
-class GiveDutySenses:
-    """Step the instance through given Senses of the contract of duty ratios, and keep the commands."""
-
     senses: NDArray[Any]
-    """One for each step, shape (n,)."""
+    """One for each step, as records of the contract, shape (n,)."""
     currents: NDArray[np.float64]
-    """Their phase currents (A), shape (n, 3)."""
-    commands: ClassVar[np.dtype[Any]] = DUTY_COMMAND
+    """Their phase currents (A), shape (n, m)."""
+
+    @property
+    def commands(self) -> np.dtype[Any]:
+        """Layout of the commands that are kept."""
+        return LAYOUTS[self.senses.dtype].command
 
 
-RunOrder: TypeAlias = CloseLoop | GiveSenses | GiveDutySenses
+RunOrder: TypeAlias = CloseLoop | GiveSenses
 """What is answered with commands."""
 
 Order: TypeAlias = Setup | MakeInstance | Reset | RunOrder

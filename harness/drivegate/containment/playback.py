@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable
+from typing import Any, TypeAlias
 
 from drivegate.candidates.controller import Controller
 from drivegate.candidates.fault import CandidateFault
 from drivegate.containment.contained_controller import ContainedController, PlayedCommands
 from drivegate.containment.messages import AnyController
 from drivegate.containment.orders import CloseLoop
+
+Wrap: TypeAlias = Callable[[Controller], Controller]
+"""Puts something between the closed loop and a controller, which passes every step on."""
 
 
 def stepped_here(controller: AnyController, order: CloseLoop, steps: int) -> Controller:

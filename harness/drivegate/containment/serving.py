@@ -27,7 +27,6 @@ from drivegate.candidates.loading import load_controller
 from drivegate.containment.orders import (
     PACKET,
     CloseLoop,
-    GiveDutySenses,
     GiveSenses,
     MakeInstance,
     Order,
@@ -75,7 +74,6 @@ class _Server:
         self._candidate: Candidate | None = None
         self._controller: Controller | None = None
         self._nameplate: Any = None
-        self._exchange: Any = None
 
     def serve(self) -> None:
         process = os.getpid()
@@ -129,8 +127,6 @@ class _Server:
             return self._loop_closed(pending, memory)
         if isinstance(pending[0], GiveSenses):
             return self._senses_given(pending, memory)
-        if isinstance(pending[0], GiveDutySenses):
-            return self._duty_senses_given(pending, memory)
         return self._set_up(pending.pop())
 
     def _set_up(self, order: Order) -> Reply:
@@ -158,7 +154,7 @@ class _Server:
 
     def _reset(self, order: Reset) -> None:
         self._progress.steps[0] = 0
-        self._nameplate, self._exchange = order.nameplate, None
+        self._nameplate = order.nameplate
         with self._progress.running():
             self._instance.reset(order.nameplate)
 
@@ -201,49 +197,23 @@ class _Server:
         return _entry_point(prepared.loop, arguments), prepared.records
 
     def _senses_given(self, pending: list[Any], memory: SharedMemory) -> Reply:
-        from drivegate_models.loop.given_steps import make_steps
-
-        self._steps_made_ready(pending, memory)
-        return self._stepped(make_steps, pending)
-
-    def _stepped(self, make_steps: Any, pending: list[Any]) -> Reply:
-        """Make steps through Senses that are ready."""
         from drivegate_models.loop.exchange import COMPLETED
 
-        steps = _entry_point(make_steps, pending[0])
+        steps = self._steps_made_ready(pending, memory)
         with self._progress.running():
             status, answered = steps(*pending.pop())
         if status == COMPLETED:
             return Reply(Ending.DONE, int(status), int(answered))
         return self._stopped(int(status), int(answered))
 
-    def _steps_made_ready(self, pending: list[Any], memory: SharedMemory) -> None:
-        from drivegate_models.loop.exchange import make_exchange
+    def _steps_made_ready(self, pending: list[Any], memory: SharedMemory) -> Callable[..., Any]:
+        """Exchange a pending order for the arguments of the compiled steps."""
+        from drivegate_models.contract.layout import LAYOUTS
+        from drivegate_models.loop.given_steps import MAKE_STEPS, given_senses
 
         order: GiveSenses = pending.pop()
-        if self._exchange is None:
-            self._exchange = make_exchange(
-                self._nameplate.phases,
-                step_address=self._instance.step_address,
-                state_address=self._instance.state_address,
-                progress=self._progress.steps,
-            )
         self._progress.steps[0] = 0
-        exchange = self._exchange._replace(kept=memory.commands(order.commands))
-        pending.append(_out_of_sight((exchange, order.senses)))
-
-    def _duty_senses_given(self, pending: list[Any], memory: SharedMemory) -> Reply:
-        from drivegate_models.loop.given_duty_steps import make_duty_steps
-
-        self._duty_steps_made_ready(pending, memory)
-        return self._stepped(make_duty_steps, pending)
-
-    def _duty_steps_made_ready(self, pending: list[Any], memory: SharedMemory) -> None:
-        from drivegate_models.loop.given_duty_steps import given_duty_steps
-
-        order: GiveDutySenses = pending.pop()
-        self._progress.steps[0] = 0
-        given = given_duty_steps(
+        given = given_senses(
             self._instance.step_address,
             self._instance.state_address,
             order.senses,
@@ -251,7 +221,9 @@ class _Server:
             progress=self._progress.steps,
             kept=memory.commands(order.commands),
         )
-        pending.append(_out_of_sight((given,)))
+        arguments = _out_of_sight((given,))
+        pending.append(arguments)
+        return _entry_point(MAKE_STEPS[LAYOUTS[order.senses.dtype].name], arguments)
 
     def _not_restarted(self, failure: BaseException, status: int, steps: int) -> Reply:
         """Answer for a run that ended since the instance could not be reset in the middle of it."""

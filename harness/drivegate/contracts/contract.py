@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    import numpy as np
     from hypothesis.strategies import SearchStrategy
     from numpy.typing import NDArray
 
@@ -17,12 +16,14 @@ if TYPE_CHECKING:
     from drivegate.checks.record import Record
     from drivegate.containment.messages import AnyController
     from drivegate.contracts.comparison import Comparison
+    from drivegate.contracts.given_steps import GivenSteps
     from drivegate.contracts.trace import RecordedTrace
     from drivegate.contracts.witness import Witness
     from drivegate.scenarios.drawn_range import DrawnRange
     from drivegate.scenarios.simplification import Simplification
     from drivegate_cases.drive.drive_document import DriveDocument
     from drivegate_cases.scenario.scenario import Scenario
+    from drivegate_models.contract.layout import Layout
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,10 +69,22 @@ class Contract:
     """Return start and end of the stretch of a run that decides a margin (s)."""
     step_seconds: Callable[[AnyController, Record], float]
     """Measure the time of one step on what was sensed in a run whose trace has every step (s)."""
-    command: Callable[[], np.dtype[Any]]
-    """Return the layout of a command."""
-    outputs: Callable[[], tuple[str, ...]]
-    """Return the fields of a command that a controller writes."""
+    layout: Callable[[], Layout]
+    """Return the records that pass between controller and drive."""
+    sensed: Mapping[str, str]
+    """Fields of a sense to print besides its phase currents, each with its unit."""
+    outputs: Mapping[str, tuple[str, str]]
+    """Fields of a command that a controller writes, each with its name and unit."""
+    plotted: Mapping[str, tuple[str, float]]
+    """Fields of a command that figures show, each with the unit there and a factor for it."""
+    nameplate: Callable[[Scenario], Any]
+    """Return what a controller is reset with before a scenario."""
+    run: Callable[..., Any]
+    """Run a controller once: plant's loop, scenario, controller, and `wrap`, which may put something around it."""
+    given_steps: Callable[[AnyController, Any], GivenSteps]
+    """From a controller and its nameplate, return steps through given Senses."""
+    plant_state: Callable[[Callable[..., Any], Scenario, NDArray[Any], int], dict[str, Any]]
+    """From a plant's loop, a scenario, a run's commands and a step, return the plant's own state at its start."""
     signals: Callable[[Any], dict[str, NDArray[Any]]]
     """Return the columns of a run's trace in people's units, by name."""
     recorded_signals: Callable[[Any], dict[str, NDArray[Any]]]

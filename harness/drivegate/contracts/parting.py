@@ -13,22 +13,6 @@ from drivegate_cases.scenario.scenario import Scenario
 
 SEED_IN_RESET: Final = "if the controller draws random numbers, seed them in reset"
 """What to do about the most common reason why two runs of one scenario differ."""
-_WORDS: Final = {
-    "current_reference": ("current reference", "A"),
-    "advance_angle": ("advance angle", "rad"),
-    "input_power": ("input power", "W"),
-    "first_duty": ("first duty ratio", ""),
-    "second_duty": ("second duty ratio", ""),
-    "third_duty": ("third duty ratio", ""),
-    "first_leg": ("first leg", ""),
-    "second_leg": ("second leg", ""),
-    "third_leg": ("third leg", ""),
-    "next_period": ("next control period", "s"),
-    "torque": ("torque", "N·m"),
-    "angle": ("angle", "rad"),
-    "speed": ("speed", "rad/s"),
-    "fault": ("fault", ""),
-}
 _FEWEST_DIGITS: Final = 3
 _MOST_DIGITS: Final = 17
 
@@ -41,15 +25,15 @@ class Parting:
     """Number of the step, from 0."""
     time: float
     """Its simulated time (s)."""
-    output: str
-    """The first number of the command that differs."""
+    output: tuple[str, str]
+    """The first number of the command that differs: its name and unit."""
     again: float
     first: float
     """That number in the repetition and in the first run, in SI units."""
 
     def __str__(self) -> str:
         """Tell the step, its time and both numbers, with as many digits as it takes to tell them apart."""
-        name, unit = _WORDS[self.output]
+        name, unit = self.output
         return (
             f"differs from step {self.step} on, at {self.time:g} s: "
             f"{name} {' against '.join(_told_apart(self.again, self.first))} {unit}"
@@ -58,21 +42,20 @@ class Parting:
 
 def room_for_commands(scenario: Scenario) -> NDArray[Any]:
     """Make room for the command of every step of a run."""
-    return np.zeros(scenario.control_periods, contract_of(scenario.drive).command())
+    return np.zeros(scenario.control_periods, contract_of(scenario.drive).layout().command)
 
 
 def parting_of(scenario: Scenario, again: NDArray[Any], first: NDArray[Any]) -> Parting | None:
     """Find where the commands of a repetition part from those of the first run, bit for bit."""
-    outputs = contract_of(scenario.drive).outputs()
+    outputs = contract_of(scenario.drive).outputs
     differs = np.stack([again[name].view(np.int64) != first[name].view(np.int64) for name in outputs])
     steps = np.flatnonzero(differs.any(axis=0))
     if steps.size == 0:
         return None
     step = int(steps[0])
-    output = outputs[int(np.argmax(differs[:, step]))]
-    return Parting(
-        step, step * scenario.control_period_s, output, float(again[output][step]), float(first[output][step])
-    )
+    output = tuple(outputs)[int(np.argmax(differs[:, step]))]
+    numbers = (float(again[output][step]), float(first[output][step]))
+    return Parting(step, step * scenario.control_period_s, outputs[output], *numbers)
 
 
 def _told_apart(one: float, other: float) -> tuple[str, str]:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from drivegate.checks.record import Record
 from drivegate.containment.messages import AnyController, JudgedCandidate
 from drivegate.contracts.catalogue import contract_of
-from drivegate.contracts.current.run import Wrap, run_in_closed_loop
+from drivegate.contracts.current.run import run_in_closed_loop
 from drivegate.drives.choice import require_contract
 from drivegate.drives.kinds import kind_of
 from drivegate_cases.scenario.scenario import Scenario
@@ -22,20 +22,16 @@ def run_scenario(
     *,
     power_window: float = 0.0,
     trace_every: int = 0,
-    wrap: Wrap | None = None,
     kept: NDArray[Any] | None = None,
-    sees_plant: bool = False,
 ) -> ClosedLoopRun:
-    """Reset a controller and run it through a scenario, or past what its sensors show (`sees_plant`)."""
+    """Reset a controller and run it through a scenario."""
     return run_in_closed_loop(
         kind_of(scenario.drive).prepare_loop(),
         scenario,
         controller,
         power_window=power_window,
         trace_every=trace_every,
-        wrap=wrap,
         kept=kept,
-        sees_plant=sees_plant,
     )
 
 

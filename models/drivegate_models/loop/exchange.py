@@ -98,6 +98,29 @@ def make_exchange(
 
 
 @inlined
+def command_status(command: Any) -> int:
+    """Return whether a command lets a run go on; a value outside its range is for a check to judge.
+
+    Parameters
+    ----------
+    command : record of COMMAND
+        The controller's answer.
+
+    Returns
+    -------
+    int
+        `COMPLETED`, `STOPPED` or `NOT_FINITE`.
+    """
+    if command.struct_size < 0:
+        return STOPPED
+    finite = isfinite(command.current_reference) and isfinite(command.advance_angle)
+    # A power of NaN means that the controller estimates none.
+    if not finite or abs(command.input_power) == inf:
+        return NOT_FINITE
+    return COMPLETED
+
+
+@inlined
 def step_controller(exchange: Exchange, step: int) -> int:
     """Call the controller's step on the present Sense, and check its command.
 
@@ -121,18 +144,13 @@ def step_controller(exchange: Exchange, step: int) -> int:
     # Count before the call, so that a monitor knows in which step a controller hangs.
     exchange.progress[0] = step + 1
     call_step(exchange.step_address, exchange.state_address, exchange.sense_address, exchange.command_address)
-    if command[0].struct_size < 0:
-        return STOPPED
-    if step < exchange.kept.size:
+    status = command_status(command[0])
+    if status != STOPPED and step < exchange.kept.size:
         kept = exchange.kept[step]
         kept.current_reference = command[0].current_reference
         kept.advance_angle = command[0].advance_angle
         kept.input_power = command[0].input_power
-    finite = isfinite(command[0].current_reference) and isfinite(command[0].advance_angle)
-    # A power of NaN means that the controller estimates none.
-    if not finite or abs(command[0].input_power) == inf:
-        return NOT_FINITE
-    return COMPLETED
+    return status
 
 
 @inlined

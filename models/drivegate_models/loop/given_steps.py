@@ -1,55 +1,132 @@
-"""Steps of a controller on prescribed Senses: there is no plant and no feedback."""
+"""Steps of a controller on Senses that are given, not fed back: no plant is in this loop."""
 
 from __future__ import annotations
 
-from typing import Final
+from collections.abc import Callable, Mapping
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegate_models.compilation.calling import call_step
 from drivegate_models.compilation.kernels import unallocating
-from drivegate_models.loop.exchange import COMPLETED, Exchange, step_controller
+from drivegate_models.contract.current.records import SENSE
+from drivegate_models.contract.layout import LAYOUTS
+from drivegate_models.loop.duty_command import duty_command_status
+from drivegate_models.loop.exchange import COMPLETED, command_status
 
-SCALARS: Final = ("time", "speed_reference", "speed", "current_magnitude_sum", "half_supply_voltage")
-"""First columns of a row of a Sense (SI units); the phase currents are the columns after them."""
+
+class GivenSenses(NamedTuple):
+    """What the steps are made of."""
+
+    step_address: int
+    """Address of the controller's step."""
+    state_address: int
+    """Address of its state."""
+    senses: NDArray[Any]
+    """What is sensed, shape (n,) of the contract's sense; sizes and addresses in it are not used."""
+    currents: NDArray[np.float64]
+    """Their phase currents, shape (n, m) (A)."""
+    sense: NDArray[Any]
+    """What the controller sees, shape (1,)."""
+    sensed_currents: NDArray[np.float64]
+    """What that points to, shape (m,) (A)."""
+    currents_address: int
+    """Address of these."""
+    command: NDArray[Any]
+    """What it answers, shape (1,) of the contract's command."""
+    fresh: NDArray[Any]
+    """What a command is before the step, shape (1,)."""
+    progress: NDArray[np.int64]
+    """Shape (1,): number of steps begun, watched from another process."""
+    kept: NDArray[Any]
+    """Receives the commands, shape (k,); those after its end are not kept."""
 
 
-@unallocating
-def make_steps(exchange: Exchange, senses: NDArray[np.float64]) -> tuple[int, int]:
-    """Step a controller, already reset, through prescribed Senses.
+def _steps_until(status_of: Callable[[Any], int]) -> Callable[[GivenSenses], tuple[int, int]]:
+    """Make the steps of a contract from what tells its commands from others."""
+
+    @unallocating
+    def make_steps(given: GivenSenses) -> tuple[int, int]:
+        senses, sense, command, kept = given.senses, given.sense, given.command, given.kept
+        for k in range(senses.size):
+            sense[0] = senses[k]
+            sense[0].struct_size = sense.itemsize
+            sense[0].phase_currents = given.currents_address
+            for phase in range(given.currents.shape[1]):
+                given.sensed_currents[phase] = given.currents[k, phase]
+            command[0] = given.fresh[0]
+            # Count before the call, so that a monitor knows in which step a controller hangs.
+            given.progress[0] = k + 1
+            call_step(given.step_address, given.state_address, sense.ctypes.data, command.ctypes.data)
+            if k < kept.size:
+                kept[k] = command[0]
+            status = status_of(command[0])
+            if status != COMPLETED:
+                return status, k
+        return COMPLETED, senses.size
+
+    return make_steps
+
+
+MAKE_STEPS: Final[Mapping[str, Callable[[GivenSenses], tuple[int, int]]]] = {
+    "current": _steps_until(command_status),
+    "duty": _steps_until(duty_command_status),
+}
+"""For each contract, the steps of a controller that has been reset, through given Senses: the last command's status
+and the number of steps that were answered; the next one is what another status than `COMPLETED` is about."""
+
+
+def given_senses(
+    step_address: int,
+    state_address: int,
+    senses: NDArray[Any],
+    currents: NDArray[np.float64],
+    *,
+    progress: NDArray[np.int64] | None = None,
+    kept: NDArray[Any] | None = None,
+) -> GivenSenses:
+    """Tie Senses and a controller together.
 
     Parameters
     ----------
-    exchange : Exchange
-        Its Sense is overwritten; its `kept` receives the commands.
-    senses : ndarray, shape (n, len(SCALARS) + m)
-        One Sense per row, in SI units.
+    step_address, state_address : int
+        Addresses of the controller's step function and of its state.
+    senses : ndarray, shape (n,)
+        What the controller senses, as records of its contract.
+    currents : ndarray, shape (n, m)
+        The phase currents (A).
+    progress : ndarray of int64, shape (1,), optional
+        Receives the number of steps begun.
+    kept : ndarray, shape (k,), optional
+        Receives the commands of the first k steps.
 
     Returns
     -------
-    status : int
-        `COMPLETED`, `STOPPED` or `NOT_FINITE`.
-    answered : int
-        Number of completed steps, and so the number of the step with another status.
+    GivenSenses
+        For `MAKE_STEPS`.
     """
-    sense = exchange.sense
-    for k in range(senses.shape[0]):
-        row = senses[k]
-        sense[0].time = row[0]
-        sense[0].speed_reference = row[1]
-        sense[0].speed = row[2]
-        sense[0].current_magnitude_sum = row[3]
-        sense[0].half_supply_voltage = row[4]
-        for phase in range(row.size - 5):
-            exchange.sensed_currents[phase] = row[5 + phase]
-        status = step_controller(exchange, k)
-        if status != COMPLETED:
-            return status, k
-    return COMPLETED, senses.shape[0]
+    layout = LAYOUTS[senses.dtype]
+    sensed_currents = np.zeros(currents.shape[1])
+    return GivenSenses(
+        step_address=step_address,
+        state_address=state_address,
+        senses=np.ascontiguousarray(senses),
+        currents=np.ascontiguousarray(currents, np.float64),
+        sense=np.zeros(1, layout.sense),
+        sensed_currents=sensed_currents,
+        currents_address=sensed_currents.ctypes.data,
+        command=layout.fresh_command(),
+        fresh=layout.fresh_command(),
+        progress=np.zeros(1, np.int64) if progress is None else progress,
+        kept=np.zeros(0, layout.command) if kept is None else kept,
+    )
 
 
-def senses_of(signals: NDArray[np.float64], phases: int, control_period: float) -> NDArray[np.float64]:
-    """Return rows of Senses for a script's signals.
+def senses_of(
+    signals: NDArray[np.float64], phases: int, control_period: float
+) -> tuple[NDArray[Any], NDArray[np.float64]]:
+    """Make Senses from the signals of a script.
 
     Parameters
     ----------
@@ -62,9 +139,15 @@ def senses_of(signals: NDArray[np.float64], phases: int, control_period: float) 
 
     Returns
     -------
-    ndarray, shape (n, len(SCALARS) + m)
-        The rows. The phase currents share the sum equally, with alternating signs.
+    senses : ndarray of SENSE, shape (n,)
+        What is sensed.
+    currents : ndarray, shape (n, m)
+        The phase currents (A): equal shares of the sum, with alternating signs.
     """
-    times = np.arange(len(signals)) * control_period
-    shares = signals[:, 2:3] / phases * np.where(np.arange(phases) % 2, -1.0, 1.0)
-    return np.column_stack([times, signals, shares])
+    senses = np.zeros(len(signals), SENSE)
+    senses["time"] = np.arange(len(signals)) * control_period
+    senses["phase_count"] = phases
+    names = ("speed_reference", "speed", "current_magnitude_sum", "half_supply_voltage")
+    for name, values in zip(names, signals.T, strict=True):
+        senses[name] = values
+    return senses, signals[:, 2:3] / phases * np.where(np.arange(phases) % 2, -1.0, 1.0)

@@ -27,13 +27,15 @@ from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.containment.stall_watch import WorkerLimits
 from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
-from drivegate.contracts.current.scripted import GivenSteps
+from drivegate.contracts.current.scripted import given_steps
 from drivegate.drives.running import recorded
 from drivegate.gate.recording import RecordPlan, run_recorded
 from drivegate.gate.shard import FixedRuns, run_fixed
 from drivegate_cases.drive.drive_document import load_drive
+from drivegate_models.contract.current.records import COMMAND
 from drivegate_models.errors import InputError
 from drivegate_models.loop.command_playing import player_of, playing_step
+from drivegate_models.loop.given_steps import senses_of
 
 HOSTILE = runpy.run_path(str(Path(__file__).with_name("hostile_actions.py")))
 SCENARIOS = fixed_scenarios(load_drive("paper-5-phase"))
@@ -139,7 +141,8 @@ def judged_in_every_way(loaded: JudgedCandidate, _: None) -> JudgedRun:
     """Do what a check does with a candidate: runs of one instance and of another, given Senses, margins."""
     controller = loaded.controller()
     record = recorded(loaded, SHORT, controller)
-    GivenSteps(controller, SHORT.nameplate()).answers(np.ones((20, 5 + SHORT.drive.machine.phases)))
+    nameplate = SHORT.nameplate()
+    given_steps(controller, nameplate).answers(*senses_of(np.ones((20, 4)), nameplate.phases, 1.0))
     recorded(loaded, SHORT, loaded.controller())
     return judged(record, CHECKS)
 
@@ -184,7 +187,8 @@ class GivenCommands:
     fault = None
 
     def __init__(self, commands: list[tuple[float, float, float]], steps: int) -> None:
-        self._commands = np.repeat(np.array(commands), -(-steps // len(commands)), axis=0)
+        rows = np.array([(0, *command) for command in commands], COMMAND)
+        self._commands = np.repeat(rows, -(-steps // len(commands)))
         self._step = playing_step()
         self._state = player_of(self._commands)
         self.step_address: int = self._step.address

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drivegate_models.contract.current.records import nameplate_record
+from drivegate_models.contract.current.records import COMMAND, nameplate_record
 from drivegate_models.contract.current.signals import Nameplate
 from drivegate_models.controllers.current.builtin import SEARCHES, reset_function, step_function
 from drivegate_models.controllers.current.state import CONTROLLER_STATE
@@ -138,7 +138,7 @@ def test_holding_the_speed_within_a_period_vanishes_with_the_period(motor: Any) 
 def given_commands(drive: Any, period: float, current: float, advance: float) -> ClosedLoopRun:
     """Run up under a constant torque with a current and an angle that do not change."""
     steps = round(0.3 / period)
-    commands = np.tile([current, advance, math.nan], (steps, 1))
+    commands = np.array([(0, current, advance, math.nan)] * steps, COMMAND)
     state = player_of(commands)
     return prepared_loop(
         drive,

@@ -10,11 +10,10 @@ import numpy as np
 import pytest
 
 from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE
-from drivegate_models.loop.command_playing import player_of
+from drivegate_models.loop.command_playing import player_of, playing_step
 from drivegate_models.loop.duty_command import BAD_LEG
-from drivegate_models.loop.duty_command_playing import duty_playing_step
 from drivegate_models.loop.exchange import COMPLETED, NOT_FINITE, STOPPED
-from drivegate_models.loop.given_duty_steps import given_duty_steps, make_duty_steps
+from drivegate_models.loop.given_steps import MAKE_STEPS, given_senses
 
 STEP = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p)
 CURRENTS = np.arange(15.0).reshape(5, 3)
@@ -46,7 +45,7 @@ def made(special: Callable[[int, Any], None], **keywords: Any) -> tuple[tuple[in
 
     callback = STEP(step)
     address = ctypes.cast(callback, ctypes.c_void_p).value or 0
-    ended = make_duty_steps(given_duty_steps(address, 0, senses(), CURRENTS, **keywords))
+    ended = MAKE_STEPS["duty"](given_senses(address, 0, senses(), CURRENTS, **keywords))
     return (int(ended[0]), int(ended[1])), sensed
 
 
@@ -88,9 +87,9 @@ def test_kept_commands_are_given_again_bit_for_bit_and_then_it_stops() -> None:
     commands["second_leg"] = (0, 1, 2, 3)
     commands["torque"] = np.nan
     commands["fault"] = (5, 6, 7, 8)
-    player, step = player_of(commands), duty_playing_step()
+    player, step = player_of(commands), playing_step()
     kept = np.zeros(5, DUTY_COMMAND)
-    given = given_duty_steps(step.address, player.ctypes.data, senses(), CURRENTS, kept=kept)
-    status, answered = make_duty_steps(given)
+    given = given_senses(step.address, player.ctypes.data, senses(), CURRENTS, kept=kept)
+    status, answered = MAKE_STEPS["duty"](given)
     assert (status, answered) == (STOPPED, 4)
     assert kept[:4].tobytes() == commands.tobytes()

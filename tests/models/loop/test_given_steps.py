@@ -7,9 +7,10 @@ import pytest
 
 from drivegate_models.contract.current.records import COMMAND, SENSE, STOP
 from drivegate_models.loop.command_playing import player_of, playing_step
-from drivegate_models.loop.exchange import COMPLETED, NOT_FINITE, OUTPUTS, STOPPED, make_exchange
-from drivegate_models.loop.given_steps import SCALARS, make_steps, senses_of
+from drivegate_models.loop.exchange import COMPLETED, NOT_FINITE, STOPPED
+from drivegate_models.loop.given_steps import MAKE_STEPS, given_senses, senses_of
 
+SCALARS = ("time", "speed_reference", "speed", "current_magnitude_sum", "half_supply_voltage")
 STEP = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p)
 
 
@@ -46,8 +47,8 @@ def senses():
 
 
 def made(recorder, senses, **keywords):
-    exchange = make_exchange(PHASES, step_address=recorder.address, state_address=0, **keywords)
-    return make_steps(exchange, senses), exchange
+    given = given_senses(recorder.address, 0, *senses, **keywords)
+    return MAKE_STEPS["current"](given), given
 
 
 def test_every_step_senses_its_row_and_its_command_is_kept(senses):
@@ -63,9 +64,10 @@ def test_every_step_senses_its_row_and_its_command_is_kept(senses):
 
 def test_steps_can_be_made_in_parts(senses):
     recorder, progress = Recorder(), np.zeros(1, np.int64)
-    (status, answered), exchange = made(recorder, senses[:2], progress=progress)
+    first, last = ([rows[part] for rows in senses] for part in (slice(2), slice(2, None)))
+    (status, answered), _ = made(recorder, first, progress=progress)
     assert (status, answered, progress[0]) == (COMPLETED, 2, 2)
-    assert make_steps(exchange, senses[2:]) == (COMPLETED, 4)
+    assert made(recorder, last)[0] == (COMPLETED, 4)
     assert [sensed[0] for sensed in recorder.sensed] == [PERIOD * k for k in range(6)]
 
 
@@ -80,10 +82,10 @@ def test_steps_can_be_made_in_parts(senses):
 )
 def test_a_step_without_a_command_ends_them(senses, special, status):
     recorder = Recorder({3: special})
-    ended, exchange = made(recorder, senses)
+    ended, given = made(recorder, senses)
     assert ended == (status, 3)
     assert len(recorder.sensed) == 4
-    assert exchange.sense[0]["speed"] == 143.0
+    assert given.sense[0]["speed"] == 143.0
 
 
 def test_no_estimate_of_power_is_no_fault(senses):
@@ -93,11 +95,8 @@ def test_no_estimate_of_power_is_no_fault(senses):
 def test_kept_commands_are_given_again_bit_for_bit_and_then_a_stop(senses):
     kept = np.zeros(6, COMMAND)
     made(Recorder({1: {"input_power": np.nan}, 2: {"advance_angle": -0.0}}), senses, kept=kept)
-    commands = np.column_stack([kept[name] for name in OUTPUTS])
-    player, again = player_of(commands), np.zeros(6, COMMAND)
-    exchange = make_exchange(
-        PHASES, step_address=playing_step().address, state_address=player.ctypes.data, kept=again
-    )
-    assert make_steps(exchange, senses) == (COMPLETED, 6)
+    player, again = player_of(kept), np.zeros(6, COMMAND)
+    given = given_senses(playing_step().address, player.ctypes.data, *senses, kept=again)
+    assert MAKE_STEPS["current"](given) == (COMPLETED, 6)
     assert again.tobytes() == kept.tobytes(), "a command was changed on the way"
-    assert make_steps(exchange, senses) == (STOPPED, 0), "there are no more commands"
+    assert MAKE_STEPS["current"](given) == (STOPPED, 0), "there are no more commands"

@@ -5,13 +5,20 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Final
 
 from drivegate.contracts.contract import Contract
-from drivegate.contracts.current.columns import OBSERVATIONS, RECORDED_NAMES, SUMMARY_ROWS, WINDOW_COLUMNS
+from drivegate.contracts.current.columns import (
+    OBSERVATIONS,
+    OUTPUTS,
+    PLOTTED,
+    RECORDED_NAMES,
+    SENSED,
+    SUMMARY_ROWS,
+    WINDOW_COLUMNS,
+)
 from drivegate.contracts.witness import Witness
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    import numpy as np
     from hypothesis.strategies import SearchStrategy
     from numpy.typing import NDArray
 
@@ -19,14 +26,18 @@ if TYPE_CHECKING:
     from drivegate.checks.check import Check
     from drivegate.checks.margin import Margin
     from drivegate.containment.messages import AnyController
+    from drivegate.containment.playback import Wrap
     from drivegate.contracts.comparison import Comparison
     from drivegate.contracts.current.record import CurrentRecord
     from drivegate.contracts.current.run import PrepareLoop
+    from drivegate.contracts.given_steps import GivenSteps
     from drivegate.contracts.trace import RecordedTrace
     from drivegate.scenarios.drawn_range import DrawnRange
     from drivegate.scenarios.simplification import Simplification
     from drivegate_cases.drive.drive_document import DriveDocument
     from drivegate_cases.scenario.scenario import Scenario
+    from drivegate_models.contract.current.signals import Nameplate
+    from drivegate_models.contract.layout import Layout
     from drivegate_models.loop.closed_loop import ClosedLoopRun
 
 
@@ -130,16 +141,36 @@ def _step_seconds(controller: AnyController, record: Any) -> float:
     return step_seconds(controller, nameplate, senses_of_run(record.run, nameplate))
 
 
-def _command() -> np.dtype[Any]:
-    from drivegate_models.contract.current.records import COMMAND
+def _layout() -> Layout:
+    from drivegate_models.contract.layout import CURRENT
 
-    return COMMAND
+    return CURRENT
 
 
-def _outputs() -> tuple[str, ...]:
-    from drivegate_models.loop.exchange import OUTPUTS
+def _nameplate(scenario: Scenario) -> Nameplate:
+    return scenario.nameplate()
 
-    return OUTPUTS
+
+def _run(
+    prepare: PrepareLoop, scenario: Scenario, controller: AnyController, wrap: Wrap | None = None
+) -> ClosedLoopRun:
+    from drivegate.contracts.current.run import run_in_closed_loop
+
+    return run_in_closed_loop(prepare, scenario, controller, wrap=wrap)
+
+
+def _given_steps(controller: AnyController, nameplate: Nameplate) -> GivenSteps:
+    from drivegate.contracts.current.scripted import given_steps
+
+    return given_steps(controller, nameplate)
+
+
+def _plant_state(
+    prepare: PrepareLoop, scenario: Scenario, commands: NDArray[Any], step: int
+) -> dict[str, Any]:
+    from drivegate.contracts.current.plant_state import plant_state
+
+    return plant_state(prepare, scenario, commands, step)
 
 
 def _signals(run: ClosedLoopRun) -> dict[str, NDArray[Any]]:
@@ -240,8 +271,14 @@ CURRENT: Final = Contract(
     record=_record,
     judged_window=_judged_window,
     step_seconds=_step_seconds,
-    command=_command,
-    outputs=_outputs,
+    layout=_layout,
+    sensed=SENSED,
+    outputs=OUTPUTS,
+    plotted=PLOTTED,
+    nameplate=_nameplate,
+    run=_run,
+    given_steps=_given_steps,
+    plant_state=_plant_state,
     signals=_signals,
     recorded_signals=_recorded_signals,
     recorded_names=RECORDED_NAMES,

@@ -2,8 +2,28 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from typing import Final
 
+SENSED: Final[Mapping[str, str]] = {
+    "speed_reference": "rad/s",
+    "speed": "rad/s",
+    "current_magnitude_sum": "A",
+    "half_supply_voltage": "V",
+}
+"""What is sensed besides the phase currents, with its unit."""
+OUTPUTS: Final[Mapping[str, tuple[str, str]]] = {
+    "current_reference": ("current reference", "A"),
+    "advance_angle": ("advance angle", "rad"),
+    "input_power": ("input power", "W"),
+}
+"""Fields of a command, each with its name and unit."""
+PLOTTED: Final[Mapping[str, tuple[str, float]]] = {
+    "current_reference": ("A", 1.0),
+    "advance_angle": ("el. deg", 180.0 / math.pi),
+}
+"""Fields of a command that figures show, each with the unit there and a factor for it."""
 RECORDED: Final = (
     "time_s",
     "speed_reference_rpm",

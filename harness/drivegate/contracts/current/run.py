@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.candidates.controller import Controller, show_drive
-from drivegate.candidates.fault import CandidateFault, placed, refused_command
+from drivegate.candidates.fault import OVERWRITTEN_SIZE, CandidateFault, placed, refused_command
 from drivegate.containment.messages import AnyController
 from drivegate.containment.orders import CloseLoop
-from drivegate.containment.playback import require_same_plant, stepped_here
+from drivegate.containment.playback import Wrap, require_same_plant, stepped_here
 from drivegate.containment.restarting import Restarter
 from drivegate.contracts.current.scenarios.windows import observed_windows
 from drivegate.scenarios.plant_inputs import (
@@ -29,7 +29,7 @@ from drivegate_cases.scenario.control_periods import seen_at_s
 from drivegate_cases.scenario.disturbance import Dropout
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import HallSensors, IdealSensors, ShuntSensors
-from drivegate_models.contract.current.signals import Sense
+from drivegate_models.contract.layout import CURRENT
 from drivegate_models.errors import HarnessFault
 from drivegate_models.loop.closed_loop import ClosedLoopRun, PreparedLoop
 from drivegate_models.loop.exchange import COMPLETED, NOT_FINITE, STOPPED
@@ -38,8 +38,6 @@ from drivegate_models.units import RADIANS_PER_RPM
 
 PrepareLoop: TypeAlias = Callable[..., PreparedLoop]
 """Makes a run of a controller, already reset, against the plant of one kind of drive ready to begin."""
-Wrap: TypeAlias = Callable[[Controller], Controller]
-"""Puts something between the closed loop and a controller, which passes every step on."""
 
 _SIGNALS = {"speed": sensors.SPEED, "currents": sensors.CURRENTS, "supply": sensors.SUPPLY}
 
@@ -129,19 +127,19 @@ def run_in_closed_loop(
 
 
 def _raise_ending(run: ClosedLoopRun, controller: Controller) -> None:
-    sense = last_sense(run)
+    sense = CURRENT.sensed(run.last_sense[0], run.last_currents)
     step = int(run.steps)
     fault = controller.fault
     if run.status == STOPPED and fault is not None:
         raise CandidateFault(placed(fault, step, sense))
     if run.status in (STOPPED, NOT_FINITE):
-        finite = run.status != NOT_FINITE
-        raise CandidateFault(refused_command(run.last_command[0], finite=finite, step=step, sense=sense))
+        raise CandidateFault(refused_command(refusal_of(run.last_command[0], run.status), step, sense))
     raise HarnessFault(f"the plant ended with status {run.status} at step {step}, {sense.time:g} s")
 
 
-def last_sense(run: ClosedLoopRun) -> Sense:
-    """Give the last Sense of a run."""
-    record = run.last_sense[0]
-    scalars = {name: float(record[name]) for name in Sense._fields if name != "phase_currents"}
-    return Sense(phase_currents=tuple(run.last_currents.tolist()), **scalars)
+def refusal_of(command: Any, status: int) -> str:
+    """Return why a command ended a run although the controller itself reports no fault."""
+    if status == STOPPED:
+        return OVERWRITTEN_SIZE
+    values = ", ".join(f"{name} = {command[name]}" for name in CURRENT.outputs)
+    return f"the command is not finite: {values}"

@@ -5,13 +5,20 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Final
 
 from drivegate.contracts.contract import Contract
-from drivegate.contracts.duty.columns import OBSERVATIONS, RECORDED_NAMES, SUMMARY_ROWS, WINDOW_COLUMNS
+from drivegate.contracts.duty.columns import (
+    OBSERVATIONS,
+    OUTPUTS,
+    PLOTTED,
+    RECORDED_NAMES,
+    SENSED,
+    SUMMARY_ROWS,
+    WINDOW_COLUMNS,
+)
 from drivegate.contracts.witness import Witness
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    import numpy as np
     from hypothesis.strategies import SearchStrategy
     from numpy.typing import NDArray
 
@@ -20,14 +27,18 @@ if TYPE_CHECKING:
     from drivegate.checks.margin import Margin
     from drivegate.checks.record import Record
     from drivegate.containment.messages import AnyController
+    from drivegate.containment.playback import Wrap
     from drivegate.contracts.comparison import Comparison
     from drivegate.contracts.duty.record import DutyRecord
     from drivegate.contracts.duty.run import DutyClosedLoopRun, PrepareDutyLoop
+    from drivegate.contracts.given_steps import GivenSteps
     from drivegate.contracts.trace import RecordedTrace
     from drivegate.scenarios.drawn_range import DrawnRange
     from drivegate.scenarios.simplification import Simplification
     from drivegate_cases.drive.drive_document import DriveDocument
     from drivegate_cases.scenario.scenario import Scenario
+    from drivegate_models.contract.duty.signals import DutyNameplate
+    from drivegate_models.contract.layout import Layout
 
 
 def _checks() -> tuple[Check, ...]:
@@ -127,15 +138,38 @@ def _step_seconds(controller: AnyController, record: Record) -> float:
     return duty_step_seconds(controller, record)
 
 
-def _command() -> np.dtype[Any]:
-    from drivegate_models.contract.duty.records import DUTY_COMMAND
+def _layout() -> Layout:
+    from drivegate_models.contract.layout import DUTY
 
-    return DUTY_COMMAND
+    return DUTY
 
 
-def _outputs() -> tuple[str, ...]:
-    # The first field is the size of the record.
-    return (_command().names or ())[1:]
+def _nameplate(scenario: Scenario) -> DutyNameplate:
+    from drivegate.contracts.duty.run import duty_nameplate
+
+    return duty_nameplate(scenario)
+
+
+def _run(
+    prepare: PrepareDutyLoop, scenario: Scenario, controller: AnyController, wrap: Wrap | None = None
+) -> DutyClosedLoopRun:
+    from drivegate.contracts.duty.plant_run import duty_run
+
+    return duty_run(prepare, scenario, controller, wrap)
+
+
+def _given_steps(controller: AnyController, nameplate: DutyNameplate) -> GivenSteps:
+    from drivegate.contracts.duty.timed_steps import given_duty_steps
+
+    return given_duty_steps(controller, nameplate)
+
+
+def _plant_state(
+    prepare: PrepareDutyLoop, scenario: Scenario, commands: NDArray[Any], step: int
+) -> dict[str, Any]:
+    from drivegate.contracts.duty.plant_state import plant_state
+
+    return plant_state(prepare, scenario, commands, step)
 
 
 def _signals(run: DutyClosedLoopRun) -> dict[str, NDArray[Any]]:
@@ -213,8 +247,14 @@ DUTY: Final = Contract(
     record=_record,
     judged_window=_judged_window,
     step_seconds=_step_seconds,
-    command=_command,
-    outputs=_outputs,
+    layout=_layout,
+    sensed=SENSED,
+    outputs=OUTPUTS,
+    plotted=PLOTTED,
+    nameplate=_nameplate,
+    run=_run,
+    given_steps=_given_steps,
+    plant_state=_plant_state,
     signals=_signals,
     recorded_signals=_signals,
     recorded_names=RECORDED_NAMES,

@@ -7,6 +7,35 @@ from typing import Final
 
 from drivegate_models.units import RADIANS_PER_RPM
 
+SENSED: Final[Mapping[str, str]] = {
+    "reference": "rad/s or N·m",
+    "speed": "rad/s",
+    "angle": "rad",
+    "supply_voltage": "V",
+    "supply_current": "A",
+}
+"""What is sensed besides the phase currents, with its unit."""
+OUTPUTS: Final[Mapping[str, tuple[str, str]]] = {
+    "first_duty": ("first duty ratio", ""),
+    "second_duty": ("second duty ratio", ""),
+    "third_duty": ("third duty ratio", ""),
+    "first_leg": ("first leg", ""),
+    "second_leg": ("second leg", ""),
+    "third_leg": ("third leg", ""),
+    "next_period": ("next control period", "s"),
+    "torque": ("torque", "N·m"),
+    "angle": ("angle", "rad"),
+    "speed": ("speed", "rad/s"),
+    "input_power": ("input power", "W"),
+    "fault": ("fault", ""),
+}
+"""Fields of a command, each with its name and unit."""
+PLOTTED: Final[Mapping[str, tuple[str, float]]] = {
+    "first_duty": ("1", 1.0),
+    "second_duty": ("1", 1.0),
+    "third_duty": ("1", 1.0),
+}
+"""Fields of a command that figures show, each with the unit there and a factor for it."""
 COLUMNS: Final[Mapping[str, tuple[str, float]]] = {
     "time_s": ("time", 1.0),
     "speed_reference_rpm": ("speed_reference", 1.0 / RADIANS_PER_RPM),

@@ -13,16 +13,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.candidates.controller import Controller
-from drivegate.candidates.fault import OVERWRITTEN_SIZE, CandidateFault, Fault, FaultKind, placed
+from drivegate.candidates.fault import OVERWRITTEN_SIZE, CandidateFault, placed, refused_command
 from drivegate.containment.messages import AnyController
 from drivegate.containment.orders import CloseLoop
-from drivegate.containment.playback import require_same_plant, stepped_here
+from drivegate.containment.playback import Wrap, require_same_plant, stepped_here
 from drivegate.contracts.duty.document import duty_document
 from drivegate.scenarios.plant_inputs import plant_course, plant_load, plant_schedule
 from drivegate_cases.scenario.load import DynamometerLoad, VehicleLoad
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.contract.duty.records import DUTY_COMMAND
-from drivegate_models.contract.duty.signals import LEG_LOW, LEG_OFF, DutyNameplate, DutySense
+from drivegate_models.contract.duty.signals import LEG_LOW, LEG_OFF, DutyNameplate
+from drivegate_models.contract.layout import DUTY
 from drivegate_models.errors import HarnessFault
 from drivegate_models.loop.duty_command import BAD_LEG
 from drivegate_models.loop.exchange import COMPLETED, NOT_FINITE, STOPPED
@@ -87,6 +88,7 @@ def run_duty(
     controller: AnyController,
     sensors: Any = None,
     failure: Any = None,
+    wrap: Wrap | None = None,
 ) -> DutyClosedLoopRun:
     """Reset a controller and run it through a scenario; a fault of its own is raised.
 
@@ -100,8 +102,9 @@ def run_duty(
     controller.reset(nameplate)
     order = CloseLoop(prepare, plant, options, commands=DUTY_COMMAND)
     by_address = stepped_here(controller, order, scenario.control_periods)
+    stepped = by_address if wrap is None else wrap(by_address)
     prepared = prepare(
-        *plant, **options, step_address=by_address.step_address, state_address=by_address.state_address
+        *plant, **options, step_address=stepped.step_address, state_address=stepped.state_address
     )
     run = prepared.run()
     if run.status != COMPLETED:
@@ -139,21 +142,18 @@ def _digest(commands: NDArray[Any]) -> int:
 
 
 def _raise_ending(run: Any, exchange: Any, controller: Controller) -> None:
-    sense = _last_sense(exchange)
+    sense = DUTY.sensed(exchange.sense[0], exchange.sensed_currents)
     step = int(run.steps)
     fault = controller.fault
     if run.status == STOPPED and fault is not None:
         raise CandidateFault(placed(fault, step, sense))
     if run.status not in (STOPPED, NOT_FINITE, BAD_LEG):
         raise HarnessFault(f"the plant ended with status {run.status} at step {step}, {sense.time:g} s")
-    message = refusal_of(run.commands[step], run.status)
-    raise CandidateFault(
-        Fault(FaultKind.INVALID_OUTPUT, message, "step", step=step, time=sense.time, sense=sense._asdict())
-    )
+    raise CandidateFault(refused_command(refusal_of(run.commands[step], run.status), step, sense))
 
 
 def refusal_of(command: Any, status: int) -> str:
-    """Tell why a command ended a run without the controller having a fault to tell."""
+    """Return why a command ended a run although the controller itself reports no fault."""
     if status == NOT_FINITE:
         ratios = ", ".join(f"{float(command[name]):g}" for name in DUTY_RATIOS)
         return f"the duty ratios are not all finite: {ratios}"
@@ -161,10 +161,3 @@ def refusal_of(command: Any, status: int) -> str:
         return OVERWRITTEN_SIZE
     legs = ", ".join(str(int(command[name])) for name in LEGS)
     return f"the legs are {legs}, but each must be from {LEG_OFF} to {LEG_LOW}"
-
-
-def _last_sense(exchange: Any) -> DutySense:
-    record = exchange.sense[0]
-    scalars = {name: record[name].item() for name in DutySense._fields if name != "phase_currents"}
-    first, second, third = exchange.sensed_currents.tolist()
-    return DutySense(phase_currents=(first, second, third), **scalars)

@@ -1,10 +1,10 @@
-"""Two candidates step by step: one drives the plant, the other is given the same and must answer the same."""
+"""Two candidates step by step: one drives the plant, the other senses the same and must answer the same."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, Final
 
-import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.candidates.candidate import Candidate
@@ -12,25 +12,24 @@ from drivegate.candidates.fault import Fault
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job
 from drivegate.containment.temporary_folder import temporary_folder
+from drivegate.contracts.catalogue import contract_of
+from drivegate.drives.kinds import kind_of
 from drivegate.output.compiled_kernels import with_compiled_kernels
 from drivegate.studies.diff.jobs import (
+    Followed,
+    FollowRequest,
     RecordRequest,
-    Rule,
-    Shadowing,
+    follow_run,
+    load_only,
     record_run,
-    shadow_run,
-)
-from drivegate.studies.diff.leading import led
-from drivegate.studies.diff.outcome import SECOND, StepComparison
-from drivegate.studies.diff.plant_playback import PlantState, plant_at
-from drivegate.studies.diff.record import (
+    recorded_rows,
     refuse_without_room,
-    row_count,
-    some_rows,
 )
+from drivegate.studies.diff.rule import Rule
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_models.contract.current.signals import Sense
-from drivegate_models.loop.exchange import OUTPUTS
+
+FIRST: Final = "first"
+SECOND: Final = "second"
 
 
 @dataclass(frozen=True)
@@ -38,17 +37,28 @@ class Difference:
     """The first step at which two candidates differ, and what is around it."""
 
     step: int
-    """Number of the step, from 0."""
-    sense: Sense
-    """What both sensed."""
-    plant: PlantState
-    """State of the plant at the start of that step."""
     begin: int
-    """Step of the first row."""
-    rows: NDArray[np.float64]
-    """The record of the first candidate from there on, shape (n, row_length(phases)."""
-    answers: NDArray[np.float64]
-    """The second candidate's commands for these rows, or for the first of them, shape (k, 3)."""
+    """Number of the step, from 0, and that of the first row."""
+    plant: dict[str, Any]
+    """The plant's own state at the start of that step."""
+    rows: NDArray[Any]
+    """What was sensed and what the first candidate answered: `sense`, `currents` and `command`, shape (n,)."""
+    answers: NDArray[Any]
+    """The second candidate's commands for these rows, or for the first of them, shape (k,)."""
+
+
+@dataclass(frozen=True)
+class StepComparison:
+    """The outcome of a comparison."""
+
+    steps: int
+    """Number of steps at which both answered the same."""
+    difference: Difference | None = None
+    """The first difference."""
+    fault: Fault | None = None
+    """The fault of one of them."""
+    faulted: str | None = None
+    """Which one."""
 
 
 def compared(
@@ -60,47 +70,36 @@ def compared(
     before: int,
     after: int,
     again: bool = False,
-) -> StepComparison[Difference]:
+) -> StepComparison:
     """Compare two candidates step by step.
 
-    The first one drives the plant, and every step is recorded. The second one is then given the same, until it answers
-    otherwise. Both are alike up to there, so nothing is lost by asking one after the other.
+    The first one drives the plant, and every step is recorded. The second one then senses the same, until it answers
+    otherwise. Both are the same up to there, so nothing is lost by asking one after the other.
     With `again` the second one's instance has run the scenario before: against itself, that shows what reset keeps.
     """
     with_compiled_kernels([scenario.drive])
-    with temporary_folder() as folder:
+    with temporary_folder() as folder, Judge(second) as following:
         refuse_without_room(scenario, folder)
         path = folder / "steps"
-        with Judge(second) as following:
-            recorded = led(first, following, Job(record_run, RecordRequest(path, scenario)))
-            if isinstance(recorded, StepComparison):
-                return recorded
-            end = row_count(path, scenario.drive.machine.phases)
-            plan = Shadowing(path, scenario, rule, end, end, again)
-            ended = following.run(Job(shadow_run, plan))
-            if isinstance(ended, Fault):
-                return StepComparison(ended.step or 0, fault=ended, faulted=SECOND)
-            if ended.differs is None:
-                return StepComparison(end)
-            difference = _difference(following, plan, ended.differs, before, after)
-            return StepComparison(ended.differs, difference)
+        # One that cannot be loaded is refused before the long run.
+        loading = following.run(Job(load_only, None))
+        if isinstance(loading, Fault):
+            return StepComparison(0, fault=loading, faulted=SECOND)
+        with Judge(first) as leading:
+            recorded = leading.run(Job(record_run, RecordRequest(path, scenario)))
+        if isinstance(recorded, Fault):
+            return StepComparison(recorded.step or 0, fault=recorded, faulted=FIRST)
+        ended = following.run(Job(follow_run, FollowRequest(path, scenario, rule, before, after, again)))
+        if isinstance(ended, Fault):
+            return StepComparison(ended.step or 0, fault=ended, faulted=SECOND)
+        rows = recorded_rows(path, scenario)
+        if ended is None:
+            return StepComparison(len(rows))
+        return StepComparison(ended.step, _difference(ended, rows, scenario, after))
 
 
-def _difference(following: Judge, plan: Shadowing, step: int, before: int, after: int) -> Difference:
-    scenario, phases = plan.scenario, plan.scenario.drive.machine.phases
-    begin, end = max(step - before, 0), min(step + 1 + after, plan.end)
-    around = following.run(Job(shadow_run, Shadowing(plan.path, scenario, None, begin, end, plan.again)))
-    if isinstance(around, Fault):
-        # It does not survive what comes after its different answer, but comes as far as that again.
-        shorter = Shadowing(plan.path, scenario, None, begin, step + 1, plan.again)
-        around = following.run(Job(shadow_run, shorter))
-    answers = np.empty((0, len(OUTPUTS))) if isinstance(around, Fault) else around.answers
-    rows = some_rows(plan.path, phases, begin, end)
-    return Difference(
-        step, _sense_of(rows[step - begin]), plant_at(plan.path, scenario, step), begin, rows, answers
-    )
-
-
-def _sense_of(row: NDArray[np.float64]) -> Sense:
-    time, speed_reference, speed, magnitude_sum, voltage, *others = row.tolist()
-    return Sense(time, speed_reference, speed, tuple(others[len(OUTPUTS) :]), magnitude_sum, voltage)
+def _difference(ended: Followed, rows: NDArray[Any], scenario: Scenario, after: int) -> Difference:
+    prepare = kind_of(scenario.drive).prepare_loop()
+    plant = contract_of(scenario.drive).plant_state(prepare, scenario, rows["command"], ended.step)
+    around = rows[ended.begin : ended.step + 1 + after].copy()
+    return Difference(ended.step, ended.begin, plant, around, ended.answers)

@@ -2,31 +2,24 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 from drivegate.output.console import plain, table
 from drivegate.studies.diff.field import in_words
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from rich.console import Console
 
-_DUTY_SENSE: Final = (
-    ("reference", "rad/s or N·m"),
-    ("speed", "rad/s"),
-    ("angle", "rad"),
-    ("supply_voltage", "V"),
-    ("supply_current", "A"),
-)
-_SENSE: Final = (
-    ("speed_reference", "rad/s"),
-    ("speed", "rad/s"),
-    ("current_magnitude_sum", "A"),
-    ("half_supply_voltage", "V"),
-)
 
+def show_difference(
+    console: Console, document: dict[str, Any], sensed: Mapping[str, str], words: str
+) -> None:
+    """Print whether two candidates are equal, and where they are not.
 
-def show_difference(console: Console, document: dict[str, Any], words: str) -> None:
-    """Print whether two candidates are equal, and where they are not; `words` repeats the command."""
+    `sensed` has the unit of each field of a sense to print, and `words` repeats the command.
+    """
     one, other = (candidate["name"] for candidate in document["candidates"])
     rule = "bit for bit" if document["tolerance"] is None else f"within {document['tolerance']:g}"
     console.print(plain(f"first: {one}, second: {other}; {document['scenario']}, {rule}"))
@@ -41,21 +34,20 @@ def show_difference(console: Console, document: dict[str, Any], words: str) -> N
         console.print(plain(f"EQUAL in all {document['steps_equal']} steps", "bold green"))
     else:
         console.print(plain(f"DIFFERENT first in step {found['step']}, at {found['time_s']:g} s", "bold red"))
-        _show_difference(console, found)
+        _show_difference(console, found, sensed)
     for path in document["files"]:
         console.print(plain(f"written: {path}"))
     if found is not None and not document["files"]:
         console.print(plain(f"next: drivegate diff {words} --plot difference.svg draws both", "dim"))
 
 
-def _show_difference(console: Console, found: dict[str, Any]) -> None:
-    sensed = table("both sensed", "value", "unit", right=("value",))
-    # The keys of a Sense are those of its contract.
-    for key, unit in _DUTY_SENSE if "reference" in found["sense"] else _SENSE:
-        sensed.add_row(key, repr(found["sense"][key]), unit)
+def _show_difference(console: Console, found: dict[str, Any], sensed: Mapping[str, str]) -> None:
+    shown = table("both sensed", "value", "unit", right=("value",))
+    for key, unit in sensed.items():
+        shown.add_row(key, repr(found["sense"][key]), unit)
     for phase, current in enumerate(found["sense"]["phase_currents"], 1):
-        sensed.add_row(f"phase current {phase}", repr(current), "A")
-    console.print(sensed)
+        shown.add_row(f"phase current {phase}", repr(current), "A")
+    console.print(shown)
     plant = found["plant"]
     currents = ", ".join(f"{current:.4g}" for current in plant["phase_currents"])
     console.print(

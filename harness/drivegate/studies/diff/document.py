@@ -3,38 +3,28 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from math import degrees
 from typing import Any, Final
 
+from numpy.typing import NDArray
+
 from drivegate.candidates.candidate import Candidate
-from drivegate.studies.diff.diff import Difference
-from drivegate.studies.diff.duty.comparison import DutyDifference
-from drivegate.studies.diff.duty.document import duty_difference
-from drivegate.studies.diff.field import bits_of, number_field
-from drivegate.studies.diff.jobs import BITWISE, Rule
-from drivegate.studies.diff.outcome import FIRST, StepComparison
-from drivegate.studies.diff.record import commands_of
+from drivegate.contracts.catalogue import contract_of
+from drivegate.contracts.contract import Contract
+from drivegate.studies.diff.diff import FIRST, Difference, StepComparison
+from drivegate.studies.diff.field import number_field, whole_field
+from drivegate.studies.diff.rule import BITWISE, Rule, differing
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_models.loop.exchange import OUTPUTS
-from drivegate_models.loop.given_steps import SCALARS
-from drivegate_models.loop.step_recording import differs
-from drivegate_models.units import RPM
 
 SCHEMA: Final = 1
 EQUAL: Final = "equal"
 DIFFERENT: Final = "different"
 
-UNITS: Final = {"current_reference": "A", "advance_angle": "rad", "input_power": "W"}
-"""Units of a command's fields."""
-
 
 def document_of(
-    candidates: tuple[Candidate, Candidate],
-    scenario: Scenario,
-    rule: Rule,
-    comparison: StepComparison[Difference] | StepComparison[DutyDifference],
+    candidates: tuple[Candidate, Candidate], scenario: Scenario, rule: Rule, comparison: StepComparison
 ) -> dict[str, Any]:
     """Write a comparison as plain data."""
+    contract = contract_of(scenario.drive)
     found, fault = comparison.difference, comparison.fault
     verdict = EQUAL if found is None else DIFFERENT
     reported = None
@@ -57,55 +47,49 @@ def document_of(
         "drive": scenario.drive.identity(),
         "control_period_s": scenario.control_period_s,
         "tolerance": None if rule.tolerance == BITWISE else rule.tolerance,
-        "compared": list(rule.judged),
+        "compared": list(rule.judged(contract.outputs)),
         "steps_planned": scenario.control_periods,
         "steps_equal": comparison.steps,
-        "difference": None if found is None else _told(found, rule),
+        "difference": None if found is None else _difference(found, contract, rule),
         "fault": reported,
         "files": [],
     }
 
 
-def _told(found: Difference | DutyDifference, rule: Rule) -> dict[str, Any]:
-    return duty_difference(found, rule) if isinstance(found, DutyDifference) else _difference(found, rule)
-
-
-def _difference(found: Difference, rule: Rule) -> dict[str, Any]:
+def _difference(found: Difference, contract: Contract, rule: Rule) -> dict[str, Any]:
     here = found.step - found.begin
-    steps = [_step(found, index, rule) for index in range(len(found.answers))]
-    plant = found.plant
+    steps = [_step(found, index, contract, rule) for index in range(len(found.answers))]
+    sense = _sense(found, here, contract)
     return {
         "step": found.step,
-        "time_s": found.sense.time,
-        "sense": found.sense._asdict(),
-        "plant": {
-            "speed": plant.speed,
-            "speed_rpm": plant.speed * RPM,
-            "electrical_angle_deg": degrees(plant.angle),
-            "phase_currents": plant.phase_currents,
-            "half_supply_voltage": plant.half_supply_voltage,
-        },
-        "commands": steps[here]["commands"] if here < len(steps) else [],
+        "time_s": sense["time"],
+        "sense": sense,
+        "plant": found.plant,
+        "commands": steps[here]["commands"],
         "before": steps[:here],
         "after": steps[here + 1 :],
     }
 
 
-def _step(found: Difference, index: int, rule: Rule) -> dict[str, Any]:
-    row = found.rows[index].tolist()
-    first, second = commands_of(found.rows[index : index + 1])[0], found.answers[index]
+def _sense(found: Difference, index: int, contract: Contract) -> dict[str, Any]:
+    row = found.rows[index]
+    sense: dict[str, Any] = contract.layout().sensed(row["sense"], row["currents"])._asdict()
+    return sense
+
+
+def _step(found: Difference, index: int, contract: Contract, rule: Rule) -> dict[str, Any]:
+    commands, answers = found.rows["command"][index : index + 1], found.answers[index : index + 1]
     return {
         "step": found.begin + index,
-        "sense": dict(zip(SCALARS, row, strict=False))
-        | {"phase_currents": row[len(SCALARS) + len(OUTPUTS) :]},
+        "sense": _sense(found, index, contract),
         "commands": [
-            _field(name, float(one), float(other), rule)
-            for name, one, other in zip(OUTPUTS, first, second, strict=True)
+            _field(name, unit, commands[name], answers[name], rule)
+            for name, (_, unit) in contract.outputs.items()
         ],
     }
 
 
-def _field(name: str, first: float, second: float, rule: Rule) -> dict[str, Any]:
-    one_bits, other_bits = (bits_of(number) for number in (first, second))
-    found = name in rule.judged and bool(differs(first, second, one_bits, other_bits, rule.tolerance))
-    return number_field(name, UNITS[name], first, second, differs=found)
+def _field(name: str, unit: str, one: NDArray[Any], other: NDArray[Any], rule: Rule) -> dict[str, Any]:
+    differs = name not in rule.ignored and bool(differing(one, other, rule.tolerance)[0])
+    write = number_field if one.dtype.kind == "f" else whole_field
+    return write(name, unit, one[0].item(), other[0].item(), differs=differs)

@@ -23,19 +23,26 @@ def number_field(name: str, unit: str, first: float, second: float, *, differs: 
     }
 
 
-def whole_field(name: str, first: int, second: int, *, differs: bool) -> dict[str, Any]:
+def whole_field(name: str, unit: str, first: int, second: int, *, differs: bool) -> dict[str, Any]:
     """Write a whole number of both as plain data."""
     both = {"first": first, "second": second, "first_bits": None, "second_bits": None}
-    return {"field": name, "unit": "", **both, "difference": second - first, "ulps": None, "differs": differs}
+    return {
+        "field": name,
+        "unit": unit,
+        **both,
+        "difference": second - first,
+        "ulps": None,
+        "differs": differs,
+    }
 
 
 def bits_of(number: float) -> int:
-    """Give the bits of a double."""
+    """Return the bits of a double."""
     return int.from_bytes(struct.pack("<d", number), "little", signed=True)
 
 
 def in_words(field: dict[str, Any]) -> str:
-    """Tell how far apart two numbers are."""
+    """Describe how far apart two numbers are."""
     first, second = field["first"], field["second"]
     if field["ulps"] is None and isinstance(first, int):
         return f"{field['difference']:+d}" if field["difference"] else ""
@@ -55,6 +62,6 @@ def units_in_the_last_place(one: float, other: float) -> int | None:
 
 
 def _place(number: float) -> int:
-    """Give the place of a double on the line of all doubles, zero at zero."""
+    """Return the place of a double on the line of all doubles, zero at zero."""
     bits = bits_of(number)
     return bits if bits >= 0 else -(bits & 0x7FFF_FFFF_FFFF_FFFF)

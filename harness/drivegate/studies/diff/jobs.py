@@ -1,11 +1,13 @@
-"""The parts of a comparison step by step: write the record of one candidate, have the other one answer to it."""
+"""The parts of a comparison step by step: record the steps of one candidate, and have the other one answer them."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+import shutil
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,26 +15,17 @@ from numpy.typing import NDArray
 from drivegate.candidates.controller import Controller, show_drive
 from drivegate.candidates.fault import CandidateFault
 from drivegate.containment.messages import JudgedCandidate
-from drivegate.contracts.current.scripted import GivenSteps
-from drivegate.drives.running import run_scenario
-from drivegate.studies.diff.record import RecordingController, recorded_rows
+from drivegate.contracts.catalogue import contract_of
+from drivegate.contracts.recorded_steps import RecordingController
+from drivegate.drives.kinds import kind_of
+from drivegate.studies.diff.rule import Rule, first_difference
+from drivegate_cases.documents.wording import shown_path
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_models.loop.exchange import OUTPUTS
-from drivegate_models.loop.step_recording import first_difference, senses_in
+from drivegate_models.errors import InputError
+from drivegate_models.loop.step_recording import row_layout
 
-BITWISE: Final = -1.0
-"""The tolerance that leaves no bit free."""
-
-
-@dataclass(frozen=True)
-class Rule:
-    """When two commands count as different."""
-
-    tolerance: float = BITWISE
-    """Greatest difference of a number, relative to the larger one, absolute where that is below 1; `BITWISE`
-    for none."""
-    judged: tuple[str, ...] = OUTPUTS
-    """The fields that are compared."""
+BLOCK: Final = 10_000
+"""Steps that are answered at once."""
 
 
 @dataclass(frozen=True)
@@ -46,30 +39,31 @@ class RecordRequest:
 
 
 @dataclass(frozen=True)
-class Shadowing:
+class FollowRequest:
     """What the second candidate is to answer."""
 
     path: Path
     """The record."""
     scenario: Scenario
     """Its scenario."""
-    rule: Rule | None
-    """When to stop; None to go on to the end whatever it answers."""
-    begin: int
-    end: int
-    """The first step whose answer is kept, and the one to stop before."""
+    rule: Rule
+    """When an answer differs."""
+    before: int
+    after: int
+    """Numbers of answers to return from before and after the first difference."""
     again: bool = False
     """Whether the instance has run the scenario once before, and was reset."""
 
 
 @dataclass(frozen=True)
-class Shadowed:
+class Followed:
     """How the second candidate answered."""
 
-    differs: int | None
-    """The step of the first difference."""
-    answers: NDArray[np.float64]
-    """The commands that were requested, shape (n, 3)."""
+    step: int
+    begin: int
+    """The step of the first difference, and of the first answer."""
+    answers: NDArray[Any]
+    """Its commands from there on, up to a fault, as records of the contract."""
 
 
 def load_only(loaded: JudgedCandidate, _payload: None) -> None:
@@ -77,61 +71,79 @@ def load_only(loaded: JudgedCandidate, _payload: None) -> None:
     loaded.controller()
 
 
+def refuse_without_room(scenario: Scenario, folder: Path) -> None:
+    """Refuse a run whose record would not fit on the disk."""
+    needed = scenario.control_periods * _row_of(scenario).itemsize
+    free = shutil.disk_usage(folder).free
+    if needed > free:
+        raise InputError(
+            f"the record of {scenario.duration_s:g} s would take {needed / 1e9:.1f} GB, but {shown_path(folder)} has "
+            f"{free / 1e9:.1f} GB left; take a shorter scenario, or a folder with more room as TMPDIR"
+        )
+
+
 def record_run(loaded: JudgedCandidate, plan: RecordRequest) -> None:
     """Run a scenario and write the record of every step."""
-    recorders: list[RecordingController] = []
-    with plan.path.open("wb") as file:
-
-        def recording(inner: Controller) -> Controller:
-            recorders.append(RecordingController(inner, file, plan.scenario.drive.machine.phases))
-            return recorders[-1]
-
-        run_scenario(plan.scenario, loaded.controller(), wrap=recording)
-        recorders[-1].finish()
+    rows = np.memmap(plan.path, _row_of(plan.scenario), "w+", shape=(plan.scenario.control_periods,))
+    _run_once(plan.scenario, loaded.controller(), rows)
+    rows.flush()
 
 
-def shadow_run(loaded: JudgedCandidate, plan: Shadowing) -> Shadowed:
-    """Give a candidate what the record has sensed, until it answers otherwise."""
-    nameplate = plan.scenario.nameplate()
+def recorded_rows(path: Path, scenario: Scenario) -> NDArray[Any]:
+    """Open a record, shape (control periods,)."""
+    return np.memmap(path, _row_of(scenario), "r")
+
+
+def follow_run(loaded: JudgedCandidate, plan: FollowRequest) -> Followed | None:
+    """Pass on to a candidate what was sensed, until it answers otherwise; None where it never does."""
+    contract, rows = contract_of(plan.scenario.drive), recorded_rows(plan.path, plan.scenario)
     controller = loaded.controller()
     if plan.again:
-        run_scenario(plan.scenario, controller)
+        _run_once(plan.scenario, controller)
     show_drive(controller, plan.scenario.drive)
-    steps = GivenSteps(controller, nameplate)
-    kept: list[NDArray[np.float64]] = [np.empty((0, len(OUTPUTS)))]
-    done = 0
-    restarts = {round(time / nameplate.control_period) for time in plan.scenario.restarts_s}
-    blocks = recorded_rows(plan.path, nameplate.phases, plan.end)
-    for rows in _divided(blocks, restarts):
-        if done in restarts:
+    steps = contract.given_steps(controller, contract.nameplate(plan.scenario))
+    restarts = {round(time / plan.scenario.control_period_s) for time in plan.scenario.restarts_s}
+    differs: int | None = None
+    answers = np.empty(0, contract.layout().command)
+    for begin, end in _blocks(len(rows), restarts):
+        if differs is not None and begin > differs + plan.after:
+            break
+        if begin in restarts:
             steps.restart()
-        answers, fault = _answers(steps, senses_in(rows))
-        if plan.rule is not None:
-            rule = plan.rule
-            differs = first_difference(rows, answers, judged=rule.judged, tolerance=rule.tolerance)
-            if differs is not None:
-                return Shadowed(done + differs, np.concatenate(kept))
+        block, fault = rows[begin:end], None
+        try:
+            answered = steps.answers(block["sense"], block["currents"])
+        except CandidateFault as ended:
+            answered, fault = steps.last_answers, ended
+        if differs is None:
+            found = first_difference(block["command"], answered, plan.rule)
+            differs = None if found is None else begin + found
+            # Nothing else from before a difference is shown.
+            answers = answers[max(len(answers) - plan.before, 0) :]
+        answers, done = np.concatenate([answers, answered]), begin + len(answered)
         if fault is not None:
-            raise fault
-        kept.append(answers[max(plan.begin - done, 0) :])
-        done += len(rows)
-    return Shadowed(None, np.concatenate(kept))
+            if differs is None:
+                raise fault
+            break
+    if differs is None:
+        return None
+    first, begin = done - len(answers), max(differs - plan.before, 0)
+    return Followed(differs, begin, answers[begin - first : differs + 1 + plan.after - first])
 
 
-def _answers(
-    steps: GivenSteps, senses: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], CandidateFault | None]:
-    """Give the answers up to a fault, and the fault."""
-    try:
-        return steps.answers(senses), None
-    except CandidateFault as fault:
-        return steps.last_answers, fault
+def _blocks(steps: int, restarts: set[int]) -> Iterator[tuple[int, int]]:
+    """Divide steps so that each restart begins a block."""
+    return pairwise(sorted({*range(0, steps, BLOCK), *(step for step in restarts if step < steps), steps}))
 
 
-def _divided(blocks: Iterable[NDArray[np.float64]], steps: set[int]) -> Iterator[NDArray[np.float64]]:
-    """Cut blocks of steps so that each of the given steps is the first of one."""
-    done = 0
-    for rows in blocks:
-        inside = sorted(step - done for step in steps if done < step < done + len(rows))
-        yield from np.split(rows, inside)
-        done += len(rows)
+def _run_once(scenario: Scenario, controller: Any, rows: NDArray[Any] | None = None) -> None:
+    """Run a controller, and record its steps where there is room for them."""
+
+    def recording(inner: Controller) -> Controller:
+        return inner if rows is None else RecordingController(inner, rows)
+
+    contract_of(scenario.drive).run(kind_of(scenario.drive).prepare_loop(), scenario, controller, recording)
+
+
+def _row_of(scenario: Scenario) -> np.dtype[Any]:
+    return row_layout(contract_of(scenario.drive).layout(), scenario.drive.machine.phases)

@@ -33,8 +33,7 @@ from drivegate.results.verdict import candidate_verdict, check_outcomes
 from drivegate_cases.drive.drive_document import drive_names, load_drive
 from drivegate_models.contract.duty.records import DUTY_COMMAND
 from drivegate_models.contract.duty.signals import LEG_HIGH, LEG_LOW, LEG_OFF, LEG_PWM
-from drivegate_models.loop.command_playing import player_of
-from drivegate_models.loop.duty_command_playing import duty_playing_step
+from drivegate_models.loop.command_playing import player_of, playing_step
 
 DRIVES: Final = tuple(name for name in drive_names() if load_drive(name).kind == "pm-ac")
 MOST_STEPS: Final = 20_000
@@ -85,7 +84,7 @@ class Played:
 
     def __init__(self, first: Part, second: Part, change: int) -> None:
         self._commands = np.concatenate([first.commands(change), second.commands(MOST_STEPS - change)])
-        self._step = duty_playing_step()
+        self._step = playing_step()
         self._state = player_of(self._commands)
         self.step_address: int = self._step.address
         self.state_address: int = self._state.ctypes.data

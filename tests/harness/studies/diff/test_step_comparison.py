@@ -7,23 +7,17 @@ import pytest
 
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.containment.messages import JudgedCandidate
+from drivegate.contracts.current.plant_state import plant_state
+from drivegate.drives.kinds import kind_of
 from drivegate.drives.running import run_scenario
-from drivegate.studies.diff.diff import compared
+from drivegate.studies.diff.diff import FIRST, SECOND, compared
 from drivegate.studies.diff.field import units_in_the_last_place
-from drivegate.studies.diff.jobs import Rule
-from drivegate.studies.diff.outcome import FIRST, SECOND
-from drivegate.studies.diff.plant_playback import plant_at
-from drivegate.studies.diff.record import (
-    RecordingController,
-    commands_of,
-    recorded_rows,
-    row_count,
-    some_rows,
-)
+from drivegate.studies.diff.jobs import RecordRequest, record_run, recorded_rows
+from drivegate.studies.diff.rule import Rule
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.errors import InputError
-from drivegate_models.loop.step_recording import BLOCK_ROWS
 
 RESTARTED = load_scenario("lock-up").replaced(duration_s=1.0, restarts_s=(0.25, 0.6))
 SHORT = load_scenario("lock-up").replaced(duration_s=1.0)
@@ -102,7 +96,7 @@ def test_a_restart_is_one_for_both(candidate):
     assert (ended.steps, ended.difference, ended.fault) == (RESTARTED.control_periods, None, None)
     apart = compare(candidate("Steady"), candidate("Counting"), scenario=RESTARTED)
     assert apart.difference.step == 500, "the first step after the first restart is the one that differs"
-    assert apart.difference.plant.speed == apart.difference.sense.speed
+    assert apart.difference.plant["speed"] == apart.difference.rows["sense"]["speed"][2]
 
 
 def test_the_first_difference_comes_with_inputs_commands_and_plant(candidate):
@@ -111,20 +105,22 @@ def test_the_first_difference_comes_with_inputs_commands_and_plant(candidate):
     assert ended.steps == found.step == 1200, "the 1201st answer is the first that differs"
     assert found.begin == 1198
     assert len(found.rows) == len(found.answers) == 4
-    first, here = commands_of(found.rows), found.step - found.begin
-    assert np.array_equal(first[:here, :2], found.answers[:here, :2])
-    assert found.answers[here, 0] - first[here, 0] == pytest.approx(1e-9, rel=1e-3)
-    assert found.sense.time == 0.6
+    first, here = found.rows["command"], found.step - found.begin
+    for field in ("current_reference", "advance_angle"):
+        assert np.array_equal(first[field][:here], found.answers[field][:here])
+    references = (rows["current_reference"][here] for rows in (found.answers, first))
+    assert np.subtract(*references) == pytest.approx(1e-9, rel=1e-3)
+    assert found.rows["sense"]["time"][here] == 0.6
     # Ideal sensors show the plant as it is.
-    assert found.plant.speed == found.sense.speed
-    assert found.plant.phase_currents == found.sense.phase_currents
+    assert found.plant["speed"] == found.rows["sense"]["speed"][here]
+    assert found.plant["phase_currents"] == tuple(found.rows["currents"][here])
 
 
 def test_an_instance_that_has_run_before_shows_what_reset_keeps(candidate):
     keeping, steady = candidate("Keeping"), candidate("Steady")
     assert compare(keeping, keeping).difference is None, "each instance runs once"
     found = compared(keeping, keeping, SHORT, Rule(), before=0, after=0, again=True).difference
-    assert (found.step, found.answers[0, 1]) == (12, 0.61)
+    assert (found.step, found.answers["advance_angle"][0]) == (12, 0.61)
     assert compared(steady, steady, SHORT, Rule(), before=0, after=0, again=True).difference is None
 
 
@@ -133,13 +129,13 @@ def test_a_tolerance_and_an_ignored_field_let_differences_pass(candidate):
     zeros = (candidate("Zero"), candidate("NegativeZero"))
     assert compare(*zeros).difference.step == 0
     assert compare(*zeros, Rule(0.0)).difference.step == 0, "one of them makes no estimate of power"
-    assert compare(*zeros, Rule(0.0, ("current_reference", "advance_angle"))).difference is None
+    assert compare(*zeros, Rule(0.0, ("input_power",))).difference is None
 
 
 def test_a_candidate_that_fails_after_its_difference_still_shows_it(candidate):
     found = compare(candidate("Steady"), candidate("Fragile"), after=10).difference
     assert found.step == 1200
-    assert len(found.answers) == 3, "what comes after the difference is left out, the difference is not"
+    assert len(found.answers) == 5, "all that it has answered before it fails is there"
     assert len(found.rows) == 13
 
 
@@ -165,28 +161,24 @@ def test_a_second_candidate_that_is_refused_is_reported_before_the_long_run(cand
 def test_a_record_is_exact_and_the_plant_played_back_is_the_plant(tmp_path, drive, sensors):
     # Encoder, Hall switches and converter show the plant otherwise than it is, and the switches commutate it.
     scenario = SHORT.replaced(drive=load_drive(drive), sensors=sensors)
-    path = tmp_path / "steps"
-    inner = load_controller(resolve_candidate("reference"))
-    with path.open("wb") as file:
-        controller = RecordingController(inner, file, scenario.drive.machine.phases)
-        run = run_scenario(scenario, controller, trace_every=1)
-        controller.finish()
-    phases = scenario.drive.machine.phases
-    assert row_count(path, phases) == run.steps > BLOCK_ROWS
-    rows = np.concatenate(list(recorded_rows(path, phases)))
-    columns = run.trace
-    assert np.array_equal(rows[:, 0], columns["time_s"])
-    assert np.array_equal(np.degrees(1.0) * commands_of(rows)[:, 1], columns["advance_deg"])
-    assert np.array_equal(some_rows(path, phases, 1500, 1503), rows[1500:1503])
+    path, candidate = tmp_path / "steps", resolve_candidate("reference")
+    loaded = JudgedCandidate(candidate, lambda: load_controller(candidate))
+    record_run(loaded, RecordRequest(path, scenario))
+    columns = run_scenario(scenario, load_controller(candidate), trace_every=1).trace
+    rows = recorded_rows(path, scenario)
+    assert np.array_equal(rows["sense"]["time"], columns["time_s"])
+    assert np.array_equal(np.degrees(1.0) * rows["command"]["advance_angle"], columns["advance_deg"])
+    prepare = kind_of(scenario.drive).prepare_loop()
     for step in (0, 1, 1501):
-        plant = plant_at(path, scenario, step)
-        assert plant.speed * (30.0 / math.pi) == columns["speed_rpm"][step], "played back otherwise"
-        assert 0.0 <= plant.angle < 2.0 * math.pi
-    sensed = rows[1501]
-    assert plant.speed != sensed[2], "the encoder shows the speed otherwise than it is"
-    assert plant.phase_currents == pytest.approx(sensed[8:], abs=1.0)
+        plant = plant_state(prepare, scenario, rows["command"], step)
+        assert plant["speed_rpm"] == columns["speed_rpm"][step], "played back otherwise"
+        assert 0.0 <= plant["electrical_angle_deg"] < 360.0
+    sense = rows["sense"][1501]
+    assert plant["speed"] != sense["speed"], "the encoder shows the speed otherwise than it is"
+    assert plant["phase_currents"] == pytest.approx(rows["currents"][1501], abs=1.0)
     turned = scenario.drive.machine.pole_pairs * (math.pi / 30.0) * columns["speed_rpm"][:1501].sum() * 0.0005
-    assert math.remainder(plant.angle - turned, 2.0 * math.pi) == pytest.approx(0.0, abs=1e-9)
+    angle = math.radians(plant["electrical_angle_deg"])
+    assert math.remainder(angle - turned, 2.0 * math.pi) == pytest.approx(0.0, abs=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -1,1 +1,0 @@
-"""Two candidates that answer with duty ratios, step by step."""

@@ -1,0 +1,66 @@
+"""The records of a contract by their common names, for what works with any of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate_models.contract.current.records import COMMAND, SENSE, command_record
+from drivegate_models.contract.current.signals import Sense
+from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE, duty_command_record
+from drivegate_models.contract.duty.signals import DutySense
+
+
+@dataclass(frozen=True)
+class Layout:
+    """What passes between controller and drive in one step of a contract.
+
+    A sense has the fields `struct_size`, `time`, `speed` and `phase_currents`, which is an address. The first field of
+    a command is its `struct_size`; all others are numbers of 64 bits that the controller writes.
+    """
+
+    name: str
+    """Name of the contract."""
+    sense: np.dtype[Any]
+    """Record of what is sensed."""
+    command: np.dtype[Any]
+    """Record of what is answered."""
+    signals: type[Sense] | type[DutySense]
+    """What a controller in Python senses."""
+    fresh_command: Callable[[], NDArray[Any]]
+    """Make the command that a controller finds before it answers, shape (1,)."""
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Fields that a controller writes."""
+        return (self.command.names or ())[1:]
+
+    def sensed(self, record: Any, currents: NDArray[np.float64]) -> Any:
+        """Return a record of a sense as a controller in Python sees it.
+
+        Parameters
+        ----------
+        record : record of `sense`
+            What is sensed.
+        currents : ndarray, shape (m,)
+            The phase currents (A), as the record's address is not followed.
+
+        Returns
+        -------
+        Sense or DutySense
+            The same.
+        """
+        scalars = {name: record[name].item() for name in self.signals._fields if name != "phase_currents"}
+        return self.signals(phase_currents=tuple(currents.tolist()), **scalars)
+
+
+CURRENT: Final = Layout("current", SENSE, COMMAND, Sense, command_record)
+"""Records of controllers that answer with a current reference and an advance angle."""
+DUTY: Final = Layout("duty", DUTY_SENSE, DUTY_COMMAND, DutySense, duty_command_record)
+"""Records of controllers that answer with duty ratios."""
+LAYOUTS: Final[Mapping[np.dtype[Any], Layout]] = {layout.sense: layout for layout in (CURRENT, DUTY)}
+"""Every layout by its sense."""

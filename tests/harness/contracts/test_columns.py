@@ -1,0 +1,14 @@
+"""What a contract declares of its records is what they have."""
+
+import pytest
+
+from drivegate.contracts.catalogue import CONTRACTS
+
+
+@pytest.mark.parametrize("contract", CONTRACTS.values(), ids=lambda contract: contract.name)
+def test_declared_fields_are_those_of_the_records(contract):
+    layout = contract.layout()
+    assert tuple(contract.outputs) == layout.outputs
+    assert set(contract.plotted) <= set(layout.outputs)
+    assert {*contract.sensed, "time", "phase_currents"} <= set(layout.signals._fields)
+    assert {*layout.signals._fields, "struct_size"} <= set(layout.sense.names)
