@@ -1,0 +1,26 @@
+"""Only a contract's folder and the kinds of drives know which contract or kind they have; the rest asks a bundle."""
+
+import re
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+ASKS = re.compile(
+    r"isinstance\(.*PmAcDocument|contract [!=]= \"|kind(?:\"\])? [!=]= (?:PM_AC|\"(?:pm-ac|star|half-bridge)\")"
+)
+KNOWN = {
+    "drivegate/commands/diff.py",
+    "drivegate/scenarios/facts.py",
+    "drivegate_cases/drive/drive_document.py",
+}
+"""Modules that ask: two of the harness, and the document that declares what such a drive has."""
+
+
+def test_nothing_else_asks_which_contract_or_kind_it_has() -> None:
+    asking = {
+        path.relative_to(ROOT / package).as_posix()
+        for package in ("harness", "reports", "reference_cases")
+        for path in (ROOT / package).rglob("*.py")
+        if "templates" not in path.parts and ASKS.search(path.read_text(encoding="utf-8"))
+    }
+    own = ("drivegate/contracts/", "drivegate/drives/")
+    assert {path for path in asking if not path.startswith(own)} <= KNOWN
