@@ -8,10 +8,10 @@ its own, and a process needs those of one kind only.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 from drivegate.candidates.candidate import Candidate
@@ -99,7 +99,7 @@ _ALL: Final = (
     Kind("compose", "composed", manifest_keys=("blocks",), reports_output=True, way_of_running="blocks"),
 )
 
-KINDS: Final = MappingProxyType({kind.name: kind for kind in _ALL})
+KINDS: Final[Mapping[str, Kind]] = {kind.name: kind for kind in _ALL}
 """Every kind by its name, in the order in which messages list them."""
 
 WHOLE_FILE_SUFFIXES: Final = (MANIFEST_SUFFIX, *(kind.suffix for kind in _ALL if kind.suffix))

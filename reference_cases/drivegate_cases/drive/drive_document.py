@@ -45,6 +45,10 @@ _PHASES_OF_HALL: Final = 3
 _MOST_NAMED: Final = 6
 
 
+_OWN_DOCUMENTS: Final[dict[str, type[DriveDocument]]] = {}
+"""Documents of kinds that have one of their own."""
+
+
 class DriveDocument(Document):
     """A machine with its supply, inverter, current regulators and rating."""
 
@@ -134,12 +138,16 @@ class DriveDocument(Document):
     @classmethod
     def of_kind(cls, values: Mapping[str, Any]) -> type[DriveDocument]:
         """Choose the document of the kind that is named; a kind that is not known is refused by this one."""
-        if values.get("kind") != PM_AC:
-            return cls
-        # By name, since it is built on this module.
-        module: Any = import_module("drivegate_cases.drive.pm_ac.document")
-        document: type[DriveDocument] = module.PmAcDocument
-        return document
+        kind = values.get("kind")
+        if kind == PM_AC:
+            # By name, since it is built on this module; it enters itself below.
+            import_module("drivegate_cases.drive.pm_ac.document")
+        return _OWN_DOCUMENTS.get(kind, cls) if isinstance(kind, str) else cls
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **_: Any) -> None:
+        """Enter a document that is made for some kinds of drives, so that it is chosen for them."""
+        _OWN_DOCUMENTS.update(dict.fromkeys(get_args(cls.model_fields["kind"].annotation), cls))
 
     @classmethod
     def table_of_key(cls) -> Mapping[str, str]:

@@ -40,7 +40,7 @@ def shown_drive(document: Mapping[str, Any], drive: DriveDocument) -> ShownDrive
     if not envelope:
         return None
     with house_style():
-        figures = _FIGURES[drive.contract](envelope, drive)
+        figures = _FIGURES.get(drive.contract, _no_figures)(envelope, drive)
     return ShownDrive(
         name=clean(drive.name),
         facts=tuple(_sentence(words) for words in ability.facts(envelope)),
@@ -89,6 +89,10 @@ def _over_speed_and_in_plane(envelope: Mapping[str, Any], drive: DriveDocument) 
         PageFigure("drive-envelope", duty_envelope.TITLE, over_speed, *words),
         PageFigure("drive-plane", rotor_plane.TITLE, plane, *of_plane),
     )
+
+
+def _no_figures(_envelope: Mapping[str, Any], _drive: DriveDocument) -> tuple[PageFigure, ...]:
+    return ()
 
 
 _FIGURES: Final = {"current": _over_speed, "duty": _over_speed_and_in_plane}

@@ -16,7 +16,13 @@ from drivegate.contracts.trace import RecordedTrace
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.scenario.script import Script
 from drivegate_models.errors import InputError
-from drivegate_reports.conformance.figures import duty_run, margin_distribution, recorded_run, torque_ripple
+from drivegate_reports.conformance.figures import (
+    duty_run,
+    margin_distribution,
+    plain_run,
+    recorded_run,
+    torque_ripple,
+)
 from drivegate_reports.conformance.figures import script as script_figure
 from drivegate_reports.conformance.ripple import ripple_of
 from drivegate_reports.page.figure import PageFigure
@@ -53,7 +59,7 @@ def shown_runs(document: Mapping[str, Any]) -> dict[str, ShownRun]:
                 )
             continue
         contract = contract_of(trace.scenario.drive)
-        drawing = _DRAWINGS[contract.name]
+        drawing = _DRAWINGS.get(contract.name, _PLAIN)
         key = (check["recording"]["trace"], trace.judged_s)
         known = key in drawn
         if not known:
@@ -108,6 +114,15 @@ class _Drawing:
     """Draw the torque over one electrical period, where a check of the ripple fails."""
 
 
+def _plain_figure(trace: RecordedTrace, name: str) -> PageFigure:
+    with house_style():
+        svg = inline_svg(plain_run.draw(trace), name)
+    title = f"Run {clean(trace.scenario.name)}"
+    return PageFigure(name, title, svg, plain_run.alternative(trace), plain_run.CAPTION)
+
+
+_PLAIN: Final = _Drawing(_plain_figure, _no_ripple_figure)
+"""How the runs of a contract are drawn that has no drawing of its own."""
 _DRAWINGS: Final[Mapping[str, _Drawing]] = {
     "current": _Drawing(_figure, _ripple_figure),
     "duty": _Drawing(_duty_figure, _no_ripple_figure),
