@@ -79,6 +79,7 @@ class CheckRow:
     verdict: str
     tone: str
     margin: str
+    margin_value: float | None
     bar: MarginBar | None
     measured: str
     limit: str
@@ -150,6 +151,7 @@ def check_row(check: Mapping[str, Any]) -> CheckRow:
         verdict=verdict,
         tone=tone,
         margin=margin_in_words(margin).replace("-", "−") if known else "–",
+        margin_value=float(margin) if known else None,
         bar=margin_bar(float(margin)) if known else None,
         measured=clean(check["measured"]),
         limit=clean(check["limit"]),

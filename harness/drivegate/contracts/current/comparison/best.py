@@ -36,7 +36,7 @@ def oracle_point(planned: PlannedRun) -> OraclePoint:
     speed = planned.speed_rpm * RADIANS_PER_RPM
     load = drive.rating.rated_power_w * planned.share / speed
     own = plant.friction + plant.viscous_friction * speed
-    core = plant.phases * plant.core_loss_conductance * plant.emf_constant**2 * speed
+    core = plant.phases * plant.core_loss_conductance * plant.emf_constant * plant.emf_constant * speed
     return OraclePoint(drive, planned.speed_rpm, (load + own, load + own + core))
 
 

@@ -115,7 +115,7 @@ def _grade(deceleration: float, speed: float, drive: DriveDocument, *, standing:
         return 0.0
     vehicle = cycle_vehicle(drive)
     weight, lever = vehicle.mass_kg * GRAVITY, vehicle.lever_m
-    inertial = (vehicle.mass_kg + drive.machine.inertia_kg_m2 / lever**2) * deceleration
+    inertial = (vehicle.mass_kg + drive.machine.inertia_kg_m2 / (lever * lever)) * deceleration
     by_itself = vehicle.torque_at(speed / lever / RADIANS_PER_RPM) / lever
     share = min(max((inertial - by_itself) / weight, 0.0), 0.7)
     return round(100.0 * share / math.sqrt(1.0 - share * share), 6)
@@ -141,7 +141,7 @@ def cycle_figures(scenario: Scenario, run: ClosedLoopRun) -> dict[str, Any]:
         "shaft_energy_wh": run.observed.shaft_energy / 3600.0,
         "energy_wh_by_phase": energy_by_phase,
         "current_sum_mean_a": float(columns["current_sum_a"].mean()),
-        "tracking_error_rms_km_h": float(np.sqrt(np.mean(error**2))),
+        "tracking_error_rms_km_h": float(np.sqrt(np.mean(error * error))),
         "tracking_error_worst_km_h": float(error[np.abs(error).argmax()]),
         "outside_tolerance_s": float((np.abs(error) > TOLERANCE_KM_H).sum()) * period,
         "samples": _samples(columns, speed, speed_reference, period),
