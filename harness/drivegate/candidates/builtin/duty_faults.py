@@ -96,6 +96,11 @@ DUTY_FAULTS: Final = {
         "Takes a current limit that is 40 % too high.",
         told=lambda plate: plate._replace(current_limit=1.4 * plate.current_limit),
     ),
+    "lenient-current-limit": DutyFault(
+        "OVC-2",
+        "Takes a current limit that is 10 % too high.",
+        told=lambda plate: plate._replace(current_limit=1.1 * plate.current_limit),
+    ),
     "weak-magnets-assumed": DutyFault(
         "ACC-1",
         "Converts torque to current with 80 % of the magnet's flux.",

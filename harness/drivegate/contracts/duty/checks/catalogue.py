@@ -9,7 +9,7 @@ from drivegate.checks.determinism import DET_1
 from drivegate.checks.timing import TIM_1
 from drivegate.contracts.duty.checks.accuracy import ACC_1
 from drivegate.contracts.duty.checks.commands import DUT_1
-from drivegate.contracts.duty.checks.current import EFF_1, MTP_1, OVC_1
+from drivegate.contracts.duty.checks.current import EFF_1, MTP_1, OVC_1, OVC_2
 from drivegate.contracts.duty.checks.decoupling import DEC_1
 from drivegate.contracts.duty.checks.failures import SAF_1
 from drivegate.contracts.duty.checks.power import DUTY_PWR_1
@@ -33,6 +33,7 @@ DUTY_CHECKS: Final[tuple[Check, ...]] = (
     MTP_1,
     EFF_1,
     OVC_1,
+    OVC_2,
     STA_1,
     ROB_4,
     ROB_5,

@@ -109,12 +109,12 @@ def edge(run: Run, interior: PmAcDocument) -> DutyRecord:
 
 RUNS = {
     "edge": ("PWR-1", "DUT-1", "OVC-1", "SAF-1"),
-    "slow": ("PWR-1", "DUT-1", "ACC-1", "RIP-4", "DTM-1", "FWK-2", "MTP-1", "OVC-1"),
+    "slow": ("PWR-1", "DUT-1", "ACC-1", "RIP-4", "DTM-1", "FWK-2", "MTP-1", "OVC-1", "OVC-2"),
     "stuck": ("PWR-1", "DUT-1", "OVC-1", "SAF-1"),
     "locked": ("PWR-1", "DUT-1", "OVC-1", "SAF-1"),
-    "steps": ("PWR-1", "DUT-1", "ACC-1", "STP-1", "DEC-1", "RIP-4", "FWK-2", "MTP-1", "OVC-1"),
-    "weakened": ("PWR-1", "DUT-1", "ACC-1", "FWK-1", "FWK-3", "OVC-1"),
-    "start": ("PWR-1", "DUT-1", "ACC-1", "RIP-4", "FWK-2", "MTP-1", "OVC-1", "STA-1"),
+    "steps": ("PWR-1", "DUT-1", "ACC-1", "STP-1", "DEC-1", "RIP-4", "FWK-2", "MTP-1", "OVC-1", "OVC-2"),
+    "weakened": ("PWR-1", "DUT-1", "ACC-1", "FWK-1", "FWK-3", "OVC-1", "OVC-2"),
+    "start": ("PWR-1", "DUT-1", "ACC-1", "RIP-4", "FWK-2", "MTP-1", "OVC-1", "OVC-2", "STA-1"),
     "sensed": ("PWR-1", "DUT-1", "OVC-1", "ROB-5"),
     "other_plant": ("PWR-1", "DUT-1", "OVC-1", "ROB-4"),
 }
@@ -148,6 +148,7 @@ FAULTS: list[tuple[str, str, str, Callable[[Any], Any]]] = [
     ("FWK-1", "weakened", "torque", lambda torque: 0.9 * torque),
     ("FWK-3", "weakened", "torque", lambda torque: torque - 0.5),
     ("FWK-3", "weakened", "peak_current", lambda peak: 1.5 * peak),
+    ("OVC-2", "weakened", "quadrature", lambda quadrature: 1.1 * quadrature),
     ("STA-1", "start", "speed", lambda speed: 0.5 * speed),
     ("STA-1", "start", "speed", lambda speed: np.where(np.arange(len(speed)) < 500, -20.0, speed)),
     ("ROB-4", "other_plant", "speed", lambda speed: speed + 5.0),
@@ -285,6 +286,24 @@ def test_current_that_is_not_the_doing_of_the_controller_is_not_judged(
     margin = judged("OVC-1", spike)
     assert margin is not None
     assert margin.met is met, margin.measured
+
+
+@pytest.mark.parametrize(("factor", "met"), [(0.99, True), (1.009, True), (1.011, False)])
+def test_steady_current_may_exceed_its_limit_by_one_percent(
+    factor: float, met: bool, weakened: DutyRecord
+) -> None:
+    scaled = weakened
+    for axis in ("direct", "quadrature"):
+        scaled = with_column(scaled, axis, lambda current: factor * current)
+    margin = judged("OVC-2", scaled)
+    assert margin is not None
+    assert margin.met is met, margin.measured
+
+
+def test_steady_current_is_not_judged_where_no_current_within_the_limit_holds_the_voltage(
+    weakened: DutyRecord,
+) -> None:
+    assert judged("OVC-2", with_column(weakened, "link", lambda link: 0.3 * link)) is None
 
 
 def test_voltage_that_a_drive_lets_its_controller_reserve_is_no_lost_torque(weakened: DutyRecord) -> None:
