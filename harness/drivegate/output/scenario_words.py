@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, Final
+
+from drivegate.scenarios.supply_words import stated_supply
 
 _FACTORS: Final = ("resistance", "inductance", "emf_constant")
 
@@ -14,7 +17,8 @@ def scenario_in_short(scenario: dict[str, Any]) -> str:
     load = scenario["load"]
     parts = [f"{scenario['duration_s']:g} s", f"{_values(scenario['speed_rpm'])} rpm", _load(load)]
     if "supply_v" in scenario:
-        parts.append(f"supply {_values(scenario['supply_v'])} V")
+        name, volts = stated_supply(scenario["drive"]["kind"], scenario["supply_v"])
+        parts.append(f"{name} {_values(volts)} V")
     parts += [
         f"{key} × {value:g}"
         for key, value in scenario.get("scales", {}).items()
@@ -26,7 +30,7 @@ def scenario_in_short(scenario: dict[str, Any]) -> str:
     return f"{scenario['name']}: {', '.join(parts)}"
 
 
-def _values(profile: list[list[float]]) -> str:
+def _values(profile: Sequence[Sequence[float]]) -> str:
     values = [value for _, value in profile]
     distinct = [value for index, value in enumerate(values) if index == 0 or value != values[index - 1]]
     return " → ".join(f"{value:g}" for value in distinct)

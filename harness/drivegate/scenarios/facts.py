@@ -7,6 +7,7 @@ from itertools import pairwise
 from typing import Any, Final
 
 from drivegate.scenarios.drive_scale import scale_of_mapping
+from drivegate.scenarios.supply_words import stated_supply
 from drivegate_cases.documents.wording import figure
 from drivegate_cases.drive.drive_document import PM_AC
 from drivegate_cases.drive.limits import rounded
@@ -118,7 +119,8 @@ def _speed(scenario: Mapping[str, Any]) -> Iterator[str]:
 
 def _supply(scenario: Mapping[str, Any]) -> Iterator[str]:
     if scenario["supply_v"]:
-        yield f"half-supply {_course(scenario['supply_v'], 'V')}"
+        name, volts = stated_supply(scenario["drive"]["kind"], scenario["supply_v"])
+        yield f"{name} {_course(volts, 'V')}"
 
 
 def _imbalance(scenario: Mapping[str, Any]) -> Iterator[str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import NamedTuple
 
+from drivegate.scenarios.supply_words import stated_supply
 from drivegate_cases.documents.wording import figure
 from drivegate_cases.scenario.disturbance import Dropout
 from drivegate_cases.scenario.failure_kind import PHASED
@@ -136,7 +137,8 @@ def _supply(scenario: Scenario) -> list[_Trait]:
     traits = []
     supply = scenario.supply_profile
     if _levels(supply) != [scenario.drive.inverter.supply_voltage_v]:
-        traits.append(_Trait(f"{_sequence(_levels(supply))}V", f"half-supply {_changing(supply, 'V')}"))
+        name, volts = stated_supply(scenario.drive.kind, supply)
+        traits.append(_Trait(f"{_sequence(_levels(volts))}V", f"{name} {_changing(volts, 'V')}"))
     if scenario.imbalance is not None:
         shares = _levels(scenario.imbalance)
         words = f"halves apart by {_changing(scenario.imbalance, '%', 100.0)}"

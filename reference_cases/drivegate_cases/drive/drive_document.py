@@ -35,6 +35,8 @@ if TYPE_CHECKING:
 HIGHEST_CHOPPING_FREQUENCY_HZ = 10e6
 PM_AC: Final = "pm-ac"
 """Kind of drive that has a document of its own, `pm_ac.document.PmAcDocument`."""
+SPLIT_SUPPLY: Final = "half-bridge"
+"""Kind of drive whose phases are between legs and the tap of a split supply."""
 
 _KIND_NUMBERS: Final = {"half-bridge": 1, "star": 2}
 """The contract's number of each kind of drive."""
@@ -228,7 +230,7 @@ class DriveDocument(Document):
     @property
     def has_split_supply(self) -> bool:
         """Whether its phases are between legs and the tap of a split supply, whose halves may differ."""
-        return self.kind == "half-bridge"
+        return self.kind == SPLIT_SUPPLY
 
     @property
     def real_sensors(self) -> str:

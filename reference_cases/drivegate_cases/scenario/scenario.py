@@ -86,7 +86,8 @@ class Scenario(Document):
     speed_rpm: Profile = Field(description="speed reference, a list of [time in seconds, speed in rpm]")
     supply_v: Profile | None = Field(
         default=None,
-        description="voltage of each half of the supply, a list of [seconds, volts], by default the drive's",
+        description="voltage of each half of the supply, or half the voltage of a link without a tap, "
+        "a list of [seconds, volts], by default the drive's",
     )
     load: Load = Field(description="table of the load on the shaft")
     sensors: Sensors = Field(

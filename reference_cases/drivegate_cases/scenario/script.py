@@ -18,7 +18,11 @@ class ScriptRow(Section):
     current_sum_a: float = Field(
         ge=0.0, le=1e6, description="sum of the magnitudes of the phase currents, in amperes"
     )
-    supply_v: float = Field(gt=0.0, le=1e5, description="voltage of each half of the supply, in volts")
+    supply_v: float = Field(
+        gt=0.0,
+        le=1e5,
+        description="voltage of each half of the supply, or half the voltage of a link without a tap, in volts",
+    )
 
 
 class Script(Document):

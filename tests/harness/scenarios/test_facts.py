@@ -4,6 +4,8 @@ import pytest
 
 from drivegate.contracts.current.scenarios.building import plain_scenario, steady_scenario
 from drivegate.contracts.current.scenarios.simplification import SIMPLIFICATIONS
+from drivegate.contracts.duty.scenarios.fixed import range_scenario
+from drivegate.output.scenario_words import scenario_in_short
 from drivegate.scenarios.changes import (
     stepped,
     with_drift,
@@ -20,6 +22,7 @@ from drivegate.scenarios.facts import facts_in_short, facts_of
 from drivegate.scenarios.simplification import simplified
 from drivegate.scenarios.size import size_of
 from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.scenario import Scenario
 
 DRIVE = load_drive("paper-5-phase")
@@ -84,3 +87,21 @@ def test_hall_switches_are_told_counted_and_made_plainer_like_other_sensors() ->
     fields = (fields for simplification in SIMPLIFICATIONS for fields in simplification(far_off))
     plainer = [run.sensors for run in (simplified(far_off, changed) for changed in fields) if run is not None]
     assert seen.sensors in plainer, "the sensors' own defaults are never tried"
+
+
+@pytest.mark.parametrize("drive", ["pm-ac-surface", "star-3-phase"])
+def test_the_supply_of_a_link_without_a_tap_is_stated_as_a_whole(drive: str) -> None:
+    document = load_drive(drive)
+    made = range_scenario(document) if isinstance(document, PmAcDocument) else plain_scenario(document)
+    sagging = with_supply(made, stepped(1.0, 0.9, 1.0))
+    assert sagging.supply_v == ((0.0, 48.0), (1.0, 48.0), (1.0, 43.2))
+    assert "96-86.4V" in sagging.name
+    assert "; link 96, then 86.4 V (changing at 1 s)" in sagging.description
+    assert "link 96 → 86.4 V at 1 s" in facts_of(sagging.to_mapping())
+    assert ", link 96 → 86.4 V" in scenario_in_short(sagging.to_mapping())
+
+
+def test_the_supply_of_a_link_with_a_tap_is_stated_by_halves() -> None:
+    sagging = with_supply(PLAIN, stepped(1.0, 0.9, 10.0))
+    assert "half-supply 48, then 43.2 V" in sagging.description
+    assert ", half-supply 48 → 43.2 V" in scenario_in_short(sagging.to_mapping())
