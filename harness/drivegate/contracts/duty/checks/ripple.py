@@ -21,6 +21,8 @@ LEAST_TORQUE_SHARE: Final = 0.1
 """Torque over the rated one from which on ripple is judged (1)."""
 LEAST_SPEED_SHARE: Final = 0.05
 """Speed over base speed from which on it is judged (1)."""
+HELD_SHARE: Final = 0.05
+"""Greatest distance of the speed from its reference, over base speed: ripple of a stalling shaft says nothing (1)."""
 VOLTAGE_SHARE: Final = 0.95
 """Share of the undistorted voltage up to which it is judged: at the limit there is no ideal modulation (1)."""
 LEAST_VOLTAGE_SHARE: Final = 0.01
@@ -86,11 +88,21 @@ def _ideal_swing(record: DutyRecord, window: DutyWindow) -> float:
     )
 
 
+def _is_held(record: DutyRecord, window: DutyWindow, most: float) -> bool:
+    """Return True if the speed is near its reference, by a difference (rad/s), throughout a window."""
+    length = record.scenario.control_period_s
+    speed = record.run.column("speed")[round(window.start_s / length) : round(window.end_s / length)]
+    return bool(np.max(np.abs(speed - window.speed_reference)) <= most)
+
+
 def _is_rippling(record: DutyRecord, window: DutyWindow) -> bool:
     """Return True if a window has the speed, the torque and the voltage by which ripple is judged."""
     from drivegate_models.pm_ac.fundamental import steady_state
 
-    is_slow = window.speed < LEAST_SPEED_SHARE * record.document.rating.base_speed_rpm * RADIANS_PER_RPM
+    base = record.document.rating.base_speed_rpm * RADIANS_PER_RPM
+    if not _is_held(record, window, HELD_SHARE * base):
+        return False
+    is_slow = window.speed < LEAST_SPEED_SHARE * base
     is_weak = abs(window.torque) < LEAST_TORQUE_SHARE * record.limits.rated_torque_nm
     greatest = undistorted(window.link)
     if is_slow or is_weak or window.voltage > VOLTAGE_SHARE * greatest:
@@ -154,7 +166,7 @@ RIP_4 = Check(
     level="required",
     limit="{modulation_ripple} times the ripple of ideal space-vector modulation at the same currents and speed",
     scenarios="steady stretches of the nominal drive from 10 % of rated torque and 5 % of base speed on, that take 1 "
-    "to 95 % of the voltage",
+    "to 95 % of the voltage while the speed stays within 5 % of base speed of its reference",
     formula="1 - torque's swing over a sixth of a cycle / that of ideal modulation / {modulation_ripple}",
     why="What the torque swings by beyond what switching takes is noise and wear for nothing.",
     evaluate=modulation_ripple,

@@ -260,6 +260,26 @@ def test_ripple_that_modulation_or_dead_time_adds_is_noticed(slow: DutyRecord) -
     assert not both.met, both.measured
 
 
+@pytest.mark.parametrize(
+    ("low", "high", "is_judged"),
+    [(1.0, 1.0, True), (0.9, 0.9, True), (0.6, 0.6, False), (0.4, 1.0, False), (0.0, 0.5, False)],
+    ids=["on its reference", "just off it", "far off it", "falling", "stopping"],
+)
+def test_ripple_is_judged_while_the_speed_is_near_its_reference_alone(
+    low: float, high: float, is_judged: bool, start: DutyRecord
+) -> None:
+    window = start.steady[-1]
+    length = start.scenario.control_period_s
+    rows = slice(round(window.start_s / length), round(window.end_s / length))
+
+    def falling(speed: Any) -> Any:
+        changed = speed.copy()
+        changed[rows] = window.speed_reference * np.linspace(high, low, rows.stop - rows.start)
+        return changed
+
+    assert (judged("RIP-4", with_column(start, "speed", falling)) is not None) is is_judged
+
+
 def test_the_sums_of_the_plant_and_of_the_current_are_judged(steps: DutyRecord) -> None:
     limit = steps.document.rating.current_limit_a
     high = judged("OVC-1", with_column(steps, "peak_current", lambda peak: peak + 1.21 * limit))
