@@ -77,11 +77,16 @@ def _listed_failures(result: dict[str, Any], title: str, failed: list[dict[str, 
     lines = ["", f"## {title}", ""] if failed else []
     for check in failed:
         file = counterexample_name(check["id"])
+        # The message is of the worst run, which need not be the counterexample.
+        found = check.get("found")
         lines.append(
             f"- **{escaped(check['id'])}** {escaped(check['verdict'])} ({escaped(check['level'])}), in "
-            f"{escaped(check['counterexample']['name'])}: {escaped(check['message'])}; [{file}]({file})"
+            f"{escaped(check['counterexample']['name'])}: "
+            f"{escaped(found['measured'] if found else check['message'])}; [{file}]({file})"
         )
         lines += _account(result, check)
+        if found:
+            lines.append(f"  Worst run: {escaped(check['message'])}")
     return lines
 
 
