@@ -108,7 +108,10 @@ class CheckSection(Section):
     counterexample: ScenarioTable | None = Field(description="simplest scenario that breaks the check")
     found: FoundSection | None = Field(default=None, description="what the counterexample gave")
     waiver: Table | None = Field(default=None, description="the waiver for the check")
-    margins: tuple[Number, ...] = Field(default=(), description="margins of all runs that decide, in order")
+    margins: tuple[Number, ...] = Field(
+        default=(),
+        description="margins of all runs that decide, from the least to the greatest; an even part of over 1000",
+    )
     recording: RecordingSection | None = Field(
         default=None, description="signals of the run that reports show"
     )

@@ -11,7 +11,7 @@ from drivegate.checks.margin import Margin
 from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.gate.shrinking import Shrunk, size_of
 from drivegate.gate.simplest import simplest_failures, with_simplest
-from drivegate.results.result import CheckOutcome
+from drivegate.results.result import MOST_MARGINS, CheckOutcome
 from drivegate.results.verdict import candidate_verdict, check_outcomes, machine_dependent
 from drivegate_cases.scenario.scenario import load_scenario
 
@@ -96,6 +96,16 @@ def test_the_simplest_failure_becomes_the_counterexample() -> None:
     assert simpler.counterexample == met.scenario
     assert simpler.found is not None
     assert (simpler.found.margin, simpler.found.size, simpler.found.runs) == (-0.05, 3, 7)
+
+
+def test_margins_go_from_the_least_to_the_greatest_whatever_the_order_of_the_runs() -> None:
+    runs = [run(str(value), Margin("CNV-1", value, "x")) for value in (0.5, -0.25, 0.75)]
+    assert judged("CNV-1", *runs).margins == (-0.25, 0.5, 0.75)
+    many = [run(str(place), Margin("CNV-1", float(-place), "x")) for place in range(MOST_MARGINS + 200)]
+    kept = judged("CNV-1", *many).margins
+    assert len(kept) == MOST_MARGINS
+    assert (kept[0], kept[-1]) == (-MOST_MARGINS - 199.0, 0.0)
+    assert list(kept) == sorted(kept)
 
 
 def test_what_is_met_or_not_the_candidates_is_not_made_simpler() -> None:
