@@ -75,14 +75,15 @@ def least_current_direct(state: Any, torque: float) -> float:
 
 
 @inlined
-def _maximum_quadrature(state: Any, electrical: float, voltage: float, direct: float) -> float:
+def _maximum_quadrature(
+    state: Any, electrical: float, voltage: float, resistance: float, direct: float
+) -> float:
     """Return the maximum q-axis current within the limits of current and voltage (V), negative if there is none (A)."""
     square = state.current_limit * state.current_limit - direct * direct
     if square < 0.0:
         return -1.0
     along = electrical * (state.direct_inductance * direct + state.magnet_flux)
     reactance = electrical * state.quadrature_inductance
-    resistance = state.resistance
     # |v| = V is a quadratic in this current: a q**2 + 2 b q + c = 0.
     a = reactance * reactance + resistance * resistance
     b = resistance * along - reactance * resistance * direct
@@ -94,9 +95,11 @@ def _maximum_quadrature(state: Any, electrical: float, voltage: float, direct: f
 
 
 @inlined
-def _maximum_torque_at(state: Any, electrical: float, voltage: float, direct: float) -> float:
+def _maximum_torque_at(
+    state: Any, electrical: float, voltage: float, resistance: float, direct: float
+) -> float:
     """Return the maximum torque within both limits at a d-axis current (A), -1 if there is none (N m)."""
-    quadrature = _maximum_quadrature(state, electrical, voltage, direct)
+    quadrature = _maximum_quadrature(state, electrical, voltage, resistance, direct)
     return torque_per_quadrature(state, direct) * quadrature if quadrature >= 0.0 else -1.0
 
 
@@ -117,7 +120,7 @@ def _direct_at_maximum_torque_per_volt(state: Any, electrical: float, voltage: f
 
 
 @inlined
-def _direct_at_maximum_torque(state: Any, electrical: float, voltage: float) -> float:
+def _direct_at_maximum_torque(state: Any, electrical: float, voltage: float, resistance: float) -> float:
     """Return the d-axis current (A) at which the limits allow the maximum torque."""
     low: float = max(state.deepest, _direct_at_maximum_torque_per_volt(state, electrical, voltage))
     high = maximum_torque_direct(state, state.current_limit)
@@ -126,8 +129,8 @@ def _direct_at_maximum_torque(state: Any, electrical: float, voltage: float) -> 
     for _ in range(_HALVINGS):
         inner = high - _GOLDEN * (high - low)
         outer = low + _GOLDEN * (high - low)
-        at_inner = _maximum_torque_at(state, electrical, voltage, inner)
-        at_outer = _maximum_torque_at(state, electrical, voltage, outer)
+        at_inner = _maximum_torque_at(state, electrical, voltage, resistance, inner)
+        at_outer = _maximum_torque_at(state, electrical, voltage, resistance, outer)
         # If both are infeasible, more weakening leads to a feasible current.
         if at_inner >= at_outer and (at_inner >= 0.0 or at_outer < 0.0):
             high = outer
@@ -137,7 +140,9 @@ def _direct_at_maximum_torque(state: Any, electrical: float, voltage: float) -> 
 
 
 @inlined
-def _weakened_direct(state: Any, torque: float, electrical: float, voltage: float, direct: float) -> float:
+def _weakened_direct(
+    state: Any, torque: float, electrical: float, voltage: float, resistance: float, direct: float
+) -> float:
     """Return the d-axis current (A) at which a torque (N m) needs no more than a voltage (V).
 
     With the q-axis current that produces the torque, the square of the voltage is convex in the d-axis current.
@@ -149,18 +154,16 @@ def _weakened_direct(state: Any, torque: float, electrical: float, voltage: floa
     for _ in range(_NEWTON_STEPS):
         per_ampere = torque_per_quadrature(state, direct)
         quadrature = torque / per_ampere
-        along = state.resistance * direct - electrical * state.quadrature_inductance * quadrature
-        across = state.resistance * quadrature + electrical * (
-            state.direct_inductance * direct + state.magnet_flux
-        )
+        along = resistance * direct - electrical * state.quadrature_inductance * quadrature
+        across = resistance * quadrature + electrical * (state.direct_inductance * direct + state.magnet_flux)
         excess = along * along + across * across - voltage * voltage
         if excess <= slack:
             square = direct * direct + quadrature * quadrature
             inside = square <= (1.0 + _CONVERGED) * state.current_limit * state.current_limit
             return direct if inside else nan
         change = -1.5 * state.pole_pairs * saliency * quadrature / per_ampere
-        slope = 2.0 * along * (state.resistance - electrical * state.quadrature_inductance * change)
-        slope += 2.0 * across * (state.resistance * change + electrical * state.direct_inductance)
+        slope = 2.0 * along * (resistance - electrical * state.quadrature_inductance * change)
+        slope += 2.0 * across * (resistance * change + electrical * state.direct_inductance)
         if slope <= 0.0:
             return nan
         direct -= excess / slope
@@ -171,24 +174,27 @@ def _weakened_direct(state: Any, torque: float, electrical: float, voltage: floa
 
 @inlined
 def limited_by_voltage(
-    state: Any, torque: float, electrical: float, voltage: float, direct: float
+    state: Any, torque: float, electrical: float, voltage: float, resistance: float, direct: float
 ) -> tuple[float, float]:
     """Return the d-axis current (A) weakened as far as a torque requires, and the torque (N m).
 
     `torque` is the requested torque (N m, at least 0), `electrical` the electrical speed (rad/s), `voltage` the
-    allowed peak phase voltage (V) and `direct` the d-axis current without a voltage limit (A). The returned torque
-    is smaller if the limits do not allow all of it.
+    allowed peak phase voltage (V), `resistance` that of the machine (ohm), negative for a braking torque, and
+    `direct` the d-axis current without a voltage limit (A). The returned torque is smaller if the limits do not
+    allow all of it. Braking mirrors the q axis, and with it the sign of the voltage across the resistance alone.
     """
     absolute_speed = abs(electrical)
-    weakened = _weakened_direct(state, torque, absolute_speed, voltage, direct)
+    weakened = _weakened_direct(state, torque, absolute_speed, voltage, resistance, direct)
     if isnan(weakened):
         # With less weakening than intended, the current may suffice.
         weakened = _weakened_direct(
-            state, torque, absolute_speed, voltage, least_current_direct(state, torque)
+            state, torque, absolute_speed, voltage, resistance, least_current_direct(state, torque)
         )
     if isnan(weakened):
-        weakened = _direct_at_maximum_torque(state, absolute_speed, voltage)
-        torque = min(torque, max(_maximum_torque_at(state, absolute_speed, voltage, weakened), 0.0))
+        weakened = _direct_at_maximum_torque(state, absolute_speed, voltage, resistance)
+        torque = min(
+            torque, max(_maximum_torque_at(state, absolute_speed, voltage, resistance, weakened), 0.0)
+        )
     return weakened, torque
 
 

@@ -103,7 +103,10 @@ def _currents_for(
 ) -> tuple[float, float]:
     """Return the d-axis and q-axis currents (A) for a torque (N m), or for as much of it as the limits allow."""
     requested = min(abs(torque), state.greatest_torque)
-    if state.regulates_speed == 1 and torque * electrical < 0.0:
+    resistance = state.resistance
+    if torque * electrical < 0.0 and state.regulates_speed == 0:
+        resistance = -resistance
+    elif torque * electrical < 0.0:
         # Braking currents beyond the voltage limit move further away from their references.
         braking = min(requested / (_WHOLE_ROOM_FROM * state.greatest_torque), 1.0)
         voltage *= 1.0 - _BRAKING_ROOM * braking
@@ -111,7 +114,7 @@ def _currents_for(
     if state.aim == MODELLED_LOSS:
         direct = least_loss_direct(state, requested, electrical, direct)
     if state.aim != UNWEAKENED:
-        direct, requested = limited_by_voltage(state, requested, electrical, voltage, direct)
+        direct, requested = limited_by_voltage(state, requested, electrical, voltage, resistance, direct)
     if state.aim == SEARCHED_LOSS:
         direct = _searched_direct(state, torque, requested, electrical, power, direct)
     return currents_for_torque(state, direct, requested, torque < 0.0)

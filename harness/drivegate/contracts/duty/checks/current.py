@@ -89,7 +89,7 @@ def _free_windows(record: DutyRecord) -> Iterator[DutyWindow]:
     if not record.is_nominal:
         return
     for window in record.steady:
-        if window.torque < LEAST_TORQUE_SHARE * record.limits.rated_torque_nm:
+        if abs(window.torque) < LEAST_TORQUE_SHARE * record.limits.rated_torque_nm:
             continue
         least = least_free(plant_of(record), window.speed, window.torque)
         if isfinite(least.voltage) and least.voltage < FREE_SHARE * undistorted(window.link):

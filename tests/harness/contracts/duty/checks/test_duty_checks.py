@@ -16,7 +16,7 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import own_candidate
 from drivegate.contracts.drive_numbers import on_drive
 from drivegate.contracts.duty.checks.judged import plant_of
-from drivegate.contracts.duty.checks.optimum import greatest_at, least_free
+from drivegate.contracts.duty.checks.optimum import greatest_at, least_free, undistorted
 from drivegate.contracts.duty.record import DutyRecord
 from drivegate.contracts.duty.scenarios.building import (
     failing,
@@ -359,6 +359,29 @@ def test_a_controller_may_reserve_a_little_voltage_on_a_steep_machine(reserved: 
     margin = judged("FWK-1", record)
     assert margin is not None
     assert margin.met is met, margin.measured
+
+
+@pytest.mark.parametrize(("speed_rpm", "is_weakened"), [(1300.0, False), (1860.0, True)])
+def test_braking_needs_less_voltage_and_so_less_weakening(
+    run: Run, speed_rpm: float, is_weakened: bool
+) -> None:
+    """The voltage across the resistance adds to the back-EMF when motoring, and opposes it when braking."""
+    drive = load_drive("pm-ac-2kw")
+    assert isinstance(drive, PmAcDocument)
+    record = run(torque_scenario(drive, speed_rpm, (0.0, -16.17)))
+    braking = record.steady[-1]
+    assert braking.torque == pytest.approx(-16.17, rel=0.001)
+    # Less voltage than in use, and therefore more weakening, would be needless.
+    used = max(braking.voltage, 0.9 * undistorted(braking.link))
+    least = least_free(plant_of(record), braking.speed, braking.torque, used).direct
+    assert braking.direct == pytest.approx(least, abs=record.limits.direct_error_a)
+    assert (braking.voltage > used * 0.999) is is_weakened
+    margin = judged("MTP-1", record)
+    if is_weakened:
+        assert margin is None
+    else:
+        assert margin is not None
+        assert margin.met, margin.measured
 
 
 def low_inductance_drive(inductance: float, frequency: float, link: float = 48.0) -> PmAcDocument:
