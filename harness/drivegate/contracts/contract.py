@@ -72,7 +72,7 @@ class Contract:
     layout: Callable[[], Layout]
     """Return the records that pass between controller and drive."""
     sensed: Mapping[str, str]
-    """Fields of a sense to print besides its phase currents, each with its unit."""
+    """Fields of a sense to print, each with its unit."""
     outputs: Mapping[str, tuple[str, str]]
     """Fields of a command that a controller writes, each with its name and unit."""
     plotted: Mapping[str, tuple[str, float]]

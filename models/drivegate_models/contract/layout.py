@@ -54,8 +54,8 @@ class Layout:
         Sense or DutySense
             The same.
         """
-        scalars = {name: record[name].item() for name in self.signals._fields if name != "phase_currents"}
-        return self.signals(phase_currents=tuple(currents.tolist()), **scalars)
+        values = (currents if name == "phase_currents" else record[name] for name in self.signals._fields)
+        return self.signals._make(tuple(value.tolist()) if value.ndim else value.item() for value in values)
 
 
 CURRENT: Final = Layout("current", SENSE, COMMAND, Sense, command_record)

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, Final, NamedTuple
 from xml.parsers import expat
 
-from drivegate.candidates.fmu.ports import PHASE_CURRENTS, Ports
+from drivegate.candidates.fmu.ports import Ports
 from drivegate.candidates.fmu.variables import REAL, Connections, Mismatch, Variable, connections_of
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_models.errors import InputError
@@ -179,7 +179,7 @@ def _required(ports: Ports, version: int) -> str:
     real = REAL[version]
     needs = f"{real} input{'s' if len(ports.inputs) > 1 else ''} {', '.join(ports.inputs)}"
     gives = f"{real} outputs {' and '.join((*(_elements(name) for name in ports.arrays), *ports.outputs))}"
-    may_take = " and ".join((", ".join(ports.more_inputs), _elements(PHASE_CURRENTS)))
+    may_take = " and ".join((", ".join(ports.more_inputs), *map(_elements, ports.input_arrays)))
     may_give = ", ".join((*(_elements(name) for name in ports.more_arrays), *ports.more_outputs))
     plural = "s" if ports.more_arrays or len(ports.more_outputs) > 1 else ""
     return (

@@ -43,7 +43,7 @@ class FmuInstance(ABC):
     def __init__(self, description: FmuDescription, slave: Any) -> None:
         connections = description.connections
         fields = PORTS[connections.contract].fields
-        inputs = len(connections.signals) + connections.phase_currents
+        inputs = len(connections.signals) + sum(count for _, count in connections.arrays)
         outputs = sum(count for _, count in connections.outputs)
         self.description = description
         self._slave = slave
@@ -53,7 +53,7 @@ class FmuInstance(ABC):
         self._period = 0.0
         self._signals = [fields.index(name) for name in connections.signals]
         self._answer = answer_of(connections)
-        self._has_currents = connections.phase_currents > 0
+        self._arrays = [fields.index(name) for name, _ in connections.arrays]
         self._input_references = _references(connections.input_references)
         self._output_references = _references(connections.output_references)
         self._inputs = (ctypes.c_double * inputs)()
@@ -96,8 +96,8 @@ class FmuInstance(ABC):
                 "the FMU can be instantiated once in a process, and another instance took this one's place"
             )
         time = sense.time
-        currents = sense.phase_currents if self._has_currents else ()
-        self._write(self._inputs, 0, *[sense[place] for place in self._signals], *currents)
+        arrays = [value for place in self._arrays for value in sense[place]]
+        self._write(self._inputs, 0, *[sense[place] for place in self._signals], *arrays)
         if not self._initialised:
             with self._failures_reported():
                 self._initialise(time)

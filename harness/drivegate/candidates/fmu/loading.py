@@ -112,12 +112,13 @@ class FmuController(PythonController):
         """Instantiate the FMU anew before a run."""
         connections = self._unpacked.description.connections
         require_nameplate_of(connections.contract, nameplate)
-        count, phases = connections.phase_currents, getattr(nameplate, "phases", LEGS)
-        if count not in (0, phases):
-            raise InputError(
-                f"{shown_path(self._unpacked.file)} takes {count} phase currents, but the motor has "
-                f"{phases} phases; export it for that many, or without phase_currents"
-            )
+        phases = getattr(nameplate, "phases", LEGS)
+        for name, count in connections.arrays:
+            if count != phases:
+                raise InputError(
+                    f"{shown_path(self._unpacked.file)} takes {count} {name.replace('_', ' ')}, but the motor has "
+                    f"{phases} phases; export it for that many, or without {name}"
+                )
         self._unpacked.give_way(self._fmu)
         super().reset(nameplate)
 

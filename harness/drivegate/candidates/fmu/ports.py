@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, get_type_hints
 
 from drivegate.candidates.contract import ContractName
 from drivegate_models.contract.current.signals import Nameplate, Sense
 from drivegate_models.contract.duty.signals import DutyNameplate, DutySense
 
-PHASE_CURRENTS: Final = "phase_currents"
-"""The input that may be an array, or one input for each phase."""
 DUTY_RATIOS: Final = "duty_ratios"
 """The output, an array or three of them, by which an FMU is told to answer with duty ratios."""
 LEGS: Final = 3
@@ -28,7 +26,9 @@ class Ports:
     """Fields of its Sense, in order."""
     inputs: tuple[str, ...]
     more_inputs: tuple[str, ...]
-    """Inputs that a controller must have, and that it may have, phase currents apart."""
+    """Inputs of one value each that a controller must have, and that it may have."""
+    input_arrays: tuple[str, ...]
+    """Inputs that it may have, of one value for each phase: an array, or one input for each."""
     outputs: tuple[str, ...] = ()
     more_outputs: tuple[str, ...] = ()
     """Outputs that are one value each, likewise."""
@@ -41,6 +41,11 @@ class Ports:
     """Those of the fields that are whole numbers."""
 
 
+def _arrays(sense: type) -> tuple[str, ...]:
+    """Return the fields of a Sense that have several values."""
+    return tuple(name for name, kind in get_type_hints(sense).items() if kind not in (float, int))
+
+
 def _parameters(fields: tuple[str, ...], renamed: str) -> dict[str, str]:
     """Name each parameter like its field; one has a longer name, for an input has the short one."""
     return {f"nominal_{field}" if field == renamed else field: field for field in fields}
@@ -51,6 +56,7 @@ CURRENT: Final = Ports(
     fields=Sense._fields,
     inputs=("speed_reference", "speed", "current_magnitude_sum", "half_supply_voltage"),
     more_inputs=("time",),
+    input_arrays=_arrays(Sense),
     outputs=("current_reference", "advance_angle"),
     more_outputs=("input_power",),
     parameters=_parameters(Nameplate._fields, "half_supply_voltage"),
@@ -62,7 +68,8 @@ DUTY: Final = Ports(
     contract="duty",
     fields=DutySense._fields,
     inputs=("reference",),
-    more_inputs=tuple(name for name in DutySense._fields if name not in ("reference", PHASE_CURRENTS)),
+    more_inputs=tuple(name for name in DutySense._fields if name not in ("reference", *_arrays(DutySense))),
+    input_arrays=_arrays(DutySense),
     # The estimates of angle and speed have the names of inputs.
     more_outputs=("next_period", "torque", "input_power", "fault"),
     arrays=(DUTY_RATIOS,),

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 from drivegate.candidates.contract import ContractName
-from drivegate.candidates.fmu.ports import CURRENT, DUTY, DUTY_RATIOS, LEGS, PHASE_CURRENTS, Ports
+from drivegate.candidates.fmu.ports import CURRENT, DUTY, DUTY_RATIOS, LEGS, Ports
 from drivegate_cases.documents.wording import nearest, one_line
 
 REAL: Final = {2: "Real", 3: "Float64"}
@@ -47,11 +47,11 @@ class Connections:
     contract: ContractName
     """Contract that it answers by."""
     signals: tuple[str, ...]
-    """Fields of the Sense that it takes, phase currents apart."""
+    """Fields of one value that it takes from the Sense."""
+    arrays: tuple[tuple[str, int], ...]
+    """Fields of several values that it takes, each with its number of values."""
     input_references: tuple[int, ...]
-    """Their value references, then those of the phase currents."""
-    phase_currents: int
-    """Number of phase currents that it takes; 0 for none."""
+    """Value references of these fields, one for an array."""
     outputs: tuple[tuple[str, int], ...]
     """Fields of the command that it gives, each with its number of values."""
     output_references: tuple[int, ...]
@@ -87,8 +87,8 @@ def connections_of(variables: Iterable[Variable], version: int) -> Connections:
         for name, array in arrays
         if (array or name in ports.arrays) and _values(array) != LEGS
     ]
-    currents = _array(PHASE_CURRENTS, "input", by_name, version, problems)
-    problems += _unknown_inputs(ports, by_name, currents)
+    sensed = [(name, _array(name, "input", by_name, version, problems)) for name in ports.input_arrays]
+    problems += _unknown_inputs(ports, by_name, [element for _, array in sensed for element in array])
     parameters = _parameters(ports, by_name, version, problems)
     if problems:
         raise Mismatch(ports, problems)
@@ -98,9 +98,9 @@ def connections_of(variables: Iterable[Variable], version: int) -> Connections:
     return Connections(
         ports.contract,
         taken,
+        tuple((name, _values(array)) for name, array in sensed if array),
         tuple(by_name[name].value_reference for name in taken)
-        + tuple(current.value_reference for current in currents),
-        _values(currents),
+        + tuple(element.value_reference for _, array in sensed for element in array),
         tuple((name, _values(carriers)) for name, carriers in given),
         tuple(carrier.value_reference for _, carriers in given for carrier in carriers),
         parameters,
@@ -180,14 +180,12 @@ def _array(
     return tuple(elements[index] for index in sorted(elements))
 
 
-def _unknown_inputs(
-    ports: Ports, by_name: Mapping[str, Variable], currents: tuple[Variable, ...]
-) -> list[str]:
+def _unknown_inputs(ports: Ports, by_name: Mapping[str, Variable], elements: Iterable[Variable]) -> list[str]:
     own = (*ports.inputs, *ports.more_inputs)
-    known = {*own, *(current.name for current in currents)}
+    known = {*own, *(element.name for element in elements)}
     return [
         f"nothing is known of the input '{one_line(name)}' (the nearest known one is "
-        f"'{nearest(name, [*own, PHASE_CURRENTS])}')"
+        f"'{nearest(name, [*own, *ports.input_arrays])}')"
         for name, variable in by_name.items()
         if variable.causality == "input" and name not in known
     ]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 from math import isfinite, isinf
 from numbers import Integral
+from operator import itemgetter
 from struct import Struct
 from typing import Any, ClassVar, Final
 
@@ -15,6 +16,14 @@ from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE
 from drivegate_models.contract.duty.signals import LEG_LOW, LEG_OFF, DutyCommand, DutySense
 
 _SENSE: Final = packing(DUTY_SENSE)
+# The fields after the phase currents among the unpacked numbers; a slice is a tuple there.
+_FIELDS: Any = DUTY_SENSE.fields
+_OTHERS: Final = itemgetter(
+    *(
+        slice(place // 8, (place + layout.itemsize) // 8) if layout.shape else place // 8
+        for layout, place in (_FIELDS[name] for name in DutySense._fields[3:])
+    )
+)
 _CURRENTS: Final = Struct("=3d")
 _OUTPUTS: Final = Struct("=3d3q5dq")
 _OUTPUTS_OFFSET: Final = DUTY_COMMAND.itemsize - _OUTPUTS.size
@@ -38,11 +47,12 @@ class DutySteps(BridgedSteps):
         try:
             if sense_address != self._sense_address or command_address != self._command_address:
                 self._look_at(sense_address, command_address)
-            _, time, reference, currents, *others = _SENSE.unpack_from(self._sense_view)
+            values = _SENSE.unpack_from(self._sense_view)
+            _, time, reference, currents, *_ = values
             if currents != self._currents_address:
                 self._currents_address = currents
                 self._currents_view = (ctypes.c_char * _CURRENTS.size).from_address(currents)
-            sense = DutySense(time, reference, _CURRENTS.unpack_from(self._currents_view), *others)
+            sense = DutySense(time, reference, _CURRENTS.unpack_from(self._currents_view), *_OTHERS(values))
             answer = self.candidate_step(sense)
             if not isinstance(answer, DutyCommand):
                 raise self.not_a_command(answer)

@@ -11,8 +11,9 @@ SENSED: Final[Mapping[str, str]] = {
     "speed": "rad/s",
     "current_magnitude_sum": "A",
     "half_supply_voltage": "V",
+    "phase_currents": "A",
 }
-"""What is sensed besides the phase currents, with its unit."""
+"""What is sensed, with its unit."""
 OUTPUTS: Final[Mapping[str, tuple[str, str]]] = {
     "current_reference": ("current reference", "A"),
     "advance_angle": ("advance angle", "rad"),

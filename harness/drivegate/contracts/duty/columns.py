@@ -13,8 +13,9 @@ SENSED: Final[Mapping[str, str]] = {
     "angle": "rad",
     "supply_voltage": "V",
     "supply_current": "A",
+    "phase_currents": "A",
 }
-"""What is sensed besides the phase currents, with its unit."""
+"""What is sensed, with its unit."""
 OUTPUTS: Final[Mapping[str, tuple[str, str]]] = {
     "first_duty": ("first duty ratio", ""),
     "second_duty": ("second duty ratio", ""),

@@ -13,7 +13,7 @@ from drivegate.containment.messages import AnyController
 from drivegate.contracts.duty.record import DutyRecord
 from drivegate.contracts.duty.run import duty_nameplate, refusal_of
 from drivegate.contracts.given_steps import GivenSteps, step_seconds
-from drivegate_models.contract.duty.records import DUTY_SENSE
+from drivegate_models.contract.duty.records import duty_sense_record
 from drivegate_models.contract.layout import DUTY
 from drivegate_models.machine.rotor_frame import phase_currents, shaft_angles
 
@@ -40,11 +40,10 @@ def _currents(record: DutyRecord) -> NDArray[np.float64]:
 
 
 def _senses(record: DutyRecord, count: int) -> NDArray[Any]:
-    senses = np.zeros(count, DUTY_SENSE)
+    senses = np.repeat(duty_sense_record(np.zeros(3)), count)
     taken = {name: record.run.column(name)[:count] for name in ("time", "speed", "link", "angle")}
     wanted = "torque_reference" if record.steady[0].torque_reference is not None else "speed_reference"
     senses["time"], senses["speed"], senses["supply_voltage"] = taken["time"], taken["speed"], taken["link"]
     senses["angle"] = shaft_angles(taken["angle"], record.document.machine.pole_pairs)
     senses["reference"] = record.run.column(wanted)[:count]
-    senses["hall"] = senses["encoder_count"] = -1
     return senses

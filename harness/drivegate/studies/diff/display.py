@@ -44,9 +44,10 @@ def show_difference(
 def _show_difference(console: Console, found: dict[str, Any], sensed: Mapping[str, str]) -> None:
     shown = table("both sensed", "value", "unit", right=("value",))
     for key, unit in sensed.items():
-        shown.add_row(key, repr(found["sense"][key]), unit)
-    for phase, current in enumerate(found["sense"]["phase_currents"], 1):
-        shown.add_row(f"phase current {phase}", repr(current), "A")
+        value = found["sense"][key]
+        several = isinstance(value, tuple)
+        for number, one in enumerate(value if several else (value,), 1):
+            shown.add_row(f"{key}[{number}]" if several else key, repr(one), unit)
     console.print(shown)
     plant = found["plant"]
     currents = ", ".join(f"{current:.4g}" for current in plant["phase_currents"])

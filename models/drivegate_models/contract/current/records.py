@@ -5,7 +5,7 @@ record is its own size in bytes. Later minor versions append fields and do not c
 """
 
 import struct
-from typing import Any, Final
+from typing import Any, Final, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,7 @@ __all__ = [
     "command_record",
     "nameplate_record",
     "packing",
+    "record_of",
     "sense_record",
 ]
 
@@ -44,6 +45,32 @@ STATE_ALIGNMENT: Final = 16
 
 STOP: Final = -1
 """Value of `struct_size` by which a controller's bridge requests the end of the run."""
+
+_STRUCT_CODES = {"i": "q", "u": "Q", "f": "d"}
+_TYPES = {float: np.float64, int: np.int64}
+
+
+def record_of(signals: type) -> np.dtype[Any]:
+    """Return the record of a named tuple of signals.
+
+    Parameters
+    ----------
+    signals : type
+        Each field is a float, an int or a tuple of three floats.
+
+    Returns
+    -------
+    dtype
+        The record's size, then the fields in their order. `phase_currents` is an address; other tuples are in place.
+    """
+    layouts: list[Any] = [("struct_size", np.int64)]
+    for name, kind in get_type_hints(signals).items():
+        if name == "phase_currents":
+            layouts.append((name, np.uintp))
+        else:
+            layouts.append((name, _TYPES[kind]) if kind in _TYPES else (name, np.float64, 3))
+    return np.dtype(layouts, align=True)
+
 
 SENSE: Final = np.dtype(
     [
@@ -71,33 +98,8 @@ COMMAND: Final = np.dtype(
 )
 """Record of `drivegate_models.contract.current.signals.Command`."""
 
-NAMEPLATE: Final = np.dtype(
-    [
-        ("struct_size", np.int64),
-        ("phases", np.int64),
-        ("pole_pairs", np.int64),
-        ("half_supply_voltage", np.float64),
-        ("base_speed", np.float64),
-        ("rated_power", np.float64),
-        ("current_limit", np.float64),
-        ("control_period", np.float64),
-        ("hysteresis_band", np.float64),
-        ("resistance", np.float64),
-        ("inductance", np.float64),
-        ("emf_constant", np.float64),
-        ("inertia", np.float64),
-        ("kind", np.int64),
-        ("window", np.float64),
-        ("conducting_phases", np.float64),
-        ("advance_start", np.float64),
-        ("advance_slope", np.float64),
-        ("highest_speed", np.float64),
-    ],
-    align=True,
-)
+NAMEPLATE: Final = record_of(Nameplate)
 """Record of `drivegate_models.contract.current.signals.Nameplate`."""
-
-_STRUCT_CODES = {"i": "q", "u": "Q", "f": "d"}
 
 
 def packing(record: np.dtype[Any]) -> struct.Struct:
@@ -111,10 +113,12 @@ def packing(record: np.dtype[Any]) -> struct.Struct:
     Returns
     -------
     Struct
-        Packs and unpacks all fields of the record in their order.
+        Packs and unpacks all numbers of the record in their order; a field of several numbers has as many.
     """
-    kinds = (record[name].kind for name in record.names or ())
-    return struct.Struct("=" + "".join(_STRUCT_CODES[kind] for kind in kinds))
+    fields = (record[name] for name in record.names or ())
+    return struct.Struct(
+        "=" + "".join(_STRUCT_CODES[field.base.kind] * (field.itemsize // 8) for field in fields)
+    )
 
 
 def sense_record(sense: Sense, phase_currents: NDArray[np.float64]) -> NDArray[Any]:

@@ -10,24 +10,10 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate_models.contract.duty.signals import LEG_PWM, DutyNameplate
+from drivegate_models.contract.current.records import record_of
+from drivegate_models.contract.duty.signals import LEG_PWM, DutyNameplate, DutySense
 
-DUTY_SENSE: Final = np.dtype(
-    [
-        ("struct_size", np.int64),
-        ("time", np.float64),
-        ("reference", np.float64),
-        ("phase_currents", np.uintp),
-        ("supply_voltage", np.float64),
-        ("supply_current", np.float64),
-        ("angle", np.float64),
-        ("speed", np.float64),
-        ("hall", np.int64),
-        ("encoder_count", np.int64),
-        ("trip", np.int64),
-    ],
-    align=True,
-)
+DUTY_SENSE: Final = record_of(DutySense)
 """Record of `signals.DutySense`; `phase_currents` is the address of three doubles."""
 
 DUTY_COMMAND: Final = np.dtype(
@@ -50,30 +36,7 @@ DUTY_COMMAND: Final = np.dtype(
 )
 """Record of `signals.DutyCommand`, with one field per element of its triples."""
 
-DUTY_NAMEPLATE: Final = np.dtype(
-    [
-        ("struct_size", np.int64),
-        ("kind", np.int64),
-        ("reference_kind", np.int64),
-        ("pole_pairs", np.int64),
-        ("updates", np.int64),
-        ("update_delay", np.int64),
-        ("supply_voltage", np.float64),
-        ("base_speed", np.float64),
-        ("highest_speed", np.float64),
-        ("rated_power", np.float64),
-        ("current_limit", np.float64),
-        ("control_period", np.float64),
-        ("dead_time", np.float64),
-        ("resistance", np.float64),
-        ("direct_inductance", np.float64),
-        ("quadrature_inductance", np.float64),
-        ("magnet_flux", np.float64),
-        ("inertia", np.float64),
-        ("core_loss_conductance", np.float64),
-    ],
-    align=True,
-)
+DUTY_NAMEPLATE: Final = record_of(DutyNameplate)
 """Record of `signals.DutyNameplate`."""
 
 
@@ -88,13 +51,13 @@ def duty_sense_record(phase_currents: NDArray[np.float64]) -> NDArray[Any]:
     Returns
     -------
     array of DUTY_SENSE, shape (1,)
-        For a drive without Hall switches and encoder counts.
+        With the default of each field that has one, and otherwise zeros.
     """
     record = np.zeros(1, DUTY_SENSE)
     record["struct_size"] = DUTY_SENSE.itemsize
     record["phase_currents"] = phase_currents.ctypes.data
-    record["hall"] = -1
-    record["encoder_count"] = -1
+    for name, value in DutySense._field_defaults.items():
+        record[name] = value
     return record
 
 

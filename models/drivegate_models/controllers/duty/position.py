@@ -36,22 +36,6 @@ def reset_position(state: Any, nameplate: Any) -> None:
 
 
 @inlined
-def copy_sense(sense: Any, seen: Any) -> None:
-    """Copy a Sense into another record of DUTY_SENSE."""
-    seen.struct_size = sense.struct_size
-    seen.time = sense.time
-    seen.reference = sense.reference
-    seen.phase_currents = sense.phase_currents
-    seen.supply_voltage = sense.supply_voltage
-    seen.supply_current = sense.supply_current
-    seen.angle = sense.angle
-    seen.speed = sense.speed
-    seen.hall = sense.hall
-    seen.encoder_count = sense.encoder_count
-    seen.trip = sense.trip
-
-
-@inlined
 def locate_shaft(state: Any, sense: Any) -> Any:
     """Return the Sense in use: the measured one, with the shaft's angle and speed extrapolated at an overdue Hall edge.
 
@@ -62,8 +46,8 @@ def locate_shaft(state: Any, sense: Any) -> Any:
     """
     if sense.hall < 0:
         return sense
+    state.seen = sense
     seen = state.seen
-    copy_sense(sense, seen)
     if state.regulates_speed == 1:
         observe_shaft(state, sense, seen)
         return seen

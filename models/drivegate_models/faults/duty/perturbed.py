@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from drivegate_models.compilation.calling import call_step, double_at, step_signature
 from drivegate_models.compilation.kernels import KEEPS_CACHE, inlined
 from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE, duty_command_record
-from drivegate_models.controllers.duty.position import copy_sense
 from drivegate_models.machine.rotor_frame import RotorFrame, phase_current
 from drivegate_models.machine.sine import cosine_sine
 
@@ -129,8 +128,8 @@ def _write_sense(state: Any, sense: Any) -> None:
         state.before[phase] = measured
     if state.computes_third == 1:
         state.currents[2] = -state.currents[0] - state.currents[1]
+    state.sense = sense
     perturbed = state.sense
-    copy_sense(sense, perturbed)
     perturbed.phase_currents = state.currents_address
     perturbed.supply_voltage = state.supply_factor * sense.supply_voltage
     if state.wraps_after > 0.0:

@@ -15,7 +15,7 @@ from drivegate.candidates.fault import CandidateFault, FaultKind
 from drivegate.candidates.fmu.archive import unpack
 from drivegate.candidates.fmu.instance import FmuError
 from drivegate.candidates.fmu.loading import _unpacked
-from drivegate.candidates.fmu.ports import CURRENT, DUTY, PHASE_CURRENTS
+from drivegate.candidates.fmu.ports import CURRENT, DUTY
 from drivegate.candidates.loading import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import Judge
@@ -268,7 +268,7 @@ def altered_causality(fmu):
 
 def test_the_page_names_every_variable():
     page = (HERE.parents[1] / "docs" / "candidates" / "fmu.md").read_text(encoding="utf-8")
-    names = [f"{PHASE_CURRENTS}[1]"]
+    names = [f"{name}[1]" for name in DUTY.input_arrays]
     for ports in (CURRENT, DUTY):
         names += [*ports.inputs, *ports.more_inputs, *ports.outputs, *ports.more_outputs, *ports.parameters]
         names += [f"{array}[1]" for array in (*ports.arrays, *ports.more_arrays)]
@@ -295,7 +295,9 @@ def test_the_builder_works_from_the_command_line_and_tells_what_fails(tmp_path):
     command = [sys.executable, str(BUILDER), "mine.c", "--fmi", "3", "--phases", "3"]
     ran = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert (ran.returncode, ran.stdout) == (0, "mine.fmu\n"), ran.stderr
-    assert controller_of(tmp_path / "mine.fmu")._fmu.description.connections.phase_currents == 3
+    assert controller_of(tmp_path / "mine.fmu")._fmu.description.connections.arrays == (
+        ("phase_currents", 3),
+    )
     (tmp_path / "mine.c").write_text("int main(void) { return missing; }\n")
     ran = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert ran.returncode == 1
