@@ -27,7 +27,7 @@ from drivegate_models.pm_ac.failure import (
     show_failed,
 )
 from drivegate_models.pm_ac.loop_records import DutyRecords, write_period
-from drivegate_models.pm_ac.plant.advance import PmAcPhases, advance_period, stored_energy
+from drivegate_models.pm_ac.plant.advance import PmAcPhases, advance_period, release_legs, stored_energy
 from drivegate_models.pm_ac.plant.drive import PmAcDrive, alignment_of, drifted
 from drivegate_models.pm_ac.rectifying import settle_rectifying
 from drivegate_models.pm_ac.sensing import (
@@ -103,6 +103,13 @@ def _balance(
 
 
 @inlined
+def _write_voltages(exchange: DutyExchange, phases: PmAcPhases) -> None:
+    """Write the voltages of the terminals at the end of the period just ended into the Sense."""
+    for leg in range(3):
+        exchange.sense[0].phase_voltages[leg] = phases.legs.voltages[leg]
+
+
+@inlined
 def _turn_sensors(sensors: DutySensors, failure: Failure, step: int, length: float, speed: float) -> None:
     """Advance the sensor on the shaft by a control period, without edges after a loss of position."""
     if fails_now(failure, LOST_EDGE, step):
@@ -118,8 +125,10 @@ def _settle_before_start(
     """Set the machine to its steady state with the legs off, at the initial speed of the run."""
     begin = conditions_at(schedule, room.course_positions, 0.0)
     speed = begin.speed_reference if load.kind == LOCKED else timing.initial_speed
+    plant = drifted(drive, begin.resistance_factor, begin.emf_factor)
+    release_legs(plant, phases, timing.initial_angle, speed, 2.0 * begin.supply)
     return settle_rectifying(
-        drifted(drive, begin.resistance_factor, begin.emf_factor),
+        plant,
         phases,
         timing.initial_angle,
         speed,
@@ -172,6 +181,7 @@ def _run_from_initial_state(
         shaft_angle = shown_angle((angle + 2.0 * pi * turns) / drive.pole_pairs)
         clock = timing.clock_start + k * length
         write_sense(exchange, phases.currents, link, reference, clock, shaft_angle, speed)
+        _write_voltages(exchange, phases)
         if not sensors.ideal:
             before = alignment_of(drive.modulator.updates, k + 1)
             show_phase_currents(sensors, exchange.sensed_currents, before, room.last, length)

@@ -163,6 +163,14 @@ def has_no_flag(shown: Recorded, _position: str) -> None:
     assert not shown.senses["trip"].any()
 
 
+def are_the_terminals_at_the_rails(shown: Recorded, _position: str) -> None:
+    voltages = shown.senses["phase_voltages"]
+    # The first answer acts from the second step on, with all lower switches on between two pulses.
+    assert np.ptp(voltages[:2], axis=1).min() > 1.0
+    assert voltages[:2].min(axis=1) == pytest.approx(0.0, abs=1e-12)
+    assert not voltages[2:].any()
+
+
 SENSED: Final[dict[str, Callable[[Recorded, str], None]]] = {
     "struct_size": has_its_size,
     "time": is_the_start_of_the_period,
@@ -175,6 +183,7 @@ SENSED: Final[dict[str, Callable[[Recorded, str], None]]] = {
     "hall": are_the_states_of_the_switches,
     "encoder_count": counts_from_the_shafts_angle_zero,
     "trip": has_no_flag,
+    "phase_voltages": are_the_terminals_at_the_rails,
 }
 """What is asserted of each field of a Sense."""
 

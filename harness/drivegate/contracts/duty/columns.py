@@ -14,6 +14,7 @@ SENSED: Final[Mapping[str, str]] = {
     "supply_voltage": "V",
     "supply_current": "A",
     "phase_currents": "A",
+    "phase_voltages": "V",
 }
 """What is sensed, with its unit."""
 OUTPUTS: Final[Mapping[str, tuple[str, str]]] = {

@@ -47,6 +47,14 @@ class DutySense(NamedTuple):
     of this count and the next. It is -1 without an encoder."""
     trip: int = 0
     """Flags of the drive's own protection; 0 for none. It is always 0 at present."""
+    phase_voltages: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Voltages of the three terminals relative to the negative rail (V), as unfiltered resistive dividers show them.
+
+    They are sampled with the phase currents, before the legs switch, at speed and link voltage of the period just
+    ended. A terminal with current is at a rail, apart from the drop of the switch or diode that conducts. A terminal
+    without current, of a leg that is off, shows the back-EMF on top of the neutral's voltage. If no current flows at
+    all, the dividers pull the terminals down until the lower diode of the lowest one conducts: differences are
+    line-to-line EMFs, and the lowest voltage is minus the drop of a diode. Sensors add no error."""
 
 
 class DutyCommand(NamedTuple):

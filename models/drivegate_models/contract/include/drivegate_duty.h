@@ -98,6 +98,9 @@ typedef struct drivegate_duty_sense {
     int64_t encoder_count;        /* count of the encoder's edges, from 0 to one less than a turn has; angle is the
                                    * middle between the edges of this count and the next; -1 without an encoder */
     int64_t trip;                 /* flags of the drive's own protection; 0 for none, as always so far */
+    double phase_voltages[3];     /* voltages of the three terminals from the negative rail, as dividers show them when
+                                   * the currents are sampled, before the legs switch, V; with all legs off and no
+                                   * current they differ by line-to-line EMFs, and a diode's drop below 0 is the lowest */
 } drivegate_duty_sense;
 
 /* What the controller answers. Before the step the duty ratios and estimates are NaN, the legs DRIVEGATE_LEG_PWM and
@@ -116,7 +119,7 @@ typedef struct drivegate_duty_command {
 } drivegate_duty_command;
 
 DRIVEGATE_ASSERT(sizeof(drivegate_duty_nameplate) == 152, "drivegate_duty_nameplate must not be padded");
-DRIVEGATE_ASSERT(sizeof(drivegate_duty_sense) == 88, "drivegate_duty_sense must not be padded");
+DRIVEGATE_ASSERT(sizeof(drivegate_duty_sense) == 112, "drivegate_duty_sense must not be padded");
 DRIVEGATE_ASSERT(sizeof(drivegate_duty_command) == 104, "drivegate_duty_command must not be padded");
 
 /* Prepare for a run and forget all earlier ones. Return 0 for success, anything else to refuse the run. */

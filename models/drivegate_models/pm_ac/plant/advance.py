@@ -28,7 +28,7 @@ from drivegate_models.pm_ac.plant.events import (
 )
 from drivegate_models.pm_ac.plant.integrals import add_segment
 from drivegate_models.pm_ac.plant.jets import rates_of
-from drivegate_models.pm_ac.plant.modulator import Gates, make_gates, schedule_gates
+from drivegate_models.pm_ac.plant.modulator import BLANKED, Gates, make_gates, schedule_gates
 from drivegate_models.pm_ac.plant.pattern import Upcoming, make_upcoming
 from drivegate_models.pm_ac.plant.quiet import pass_quietly
 from drivegate_models.pm_ac.plant.quiet_period import LONGEST_PERIOD, pass_period
@@ -42,7 +42,16 @@ from drivegate_models.pm_ac.plant.series import (
     make_series,
     shorten,
 )
-from drivegate_models.pm_ac.plant.settling import EMPTY, FREE, Legs, make_legs, settle
+from drivegate_models.pm_ac.plant.settling import (
+    EMPTY,
+    FREE,
+    Legs,
+    Settled,
+    make_legs,
+    set_gate,
+    settle,
+    show_voltages,
+)
 from drivegate_models.pm_ac.plant.two_points import SHORT
 
 EVENT_LIMIT: Final = 100_000
@@ -115,6 +124,16 @@ def make_phases(*, follows_torque: bool = False) -> PmAcPhases:
         make_upcoming(),
         make_rows(),
     )
+
+
+@inlined
+def release_legs(drive: PmAcDrive, phases: PmAcPhases, angle: float, speed: float, link: float) -> None:
+    """Turn all legs of a machine without current off, and show the voltages of its terminals."""
+    cosine, sine = cosine_sine(angle)
+    circuit = circuit_of(drive, speed, link, 0.0, 0.0, 0.0)
+    for leg in range(3):
+        set_gate(circuit, phases.legs, leg, BLANKED)
+    show_voltages(circuit, phases.legs, Settled(EMPTY, RotorFrame(0.0, 0.0, cosine, sine)))
 
 
 @inlined
@@ -383,5 +402,6 @@ def advance_period(
     end = _stator_flux(circuit, settled.frame)
     _add_core_loss(drive, circuit, _Connected(end[0] - along, end[1] - across, idle), duration, totals)
     _finish(phases, settled.frame)
+    show_voltages(circuit, legs, settled)
     totals[ledger.EVENTS] += segments
     return status

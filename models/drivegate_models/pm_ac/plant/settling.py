@@ -43,7 +43,7 @@ class Legs(NamedTuple):
     high: NDArray[np.float64]
     """Voltage while the current is negative, shape (3,) (V)."""
     voltages: NDArray[np.float64]
-    """Present voltage, shape (3,) (V); undefined for a held leg."""
+    """Present voltage, shape (3,) (V); undefined for a held leg until the end of an advance."""
 
 
 class Settled(NamedTuple):
@@ -99,6 +99,23 @@ def _project(frame: RotorFrame, leg: int) -> RotorFrame:
 def _emf(circuit: Circuit, frame: RotorFrame, leg: int) -> float:
     """Return the back-EMF of a phase (V)."""
     return -circuit.electrical * circuit.flux * axis_of(frame, leg)[1]
+
+
+@inlined
+def show_voltages(circuit: Circuit, legs: Legs, settled: Settled) -> None:
+    """Write the voltages of held legs, as dividers to the lower rail show them.
+
+    Without any current, the dividers lower the neutral until a leg supplies them.
+    """
+    frame = settled.frame
+    if settled.held == EMPTY:
+        neutral = -inf
+        for leg in range(3):
+            neutral = max(neutral, legs.low[leg] - _emf(circuit, frame, leg))
+        for leg in range(3):
+            legs.voltages[leg] = neutral + _emf(circuit, frame, leg)
+    elif settled.held != FREE:
+        legs.voltages[settled.held] = holding_voltage(circuit, frame, settled.held, legs.voltages)[0]
 
 
 @inlined
