@@ -52,6 +52,7 @@ def variables_of(contract: str, phases: int, estimates_power: bool) -> tuple[Var
                 1, "input", "reference supply_voltage supply_current angle speed hall encoder_count trip"
             ),
             Variable("phase_currents", 101, "input", width=3),
+            Variable("phase_voltages", 131, "input", width=3),
             Variable("duty_ratios", 111, "output", width=3),
             Variable("legs", 121, "output", width=3),
             *numbered(11, "output", "next_period torque input_power fault"),

@@ -38,7 +38,8 @@ enum {
     CORE_LOSS_CONDUCTANCE,
     PHASE_CURRENTS = 101, /* the first of each three; the others follow */
     DUTY_RATIOS = 111,
-    LEGS = 121
+    LEGS = 121,
+    PHASE_VOLTAGES = 131
 };
 
 static void clear_command(signals *self) {
@@ -63,6 +64,8 @@ double *signals_real(signals *self, unsigned reference) {
     drivegate_duty_nameplate *nameplate = &self->nameplate;
     if (reference >= PHASE_CURRENTS && reference < PHASE_CURRENTS + 3)
         return &self->phase_currents[reference - PHASE_CURRENTS];
+    if (reference >= PHASE_VOLTAGES && reference < PHASE_VOLTAGES + 3)
+        return &self->sense.phase_voltages[reference - PHASE_VOLTAGES];
     if (reference >= DUTY_RATIOS && reference < DUTY_RATIOS + 3)
         return &self->command.duty_ratios[reference - DUTY_RATIOS];
     if (reference >= LEGS && reference < LEGS + 3) return &self->legs[reference - LEGS];
@@ -108,7 +111,9 @@ int64_t *signals_integer(signals *self, unsigned reference) {
 }
 
 size_t signals_width(unsigned reference) {
-    return reference == PHASE_CURRENTS || reference == DUTY_RATIOS || reference == LEGS ? 3 : 1;
+    return reference == PHASE_CURRENTS || reference == PHASE_VOLTAGES || reference == DUTY_RATIOS || reference == LEGS
+               ? 3
+               : 1;
 }
 
 int signals_begin(signals *self, void *state) { return drivegate_duty_reset(state, &self->nameplate); }
