@@ -34,7 +34,7 @@ Point: TypeAlias = tuple[float, ...]
 GRID: Final = 1000
 """Steps of each coordinate, the same for every method."""
 _CHECKS = {check.id: check for check in CHECKS}
-_CORRECT = Mutation("correct", "Correct", "Nothing is wrong with it.", "none", fault=NO_FAULT)
+_CORRECT = Mutation("correct", "Nothing is wrong with it.", "none", fault=NO_FAULT)
 _STEADY_S = 9.2
 _SHORT_S = 1.0
 

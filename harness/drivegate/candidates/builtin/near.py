@@ -9,10 +9,8 @@ from types import MappingProxyType
 from typing import Final
 
 from drivegate.candidates.builtin.faults import oracle_sizes, sizes
-from drivegate.candidates.builtin.faults.mutation import Mutation
+from drivegate.candidates.builtin.faults.mutation import Mutation, of_kind
 from drivegate_models.faults.current import state as faults
-
-KIND: Final = "Near a limit"
 
 
 def _above_base(part: float) -> sizes.Size:
@@ -25,51 +23,40 @@ def _above_base(part: float) -> sizes.Size:
 _BEGINS: Final = _above_base(0.04)
 _ABOVE_BASE: Final = _above_base(0.05)
 
-_ALL: Final = (
+_ALL: Final = of_kind(
+    "Near a limit",
     Mutation(
         "speed-offset",
-        KIND,
         "Keeps the speed {size} too high, where k1 is {k1}.",
-        "",
         fault=faults.SPEED_BIASED,
         size=sizes.share(0.8, sizes.K1),
     ),
     Mutation(
         "beside-the-optimum",
-        KIND,
         "Rests {size} above the angle that it has found.",
-        "",
         fault=faults.RESTS_BESIDE,
         size=oracle_sizes.NEAR_OPTIMUM,
     ),
     Mutation(
         "power-almost-a-billionth-off",
-        KIND,
         "Estimates an input power that is 0.92e-9 too high, where 1e-9 is allowed.",
-        "",
         fault=faults.ESTIMATE_SCALED,
         size=1.0 + 0.92e-9,
     ),
     Mutation(
         "advances-from-540-rpm",
-        KIND,
         "Begins the advance at {begins}, where rated power is required from about {required}.",
-        "",
         constants=(("advance_begins", _BEGINS),),
         told=(("begins", _BEGINS), ("required", _ABOVE_BASE)),
     ),
     Mutation(
         "gain-doubled",
-        KIND,
         "Has twice the gain in its speed regulator, and so twice the answer to the noise of the measured speed.",
-        "",
         factors=(("proportional", 2.0), ("integral_step", 2.0)),
     ),
     Mutation(
         "stops-early",
-        KIND,
         "Takes k2 six times too large, and rests where the optimum is near.",
-        "",
         factors=(("power_tolerance", 6.0),),
     ),
 )

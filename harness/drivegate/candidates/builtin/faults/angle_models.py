@@ -5,16 +5,14 @@ from __future__ import annotations
 from typing import Final
 
 from drivegate.candidates.builtin.faults import oracle_sizes
-from drivegate.candidates.builtin.faults.mutation import Mutation
+from drivegate.candidates.builtin.faults.mutation import Mutation, of_kind
 from drivegate_models.faults.current import state as faults
 from drivegate_models.units import RADIANS_PER_RPM
 
-KIND: Final = "Model of the angle"
-
-FAULTS: Final = (
+FAULTS: Final = of_kind(
+    "Model of the angle",
     Mutation(
         "below-the-edge",
-        KIND,
         "Keeps the angle at {size} or less, where the required point is below the edge of what is feasible.",
         "RIP-1",
         fault=faults.ANGLE_CAPPED,
@@ -23,14 +21,12 @@ FAULTS: Final = (
     ),
     Mutation(
         "rpm-for-radians",
-        KIND,
         "Takes the base speed's {base} for rad/s, and so never advances.",
         "CPW-1",
         factors=(("base_speed", 1.0 / RADIANS_PER_RPM), ("advance_begins", 1.0 / RADIANS_PER_RPM)),
     ),
     Mutation(
         "angle-capped",
-        KIND,
         "Keeps the angle at {size} or less, which is enough up to {highest} but not up to {overspeed}.",
         "CPW-2",
         fault=faults.ANGLE_CAPPED,
@@ -39,14 +35,12 @@ FAULTS: Final = (
     ),
     Mutation(
         "nominal-table",
-        KIND,
         "Takes its angle from a table made for nominal R, L and k_e, and searches nothing.",
         "ROB-1",
         fault=faults.NOMINAL_TABLE,
     ),
     Mutation(
         "line-is-the-limit",
-        KIND,
         "Never raises the angle beyond the initial one, which a weaker machine needs.",
         "ROB-1",
         constants=oracle_sizes.line_of_nominal_machine(),
@@ -54,7 +48,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "saturation-ignored",
-        KIND,
         "Does not notice that its current reference is at the limit, where a weaker machine needs more angle.",
         "ROB-1",
         constants=oracle_sizes.line_of_nominal_machine(),

@@ -6,11 +6,9 @@ from math import radians
 from typing import Final
 
 from drivegate.candidates.builtin.faults import sizes
-from drivegate.candidates.builtin.faults.mutation import Mutation
+from drivegate.candidates.builtin.faults.mutation import Mutation, of_kind
 from drivegate_cases.documents.rounding import significant
 from drivegate_models.faults.current import state as faults
-
-KIND: Final = "Clocks and whole numbers"
 
 # A milliampere on the drive of the paper, where 200 steps lie between two decisions and 104 A flow at most.
 _MILLIAMPERES: Final = sizes.Size(
@@ -18,10 +16,10 @@ _MILLIAMPERES: Final = sizes.Size(
 )
 _SUM_OF_24_BITS: Final = sizes.Size(lambda drive: 2.0**24 * _MILLIAMPERES.of(drive) / 1000.0, "A")
 
-FAULTS: Final = (
+FAULTS: Final = of_kind(
+    "Clocks and whole numbers",
     Mutation(
         "tick-counter-overflows",
-        KIND,
         "Counts control periods in 16 bits, and starts its search anew where the count wraps around, after 16.4 s.",
         "CNV-3",
         fault=faults.STEPS_OVERFLOW,
@@ -29,7 +27,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "milliseconds-overflow",
-        KIND,
         "Keeps milliseconds in 16 bits, and starts its search anew where they wrap around, after 32.8 s.",
         "CNV-1",
         fault=faults.MILLISECONDS_OVERFLOW,
@@ -38,7 +35,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "timer-always-due",
-        KIND,
         "Keeps the time of its next decision in 16 bits of milliseconds, and so decides at every step after 65.5 s.",
         "CNV-1",
         fault=faults.ALWAYS_DUE,
@@ -47,7 +43,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "catches-up-with-the-clock",
-        KIND,
         "Counts its decisions from time zero, and makes up for those missed where its clock starts later.",
         "CNV-1",
         fault=faults.CATCHES_UP,
@@ -55,7 +50,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "integral-cut-off",
-        KIND,
         "Keeps the regulator's integral in steps of {size} and cuts off what is less: a small error never adds up.",
         "CNV-1",
         fault=faults.INTEGRAL_IN_STEPS,
@@ -63,7 +57,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "integral-of-eight-bits",
-        KIND,
         "Keeps the regulator's integral in binary steps of {size}, too few for what a short control period adds.",
         "CNV-1",
         fault=faults.INTEGRAL_IN_STEPS,
@@ -72,7 +65,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "speed-in-ten-rpm",
-        KIND,
         "Keeps the speed in whole {size}.",
         "CNV-1",
         fault=faults.SPEED_IN_STEPS,
@@ -80,7 +72,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "speed-error-overflows",
-        KIND,
         "Keeps the speed error as a 16-bit number of five-hundredths of k1, which wraps around at {size}.",
         "CNV-3",
         fault=faults.ERROR_OVERFLOWS,
@@ -88,7 +79,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "power-sum-overflows",
-        KIND,
         "Adds Σ|i| up in 24 bits, up to {size}: enough for steps of 500 µs between two decisions and no more.",
         "CNV-2",
         fault=faults.POWER_SUM_OVERFLOWS,
@@ -97,7 +87,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "step-count-in-a-byte",
-        KIND,
         "Counts the steps from one decision to the next, {decision_period}, in a byte, which 256 steps overflow.",
         "CNV-2",
         fault=faults.COUNT_OVERFLOWS,
@@ -106,7 +95,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "angle-of-six-bits",
-        KIND,
         "Keeps the angle in 64 steps a turn, each of 5.6°, cut off.",
         "CNV-2",
         fault=faults.ANGLE_IN_STEPS,
@@ -114,7 +102,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "twenty-restarts",
-        KIND,
         "Counts how often its search has started anew, and gives it up for the initial angle after twenty times.",
         "CNV-2",
         fault=faults.REARMS_COUNTED,

@@ -6,12 +6,10 @@ from math import degrees, radians
 from typing import Final
 
 from drivegate.candidates.builtin.faults import sizes
-from drivegate.candidates.builtin.faults.mutation import Mutation
+from drivegate.candidates.builtin.faults.mutation import Mutation, of_kind
 from drivegate_cases.drive.advance import advance_line
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.faults.current import state as faults
-
-KIND: Final = "Ranges of commands"
 
 _AT_OVERSPEED: Final = 108.0
 
@@ -24,10 +22,10 @@ def _slope(drive: DriveDocument) -> float:
 
 _SLOPE_TO_108_DEGREES: Final = sizes.Size(_slope, "° a rpm")
 
-FAULTS: Final = (
+FAULTS: Final = of_kind(
+    "Ranges of commands",
     Mutation(
         "advance-below-base",
-        KIND,
         "Gives an advance angle of 1° below base speed.",
         "ADV-1",
         fault=faults.ADVANCES_BELOW_BASE,
@@ -35,7 +33,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "advance-ends-late",
-        KIND,
         "Ends the advance at {ends} on the way down, with its hysteresis on the wrong side of base speed.",
         "ADV-1",
         factors=(("base_speed", 0.99),),
@@ -43,14 +40,12 @@ FAULTS: Final = (
     ),
     Mutation(
         "one-step-late",
-        KIND,
         "Gives current reference and angle one control period late.",
         "ADV-1",
         fault=faults.DELAYED,
     ),
     Mutation(
         "angle-unclamped",
-        KIND,
         "Adds {size} behind the limits of the angle, wherever the error exceeds k1.",
         "ADV-2",
         fault=faults.BOOST_BEHIND_LIMITS,
@@ -58,7 +53,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "slope-doubled",
-        KIND,
         "Has too steep a line of initial angles, and no limit behind it: 108° at {overspeed}.",
         "ADV-2",
         constants=(("angle_slope", _SLOPE_TO_108_DEGREES),),
@@ -66,7 +60,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "current-limit-exceeded",
-        KIND,
         "Takes {taken} for the current limit of {current_limit}.",
         "CMD-1",
         factors=(("current_limit", 30.0 / 26.0),),
@@ -74,7 +67,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "current-below-zero",
-        KIND,
         "Requests a negative current to brake.",
         "CMD-1",
         fault=faults.REFERENCE_BELOW_ZERO,

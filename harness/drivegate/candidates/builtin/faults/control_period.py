@@ -5,23 +5,20 @@ from __future__ import annotations
 from typing import Final
 
 from drivegate.candidates.builtin.faults import sizes
-from drivegate.candidates.builtin.faults.mutation import Mutation
+from drivegate.candidates.builtin.faults.mutation import Mutation, of_kind
 from drivegate_cases.documents.rounding import significant
 from drivegate_models.faults.current import state as faults
 
-KIND: Final = "Control period"
-
-FAULTS: Final = (
+FAULTS: Final = of_kind(
+    "Control period",
     Mutation(
         "period-taken-for-100-microseconds",
-        KIND,
         "Takes the control period for 100 µs, whatever the nameplate says.",
         "CNV-1",
         believes=(("control_period", 100e-6),),
     ),
     Mutation(
         "period-taken-for-1-millisecond",
-        KIND,
         "Takes the control period for 1 ms, whatever the nameplate says: at 50 µs it decides every 5 ms.",
         "CNV-2",
         believes=(("control_period", 1e-3),),
@@ -29,7 +26,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "derivative-of-50-microseconds",
-        KIND,
         "Takes the change of the speed in a step for that in 50 µs, and so damps ten times too much at 500 µs.",
         "CNV-1",
         fault=faults.DIFFERENTIATED,
@@ -38,7 +34,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "slewed-by-the-step",
-        KIND,
         "Moves the current reference by {size} a step at most, ten times as fast at 50 µs as at 500 µs.",
         "CNV-1",
         fault=faults.SLEWED,
@@ -49,7 +44,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "slow-step",
-        KIND,
         "Divides 15,000 times in vain in every step.",
         "TIM-1",
         fault=faults.SLOW,

@@ -5,21 +5,19 @@ from __future__ import annotations
 from typing import Final
 
 from drivegate.candidates.builtin.faults import sizes
-from drivegate.candidates.builtin.faults.mutation import Mutation
+from drivegate.candidates.builtin.faults.mutation import Mutation, of_kind
 from drivegate_cases.documents.rounding import significant
 from drivegate_models.faults.current import state as faults
-
-KIND: Final = "Thermal derating"
 
 # At 500 µs eight times the time to converge, and a little.
 _STEPS_UNDER_LOAD: Final = sizes.Size(
     lambda drive: significant(25.0 / 3.0 * sizes.SETTLING.of(drive) / sizes.CONTROL_PERIOD, 3)
 )
 
-FAULTS: Final = (
+FAULTS: Final = of_kind(
+    "Thermal derating",
     Mutation(
         "derates-after-a-minute",
-        KIND,
         "Limits the current to a fifth of its limit after {size} under load, for good, although the load is rated.",
         "CNV-1",
         fault=faults.HEAT_KEPT,
@@ -28,7 +26,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "heat-never-leaves",
-        KIND,
         "Adds up the time under load and lets nothing cool: after {size} the current is limited to a fifth for good.",
         "CNV-1",
         fault=faults.HEAT_KEPT,
@@ -36,7 +33,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "heat-counted-in-steps",
-        KIND,
         "Counts {size} control periods under load for too hot, ten times as soon at 50 µs as at 500 µs.",
         "CNV-1",
         fault=faults.HEAT_IN_STEPS,
@@ -45,7 +41,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "derating-chatters",
-        KIND,
         "Limits the current after {size} under load and lets it go again, twice a second.",
         "CNV-1",
         fault=faults.DERATES_IN_TURNS,
@@ -54,7 +49,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "acceleration-trips",
-        KIND,
         "Takes {size} at the current limit for a stalled shaft, and limits the current to a fifth for good.",
         "CNV-3",
         fault=faults.PEAK_TRIPS,

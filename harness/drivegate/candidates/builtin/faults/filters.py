@@ -5,15 +5,13 @@ from __future__ import annotations
 from typing import Final
 
 from drivegate.candidates.builtin.faults import sizes
-from drivegate.candidates.builtin.faults.mutation import Mutation
+from drivegate.candidates.builtin.faults.mutation import Mutation, of_kind
 from drivegate_models.faults.current import state as faults
 
-KIND: Final = "Filters"
-
-FAULTS: Final = (
+FAULTS: Final = of_kind(
+    "Filters",
     Mutation(
         "speed-filter-too-slow",
-        KIND,
         "Filters the speed over {time}, and regulates what comes out.",
         "CNV-1",
         fault=faults.SPEED_FILTERED,
@@ -22,7 +20,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "filter-for-50-microseconds",
-        KIND,
         "Filters the speed with the coefficient that {time} need at 50 µs, ten times too slow at 500 µs.",
         "CNV-1",
         fault=faults.SPEED_FILTERED,
@@ -31,7 +28,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "base-speed-filtered",
-        KIND,
         "Ends the advance by a filtered speed, which comes below base speed later than the speed of the step.",
         "ADV-1",
         fault=faults.BASE_SPEED_FILTERED,
@@ -39,7 +35,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "filter-sticks",
-        KIND,
         "Filters the speed in whole numbers, which a difference below {size} does not move.",
         "CNV-1",
         fault=faults.SPEED_FILTER_STICKS,
@@ -47,7 +42,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "estimate-filtered",
-        KIND,
         "Gives an estimate of the input power that has passed a filter of 10 ms.",
         "PWR-2",
         fault=faults.ESTIMATE_FILTERED,
@@ -55,7 +49,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "supply-filtered",
-        KIND,
         "Estimates the input power with the supply voltage of a filter of 50 ms.",
         "PWR-2",
         fault=faults.SUPPLY_FILTERED,
@@ -63,7 +56,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "sum-filtered",
-        KIND,
         "Filters Σ|i| over {time}, so that each decision compares what earlier angles have cost.",
         "CNV-1",
         fault=faults.SUM_FILTERED,

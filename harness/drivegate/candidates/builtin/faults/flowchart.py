@@ -5,15 +5,13 @@ from __future__ import annotations
 from typing import Final
 
 from drivegate.candidates.builtin.faults import sizes
-from drivegate.candidates.builtin.faults.mutation import Mutation
+from drivegate.candidates.builtin.faults.mutation import Mutation, of_kind
 from drivegate_models.faults.current import state as faults
 
-KIND: Final = "Flowchart"
-
-FAULTS: Final = (
+FAULTS: Final = of_kind(
+    "Flowchart",
     Mutation(
         "flowchart-inverted",
-        KIND,
         "Follows the flowchart, but reverses where W has fallen and goes on where it has risen.",
         "FLO-1",
         "published",
@@ -22,7 +20,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "flowchart-twice-as-often",
-        KIND,
         "Follows the flowchart, but decides twice in its declared period.",
         "FLO-1",
         "published",
@@ -30,7 +27,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "flowchart-without-k1",
-        KIND,
         "Follows the flowchart, but goes on while the speed is off by more than k1.",
         "FLO-1",
         "published",
@@ -38,7 +34,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "flowchart-without-k2",
-        KIND,
         "Follows the flowchart, but moves the angle however little W has changed.",
         "FLO-1",
         "published",

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from typing import Final
 
-from drivegate.candidates.builtin.faults.mutation import Mutation
+from drivegate.candidates.builtin.faults.mutation import Mutation, of_kind
 from drivegate_models.faults.current import state as faults
-
-KIND: Final = "Instances and resets"
 
 _SEARCH: Final = (
     "offset",
@@ -23,24 +21,22 @@ _SEARCH: Final = (
     "good_power",
 )
 
-FAULTS: Final = (
+FAULTS: Final = of_kind(
+    "Instances and resets",
     Mutation(
         "survives-reset",
-        KIND,
         "Keeps the integral of the run before through a reset.",
         "DET-1",
         keeps=("integral",),
     ),
     Mutation(
         "reset-keeps-the-search",
-        KIND,
         "Keeps what its search has found through a reset.",
         "DET-1",
         keeps=_SEARCH,
     ),
     Mutation(
         "instances-share-the-integral",
-        KIND,
         "Keeps the regulator's integral in a variable that all instances share and no reset clears.",
         "DET-1",
         keeps=("integral",),
@@ -48,7 +44,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "learns-across-runs",
-        KIND,
         "Begins its search at the offset of the run before.",
         "DET-1",
         fault=faults.LEARNS,
@@ -56,7 +51,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "filter-not-started-anew",
-        KIND,
         "Filters the speed, and after a reset from where the run before has left the filter.",
         "DET-1",
         fault=faults.SPEED_FILTERED,
@@ -65,7 +59,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "searches-in-seven-runs",
-        KIND,
         "Counts its runs in three bits: from the eighth run of an instance on it searches nothing.",
         "CNV-2",
         fault=faults.RUNS_COUNTED,

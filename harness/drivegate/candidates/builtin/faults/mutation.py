@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final, Literal
 
 from drivegate.candidates.builtin.faults import sizes
@@ -31,14 +31,14 @@ class Mutation:
 
     name: str
     """Its name; as a candidate it is named ``faulty:`` and this."""
-    kind: str
-    """What kind of fault it is; the self-test counts by kind."""
     sentence: str
     """What is wrong with it; the sizes in it stand by name, and `told_on` writes those of a drive."""
-    check: str
+    check: str = ""
     """Identifier of the check that must catch it; empty for a controller that is right."""
     base: Literal["reference", "published"] = "reference"
     """The built-in controller that it is made from."""
+    kind: str = ""
+    """What kind of fault it is; the self-test counts by kind."""
     factors: tuple[tuple[str, float], ...] = ()
     """Constants of `CONTROLLER_STATE` that are multiplied after every reset."""
     believes: tuple[tuple[str, float], ...] = ()
@@ -63,6 +63,11 @@ class Mutation:
     shown_by: str = ""
     """What a scenario must have to show the fault, with sizes as in `sentence`; empty where loaded steady
     runs do."""
+
+
+def of_kind(kind: str, *mutations: Mutation) -> tuple[Mutation, ...]:
+    """State the kind of several mutations."""
+    return tuple(replace(mutation, kind=kind) for mutation in mutations)
 
 
 def number_on(size: float | Size, drive: DriveDocument) -> float:

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from typing import Final
 
-from drivegate.candidates.builtin.faults.mutation import Mutation
+from drivegate.candidates.builtin.faults.mutation import Mutation, of_kind
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.faults.current import state as faults
-
-KIND: Final = "Power estimate"
 
 _HALF_WORD: Final = 32.768
 
@@ -23,10 +21,10 @@ def _never_overflows(drive: DriveDocument) -> str | None:
     )
 
 
-FAULTS: Final = (
+FAULTS: Final = of_kind(
+    "Power estimate",
     Mutation(
         "power-one-percent-high",
-        KIND,
         "Estimates an input power that is 1 % too high.",
         "PWR-2",
         fault=faults.ESTIMATE_SCALED,
@@ -34,21 +32,18 @@ FAULTS: Final = (
     ),
     Mutation(
         "power-at-nominal-supply",
-        KIND,
         "Estimates the input power with the nominal supply voltage instead of the measured one.",
         "PWR-2",
         fault=faults.ESTIMATE_AT_NOMINAL_SUPPLY,
     ),
     Mutation(
         "one-phase-left-out",
-        KIND,
         "Leaves the last phase out of Σ|i|.",
         "PWR-2",
         fault=faults.SUM_WITHOUT_LAST_PHASE,
     ),
     Mutation(
         "sixteen-bit-overflow",
-        KIND,
         "Keeps Σ|i| as a 16-bit number of milliamperes, which wraps around at 32.8 A.",
         "PWR-2",
         fault=faults.SUM_OVERFLOWS,

@@ -6,12 +6,10 @@ from math import degrees, radians
 from typing import Final
 
 from drivegate.candidates.builtin.faults import sizes
-from drivegate.candidates.builtin.faults.mutation import Mutation
+from drivegate.candidates.builtin.faults.mutation import Mutation, of_kind
 from drivegate_cases.drive.advance import advance_line
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.faults.current import state as faults
-
-KIND: Final = "Rare regions"
 
 _ROW: Final = 0.84
 _ABOVE_THE_LINE: Final = 12.0
@@ -25,10 +23,10 @@ def _far_above_the_line(drive: DriveDocument) -> float:
     return min(round(degrees(start + slope * speed) + _ABOVE_THE_LINE, 1), _MOST)
 
 
-FAULTS: Final = (
+FAULTS: Final = of_kind(
+    "Rare regions",
     Mutation(
         "corner-without-limit",
-        KIND,
         "Has no limit of the angle from {first} to {last} at light load, once its search holds: 95°.",
         "ADV-2",
         fault=faults.CORNER_WITHOUT_LIMIT,
@@ -40,7 +38,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "wrong-row",
-        KIND,
         "Has one wrong row in its table of least angles: {size} at {middle}.",
         "CNV-2",
         fault=faults.WRONG_ROW,
@@ -51,7 +48,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "current-floor",
-        KIND,
         "Requests {size} or more above {first}, however light the load.",
         "CNV-1",
         fault=faults.REFERENCE_FLOOR,
@@ -61,7 +57,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "swell-trips",
-        KIND,
         "Takes a supply of more than 108.5 % for a fault, and limits the current to a fifth for good.",
         "CNV-3",
         fault=faults.SWELL_TRIPS,
@@ -70,7 +65,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "overspeed-capped",
-        KIND,
         "Takes a speed reference above {size} for {size}.",
         "CPW-2",
         fault=faults.SPEED_CAPPED,
@@ -79,7 +73,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "standstill-latches",
-        KIND,
         "Takes a speed reference of zero for the end of all work, and never advances again.",
         "CNV-3",
         fault=faults.STOP_LATCHES,

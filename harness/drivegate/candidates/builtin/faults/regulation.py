@@ -6,13 +6,11 @@ from math import isinf
 from typing import Final
 
 from drivegate.candidates.builtin.faults import sizes
-from drivegate.candidates.builtin.faults.mutation import Mutation
+from drivegate.candidates.builtin.faults.mutation import Mutation, of_kind
 from drivegate_cases.documents.rounding import significant
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import limits_of
 from drivegate_models.faults.current import state as faults
-
-KIND: Final = "Speed regulation"
 
 # Peak to peak three quarters of what is allowed of the torque, which has a ripple of its own.
 _RIPPLE: Final = sizes.Size(
@@ -27,10 +25,10 @@ def _without_limit(drive: DriveDocument) -> str | None:
     return "the drive states no limit of its ripple" if isinf(limits_of(drive).closed_loop_ripple) else None
 
 
-FAULTS: Final = (
+FAULTS: Final = of_kind(
+    "Speed regulation",
     Mutation(
         "rippling-current",
-        KIND,
         "Moves the current reference up and down by {size}, 250 times a second.",
         "RIP-3",
         fault=faults.RIPPLING,
@@ -39,7 +37,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "chatters",
-        KIND,
         "Begins and ends the advance at one speed, and takes {taken} for base speed.",
         "CNV-1",
         factors=(("base_speed", 1.1), ("advance_begins", 550.0 / 510.0)),
@@ -47,21 +44,18 @@ FAULTS: Final = (
     ),
     Mutation(
         "no-anti-windup",
-        KIND,
         "Lets the regulator's integral go on while the current reference is at its limit.",
         "CNV-3",
         fault=faults.NO_ANTI_WINDUP,
     ),
     Mutation(
         "no-integral",
-        KIND,
         "Has no integral in its speed regulator.",
         "CPW-1",
         factors=(("integral_step", 0.0),),
     ),
     Mutation(
         "gain-tenfold",
-        KIND,
         "Has ten times the gain in its speed regulator, and so amplifies the noise of the measured speed.",
         "ROB-2",
         factors=(("proportional", 10.0), ("integral_step", 10.0)),

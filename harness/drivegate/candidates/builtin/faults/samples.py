@@ -5,15 +5,13 @@ from __future__ import annotations
 from typing import Final
 
 from drivegate.candidates.builtin.faults import sizes
-from drivegate.candidates.builtin.faults.mutation import Mutation
+from drivegate.candidates.builtin.faults.mutation import Mutation, of_kind
 from drivegate_models.faults.current import state as faults
 
-KIND: Final = "Single samples"
-
-FAULTS: Final = (
+FAULTS: Final = of_kind(
+    "Single samples",
     Mutation(
         "only-without-noise",
-        KIND,
         "Raises the angle by {size} whenever the measured supply differs from that of the step before.",
         "ROB-2",
         fault=faults.TRUSTS_SUPPLY,
@@ -21,14 +19,12 @@ FAULTS: Final = (
     ),
     Mutation(
         "latches-after-dropout",
-        KIND,
         "Takes one reading of no speed for a standstill, and never advances again.",
         "ROB-3",
         fault=faults.LATCHES_AT_STANDSTILL,
     ),
     Mutation(
         "lost-current-trips",
-        KIND,
         "Takes one sample without any current for an open circuit, and does not advance any more.",
         "ROB-3",
         fault=faults.LOST_CURRENT_TRIPS,
@@ -38,7 +34,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "overspeed-by-one-sample",
-        KIND,
         "Takes one speed of 105 % of the reference for overspeed, and limits the current to a fifth for good.",
         "ROB-3",
         fault=faults.OVERSPEED_TRIPS,
@@ -47,7 +42,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "lowest-supply-kept",
-        KIND,
         "Takes the supply for the lowest that was ever seen.",
         "PWR-2",
         fault=faults.LOWEST_SUPPLY_KEPT,
@@ -55,7 +49,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "lost-speeds-add-up",
-        KIND,
         "Counts samples without any speed, and limits the current to a fifth after 60 of them in all.",
         "ROB-3",
         fault=faults.LOST_SPEEDS_COUNTED,
@@ -64,7 +57,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "one-phase-for-five",
-        KIND,
         "Searches by {phases} times the magnitude of the first phase's current.",
         "CNV-2",
         fault=faults.ONE_PHASE_FOR_ALL,

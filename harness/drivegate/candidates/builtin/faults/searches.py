@@ -5,22 +5,19 @@ from __future__ import annotations
 from typing import Final
 
 from drivegate.candidates.builtin.faults import sizes
-from drivegate.candidates.builtin.faults.mutation import Mutation
+from drivegate.candidates.builtin.faults.mutation import Mutation, of_kind
 from drivegate_models.faults.current import state as faults
 
-KIND: Final = "Search"
-
-FAULTS: Final = (
+FAULTS: Final = of_kind(
+    "Search",
     Mutation(
         "hunts-for-ever",
-        KIND,
         "Has no k2: the search goes on from the optimum and never rests.",
         "CNV-1",
         fault=faults.NEVER_RESTS,
     ),
     Mutation(
         "drifts",
-        KIND,
         "Lets the angle that it has found move on by {size} a second.",
         "CNV-1",
         fault=faults.DRIFTS,
@@ -28,21 +25,18 @@ FAULTS: Final = (
     ),
     Mutation(
         "search-too-slow",
-        KIND,
         "Decides twenty times less often than every {decision_period}.",
         "CNV-1",
         factors=(("decision_steps", 20.0),),
     ),
     Mutation(
         "no-walk-back",
-        KIND,
         "Does not take back a step of the search that has cost the torque.",
         "CNV-1",
         fault=faults.NO_WALK_BACK,
     ),
     Mutation(
         "search-inverted",
-        KIND,
         "Reverses the search where Σ|i| falls and goes on where it rises.",
         "CNV-2",
         fault=faults.SUM_MIRRORED,
@@ -50,21 +44,18 @@ FAULTS: Final = (
     ),
     Mutation(
         "signed-sum",
-        KIND,
         "Adds the phase currents without taking their magnitudes.",
         "CNV-2",
         fault=faults.SUM_WITHOUT_MAGNITUDES,
     ),
     Mutation(
         "stops-too-early",
-        KIND,
         "Takes k2 fifty times too large and rests at the first small change.",
         "CNV-2",
         factors=(("power_tolerance", 50.0),),
     ),
     Mutation(
         "blind-spot",
-        KIND,
         "Stays at its initial angle between {first} and {last}, whatever the search says.",
         "CNV-2",
         fault=faults.BLIND_SPOT,
@@ -72,21 +63,18 @@ FAULTS: Final = (
     ),
     Mutation(
         "stale-power",
-        KIND,
         "Compares with the W of the old speed after a change of the speed reference.",
         "CNV-2",
         fault=faults.STALE_POWER,
     ),
     Mutation(
         "falling-load-ignored",
-        KIND,
         "Starts the search anew when the load has risen, but not when it has fallen.",
         "CNV-2",
         fault=faults.FALLING_LOAD_IGNORED,
     ),
     Mutation(
         "never-rearms",
-        KIND,
         "Holds the angle that it has found, whatever the load does afterwards.",
         "CNV-3",
         fault=faults.NEVER_REARMS,

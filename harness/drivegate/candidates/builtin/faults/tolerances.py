@@ -5,15 +5,13 @@ from __future__ import annotations
 from typing import Final
 
 from drivegate.candidates.builtin.faults import oracle_sizes, sizes
-from drivegate.candidates.builtin.faults.mutation import Mutation
+from drivegate.candidates.builtin.faults.mutation import Mutation, of_kind
 from drivegate_models.faults.current import state as faults
 
-KIND: Final = "Just beyond a tolerance"
-
-FAULTS: Final = (
+FAULTS: Final = of_kind(
+    "Just beyond a tolerance",
     Mutation(
         "angle-cycles",
-        KIND,
         "Moves the angle up and down by {size}, once in two seconds, where {angle_tolerance} in all is allowed.",
         "CNV-1",
         fault=faults.ANGLE_CYCLES,
@@ -21,7 +19,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "speed-six-rpm-off",
-        KIND,
         "Keeps the speed {size} too high, where k1 is {k1}.",
         "CNV-1",
         fault=faults.SPEED_BIASED,
@@ -29,7 +26,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "sum-cycles",
-        KIND,
         "Accelerates and decelerates by {percent} % of the torque, once a second, so that Σ|i| varies by more than k2.",
         "CNV-1",
         fault=faults.TORQUE_CYCLES,
@@ -38,7 +34,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "rests-beside-the-optimum",
-        KIND,
         "Rests {size} beside the angle that it has found.",
         "CNV-2",
         fault=faults.RESTS_BESIDE,
@@ -46,7 +41,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "settles-in-seven-seconds",
-        KIND,
         "Gives back {extent} of angle {size} after the start, where {settling} are allowed.",
         "CNV-1",
         fault=faults.SETTLES_LATE,
@@ -55,7 +49,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "limit-rounded-up",
-        KIND,
         "Takes {taken} for the current limit of {current_limit}.",
         "CMD-1",
         factors=(("current_limit", 26.03 / 26.0),),
@@ -63,7 +56,6 @@ FAULTS: Final = (
     ),
     Mutation(
         "power-a-billionth-off",
-        KIND,
         "Estimates an input power that is 1.2e-9 too high, where 1e-9 is allowed.",
         "PWR-2",
         fault=faults.ESTIMATE_SCALED,
