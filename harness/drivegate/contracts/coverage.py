@@ -63,7 +63,13 @@ NOT_VARIED: Final[Mapping[str, str]] = {
         ("sensors.shunts", "sensors.settling_s", "sensors.position", "sensors.encoder_error_deg"), _DUTY
     ),
     **dict.fromkeys(
-        ("load.torque_reference_nm", "failure.kind", "failure.time_s", "failure.phase"),
+        (
+            "load.torque_reference_nm",
+            "failure.kind",
+            "failure.time_s",
+            "failure.phase",
+            "scales.inertia",
+        ),
         _DUTY,
     ),
     **dict.fromkeys(("sensors.placement_error_deg", "sensors.hysteresis_deg"), _HALL),

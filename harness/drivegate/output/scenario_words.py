@@ -7,7 +7,7 @@ from typing import Any, Final
 
 from drivegate.scenarios.supply_words import stated_supply
 
-_FACTORS: Final = ("resistance", "inductance", "emf_constant")
+_FACTORS: Final = ("resistance", "inductance", "emf_constant", "inertia")
 
 
 def scenario_in_short(scenario: dict[str, Any]) -> str:

@@ -23,7 +23,7 @@ _TOLD_ELSEWHERE: Final = frozenset({"schema", "name", "description", "drive", "s
 COURSES: Final = ("factor", "grade_percent", "torque_reference_nm")
 """Keys of a load that are courses over time."""
 _TORQUE_DIGITS: Final = 3
-_SYMBOLS: Final = {"resistance": "R", "inductance": "L", "emf_constant": "ke"}
+_SYMBOLS: Final = {"resistance": "R", "inductance": "L", "emf_constant": "ke", "inertia": "J"}
 _UNITS: Final = {"torque_nm": "N·m", "power_w": "W"}
 
 

@@ -154,6 +154,7 @@ def _parameters(scenario: Scenario) -> list[_Trait]:
             ("R", scales.resistance),
             ("L", scales.inductance),
             ("ke", scales.emf_constant),
+            ("J", scales.inertia),
         )
         if factor != 1.0
     ]

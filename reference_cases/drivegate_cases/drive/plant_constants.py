@@ -54,7 +54,7 @@ def plant_constants(
         window=math.radians(inverter.window_deg),
         current_limit=current_limit_a,
         core_loss_conductance=machine.core_loss_conductance_s,
-        inertia=machine.inertia_kg_m2,
+        inertia=machine.inertia_kg_m2 * scales.inertia,
         friction=machine.friction_n_m + scales.friction_added_n_m,
         viscous_friction=machine.viscous_friction_n_m_s_per_rad,
         switch_drop=inverter.switch_drop_v,

@@ -132,6 +132,7 @@ _SCENARIO: Final[dict[str, Effect]] = {
     "scales.resistance": Runs(2.0),
     "scales.inductance": Runs(2.0),
     "scales.emf_constant": Runs(0.5),
+    "scales.inertia": Runs(3.0),
     "scales.friction_added_n_m": Runs(0.05),
     "duration_s": Runs(0.01),
     "control_period_s": Runs(2.5e-4),

@@ -40,13 +40,15 @@ RATED = INTERIOR.rating.rated_power_w / (BASE * 0.1047197551)
 
 # Speeds over base speed, and torques over rated torque at their speed, written down without the harness's own rule.
 DUTY_RANGES = {
-    "torque step": ((0.0, TOP / BASE), (-0.5, 1.0)),
+    "torque step": ((0.0, TOP / BASE), (-1.0, 1.0)),
     "weakening": ((1.0, TOP / BASE), (0.0, 3.0)),
     "speed step": ((0.1, TOP / BASE), (0.0, 0.85)),
     "load step": ((0.1, TOP / BASE), (0.0, 0.85)),
+    "low speed": ((0.0, TOP / BASE), (0.0, 0.2)),
     "start": ((0.1, 1.0), (0.0, 0.85)),
     "parameter": ((0.1, TOP / BASE), (0.0, 0.85)),
     "supply step": ((0.1, TOP / BASE), (0.0, 0.85)),
+    "torque supply step": ((0.0, TOP / BASE), (-1.0, 1.0)),
     "sensor": ((0.1, TOP / BASE), (0.0, 0.85)),
     "failure": ((0.2, 1.0), (0.3, 0.6)),
 }

@@ -65,6 +65,7 @@ def digest(scenarios: tuple[Scenario, ...]) -> str:
     content = [scenario.to_mapping() for scenario in scenarios]
     for mapping in content:
         del mapping["drive"]
+        assert mapping["scales"].pop("inertia") == 1.0, "a key that is younger than these names"
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]
 
 

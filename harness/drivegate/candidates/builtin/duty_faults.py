@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from math import pi, radians
 from typing import Any, Final
 
-from drivegate_models.contract.duty.signals import DutyNameplate
+from drivegate_models.contract.duty.signals import SPEED_REFERENCE, TORQUE_REFERENCE, DutyNameplate
 
 STUCK_SHARE: Final = 0.3
 """Weakening that stays on, over the current limit (1)."""
@@ -73,6 +73,27 @@ def _unseen_along(share: float) -> Callable[[DutyNameplate], dict[str, float]]:
         return {"direct_added": share * plate.current_limit, "pole_pairs": float(plate.pole_pairs)}
 
     return perturbed
+
+
+def _of_speed(field: str, share: float) -> Callable[[DutyNameplate], dict[str, float]]:
+    """Set a speed over base speed, where the reference is one."""
+
+    def perturbed(plate: DutyNameplate) -> dict[str, float]:
+        return {field: share * plate.base_speed} if plate.reference_kind == SPEED_REFERENCE else {}
+
+    return perturbed
+
+
+def _weak_braking(plate: DutyNameplate) -> dict[str, float]:
+    if plate.reference_kind != TORQUE_REFERENCE:
+        return {}
+    return {"braking_limit": 0.6 * plate.rated_power / plate.base_speed}
+
+
+def _braking_cut_off(plate: DutyNameplate) -> dict[str, float]:
+    if plate.reference_kind != TORQUE_REFERENCE:
+        return {}
+    return {"braking_voltage": 1.05 * plate.supply_voltage}
 
 
 DUTY_FAULTS: Final = {
@@ -268,6 +289,34 @@ DUTY_FAULTS: Final = {
         "SAF-1",
         "Counts the edges of its Hall switches in place of reading their state, and is a sector off once one is lost.",
         perturbed=lambda plate: {"counts_edges": 1.0, "pole_pairs": float(plate.pole_pairs)},
+    ),
+    "weak-braking": DutyFault(
+        "ACC-1", "Limits a braking torque to 60 % of rated torque at base speed.", perturbed=_weak_braking
+    ),
+    "braking-cut-off": DutyFault(
+        "ACC-1",
+        "Refuses to brake above 105 % of the nominal link voltage, where the link takes the power.",
+        perturbed=_braking_cut_off,
+    ),
+    "slow-shaft-unseen": DutyFault(
+        "ACC-1",
+        "Takes the shaft for standing below 4 % of base speed.",
+        perturbed=_of_speed("least_speed", 0.04),
+    ),
+    "idle-speed-forced": DutyFault(
+        "ACC-1",
+        "Raises a speed reference below 6 % of base speed to that speed.",
+        perturbed=_of_speed("least_reference", 0.06),
+    ),
+    "light-rotor-assumed": DutyFault(
+        "ROB-4",
+        "Regulates the speed with 60 % of the gain, as for a lighter rotor.",
+        alter=_scaled(0.6, "speed_gain"),
+    ),
+    "heavy-rotor-assumed": DutyFault(
+        "ROB-4",
+        "Regulates the speed with five times the gains, as for a heavier rotor.",
+        alter=_scaled(5.0, "speed_gain", "speed_integral_step"),
     ),
     "hall-edge-awaited": DutyFault(
         "SAF-1",

@@ -50,6 +50,13 @@ PERTURBED_STATE: Final = np.dtype(
         ("current_factor", np.float64),
         ("speed_factor", np.float64),
         ("supply_factor", np.float64),
+        # Speed below which the shaft seems to stand (rad/s), and a positive reference below which it is raised to this
+        # value (rad/s).
+        ("least_speed", np.float64),
+        ("least_reference", np.float64),
+        # Maximum braking torque (N m), and link voltage above which there is none (V).
+        ("braking_limit", np.float64),
+        ("braking_voltage", np.float64),
         # 1 if the third current is computed from the other two, as with two sensors; 1 if the currents are those of the
         # preceding step.
         ("computes_third", np.int64),
@@ -81,6 +88,7 @@ def perturbed_state(step_address: int, state_address: int, changes: dict[str, fl
     state["command"] = duty_command_record()
     for name in ("current_factor", "speed_factor", "supply_factor", "angle_factor", "stretch"):
         state[name] = 1.0
+    state["braking_limit"] = state["braking_voltage"] = np.inf
     for name, value in changes.items():
         state[name] = value
     return state
@@ -116,6 +124,16 @@ def _stretched(state: Any, ratio: float) -> float:
 
 
 @inlined
+def _perturbed_reference(state: Any, sense: Any) -> float:
+    """Return the reference of speed or torque that the controller sees (rad/s or N m)."""
+    if sense.reference > 0.0:
+        return float(max(sense.reference, state.least_reference))
+    # Only a torque is requested backward.
+    limit = 0.0 if sense.supply_voltage > state.braking_voltage else state.braking_limit
+    return float(max(sense.reference, -limit))
+
+
+@inlined
 def _write_sense(state: Any, sense: Any) -> None:
     """Write the perturbed Sense for the controller."""
     cosine, sine = cosine_sine(state.pole_pairs * sense.angle)
@@ -137,7 +155,8 @@ def _write_sense(state: Any, sense: Any) -> None:
     if state.counts_edges == 1 and sense.hall > 0:
         _count_edge(state, sense.hall)
     perturbed.angle = state.angle_factor * sense.angle + state.angle_added
-    perturbed.speed = state.speed_factor * sense.speed
+    perturbed.speed = state.speed_factor * sense.speed if abs(sense.speed) >= state.least_speed else 0.0
+    perturbed.reference = _perturbed_reference(state, sense)
 
 
 @inlined

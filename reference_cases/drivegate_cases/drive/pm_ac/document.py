@@ -130,7 +130,7 @@ class PmAcDocument(DriveDocument):
             link_voltage=inverter.link_voltage_v,
             current_limit=self.rating.current_limit_a,
             core_loss_conductance=machine.core_loss_conductance_s,
-            inertia=machine.inertia_kg_m2,
+            inertia=machine.inertia_kg_m2 * differs.inertia,
             friction=machine.friction_n_m + differs.friction_added_n_m,
             viscous_friction=machine.viscous_friction_n_m_s_per_rad,
             switch_drop=inverter.switch_drop_v,

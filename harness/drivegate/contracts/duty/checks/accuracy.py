@@ -35,7 +35,15 @@ def reference_error(check: str, record: DutyRecord, window: DutyWindow, factor: 
 
 ACC_1 = Check(
     id="ACC-1",
-    families=("torque step", "speed step", "load step", "start", "supply step"),
+    families=(
+        "torque step",
+        "speed step",
+        "load step",
+        "low speed",
+        "start",
+        "supply step",
+        "torque supply step",
+    ),
     requirement="In steady state the mean torque or speed is the reference.",
     source="the contract",
     subject="candidate",

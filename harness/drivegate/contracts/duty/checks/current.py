@@ -167,7 +167,16 @@ OVC_1 = Check(
 )
 OVC_2 = Check(
     id="OVC-2",
-    families=("torque step", "weakening", "speed step", "load step", "start", "supply step"),
+    families=(
+        "torque step",
+        "weakening",
+        "speed step",
+        "load step",
+        "low speed",
+        "start",
+        "supply step",
+        "torque supply step",
+    ),
     requirement="In steady state the current stays within the limit of the nameplate.",
     source="the contract",
     subject="candidate",
@@ -180,7 +189,15 @@ OVC_2 = Check(
 )
 MTP_1 = Check(
     id="MTP-1",
-    families=("torque step", "speed step", "load step", "start", "supply step"),
+    families=(
+        "torque step",
+        "speed step",
+        "load step",
+        "low speed",
+        "start",
+        "supply step",
+        "torque supply step",
+    ),
     requirement="Below weakening a torque takes hardly more than its least current, or than its least loss.",
     source="the contract",
     subject="candidate",

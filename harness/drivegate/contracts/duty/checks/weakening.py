@@ -136,7 +136,16 @@ FWK_1 = Check(
 )
 FWK_2 = Check(
     id="FWK-2",
-    families=("torque step", "weakening", "speed step", "load step", "start", "supply step"),
+    families=(
+        "torque step",
+        "weakening",
+        "speed step",
+        "load step",
+        "low speed",
+        "start",
+        "supply step",
+        "torque supply step",
+    ),
     requirement="Where 10 % of the voltage is free the d current is that of least current, of least loss, or between.",
     source="the contract",
     subject="candidate",

@@ -14,6 +14,7 @@ from drivegate_cases.drive.limits import rounded
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.limits import duty_limits_of
 from drivegate_cases.drive.position import Position
+from drivegate_cases.drive.scales import Scales
 from drivegate_cases.scenario.control_periods import first_period_from, period_start_s
 from drivegate_cases.scenario.failure_kind import FailureKind
 from drivegate_cases.scenario.load import ConstantTorqueLoad, DynamometerLoad
@@ -32,10 +33,10 @@ def torque_of(drive: PmAcDocument, speed_rpm: float, share: float) -> float:
     return rounded(share * rated_torque_at(drive, speed_rpm), TORQUE_DIGITS)
 
 
-def dwell_periods(drive: PmAcDocument, speed_change_rpm: float = 0.0) -> int:
+def dwell_periods(drive: PmAcDocument, speed_change_rpm: float = 0.0, inertia_factor: float = 1.0) -> int:
     """Return the control periods after a change in which a steady state is reached and judged."""
     settling = duty_limits_of(drive).settling_s
-    time = (1.0 + WINDOW_SHARE) * settling + run_up_s(drive, speed_change_rpm)
+    time = (1.0 + WINDOW_SHARE) * settling + run_up_s(drive, speed_change_rpm, inertia_factor)
     return PERIODS_AT_A_TIME * math.ceil(round(time / (PERIODS_AT_A_TIME * drive.control_period_s), 6))
 
 
@@ -71,15 +72,16 @@ def speed_scenario(
     factor: Profile = ((0.0, 1.0),),
     initial_speed_rpm: float | None = None,
     initial_angle_deg: float = 0.0,
+    inertia_factor: float = 1.0,
 ) -> Scenario:
     """Make a run through steps of the speed reference under a constant torque, each long enough to be judged."""
     begin = speeds_rpm[0] if initial_speed_rpm is None else initial_speed_rpm
     profile: Profile = ((0.0, speeds_rpm[0]),)
-    end = dwell_periods(drive, speeds_rpm[0] - begin)
+    end = dwell_periods(drive, speeds_rpm[0] - begin, inertia_factor)
     for before, after in pairwise(speeds_rpm):
         at = start_s(drive, end)
         profile = (*profile, (at, before), (at, after))
-        end += dwell_periods(drive, after - before)
+        end += dwell_periods(drive, after - before, inertia_factor)
     return titled(
         Scenario(
             name="speed",
@@ -89,6 +91,7 @@ def speed_scenario(
             initial_angle_deg=initial_angle_deg,
             speed_rpm=profile,
             load=ConstantTorqueLoad(kind="constant_torque", torque_nm=torque_nm, factor=factor),
+            scales=Scales(inertia=inertia_factor),
         )
     )
 
@@ -100,16 +103,19 @@ def load_step_scenario(
     shares: Sequence[float],
     *,
     initial_speed_rpm: float | None = None,
+    inertia_factor: float = 1.0,
 ) -> Scenario:
     """Make a run at one speed reference through steps of the load, each long enough to be judged."""
     begin = speed_rpm if initial_speed_rpm is None else initial_speed_rpm
-    each, end = dwell_periods(drive), dwell_periods(drive, speed_rpm - begin)
+    each, end = dwell_periods(drive), dwell_periods(drive, speed_rpm - begin, inertia_factor)
     factor: Profile = ((0.0, shares[0]),)
     for before, after in pairwise(shares):
         at = start_s(drive, end)
         factor = (*factor, (at, before), (at, after))
         end += each
-    steady = speed_scenario(drive, (speed_rpm,), torque_nm=torque_nm, initial_speed_rpm=begin)
+    steady = speed_scenario(
+        drive, (speed_rpm,), torque_nm=torque_nm, initial_speed_rpm=begin, inertia_factor=inertia_factor
+    )
     load = ConstantTorqueLoad(kind="constant_torque", torque_nm=torque_nm, factor=factor)
     return titled(steady.replaced(duration_s=start_s(drive, end), load=load))
 

@@ -24,6 +24,8 @@ from drivegate.contracts.duty.scenarios.drawn_range import (
     HEAVIEST_FAILURE_SHARE,
     HEAVIEST_SHARE,
     SHARE_STEP,
+    SLOW_LOAD_SHARE,
+    SLOW_SHARE,
     TURNING_SHARE,
 )
 from drivegate.contracts.duty.scenarios.failures import FAILURE_TORQUE_SHARE
@@ -71,13 +73,13 @@ def torque_step_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
     Returns
     -------
     SearchStrategy
-        Of scenarios from standstill to the highest speed, between torques of up to the rated one, also braking.
+        Of scenarios from standstill to the highest speed, between torques of up to the rated one either way.
     """
     return st.builds(
         lambda shares, speed: torque_scenario(
             drive, speed, [torque_of(drive, speed, share) for share in shares]
         ),
-        st.tuples(_shares(0.0, 1.0), _shares(-BRAKING_SHARE, 1.0), _shares(0.0, 1.0)),
+        st.tuples(_shares(0.0, 1.0), _shares(-BRAKING_SHARE, 1.0), _shares(-BRAKING_SHARE, 1.0)),
         _any_speed(drive),
     )
 
@@ -98,23 +100,36 @@ def weakening_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
     )
 
 
-def _from_below(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
-    """Draw runs that begin below base speed, where no controller must know the plant to hold the current."""
+def _from_below(drive: PmAcDocument) -> st.SearchStrategy[Callable[[float], Scenario]]:
+    """Draw runs that begin below base speed, where no controller must know the plant to hold the current.
+
+    Each is long enough for the factor on the inertia that it is called with.
+    """
     base = drive.rating.base_speed_rpm
     speeds = st.builds(
-        lambda share, first, second: speed_scenario(
-            drive,
-            (first, second),
-            torque_nm=torque_of(drive, max(first, second), share),
-            initial_speed_rpm=min(first, base),
+        lambda share, first, second: (
+            lambda inertia: speed_scenario(
+                drive,
+                (first, second),
+                torque_nm=torque_of(drive, max(first, second), share),
+                initial_speed_rpm=min(first, base),
+                inertia_factor=inertia,
+            )
         ),
         _shares(0.0, 0.7),
         _turning(drive),
         _turning(drive),
     )
     loads = st.builds(
-        lambda shares, speed: load_step_scenario(
-            drive, speed, torque_of(drive, speed, 1.0), shares, initial_speed_rpm=min(speed, base)
+        lambda shares, speed: (
+            lambda inertia: load_step_scenario(
+                drive,
+                speed,
+                torque_of(drive, speed, 1.0),
+                shares,
+                initial_speed_rpm=min(speed, base),
+                inertia_factor=inertia,
+            )
         ),
         st.tuples(_shares(0.0, HEAVIEST_SHARE), _shares(0.0, HEAVIEST_SHARE)),
         _turning(drive),
@@ -183,16 +198,19 @@ def parameter_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
     Returns
     -------
     SearchStrategy
-        Of scenarios with steps of the speed or of the load, R × 0.5 to 2, L × 0.7 to 1.3 and ψ × 0.8 to 1.05.
+        Of scenarios with steps of the speed or of the load, R × 0.5 to 2, L × 0.7 to 1.3, ψ × 0.8 to 1.05 and
+        J × 0.3 to 2.
     """
     return st.builds(
-        lambda run, resistance, inductance, flux: with_scales(
-            run,
+        lambda run, inertia, resistance, inductance, flux: with_scales(
+            run(inertia),
+            inertia=inertia,
             resistance=round(1.0 + 0.1 * resistance, 2),
             inductance=round(1.0 + 0.05 * inductance, 2),
             emf_constant=round(1.0 + 0.05 * flux, 2),
         ),
         _from_below(drive),
+        st.sampled_from((1.0, 0.3, 0.5, 1.5, 2.0)),
         st.integers(-5, 10).filter(bool),
         st.integers(-6, 6),
         st.integers(-4, 1),
@@ -219,6 +237,55 @@ def supply_step_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
     )
 
 
+def torque_supply_step_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
+    """Draw steps of the link's voltage under a torque reference.
+
+    Returns
+    -------
+    SearchStrategy
+        Of scenarios at one speed and torque of up to the rated one either way, with links of 85 to 115 % of the nominal
+        one.
+    """
+    return st.builds(
+        lambda share, levels, speed: supply_step_scenario(
+            torque_scenario(drive, speed, (torque_of(drive, speed, share),)),
+            drive,
+            (1.0, *(round(1.0 + SHARE_STEP * level, 2) for level in levels)),
+        ),
+        _shares(-BRAKING_SHARE, 1.0),
+        st.tuples(st.integers(-3, 3), st.integers(-3, 3)),
+        _any_speed(drive),
+    )
+
+
+def low_speed_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
+    """Draw runs that end at low speed.
+
+    Returns
+    -------
+    SearchStrategy
+        Of scenarios that reach 1 to 10 % of base speed from standstill, from a higher speed or after a stop, under a
+        load of up to 20 % of rated torque.
+    """
+    base = drive.rating.base_speed_rpm
+
+    def made(share: float, slow: float, fast: float, how: str) -> Scenario:
+        torque = torque_of(drive, slow, share)
+        if how == "load":
+            return load_step_scenario(drive, slow, torque, (0.0, 1.0))
+        if how == "start":
+            return speed_scenario(drive, (slow,), torque_nm=torque, initial_speed_rpm=0.0)
+        return speed_scenario(drive, (fast, 0.0, slow) if how == "stop" else (fast, slow))
+
+    return st.builds(
+        made,
+        _shares(SHARE_STEP, SLOW_LOAD_SHARE),
+        st.integers(1, 9).map(lambda percent: tidy(percent * SLOW_SHARE * base)),
+        _turning(drive),
+        st.sampled_from(("load", "start", "fall", "stop")),
+    )
+
+
 def sensor_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
     """Draw sensors.
 
@@ -240,7 +307,7 @@ def sensor_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
                 seed=seed,
             )
         ),
-        _from_below(drive),
+        _from_below(drive).map(lambda run: run(1.0)),
         st.sampled_from(("in-line", "low-side")),
         st.sampled_from((256, 512, 1024, 4096)),
         st.integers(1, _SEEDS),
@@ -325,16 +392,16 @@ FAMILY_GROUPS: Final[tuple[tuple[Family, ...], ...]] = (
     (torque_step_scenarios,),
     (weakening_scenarios,),
     (speed_step_scenarios,),
-    (load_step_scenarios,),
+    (load_step_scenarios, low_speed_scenarios),
     (start_scenarios, torque_step_scenarios, failure_scenarios),
     (parameter_scenarios,),
-    (supply_step_scenarios, sensor_scenarios),
+    (supply_step_scenarios, torque_supply_step_scenarios, sensor_scenarios),
     (weakening_scenarios, parameter_scenarios),
 )
 """Families of scenarios that a shard of the search draws from; shards take turns at them."""
 
 
-_OF_TORQUE: Final = frozenset({torque_step_scenarios, weakening_scenarios})
+_OF_TORQUE: Final = frozenset({torque_step_scenarios, torque_supply_step_scenarios, weakening_scenarios})
 
 
 def drawn_scenarios(

@@ -8,7 +8,7 @@ from drivegate.contracts.duty.scenarios.failures import FAILURE_TORQUE_SHARE
 from drivegate.scenarios.drawn_range import NONE, DrawnRange, Interval
 from drivegate.scenarios.drive_scale import rated_torque_at
 from drivegate_cases.drive.pm_ac.limits import FAILURE_SPEED_SHARE
-from drivegate_cases.scenario.load import DynamometerLoad
+from drivegate_cases.scenario.load import DynamometerLoad, LockedLoad
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import ShuntSensors
 
@@ -20,8 +20,12 @@ HEAVIEST_SHARE: Final = 0.85
 """Heaviest load of a speed reference over rated torque (1)."""
 HEAVIEST_FAILURE_SHARE: Final = 0.6
 """Greatest torque under which something fails, over rated torque (1)."""
-BRAKING_SHARE: Final = 0.5
+BRAKING_SHARE: Final = 1.0
 """Greatest torque reference against the rotation, over rated torque (1)."""
+SLOW_SHARE: Final = 0.01
+"""Least speed reference of a run at low speed over base speed (1); it ends at `TURNING_SHARE`."""
+SLOW_LOAD_SHARE: Final = 0.2
+"""Heaviest load at low speed over rated torque (1): more stops the shaft before a regulator of its speed can act."""
 BEYOND_SHARE: Final = 3.0
 """Torque reference that no drive of this kind can follow in weakening, over the one of rated power there (1)."""
 
@@ -42,8 +46,17 @@ def drawn_range(scenario: Scenario) -> DrawnRange:
         driving = Interval(SHARE_STEP, BEYOND_SHARE if beyond else 1.0)
         return DrawnRange(speeds, speeds, driving, Interval(0.0, BRAKING_SHARE))
     starts = scenario.initial_speed_rpm == 0.0
+    if is_slow(scenario):
+        speeds = Interval(SLOW_SHARE * base, TURNING_SHARE * base)
+        return DrawnRange(speeds, Interval(0.0, highest), Interval(SHARE_STEP, SLOW_LOAD_SHARE), NONE)
     speeds = Interval(TURNING_SHARE * base, base if starts else highest)
     return DrawnRange(speeds, speeds, Interval(SHARE_STEP, HEAVIEST_SHARE), NONE)
+
+
+def is_slow(scenario: Scenario) -> bool:
+    """Return True if a run of a speed reference ends below the least speed of the other families."""
+    is_held = isinstance(scenario.load, (DynamometerLoad, LockedLoad))
+    return not is_held and scenario.speed_rpm[-1][1] < TURNING_SHARE * scenario.drive.rating.base_speed_rpm
 
 
 def _is_beyond(scenario: Scenario) -> bool:

@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 
 from drivegate.contracts.duty.document import duty_document
+from drivegate.contracts.duty.scenarios.drawn_range import is_slow
 from drivegate.contracts.duty.scenarios.failures import unnoticed_because
 from drivegate.contracts.duty.scenarios.windows import DutyDwell, duty_dwells
 from drivegate_cases.drive.data_sheet import USABLE_SHARE
@@ -44,6 +45,8 @@ def unfair_because(scenario: Scenario) -> str | None:
         return "Hall switches show the angle of a shaft at rest no closer than 30 electrical degrees"
     if isinstance(scenario.load, LockedLoad):
         return None
+    if is_slow(scenario) and scenario.drive.position == "hall":
+        return "below 10 % of base speed the edges of Hall switches come too rarely to regulate the speed by them"
     if _stops_within_a_sector(scenario):
         return "a load stops the shaft before the next edge of its Hall switches can show it"
     if not all(_is_driven(scenario, dwell) for dwell in duty_dwells(scenario)):
@@ -64,7 +67,9 @@ def _stops_within_a_sector(scenario: Scenario) -> bool:
     if isinstance(load, (LockedLoad, DynamometerLoad)) or scenario.drive.position != "hall":
         return False
     machine = duty_document(scenario.drive).machine
-    inertia = machine.inertia_kg_m2 + (load.inertia_kg_m2 if isinstance(load, VehicleLoad) else 0.0)
+    inertia = machine.inertia_kg_m2 * scenario.scales.inertia + (
+        load.inertia_kg_m2 if isinstance(load, VehicleLoad) else 0.0
+    )
     before, time, speed_rpm = 0.0, 0.0, scenario.initial_speed_rpm
     for dwell in duty_dwells(scenario):
         torque = load.torque_at(speed_rpm, dwell.load_factor)

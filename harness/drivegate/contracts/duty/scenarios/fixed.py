@@ -15,7 +15,7 @@ from drivegate.contracts.duty.scenarios.building import (
     torque_scenario,
     with_edges,
 )
-from drivegate.contracts.duty.scenarios.drawn_range import BEYOND_SHARE
+from drivegate.contracts.duty.scenarios.drawn_range import BEYOND_SHARE, SLOW_LOAD_SHARE, SLOW_SHARE
 from drivegate.scenarios.changes import with_real_sensors, with_scales
 from drivegate.scenarios.drive_scale import rated_torque_at, tidy
 from drivegate_cases.drive.limits import nearest_step
@@ -49,6 +49,7 @@ def fixed_scenarios(
     every = (
         *_torques(drive),
         *_speeds(drive),
+        *_slow_speeds(drive),
         *efficiency_scenarios(drive),
         *_starts(drive),
         *_other_plants(drive),
@@ -99,6 +100,13 @@ def _torques(drive: PmAcDocument) -> list[Scenario]:
         speed = speed_of(drive, share)
         whole, half, small = (torque_of(drive, speed, part) for part in (0.9, 0.5, 0.1))
         found.append(torque_scenario(drive, speed, (0.0, whole, half, small, 0.0)))
+    for share in (-0.7, 0.0, 0.5):
+        speed = speed_of(drive, share)
+        parts = (0.0, -0.6, -1.0, 0.4)
+        found.append(torque_scenario(drive, speed, tuple(torque_of(drive, speed, part) for part in parts)))
+    faster = speed_of(drive, 0.2)
+    held = (torque_scenario(drive, faster, (torque_of(drive, faster, part),)) for part in (0.7, -0.7))
+    found += [supply_step_scenario(run, drive, (1.0, 0.85, 1.15)) for run in held]
     found += [release_scenario(drive, share) for share in (0.05, 0.25, 0.5, 1.0)]
     below = speed_of(drive, -0.7)
     slow = speed_of(drive, DEAD_TIME_SPEED_SHARE - 1.0)
@@ -134,6 +142,17 @@ def _speeds(drive: PmAcDocument) -> list[Scenario]:
     ]
 
 
+def _slow_speeds(drive: PmAcDocument) -> list[Scenario]:
+    """Make the runs that end at low speed: steady and loaded, from standstill, and after a stop."""
+    slowest, slow = (tidy(share * drive.rating.base_speed_rpm) for share in (SLOW_SHARE, 5.0 * SLOW_SHARE))
+    torque = torque_of(drive, slow, SLOW_LOAD_SHARE)
+    return [
+        load_step_scenario(drive, slowest, torque, (0.0, 1.0)),
+        speed_scenario(drive, (slow,), torque_nm=torque, initial_speed_rpm=0.0),
+        speed_scenario(drive, (speed_of(drive, -0.5), 0.0, slow)),
+    ]
+
+
 def efficiency_scenarios(drive: PmAcDocument) -> list[Scenario]:
     """Make the runs through the eight efficiency points; rated torque at base speed comes last."""
     rated = rated_torque_at(drive, 0.0)
@@ -162,4 +181,10 @@ def _other_plants(drive: PmAcDocument) -> list[Scenario]:
     ]
     changes = ({"resistance": 0.5}, {"resistance": 2.0}, {"inductance": 0.7}, {"inductance": 1.3})
     fluxes = ({"emf_constant": 0.8}, {"emf_constant": 1.05})
-    return [with_scales(run, **change) for change in (*changes, *fluxes) for run in runs]
+    others = [with_scales(run, **change) for change in (*changes, *fluxes) for run in runs]
+    inertias = [
+        speed_scenario(drive, (slow, after), torque_nm=torque_of(drive, fast, 0.5), inertia_factor=factor)
+        for factor in (0.3, 2.0)
+        for after in (fast, speed_of(drive, -0.45))
+    ]
+    return [*others, *inertias]

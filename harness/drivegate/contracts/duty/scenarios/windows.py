@@ -67,10 +67,17 @@ def duty_dwells(scenario: Scenario) -> tuple[DutyDwell, ...]:
     )
 
 
-def run_up_s(drive: PmAcDocument, speed_change_rpm: float) -> float:
+def run_up_s(drive: PmAcDocument, speed_change_rpm: float, inertia_factor: float = 1.0) -> float:
     """Give the time in which a free shaft is to have changed its speed (s)."""
     torque = drive.rating.rated_power_w / (drive.rating.highest_speed_rpm * RADIANS_PER_RPM)
-    return RUN_UP_SHARE * drive.machine.inertia_kg_m2 * abs(speed_change_rpm) * RADIANS_PER_RPM / torque
+    return (
+        RUN_UP_SHARE
+        * drive.machine.inertia_kg_m2
+        * inertia_factor
+        * abs(speed_change_rpm)
+        * RADIANS_PER_RPM
+        / torque
+    )
 
 
 def duty_windows(scenario: Scenario) -> list[tuple[DutyDwell, float, float]]:
@@ -82,7 +89,9 @@ def duty_windows(scenario: Scenario) -> list[tuple[DutyDwell, float, float]]:
     before = scenario.initial_speed_rpm
     for dwell in duty_dwells(scenario):
         change = 0.0 if dwell.torque_reference_nm is not None else dwell.speed_rpm - before
-        needed = first_period_from(settling + length + run_up_s(drive, change), period)
+        needed = first_period_from(
+            settling + length + run_up_s(drive, change, scenario.scales.inertia), period
+        )
         before = dwell.speed_rpm
         if round(dwell.end / period) - round(dwell.start / period) >= needed:
             windows.append((dwell, dwell.end - length, dwell.end))
