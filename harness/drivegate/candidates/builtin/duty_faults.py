@@ -315,8 +315,8 @@ DUTY_FAULTS: Final = {
     ),
     "heavy-rotor-assumed": DutyFault(
         "ROB-4",
-        "Regulates the speed with five times the gains, as for a heavier rotor.",
-        alter=_scaled(5.0, "speed_gain", "speed_integral_step"),
+        "Regulates the speed with seven times the gains, as for a heavier rotor.",
+        alter=_scaled(7.0, "speed_gain", "speed_integral_step"),
     ),
     "hall-edge-awaited": DutyFault(
         "SAF-1",
