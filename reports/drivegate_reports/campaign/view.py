@@ -14,10 +14,9 @@ from drivegate.studies.campaign.wording import interval_text, probability_text, 
 from drivegate_cases.documents.wording import counted
 from drivegate_reports.campaign import distributions
 from drivegate_reports.campaign.distributions import CheckDistribution
-from drivegate_reports.page.figure import PageFigure
+from drivegate_reports.page.figure import PageFigure, page_figure
 from drivegate_reports.page.printable import clean, plain_number
 from drivegate_reports.page.readable import require_document
-from drivegate_reports.page.style import house_style, inline_svg
 
 Row = Mapping[str, Any]
 
@@ -101,13 +100,12 @@ def view_of(document: Row) -> CampaignView:
     require_document(document, KIND, SCHEMA, "the summary")
     confidence = f"{100.0 * document['confidence']:g} %"
     shares = document["quantiles"]
-    with house_style():
-        candidates = tuple(
-            _candidate(entry, specification, f"margins-{place}", shares, confidence)
-            for place, (entry, specification) in enumerate(
-                zip(document["candidates"], document["specifications"], strict=True), 1
-            )
+    candidates = tuple(
+        _candidate(entry, specification, f"margins-{place}", shares, confidence)
+        for place, (entry, specification) in enumerate(
+            zip(document["candidates"], document["specifications"], strict=True), 1
         )
+    )
     facts = (
         ("runs", str(document["runs"])),
         ("seed", str(document["seed"])),
@@ -242,6 +240,6 @@ def _figure(entry: Row, identifier: str) -> PageFigure | None:
     ]
     if not rows:
         return None
-    svg = inline_svg(distributions.draw(rows), identifier)
     title = f"{distributions.TITLE}: {clean(entry['name'], 80)}"
-    return PageFigure(identifier, title, svg, distributions.alternative(rows), distributions.CAPTION)
+    words = distributions.alternative(rows), distributions.CAPTION
+    return page_figure(identifier, title, lambda: distributions.draw(rows), *words)

@@ -28,9 +28,8 @@ from drivegate_reports.comparison.curves import (
 from drivegate_reports.comparison.inks import Ink
 from drivegate_reports.comparison.maps import draw_map, map_words
 from drivegate_reports.comparison.marks import draw_marks, marked_rows, marks_in_words
-from drivegate_reports.page.figure import PageFigure
+from drivegate_reports.page.figure import PageFigure, page_figure
 from drivegate_reports.page.printable import clean
-from drivegate_reports.page.style import inline_svg
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -45,8 +44,8 @@ def placed_figure(
     identifier: str, title: str, draw: Callable[[], Figure], alternative: str, caption: str
 ) -> PageFigure:
     """Draw a figure and return it with its words, as a page places it."""
-    svg = inline_svg(_settled(draw()), f"figure-{identifier}")
-    return PageFigure(f"figure-{identifier}", title, svg, clean(alternative), clean(caption))
+    words = clean(alternative), clean(caption)
+    return page_figure(f"figure-{identifier}", title, lambda: _settled(draw()), *words)
 
 
 def _settled(figure: Figure) -> Figure:

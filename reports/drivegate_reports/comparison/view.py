@@ -17,7 +17,6 @@ from drivegate_reports.comparison.sheets import joined, table_sheet
 from drivegate_reports.page.figure import PageFigure
 from drivegate_reports.page.printable import clean
 from drivegate_reports.page.readable import require_document
-from drivegate_reports.page.style import house_style
 
 _MOST_SENTENCES: Final = 6
 _LONGEST_BLOCK: Final = 4_000
@@ -84,14 +83,12 @@ def view_of(document: Mapping[str, Any]) -> ComparisonView:
     """Prepare a comparison document for the page."""
     comparison = comparison_of(document.get("kind"))
     require_document(document, comparison.kind, SCHEMA, "the comparison")
-    with house_style():
-        sections = tuple(_sections(document, comparison))
     return ComparisonView(
         subject=f"of {len(document['candidates'])} candidates",
         headline=_headline(document),
         sentences=tuple(_sentences(document, comparison))[:_MOST_SENTENCES],
         note=f"Rule: {clean(document['rule'])}",
-        sections=sections,
+        sections=tuple(_sections(document, comparison)),
         troubles=tuple(troubles_of(document)),
         method=cleaned(comparison.method(document)),
         facts=(

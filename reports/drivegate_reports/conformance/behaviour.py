@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from functools import partial
+from typing import Any, Final
 
 from pydantic import ValidationError
 
@@ -23,11 +24,7 @@ from drivegate_reports.conformance.figures import (
     step_response,
     torque_spectrum,
 )
-from drivegate_reports.page.figure import PageFigure
-from drivegate_reports.page.style import house_style, inline_svg
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from drivegate_reports.page.figure import PageFigure, page_figure
 
 _OWN_WAY: Final = (
     " Blue, from the dot on: the candidate's currents at the ends of control periods, through runs without a load "
@@ -55,24 +52,24 @@ def shown_behaviour(document: Mapping[str, Any], drive: DriveDocument) -> ShownB
         read = BehaviourSection.model_validate_json(json.dumps(told))
     except (ValidationError, TypeError, ValueError):
         return None
-    with house_style():
-        figures = tuple(_figures(read, duty_document(drive)))
+    figures = tuple(_figures(read, duty_document(drive)))
     return ShownBehaviour(figures, tuple(_row(point) for point in read.points))
 
 
 def _figures(read: BehaviourSection, drive: PmAcDocument) -> Iterator[PageFigure]:
     if read.step is not None:
         words = step_response.alternative(read.step), step_response.caption(read.step)
-        yield _placed("step", step_response.TITLE, step_response.draw(read.step), *words)
+        yield page_figure("step", step_response.TITLE, partial(step_response.draw, read.step), *words)
     yield _plane(read, drive)
     if read.torque is not None:
         words = torque_spectrum.alternative(read.torque), torque_spectrum.caption(read.torque)
-        yield _placed("torque-spectrum", torque_spectrum.TITLE, torque_spectrum.draw(read.torque), *words)
+        drawn = partial(torque_spectrum.draw, read.torque)
+        yield page_figure("torque-spectrum", torque_spectrum.TITLE, drawn, *words)
     if read.points:
         limit = 100.0 * duty_limits_of(drive).loss_excess
         words = efficiency_points.alternative(read.points), efficiency_points.caption(limit)
-        drawn = efficiency_points.draw(read.points, limit)
-        yield _placed("efficiency-points", efficiency_points.TITLE, drawn, *words)
+        drawn = partial(efficiency_points.draw, read.points, limit)
+        yield page_figure("efficiency-points", efficiency_points.TITLE, drawn, *words)
 
 
 def _plane(read: BehaviourSection, drive: PmAcDocument) -> PageFigure:
@@ -86,11 +83,8 @@ def _plane(read: BehaviourSection, drive: PmAcDocument) -> PageFigure:
     ]
     dots = [(point.direct_current_a, point.quadrature_current_a) for point in read.points]
     words = rotor_plane.alternative(known, limit, ways), rotor_plane.caption(known) + _OWN_WAY
-    return _placed("rotor-plane", rotor_plane.TITLE, rotor_plane.draw(known, limit, ways, dots), *words)
-
-
-def _placed(name: str, title: str, drawn: Figure, alternative: str, caption: str) -> PageFigure:
-    return PageFigure(name, title, inline_svg(drawn, name), alternative, caption)
+    drawn = partial(rotor_plane.draw, known, limit, ways, dots)
+    return page_figure("rotor-plane", rotor_plane.TITLE, drawn, *words)
 
 
 def _row(point: EfficiencyPointSection) -> tuple[str, ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Final
 
 from drivegate.drives.abilities import ability_of
@@ -12,9 +13,8 @@ from drivegate.results.result import finite
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import limits_of
 from drivegate_reports.conformance.figures import drive_envelope, duty_envelope, rotor_plane
-from drivegate_reports.page.figure import PageFigure
+from drivegate_reports.page.figure import PageFigure, page_figure
 from drivegate_reports.page.printable import clean
-from drivegate_reports.page.style import house_style, inline_svg
 
 
 @dataclass(frozen=True)
@@ -39,13 +39,11 @@ def shown_drive(document: Mapping[str, Any], drive: DriveDocument) -> ShownDrive
         envelope = finite(ability.envelope(drive, lambda _: None))
     if not envelope:
         return None
-    with house_style():
-        figures = _FIGURES.get(drive.contract, _no_figures)(envelope, drive)
     return ShownDrive(
         name=clean(drive.name),
         facts=tuple(_sentence(words) for words in ability.facts(envelope)),
         required=tuple(_sentence(words) for words in ability.required(drive)),
-        figures=figures,
+        figures=_FIGURES.get(drive.contract, _no_figures)(envelope, drive),
     )
 
 
@@ -74,20 +72,19 @@ def stated_values(drive: DriveDocument) -> tuple[StatedValue, ...]:
 
 def _over_speed(envelope: Mapping[str, Any], drive: DriveDocument) -> tuple[PageFigure, ...]:
     limit = 100.0 * limits_of(drive).ripple
-    svg = inline_svg(drive_envelope.draw(envelope, limit), "drive-envelope")
     words = drive_envelope.alternative(envelope), drive_envelope.caption(envelope, limit)
-    return (PageFigure("drive-envelope", drive_envelope.TITLE, svg, *words),)
+    drawn = partial(drive_envelope.draw, envelope, limit)
+    return (page_figure("drive-envelope", drive_envelope.TITLE, drawn, *words),)
 
 
 def _over_speed_and_in_plane(envelope: Mapping[str, Any], drive: DriveDocument) -> tuple[PageFigure, ...]:
     known, limit = envelope["trajectories"], drive.rating.current_limit_a
-    over_speed = inline_svg(duty_envelope.draw(envelope), "drive-envelope")
-    plane = inline_svg(rotor_plane.draw(known, limit, ()), "drive-plane")
+    over_speed, plane = partial(duty_envelope.draw, envelope), partial(rotor_plane.draw, known, limit, ())
     words = duty_envelope.alternative(envelope), duty_envelope.caption(envelope)
     of_plane = rotor_plane.alternative(known, limit, ()), rotor_plane.caption(known)
     return (
-        PageFigure("drive-envelope", duty_envelope.TITLE, over_speed, *words),
-        PageFigure("drive-plane", rotor_plane.TITLE, plane, *of_plane),
+        page_figure("drive-envelope", duty_envelope.TITLE, over_speed, *words),
+        page_figure("drive-plane", rotor_plane.TITLE, plane, *of_plane),
     )
 
 

@@ -25,9 +25,8 @@ from drivegate_reports.conformance.figures import (
 )
 from drivegate_reports.conformance.figures import script as script_figure
 from drivegate_reports.conformance.ripple import ripple_of
-from drivegate_reports.page.figure import PageFigure
+from drivegate_reports.page.figure import PageFigure, page_figure
 from drivegate_reports.page.printable import clean
-from drivegate_reports.page.style import house_style, inline_svg
 
 
 @dataclass(frozen=True)
@@ -71,22 +70,19 @@ def shown_runs(document: Mapping[str, Any]) -> dict[str, ShownRun]:
 
 def _figure(trace: RecordedTrace, name: str) -> PageFigure:
     signals = run_signals(trace)
-    with house_style():
-        svg = inline_svg(recorded_run.draw(signals), name)
     title = f"Run {clean(signals.scenario.name)}"
     caption = (
         "Means over equal stretches of the run. Dashed: what is demanded, and the smallest angle that can give it at "
         "the operating point of the judged stretch, which is set off."
     )
-    return PageFigure(name, title, svg, recorded_run.alternative(signals), caption)
+    words = recorded_run.alternative(signals), caption
+    return page_figure(name, title, lambda: recorded_run.draw(signals), *words)
 
 
 def _duty_figure(trace: RecordedTrace, name: str) -> PageFigure:
     signals = duty_signals(trace)
-    with house_style():
-        svg = inline_svg(duty_run.draw(signals), name)
-    title = f"Run {clean(signals.scenario.name)}"
-    return PageFigure(name, title, svg, duty_run.alternative(signals), duty_run.CAPTION)
+    title, words = f"Run {clean(signals.scenario.name)}", duty_run.alternative(signals)
+    return page_figure(name, title, lambda: duty_run.draw(signals), words, duty_run.CAPTION)
 
 
 def _no_ripple_figure(_check: Mapping[str, Any], _trace: RecordedTrace) -> None:
@@ -98,10 +94,8 @@ def _ripple_figure(check: Mapping[str, Any], trace: RecordedTrace) -> PageFigure
     if ripple is None:
         return None
     name = f"torque-{clean(check['id'], 40)}"
-    with house_style():
-        svg = inline_svg(torque_ripple.draw(ripple), name)
     words = torque_ripple.alternative(ripple), torque_ripple.caption(ripple)
-    return PageFigure(name, torque_ripple.TITLE, svg, *words)
+    return page_figure(name, torque_ripple.TITLE, lambda: torque_ripple.draw(ripple), *words)
 
 
 @dataclass(frozen=True)
@@ -115,10 +109,8 @@ class _Drawing:
 
 
 def _plain_figure(trace: RecordedTrace, name: str) -> PageFigure:
-    with house_style():
-        svg = inline_svg(plain_run.draw(trace), name)
-    title = f"Run {clean(trace.scenario.name)}"
-    return PageFigure(name, title, svg, plain_run.alternative(trace), plain_run.CAPTION)
+    title, words = f"Run {clean(trace.scenario.name)}", plain_run.alternative(trace)
+    return page_figure(name, title, lambda: plain_run.draw(trace), words, plain_run.CAPTION)
 
 
 _PLAIN: Final = _Drawing(_plain_figure, _no_ripple_figure)
@@ -146,10 +138,8 @@ def _what_was_sensed(script: Script, check: Mapping[str, Any]) -> str:
 
 
 def _script_figure(script: Script, name: str) -> PageFigure:
-    with house_style():
-        svg = inline_svg(script_figure.draw(script), name)
-    title = f"Script {clean(script.name)}"
-    return PageFigure(name, title, svg, script_figure.alternative(script), script_figure.CAPTION)
+    title, words = f"Script {clean(script.name)}", script_figure.alternative(script)
+    return page_figure(name, title, lambda: script_figure.draw(script), words, script_figure.CAPTION)
 
 
 def margin_figure(document: Mapping[str, Any]) -> PageFigure | None:
@@ -161,10 +151,8 @@ def margin_figure(document: Mapping[str, Any]) -> PageFigure | None:
     ]
     if not rows:
         return None
-    with house_style():
-        svg = inline_svg(margin_distribution.draw(rows), "margins")
     words = margin_distribution.alternative(rows), margin_distribution.caption(rows)
-    return PageFigure("margins", margin_distribution.TITLE, svg, *words)
+    return page_figure("margins", margin_distribution.TITLE, lambda: margin_distribution.draw(rows), *words)
 
 
 def _margins(check: Mapping[str, Any]) -> np.ndarray[Any, np.dtype[np.float64]] | None:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
+from functools import cache
+from io import BytesIO
 from pathlib import Path
 from typing import Any, Final
 
@@ -12,14 +14,13 @@ from drivegate.results.provenance import provenance
 from drivegate.results.result import finite
 from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.publication.facts import facts, open_assumptions, publication
-from drivegate_reports.page.figure import PageFigure
+from drivegate_reports.page.figure import PageFigure, page_figure
 from drivegate_reports.page.page import page_text
+from drivegate_reports.page.style import house_style, svg_document
 from drivegate_reports.paper.catalogue import FIGURES, PaperFigure
 from drivegate_reports.paper.drive import reference_drive
 from drivegate_reports.paper.facts import all_comparisons
-from drivegate_reports.paper.figure_files import write_figure
 from drivegate_reports.paper.findings import RecomputedFinding, recomputed_findings
-from drivegate_reports.paper.placed import placed
 from drivegate_reports.paper.verdicts import ComparedStatement, verdict_counts
 
 SCHEMA: Final = 1
@@ -29,6 +30,8 @@ NUMBERS_FILE: Final = "reproduction.json"
 """Name of the document in its folder."""
 FIGURE_FOLDER: Final = "figures"
 """Folder of the figures' files."""
+DOTS_PER_INCH: Final = 160
+"""Resolution of the PNG files."""
 
 
 @dataclass(frozen=True)
@@ -81,10 +84,31 @@ def reproduce(folder: Path) -> dict[str, Any]:
 
 
 def _reproduced(figure: PaperFigure, compared: Sequence[ComparedStatement], folder: Path) -> Reproduced:
-    files = write_figure(figure, folder / FIGURE_FOLDER)
+    files = _write_figure(figure, folder / FIGURE_FOLDER)
     rows = tuple(row for row in compared if row.fact in figure.facts)
     relative = tuple(path.relative_to(folder).as_posix() for path in files)
-    return Reproduced(figure.label, placed(figure), relative, rows)
+    return Reproduced(figure.label, _placed(figure), relative, rows)
+
+
+def _write_figure(figure: PaperFigure, folder: Path) -> tuple[Path, Path]:
+    """Write a figure as SVG, and as PNG for what cannot show that."""
+    stream = BytesIO()
+    with house_style():
+        drawn = figure.draw(figure.compute())
+        vector = svg_document(drawn, figure.name)
+        drawn.savefig(stream, format="png", dpi=DOTS_PER_INCH, metadata={"Software": None})
+    paths = (folder / f"{figure.name}.svg", folder / f"{figure.name}.png")
+    write_atomically(paths[0], vector)
+    write_atomically(paths[1], stream.getvalue())
+    return paths
+
+
+@cache
+def _placed(figure: PaperFigure) -> PageFigure:
+    """Compute and draw a figure for the page."""
+    data = figure.compute()
+    words = figure.alternative(data), figure.caption(data)
+    return page_figure(f"figure-{figure.name}", figure.title, lambda: figure.draw(data), *words)
 
 
 def _rows(compared: Sequence[ComparedStatement]) -> list[NumberRow]:
