@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from drivegate.containment.messages import JudgedCandidate
-from drivegate.contracts.current.scripted import given_steps
+from drivegate.contracts.current.timed_steps import given_steps
 from drivegate_models.contract.current.signals import Nameplate
 from drivegate_models.errors import InputError
 from drivegate_models.loop.given_steps import senses_of

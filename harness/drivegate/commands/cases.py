@@ -17,13 +17,11 @@ if TYPE_CHECKING:
 @json_option
 def command() -> Outcome:
     """List the scenarios, operating points, sweeps, drive cycles and drives that come along."""
-    from drivegate.studies.cases.cases import cases_document
+    from drivegate.studies.cases.cases import cases_document, show_cases
 
     document = cases_document()
 
     def show(console: Console) -> None:
-        from drivegate.studies.cases.display import show_cases
-
         show_cases(console, document)
 
     return Outcome(document, show)

@@ -15,8 +15,7 @@ from drivegate.contracts.current.flowchart.run import ScriptRuns, run_scripts, s
 from drivegate.contracts.current.flowchart.scripts import fixed_scripts, usual_speed
 from drivegate.drives.kinds import DEFAULT_DRIVE
 from drivegate.gate.focus import WHOLE, Focus
-from drivegate.gate.joint_runs import JointRuns, run_joint
-from drivegate.gate.shard import DrawnRuns, FixedRuns, run_drawn, run_fixed
+from drivegate.gate.shard import DrawnRuns, FixedRuns, JointRuns, run_drawn, run_fixed, run_joint
 from drivegate.gate.step_timing import TimedSteps, time_steps
 from drivegate.results.baseline import Baseline, scenario_key
 from drivegate.results.counterexample import Counterexample

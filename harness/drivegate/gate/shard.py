@@ -222,3 +222,27 @@ def _scores(margins: Iterable[Margin]) -> dict[str, float]:
             score = -max(min(margin.value, _GREATEST_SCORE), -_GREATEST_SCORE)
             scores[family] = max(scores.get(family, score), score)
     return scores
+
+
+@dataclass(frozen=True)
+class JointRuns:
+    """A part of the runs of joint changes."""
+
+    drive: DriveDocument
+    """The drive."""
+    seed: int
+    """Seed of what the covering array leaves open."""
+    part: int
+    parts: int
+    """Which part of them, from 0, and how many parts there are."""
+    only: tuple[str, ...] = ()
+    """Checks that are judged; empty for all."""
+
+
+def run_joint(loaded: JudgedCandidate, plan: JointRuns) -> ShardOutcome:
+    """Draw a part of the joint changes and run them as they are."""
+    declaration = loaded.candidate.declaration
+    scenarios = contract_of(plan.drive).joint_scenarios(
+        plan.drive, declaration, plan.seed, plan.part, plan.parts
+    )
+    return run_fixed(loaded, FixedRuns(scenarios, only=plan.only))

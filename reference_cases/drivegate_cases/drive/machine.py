@@ -1,12 +1,12 @@
 """The table `[machine]` of a drive: its windings, their back-EMF, and the shaft."""
 
 from collections.abc import Mapping
-from typing import Any, Final, Literal, Self
+from itertools import pairwise
+from typing import Annotated, Any, Final, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
 from drivegate_cases.documents.document import Section
-from drivegate_cases.drive.emf_table import EmfTable, check_emf_table
 from drivegate_cases.drive.machine_values import (
     CoreLossConductance,
     Friction,
@@ -21,6 +21,30 @@ OF_SHAPE: Final[Mapping[str, tuple[str, Any]]] = {
     "emf_table": ("table", ()),
 }
 """Keys of one shape of the EMF alone: the shape, and the key's value for any other."""
+
+
+EmfPoint = Annotated[tuple[float, float], Field(description="electrical degrees, share of the peak")]
+EmfTable = tuple[EmfPoint, ...]
+
+_PEAK_TOLERANCE = 1e-9
+_LEAST_STEP_DEG = 1e-6
+
+
+def check_emf_table(table: EmfTable) -> EmfTable:
+    """Check that a table describes half a cycle of an odd, half-wave symmetric shape of peak 1."""
+    if not table:
+        return table
+    angles = [angle for angle, _ in table]
+    values = [value for _, value in table]
+    if angles[0] != 0.0 or angles[-1] != 180.0:
+        raise ValueError("must begin at 0 and end at 180 electrical degrees")
+    if any(later - earlier < _LEAST_STEP_DEG for earlier, later in pairwise(angles)):
+        raise ValueError(f"must have strictly increasing angles, at least {_LEAST_STEP_DEG:g} degrees apart")
+    if values[0] != 0.0 or values[-1] != 0.0:
+        raise ValueError("must have the value 0 at 0 and at 180 electrical degrees")
+    if abs(max(values) - 1.0) > _PEAK_TOLERANCE or min(values) < -1.0 - _PEAK_TOLERANCE:
+        raise ValueError("must have the value 1 as its greatest, and none below -1")
+    return table
 
 
 class Machine(Section):

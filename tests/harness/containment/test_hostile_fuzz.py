@@ -27,7 +27,7 @@ from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.containment.stall_watch import WorkerLimits
 from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
-from drivegate.contracts.current.scripted import given_steps
+from drivegate.contracts.current.timed_steps import given_steps
 from drivegate.drives.running import recorded
 from drivegate.gate.recording import RecordPlan, run_recorded
 from drivegate.gate.shard import FixedRuns, run_fixed

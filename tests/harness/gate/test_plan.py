@@ -5,9 +5,8 @@ from typing import Any
 from drivegate.candidates.declaration import Declaration, FlowchartProfile
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.gate import engine
-from drivegate.gate.joint_runs import JointRuns, run_joint
 from drivegate.gate.plan import planned_work
-from drivegate.gate.shard import FixedRuns
+from drivegate.gate.shard import FixedRuns, JointRuns, run_joint
 from drivegate_cases.drive.drive_document import load_drive
 
 PAPER = load_drive("paper-5-phase")
@@ -30,7 +29,7 @@ def test_every_job_is_on_the_drive_that_is_given() -> None:
 
 def test_joint_runs_are_drawn_for_their_drive(monkeypatch: Any) -> None:
     made: list[FixedRuns] = []
-    monkeypatch.setattr("drivegate.gate.joint_runs.run_fixed", lambda _, plan: made.append(plan))
+    monkeypatch.setattr("drivegate.gate.shard.run_fixed", lambda _, plan: made.append(plan))
     run_joint(engine_loaded(), JointRuns(MINE, 0, 0, 8))
     assert {scenario.drive for scenario in made[0].scenarios} == {MINE}
 

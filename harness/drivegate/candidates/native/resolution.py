@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import mmap
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from drivegate.candidates.candidate import Candidate, NativeBuild, existing_file, hash_of
+from drivegate.candidates.contract import ContractName
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.native.compiler import Compilation
 from drivegate_cases.documents.wording import one_line, shown_path
@@ -15,6 +18,11 @@ if TYPE_CHECKING:
     from drivegate.candidates.manifest import Manifest
 
 _SUFFIXES: Final = {".c": "c", ".so": "so"}
+# A name in a table of symbols ends with a zero byte and begins behind one, on macOS with an underscore.
+_STEP_NAMES: Final[dict[ContractName, re.Pattern[bytes]]] = {
+    "current": re.compile(rb"[\0_]drivegate_step\0"),
+    "duty": re.compile(rb"[\0_]drivegate_duty_step\0"),
+}
 
 # These change what the compiler writes, or which programs it starts.
 _REFUSED_FLAGS: Final = (
@@ -115,8 +123,6 @@ def _candidate(
     declaration: Declaration | None,
     build: NativeBuild,
 ) -> Candidate:
-    from drivegate.candidates.native.exports import contract_served
-
     return Candidate(
         name,
         kind,
@@ -129,3 +135,12 @@ def _candidate(
         build,
         contract=contract_served(build.library),
     )
+
+
+def contract_served(library: Path) -> ContractName | None:
+    """Return the contract whose step a library names, without running it; None where it names both or neither."""
+    if library.stat().st_size == 0:
+        return None
+    with library.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
+        served = [contract for contract, name in _STEP_NAMES.items() if name.search(content)]
+    return served[0] if len(served) == 1 else None

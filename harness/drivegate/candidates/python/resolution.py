@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+import ast
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from drivegate.candidates.candidate import Candidate, existing_file, hash_of
+from drivegate.candidates.contract import ContractName
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.module_search import module_sources
-from drivegate.candidates.python.imported_contract import imported_contract
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
-    from drivegate.candidates.contract import ContractName
     from drivegate.candidates.manifest import Manifest
+
+_COMMANDS: Final[dict[str, ContractName]] = {"Command": "current", "DutyCommand": "duty"}
 
 
 def from_text(specification: str) -> Candidate:
@@ -89,3 +91,20 @@ def _candidate(
         declaration or Declaration(),
         contract=contract or (imported_contract(found[0]) if len(found) == 1 else None),
     )
+
+
+def imported_contract(file: Path) -> ContractName | None:
+    """Return the contract whose command a file imports from drivegate; None where it imports both or neither."""
+    try:
+        tree = ast.parse(file.read_bytes())
+    except (OSError, SyntaxError, ValueError, RecursionError, MemoryError):
+        # Loading tells what is wrong.
+        return None
+    imported = {
+        name.name
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ImportFrom) and node.module == "drivegate"
+        for name in node.names
+    }
+    found = {contract for command, contract in _COMMANDS.items() if command in imported}
+    return found.pop() if len(found) == 1 else None

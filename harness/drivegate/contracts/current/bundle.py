@@ -100,7 +100,7 @@ def _drawn_range(scenario: Scenario) -> DrawnRange:
 
 
 def _unseen(declaration: Declaration, scenario: Scenario) -> CurrentRecord:
-    from drivegate.contracts.current.unseen import unseen_record
+    from drivegate.contracts.current.record import unseen_record
 
     return unseen_record(declaration, scenario)
 
@@ -135,10 +135,9 @@ def _judged_window(check: Check, record: Any, margin: Margin | None) -> tuple[fl
 
 
 def _step_seconds(controller: AnyController, record: Any) -> float:
-    from drivegate.contracts.current.timed_steps import senses_of_run, step_seconds
+    from drivegate.contracts.current.timed_steps import current_step_seconds
 
-    nameplate = record.scenario.nameplate()
-    return step_seconds(controller, nameplate, senses_of_run(record.run, nameplate))
+    return current_step_seconds(controller, record)
 
 
 def _layout() -> Layout:
@@ -160,7 +159,7 @@ def _run(
 
 
 def _given_steps(controller: AnyController, nameplate: Nameplate) -> GivenSteps:
-    from drivegate.contracts.current.scripted import given_steps
+    from drivegate.contracts.current.timed_steps import given_steps
 
     return given_steps(controller, nameplate)
 
@@ -201,7 +200,7 @@ def _marked_angle(trace: RecordedTrace) -> tuple[float, float] | None:
 
 
 def _common_cause(trace: RecordedTrace) -> str | None:
-    from drivegate.contracts.current.words.loss import loss_of_speed
+    from drivegate.contracts.current.words.account import loss_of_speed
     from drivegate.contracts.current.words.run_signals import run_signals
 
     return loss_of_speed(run_signals(trace))

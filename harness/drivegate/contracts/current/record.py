@@ -6,8 +6,11 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
+from drivegate.candidates.declaration import Declaration
 from drivegate.checks.record import Record
+from drivegate.checks.unseen import Unseen
 from drivegate.contracts.current.scenarios.windows import observed_windows
 from drivegate_cases.drive.scales import Scales
 from drivegate_cases.scenario.circumstance import Circumstance, circumstance
@@ -99,3 +102,9 @@ class CurrentRecord(Record):
 def rated_torque(scenario: Scenario, speed: float) -> float:
     """Give the torque of the drive's rated power at a speed."""
     return scenario.drive.rating.rated_power_w / speed
+
+
+def unseen_record(declaration: Declaration, scenario: Scenario) -> CurrentRecord:
+    """Make the record of a run that has not been made: its windows are known, but not what they show."""
+    run: Any = Unseen(windows=tuple(Unseen() for _ in observed_windows(scenario)))
+    return CurrentRecord(scenario, run, declaration)

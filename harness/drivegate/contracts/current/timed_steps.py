@@ -1,4 +1,4 @@
-"""How long a controller's step takes on the Senses of a recorded run."""
+"""Steps of a controller through given Senses: its advance angles, and the time of a step."""
 
 from __future__ import annotations
 
@@ -8,14 +8,30 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.containment.messages import AnyController
-from drivegate.contracts import given_steps
-from drivegate.contracts.current.scripted import given_steps as current_steps
+from drivegate.contracts.current.record import CurrentRecord
+from drivegate.contracts.current.run import refusal_of
+from drivegate.contracts.given_steps import GivenSteps, step_seconds
 from drivegate_models.contract.current.signals import Nameplate
+from drivegate_models.contract.layout import CURRENT
 from drivegate_models.loop.closed_loop import ClosedLoopRun
 from drivegate_models.loop.given_steps import senses_of
 from drivegate_models.units import RADIANS_PER_RPM
 
 _COLUMNS: Final = ("speed_reference_rpm", "measured_speed_rpm", "current_sum_a", "half_supply_v")
+
+
+def given_steps(controller: AnyController, nameplate: Nameplate) -> GivenSteps:
+    """Reset a controller for steps through given Senses."""
+    return GivenSteps(controller, nameplate, CURRENT, refusal_of)
+
+
+def scripted_angles(
+    controller: AnyController, nameplate: Nameplate, signals: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Reset a controller, step it through given signals and collect its advance angles."""
+    senses = senses_of(signals, nameplate.phases, nameplate.control_period)
+    angles: NDArray[np.float64] = given_steps(controller, nameplate).answers(*senses)["advance_angle"]
+    return angles
 
 
 def senses_of_run(run: ClosedLoopRun, nameplate: Nameplate) -> tuple[NDArray[Any], NDArray[np.float64]]:
@@ -27,8 +43,7 @@ def senses_of_run(run: ClosedLoopRun, nameplate: Nameplate) -> tuple[NDArray[Any
     return senses_of(signals, nameplate.phases, nameplate.control_period)
 
 
-def step_seconds(
-    controller: AnyController, nameplate: Nameplate, senses: tuple[NDArray[Any], NDArray[np.float64]]
-) -> float:
-    """Measure the time of a step (s)."""
-    return given_steps.step_seconds(current_steps(controller, nameplate), *senses)
+def current_step_seconds(controller: AnyController, record: CurrentRecord) -> float:
+    """Measure the time of a step on what was sensed in a run (s)."""
+    nameplate = record.scenario.nameplate()
+    return step_seconds(given_steps(controller, nameplate), *senses_of_run(record.run, nameplate))

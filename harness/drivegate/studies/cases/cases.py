@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
+from drivegate.output.console import plain, table
 from drivegate_cases.drive.drive_document import DriveDocument, drive_names, load_drive
 from drivegate_cases.scenario.drive_cycle import cycle_names, load_drive_cycle
 from drivegate_cases.scenario.operating_point import (
@@ -13,6 +14,9 @@ from drivegate_cases.scenario.operating_point import (
     power_sweep_names,
 )
 from drivegate_cases.scenario.scenario import load_scenario, scenario_names
+
+if TYPE_CHECKING:
+    from rich.console import Console
 
 SCHEMA: Final = 1
 
@@ -102,3 +106,25 @@ def _drives() -> list[dict[str, Any]]:
         for name in drive_names()
         for drive in [load_drive(name)]
     ]
+
+
+def show_cases(console: Console, document: dict[str, Any]) -> None:
+    """Print one table for each kind."""
+    for key, heading in (
+        ("scenarios", "scenario"),
+        ("operating_points", "operating point"),
+        ("sweeps", "sweep"),
+        ("drive_cycles", "drive cycle"),
+        ("drives", "drive"),
+    ):
+        listed = table(heading, "description")
+        for row in document[key]:
+            listed.add_row(plain(row["name"]), plain(row["description"]))
+        console.print(listed)
+    console.print(
+        plain(
+            "next: drivegate simulate reference --case NAME runs a scenario, --drive NAME takes a drive, "
+            "drivegate compare A B --cycle NAME drives a cycle",
+            "dim",
+        )
+    )

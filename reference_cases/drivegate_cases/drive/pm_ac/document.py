@@ -13,7 +13,6 @@ from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.pm_ac.inverter import UPDATES, PmAcInverter
 from drivegate_cases.drive.pm_ac.machine import PmAcMachine
 from drivegate_cases.drive.pm_ac.requirements import NO_PM_AC_REQUIREMENTS, PmAcRequirements
-from drivegate_cases.drive.pm_ac.sensing import PmAcSensing
 from drivegate_cases.drive.position import Position
 from drivegate_cases.drive.rating import Rating
 from drivegate_cases.drive.scales import NOMINAL, Scales
@@ -22,6 +21,14 @@ from drivegate_models.units import RADIANS_PER_RPM
 if TYPE_CHECKING:
     from drivegate_models.contract.duty.signals import DutyNameplate
     from drivegate_models.pm_ac.plant.drive import PmAcDrive
+
+
+class PmAcSensing(Section):
+    """The sensor on the shaft that the drive always has."""
+
+    position: Position = Field(
+        description='what shows angle and speed of the shaft in every run: "exact", without error, "encoder" or "hall"'
+    )
 
 
 class PmAcDocument(DriveDocument):

@@ -28,7 +28,7 @@ from drivegate.contracts.current.flowchart.chart import (
     described,
 )
 from drivegate.contracts.current.flowchart.scripts import probe
-from drivegate.contracts.current.scripted import scripted_angles
+from drivegate.contracts.current.timed_steps import scripted_angles
 from drivegate_cases.scenario.script import Script, ScriptRow
 from drivegate_models.errors import InputError
 from drivegate_models.units import RADIANS_PER_RPM
