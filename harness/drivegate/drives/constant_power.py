@@ -29,18 +29,7 @@ class ConstantPower:
 
 
 def constant_power(drive: RatedDrive) -> ConstantPower:
-    """Find the range of constant power of a drive.
-
-    Parameters
-    ----------
-    drive : RatedDrive
-        The drive with its rating.
-
-    Returns
-    -------
-    ConstantPower
-        The greatest power over speed, and how far it reaches.
-    """
+    """Find the greatest power of a drive over speed, and how far constant power reaches."""
     rating = drive.rating
     speeds = [float(speed) for speed in np.linspace(rating.lowest_speed, rating.overspeed, SPEEDS)]
     powers = [greatest_shaft_power(drive, speed) for speed in speeds]

@@ -123,21 +123,9 @@ def unreachable_power(
     reach_of: Callable[[DriveDocument], PowerReach],
     is_accepted: Callable[[DriveDocument], bool],
 ) -> UnreachableRating | None:
-    """Find where rated power is out of reach, and the nearest ratings that are accepted.
+    """Return where most torque for rated power is missing, with the nearest ratings that are accepted; None if nowhere.
 
-    Parameters
-    ----------
-    document : DriveDocument
-        The drive.
-    reach_of : callable
-        Returns what a drive can deliver of its rated power.
-    is_accepted : callable
-        Returns whether a check accepts the rating of a drive.
-
-    Returns
-    -------
-    UnreachableRating or None
-        Where most torque is missing; None where rated power is within reach at every speed.
+    `reach_of` returns what a drive can deliver of its rated power, `is_accepted` whether a check accepts its rating.
     """
     reach = reach_of(document)
     if reach.is_met:

@@ -91,18 +91,10 @@ class UnreachableRipple:
 
 
 def unreachable_ripple(drive: RatedDrive) -> tuple[UnreachableRipple, ...]:
-    """Find the required points whose torque ripple or torque no controller can have.
+    """Return the required points whose torque or torque ripple no controller can have.
 
-    Parameters
-    ----------
-    drive : RatedDrive
-        The drive with its rating and limits.
-
-    Returns
-    -------
-    tuple of UnreachableRipple
-        Points at which every angle that gives the torque with the current sum that `CNV-2` allows has more ripple with
-        the ideal regulator than the limit; empty where all can be met.
+    At a point with too much ripple, every angle that gives the torque with the current sum that `CNV-2` allows has more
+    ripple than the limit, even with the ideal regulator.
     """
     limits = drive.limits
     found = []

@@ -21,24 +21,9 @@ def statement(digest: str) -> bytes:
 
 
 def signed(document: Mapping[str, Any], key: Ed25519PrivateKey) -> dict[str, Any]:
-    """Sign a result document.
+    """Return a result with the key ``signature``, which lies outside its content hash.
 
-    Parameters
-    ----------
-    document : mapping
-        The document with its content hash; a signature that it has is replaced.
-    key : Ed25519PrivateKey
-        Who signs.
-
-    Returns
-    -------
-    dict
-        The document with the key ``signature``, which lies outside the content hash.
-
-    Raises
-    ------
-    InputError
-        If the document no longer says what its content hash was made of.
+    An earlier signature is replaced. A document that no longer matches its content hash raises `InputError`.
     """
     digest = content_hash(document)
     if digest != document["provenance"].get("content_hash"):

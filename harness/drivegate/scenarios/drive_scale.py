@@ -144,18 +144,7 @@ class DriveScale:
 
 @lru_cache(maxsize=_KEPT)
 def scale_of(drive: DriveDocument) -> DriveScale:
-    """Measure a drive for its scenarios.
-
-    Parameters
-    ----------
-    drive : DriveDocument
-        The drive.
-
-    Returns
-    -------
-    DriveScale
-        What follows from it.
-    """
+    """Return what scenarios need to know of a drive."""
     rating = drive.rating
     base, highest, power = rating.base_speed_rpm, rating.highest_speed_rpm, rating.rated_power_w
     grain = nearest_step(0.01 * base)

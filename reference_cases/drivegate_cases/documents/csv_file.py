@@ -19,28 +19,9 @@ _LARGEST_FILE_BYTES: Final = 4 * 1024 * 1024
 def read_columns(
     path: Path, required: Sequence[str], optional: Sequence[str] = (), *, what: str
 ) -> list[list[float]]:
-    """Read the rows of a CSV file as numbers.
+    """Read the rows of a CSV file as numbers, the required columns first; NaN for an empty cell of an optional one.
 
-    Parameters
-    ----------
-    path : Path
-        The file.
-    required : sequence of str
-        Columns that it must have, each with a number in every row.
-    optional : sequence of str
-        Columns that it may have, whose cells may be empty.
-    what : str
-        What such a file holds, in words.
-
-    Returns
-    -------
-    list of list of float
-        Each row that is not empty, the required columns first; NaN where an optional one has nothing.
-
-    Raises
-    ------
-    InputError
-        If there is no such file, a column is missing, or a cell is no number.
+    `what` describes such a file in words. A missing file or column, and a cell that is no number, raise `InputError`.
     """
     where = shown_path(path)
     rows = csv.reader(io.StringIO(_text_of(path, required, where, what)))

@@ -7,30 +7,10 @@ from drivegate_models.errors import InputError
 
 
 def file_bytes(path: str | Path, kind: str, *, most: int, limit: str, having: str = "") -> bytes:
-    """Read a file whole.
+    """Read a whole file of at most `most` bytes.
 
-    Parameters
-    ----------
-    path : str or Path
-        The file.
-    kind : str
-        What it must be, such as ``TOML or JSON file``.
-    most : int
-        Bytes that it may have at most.
-    limit : str
-        What the limit is, in words.
-    having : str
-        What such a file has, in words that follow on its kind.
-
-    Returns
-    -------
-    bytes
-        All of them.
-
-    Raises
-    ------
-    InputError
-        If it is no regular file, cannot be read, or is too large.
+    `kind`, `having` and `limit` are words for the `InputError` that anything else raises: what such a file is, what it
+    has, and what the limit is.
     """
     where = shown_path(path)
     try:

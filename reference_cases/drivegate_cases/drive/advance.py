@@ -53,24 +53,10 @@ class RatedDrive(Protocol):
 
 
 def advance_line(drive: RatedDrive) -> tuple[float, float]:
-    """Give the line's angle at base speed and its slope.
+    """Return the line's angle at base speed (rad electrical) and its slope (rad electrical per rad/s of the shaft).
 
-    Parameters
-    ----------
-    drive : RatedDrive
-        The drive; where it states no line, its oracle's is computed, of ideal current regulators, once a process.
-
-    Returns
-    -------
-    start : float
-        Angle at base speed (rad electrical).
-    slope : float
-        Rise over the speed of the shaft (rad electrical per rad/s).
-
-    Raises
-    ------
-    InputError
-        If the drive states no line, and there is none, since rated power is out of reach.
+    If the drive states no line, it is computed by the oracle with ideal current regulators, once a process. If rated
+    power is out of reach there is none, which raises `InputError`.
     """
     if drive.advance is None:
         return _computed_line(drive)

@@ -91,17 +91,9 @@ def following(drive: SheetDrive) -> dict[str, str]:
 
 
 def continuous_power(drive: SheetDrive) -> float:
-    """Compute the power that the continuous current of a drive produces, less what is reserved for the regulator.
+    """Return the power that the continuous current gives from base speed to the highest, to three digits (W).
 
-    Parameters
-    ----------
-    drive : SheetDrive
-        The drive; its own rated power plays no part.
-
-    Returns
-    -------
-    float
-        Power at the shaft at every speed from base speed to the highest, to three digits (W).
+    It leaves the regulator its reserve, and does not depend on the rated power of the drive.
     """
     rating, machine = drive.rating, drive.machine
     current = min(rating.continuous_current_a or rating.current_limit_a, rating.current_limit_a)

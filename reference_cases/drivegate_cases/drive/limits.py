@@ -60,18 +60,7 @@ class Limits:
 
 @lru_cache(maxsize=_KEPT)
 def limits_of(drive: DriveDocument) -> Limits:
-    """Give the limits of a drive; what its file leaves out follows from its rating.
-
-    Parameters
-    ----------
-    drive : DriveDocument
-        The drive.
-
-    Returns
-    -------
-    Limits
-        All of them.
-    """
+    """Return all limits of a drive; what its file leaves out follows from its rating."""
     stated, rating = drive.requirements, drive.rating
     torque = POINT_POWER_SHARE * rating.rated_power_w / (rating.highest_speed_rpm * RADIANS_PER_RPM)
     at_highest = RequiredPoint(speed_rpm=rating.highest_speed_rpm, torque_n_m=rounded(torque, 3))
@@ -106,21 +95,11 @@ def _ripple(drive: DriveDocument, stated_percent: float | None, of_decoupled: fl
 
 
 def time_unit(drive: DriveDocument) -> float:
-    """Give the unit of the times in which a drive is run: 1 s, or 1.5, 2, 3, 5, 7, 10 s … for one that is slower.
+    """Return the unit of the times in which a drive is run: 1 s, or 1.5, 2, 3, 5, 7, 10 s … for one that is slower.
 
     The speed moves in mechanical time constants, J·ω/T at base speed and rated torque, and currents and torque repeat
     in electrical periods; the slower one rules. A drive that is faster gets no shorter times, since convergence is
     judged by means over 0.1 s, and searches decide no more often.
-
-    Parameters
-    ----------
-    drive : DriveDocument
-        The drive.
-
-    Returns
-    -------
-    float
-        The unit (s).
     """
     return max(nearest_step(wanted_time_unit(drive), _STEPS_OF_TIME), SHORTEST_TIME_UNIT_S)
 
@@ -133,19 +112,9 @@ def wanted_time_unit(drive: DriveDocument) -> float:
 
 
 def mean_time(drive: DriveDocument) -> float:
-    """Give the time of the means of the current sum by which convergence is judged.
+    """Return the time of the means of the current sum by which convergence is judged (s).
 
     Over fewer electrical periods, the part of one that is left over moves the mean of a current sum that stands still.
-
-    Parameters
-    ----------
-    drive : DriveDocument
-        The drive.
-
-    Returns
-    -------
-    float
-        The time (s).
     """
     return MEAN_UNITS * time_unit(drive)
 

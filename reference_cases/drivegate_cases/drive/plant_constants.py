@@ -21,23 +21,9 @@ if TYPE_CHECKING:
 def plant_constants(
     kind: str, machine: Machine, inverter: Inverter, current_limit_a: float, scales: Scales
 ) -> AnyDrive:
-    """Make the constants of a drive's plant, in SI units.
+    """Return the constants of a plant in SI units that differs from its drive by `scales`.
 
-    Parameters
-    ----------
-    kind : str
-        Kind of the drive.
-    machine, inverter : Machine, Inverter
-        Its tables.
-    current_limit_a : float
-        Its current limit (A).
-    scales : Scales
-        How the plant differs from it.
-
-    Returns
-    -------
-    AnyDrive
-        The constants, of the type of its kind, by which compiled functions find the plant.
+    They are of the type of the drive's kind, by which compiled functions find the plant.
     """
     angles, values = _emf_corners(machine)
     return _MAKE[kind](

@@ -18,98 +18,38 @@ _DIGITS: Final = 9
 
 
 def whole_periods(time_s: float, control_period_s: float) -> int | None:
-    """Return the number of control periods that a time is, or None where that is no whole number.
-
-    Parameters
-    ----------
-    time_s : float
-        The time (s).
-    control_period_s : float
-        Length of a control period (s).
-
-    Returns
-    -------
-    int or None
-        The number of periods.
-    """
+    """Return the number of control periods that a time is, or None where that is no whole number."""
     periods = time_s / control_period_s
     nearest = round(periods)
     return nearest if abs(periods - nearest) <= ROUNDING else None
 
 
 def first_period_from(time_s: float, control_period_s: float) -> int:
-    """Return the number of the first control period that begins at a time, or after it.
+    """Return the number of the first control period, from 0, that begins at a time or after it.
 
-    Parameters
-    ----------
-    time_s : float
-        The time (s).
-    control_period_s : float
-        Length of a control period (s).
-
-    Returns
-    -------
-    int
-        The number, from 0 for the period that begins at time 0. It is also the least number of whole control periods
-        that last for the time.
+    It is also the least number of whole control periods that last for the time.
     """
     whole = whole_periods(time_s, control_period_s)
     return math.ceil(time_s / control_period_s) if whole is None else whole
 
 
 def period_start_s(number: int, control_period_s: float) -> float:
-    """Return when a control period begins, as a decimal that documents can state.
-
-    Parameters
-    ----------
-    number : int
-        Number of the period, from 0.
-    control_period_s : float
-        Length of a control period (s).
-
-    Returns
-    -------
-    float
-        The time (s), rounded to a nanosecond.
-    """
+    """Return when a control period begins, rounded to a nanosecond, as documents can state it."""
     return round(number * control_period_s, _DIGITS)
 
 
 def on_whole_periods(time_s: float, control_period_s: float) -> float:
-    """Return a time, or the next whole number of control periods where it is none.
-
-    Parameters
-    ----------
-    time_s : float
-        The time (s).
-    control_period_s : float
-        Length of a control period (s).
-
-    Returns
-    -------
-    float
-        The time (s), unchanged where it is whole periods.
-    """
+    """Return a time, or the next whole number of control periods where it is none."""
     if whole_periods(time_s, control_period_s) is not None:
         return time_s
     return period_start_s(first_period_from(time_s, control_period_s), control_period_s)
 
 
 def seen_at_s(time_s: float, control_period_s: float) -> float:
-    """Return a time as the loop compares it with the starts of its control periods.
+    """Return the time of an event as the loop compares it with the starts of its control periods.
 
-    Parameters
-    ----------
-    time_s : float
-        Time of an event in a document (s).
-    control_period_s : float
-        Length of a control period (s).
-
-    Returns
-    -------
-    float
-        The time (s), never later than the start that it stands for, which the loop computes as the number of the period
-        times its length.
+    It is never later than the start that it stands for, which the loop computes as the number of the period times its
+    length.
     """
     whole = whole_periods(time_s, control_period_s)
     return time_s if whole is None else min(time_s, whole * control_period_s)

@@ -9,24 +9,7 @@ from drivegate_models.errors import InputError
 
 
 def require_document(document: Mapping[str, Any], kind: str, schema: int, name: str) -> None:
-    """Refuse a document of another kind, or of a schema that is newer than this version.
-
-    Parameters
-    ----------
-    document : mapping
-        The document.
-    kind : str
-        Kind that it must be of.
-    schema : int
-        Newest schema that this version reads.
-    name : str
-        What such a document is called in a sentence, such as ``the comparison``.
-
-    Raises
-    ------
-    InputError
-        Naming what it is, and what it must be.
-    """
+    """Refuse a document of another kind, or of a schema newer than the one that this version reads."""
     if document.get("kind") != kind:
         raise InputError(f"the document is of kind {document.get('kind')!r}, but must be of kind '{kind}'")
     found = document.get("schema")

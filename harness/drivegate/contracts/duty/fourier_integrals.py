@@ -34,24 +34,11 @@ class Stretches:
 
 
 def amplitudes(signal: Stretches, orders: int) -> NDArray[np.float64]:
-    """Find the amplitudes of what a signal has besides its mean, under a Hann window.
+    """Return the amplitudes of a signal besides its mean under a Hann window, at the first multiples of 1/T.
 
-    Parameters
-    ----------
-    signal : Stretches
-        The signal; its whole length T is the window.
-    orders : int
-        Number of frequencies, the multiples of 1/T from 1 on.
-
-    Returns
-    -------
-    ndarray, shape (orders,)
-        Amplitudes; a sine of a multiple of 1/T has its own.
-
-    Notes
-    -----
-    Each stretch is taken as straight, with its own mean and rise, and integrated in closed form. The window,
-    ``1 - cos(2 pi t / T)``, adds the halves of the integrals at the neighbouring frequencies.
+    T is the signal's length. Each stretch is taken as straight, with its own mean and rise, and integrated in closed
+    form. The window, ``1 - cos(2 pi t / T)``, adds the halves of the integrals at the neighbouring frequencies. A sine
+    of a multiple of 1/T has its own amplitude.
     """
     length = float(signal.starts[-1] + signal.lengths[-1] - signal.starts[0])
     real, imaginary = _integrals(replace(signal, means=signal.means - signal.mean), length, orders + 2)

@@ -44,20 +44,7 @@ class TorqueCourse:
 
 
 def torque_course(record: DutyRecord, first: int, count: int) -> TorqueCourse:
-    """Follow the torque from one control period on.
-
-    Parameters
-    ----------
-    record : DutyRecord
-        A run at a held speed, on the nominal drive.
-    first, count : int
-        First control period, at least 2, and how many.
-
-    Returns
-    -------
-    TorqueCourse
-        The torque.
-    """
+    """Follow the torque of a run at a held speed over some control periods; the first one is at least number 2."""
     drive: Any = record.drive
     plant: PmAcDrive = drive
     replay = _Replay(record, plant, first)

@@ -26,22 +26,9 @@ KIND: Final = "drive-comparison"
 def drive_comparison_document(
     labels: Sequence[str], made: Sequence[ComparedDrive], *, timing: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """Put a comparison of drives together.
+    """Return a comparison of drives as plain data: bases, candidates, tables, and the comparison on each drive.
 
-    Parameters
-    ----------
-    labels : sequence of str
-        A different name for each drive.
-    made : sequence of ComparedDrive
-        The outcome on each, in the same order; every one with a document.
-    timing : mapping
-        Day and duration, which the hash leaves out.
-
-    Returns
-    -------
-    dict
-        Plain data: ``drives`` with bases and folder, ``candidates``, ``tables``, and the comparison on each drive in
-        ``parts``.
+    Each drive has a different label; `timing` is left out of the content hash.
     """
     points = operating_rows(labels, made)
     drives = [one.request.drive for one in made]

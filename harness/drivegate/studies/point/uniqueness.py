@@ -21,25 +21,10 @@ _DECAY: Final = 1e-6
 
 
 def is_unique(drive: AnyDrive, speed: float, advance: float, reference: float) -> bool:
-    """Return True if a dc offset of a current does not persist in the periodic state.
+    """Return True if a dc offset of a current does not persist in the periodic state, or if there is no such state.
 
-    Without resistance a current that reaches neither zero nor its limit has nothing that returns it to one state.
-
-    Parameters
-    ----------
-    drive : AnyDrive
-        The drive's constants.
-    speed : float
-        Shaft speed (rad/s), above 0.
-    advance : float
-        Advance angle (rad electrical).
-    reference : float
-        Current reference (A).
-
-    Returns
-    -------
-    bool
-        Also True where there is no periodic state.
+    Without resistance a current that reaches neither zero nor its limit has nothing that returns it to one state. Speed
+    in rad/s, advance in rad electrical, reference in A.
     """
     if drive.resistance > 0.0:
         return True

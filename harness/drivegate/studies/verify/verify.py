@@ -18,25 +18,10 @@ SCHEMA: Final = 1
 
 
 def verification(file: Path, key: Path | None) -> dict[str, Any]:
-    """Verify a result.
+    """Return what ``drivegate verify --json`` prints of a result that must be signed by a key, or by any for None.
 
-    Parameters
-    ----------
-    file : Path
-        The result.
-    key : Path or None
-        Public key that it must be signed by; None where any signature, or none, will do.
-
-    Returns
-    -------
-    dict
-        What ``drivegate verify --json`` prints. ``outcome`` is ``altered``, ``invalid signature``, ``not signed``,
-        ``another key``, ``valid``, or ``unsigned`` where no signature was asked for.
-
-    Raises
-    ------
-    InputError
-        If a file is not what it must be, or the package for signatures is needed and missing.
+    ``outcome`` is ``altered``, ``invalid signature``, ``not signed``, ``another key``, ``valid``, or ``unsigned`` where
+    no signature was asked for.
     """
     document = read_unchecked_result(file)
     stated = _stated_hash(document, file)

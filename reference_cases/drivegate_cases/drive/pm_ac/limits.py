@@ -78,18 +78,7 @@ class DutyLimits:
 
 @lru_cache(maxsize=_KEPT)
 def duty_limits_of(drive: PmAcDocument) -> DutyLimits:
-    """Give the limits of a drive; what its file leaves out follows from the drive.
-
-    Parameters
-    ----------
-    drive : PmAcDocument
-        The drive.
-
-    Returns
-    -------
-    DutyLimits
-        All of them.
-    """
+    """Return all limits of a drive; what its file leaves out follows from the drive."""
     stated, rating, machine = drive.requirements, drive.rating, drive.machine
     base = rating.base_speed_rpm * RADIANS_PER_RPM
     torque = rating.rated_power_w / base

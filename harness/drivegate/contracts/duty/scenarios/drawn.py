@@ -68,13 +68,7 @@ def _shares(lowest: float, highest: float) -> st.SearchStrategy[float]:
 
 
 def torque_step_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
-    """Draw steps of the torque reference at one speed.
-
-    Returns
-    -------
-    SearchStrategy
-        Of scenarios from standstill to the highest speed, between torques of up to the rated one either way.
-    """
+    """Draw steps of the torque reference up to the rated one either way, from standstill to the highest speed."""
     return st.builds(
         lambda shares, speed: torque_scenario(
             drive, speed, [torque_of(drive, speed, share) for share in shares]
@@ -85,13 +79,7 @@ def torque_step_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
 
 
 def weakening_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
-    """Draw torque references out of reach above base speed.
-
-    Returns
-    -------
-    SearchStrategy
-        Of scenarios up to the highest speed, which ask for more than rated power and then for nothing.
-    """
+    """Draw torque references above base speed that ask for more than rated power, and then for nothing."""
     rating = drive.rating
     return st.builds(
         lambda share, speed: torque_scenario(drive, speed, (0.0, torque_of(drive, speed, share), 0.0)),
@@ -138,13 +126,7 @@ def _from_below(drive: PmAcDocument) -> st.SearchStrategy[Callable[[float], Scen
 
 
 def speed_step_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
-    """Draw steps of the speed reference.
-
-    Returns
-    -------
-    SearchStrategy
-        Of scenarios between any two speeds, under a constant torque of up to 70 % of the rated one.
-    """
+    """Draw steps between any two speeds under a constant torque of up to 70 % of the rated one."""
     return st.builds(
         lambda share, first, second: speed_scenario(
             drive, (first, second), torque_nm=torque_of(drive, max(first, second), share)
@@ -156,13 +138,7 @@ def speed_step_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
 
 
 def load_step_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
-    """Draw steps of the load.
-
-    Returns
-    -------
-    SearchStrategy
-        Of scenarios at one speed reference, between shares of up to 85 % of rated torque.
-    """
+    """Draw steps of the load between shares of up to 85 % of rated torque, at one speed reference."""
     return st.builds(
         lambda shares, speed: load_step_scenario(drive, speed, torque_of(drive, speed, 1.0), shares),
         st.tuples(_shares(0.0, HEAVIEST_SHARE), _shares(0.0, HEAVIEST_SHARE)),
@@ -171,13 +147,7 @@ def load_step_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
 
 
 def start_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
-    """Draw starts from standstill.
-
-    Returns
-    -------
-    SearchStrategy
-        Of scenarios from 24 angles of the rotor to speeds up to base speed, under up to 80 % of rated torque.
-    """
+    """Draw starts from standstill at 24 angles of the rotor, up to base speed under up to 80 % of rated torque."""
     return st.builds(
         lambda angle, share, speed: speed_scenario(
             drive,
@@ -193,13 +163,9 @@ def start_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
 
 
 def parameter_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
-    """Draw plants that differ from the nameplate.
+    """Draw plants that differ from the nameplate, in steps of the speed or of the load.
 
-    Returns
-    -------
-    SearchStrategy
-        Of scenarios with steps of the speed or of the load, R × 0.5 to 2, L × 0.7 to 1.3, ψ × 0.8 to 1.05 and
-        J × 0.3 to 2.
+    R × 0.5 to 2, L × 0.7 to 1.3, ψ × 0.8 to 1.05 and J × 0.3 to 2.
     """
     return st.builds(
         lambda run, inertia, resistance, inductance, flux: with_scales(
@@ -218,13 +184,7 @@ def parameter_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
 
 
 def supply_step_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
-    """Draw steps of the link's voltage.
-
-    Returns
-    -------
-    SearchStrategy
-        Of scenarios at one operating point, with links of 85 to 115 % of the nominal one.
-    """
+    """Draw steps of the link's voltage within 85 to 115 % of the nominal one, at one operating point."""
     return st.builds(
         lambda share, levels, speed: supply_step_scenario(
             load_step_scenario(drive, speed, torque_of(drive, speed, share), (1.0,)),
@@ -238,14 +198,7 @@ def supply_step_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
 
 
 def torque_supply_step_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
-    """Draw steps of the link's voltage under a torque reference.
-
-    Returns
-    -------
-    SearchStrategy
-        Of scenarios at one speed and torque of up to the rated one either way, with links of 85 to 115 % of the nominal
-        one.
-    """
+    """Draw the same steps under a torque reference of up to the rated torque either way."""
     return st.builds(
         lambda share, levels, speed: supply_step_scenario(
             torque_scenario(drive, speed, (torque_of(drive, speed, share),)),
@@ -259,13 +212,9 @@ def torque_supply_step_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scena
 
 
 def low_speed_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
-    """Draw runs that end at low speed.
+    """Draw runs that end at 1 to 10 % of base speed: from standstill, from a higher speed, or after a stop.
 
-    Returns
-    -------
-    SearchStrategy
-        Of scenarios that reach 1 to 10 % of base speed from standstill, from a higher speed or after a stop, under a
-        load of up to 20 % of rated torque.
+    The load is up to 20 % of rated torque.
     """
     base = drive.rating.base_speed_rpm
 
@@ -287,14 +236,10 @@ def low_speed_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
 
 
 def sensor_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
-    """Draw sensors.
+    """Draw sensors, with steps of the speed or of the load from 10 % of base speed on.
 
-    Returns
-    -------
-    SearchStrategy
-        Of scenarios with steps of the speed or of the load at 10 % of base speed and more, seen through shunts in line
-        or below the lower switches, the latter up to base speed, and an encoder of 256 to 4096 lines or what the
-        drive states.
+    Shunts are in line, or below the lower switches up to base speed. The shaft has an encoder of 256 to 4096 lines, or
+    what the drive states.
     """
     has_encoder = position_of(SHUNTS, drive) == "encoder"
     return st.builds(
@@ -319,22 +264,9 @@ def failure_scenarios(
     detected: Collection[FailureKind] = FAILURE_KINDS,
     references: Collection[Reference] = ("speed", "torque"),
 ) -> st.SearchStrategy[Scenario]:
-    """Draw failures.
+    """Draw failures in the second half of a run from 20 to 100 % of base speed under 30 to 60 % of rated torque.
 
-    Parameters
-    ----------
-    drive : PmAcDocument
-        The drive.
-    detected : collection of str
-        What may fail.
-    references : collection of str
-        What is followed; a rotor that locks up is one that is to follow a speed, and an edge is lost under a torque.
-
-    Returns
-    -------
-    SearchStrategy
-        Of scenarios from 20 % of base speed to all of it, under 30 to 60 % of rated torque, ideal sensors or others,
-        in whose second half something fails.
+    `detected` is what may fail. A rotor locks up under a speed reference, and an edge is lost under a torque.
     """
     base = drive.rating.base_speed_rpm
 
