@@ -20,6 +20,7 @@ from drivegate.gate.step_timing import TimedSteps, time_steps
 from drivegate.results.baseline import Baseline, scenario_key
 from drivegate.results.counterexample import Counterexample
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
+from drivegate_cases.drive.scales import NOMINAL
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.script import Script
 
@@ -80,6 +81,7 @@ def planned_work(
     """Plan the runs of a check on a drive, the default one where none is given."""
     drive = drive or load_drive(DEFAULT_DRIVE)
     fixed = contract_of(drive).fixed_scenarios(drive, declaration)
+    repeated = _repeated(fixed[2:])
     examples = EXAMPLES[effort]
     shards = [
         DrawnRuns(drive, seed * SHARDS + shard, examples, search=search, only=focus.only)
@@ -88,7 +90,10 @@ def planned_work(
     work = [
         *(_stored(stored, Origin.LAST_FAILED, focus) for stored in focus.first),
         _as_they_are(fixed[:2], Origin.FIXED, focus, repeat=True),
-        *(_as_they_are((scenario,), Origin.FIXED, focus) for scenario in fixed[2:]),
+        *(
+            _as_they_are((scenario,), Origin.FIXED, focus, repeat=scenario in repeated)
+            for scenario in fixed[2:]
+        ),
         *(_stored(stored, Origin.CORPUS, focus) for stored in corpus if _is_judged(stored, focus)),
         *(_as_they_are((scenario,), Origin.BASELINE, focus) for scenario in _not_among(fixed, baseline)),
         *_scripts(drive, declaration, seed, SCRIPTS[effort]),
@@ -101,6 +106,13 @@ def planned_work(
         Work(Job(time_steps, TimedSteps(fixed[0])), 1, fixed[0].name, Origin.TIMED),
     ]
     return [item for item in work if _serves(item.origin, focus)]
+
+
+def _repeated(fixed: Sequence[Scenario]) -> list[Scenario]:
+    """Choose what is repeated beside the first run: the fastest one, and the first on another plant."""
+    fastest = sorted(fixed, key=lambda run: -max(speed for _, speed in run.speed_rpm))
+    others = [run for run in fixed if run.scales != NOMINAL]
+    return [*fastest[:1], *others[:1]]
 
 
 def _serves(origin: Origin, focus: Focus) -> bool:

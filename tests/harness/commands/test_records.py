@@ -104,7 +104,7 @@ def test_a_result_is_its_own_baseline_and_a_better_one_fails_it(command, small, 
     assert same.code == 0
     verdicts = {entry["check"]: entry["verdict"] for entry in same.document["baseline"]}
     assert verdicts["CNV-1"] == "no difference"
-    assert verdicts["DET-1"] == "too few pairs", "only one of the scenarios is repeated"
+    assert verdicts["DET-1"] == "too few pairs", "only three of the scenarios are repeated"
 
     better = json.loads(file.read_text(encoding="utf-8"))
     for run in better["fixed"]:

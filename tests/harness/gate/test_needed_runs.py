@@ -15,9 +15,10 @@ from drivegate.drives.running import recorded
 from drivegate.gate.focus import Focus
 from drivegate.gate.plan import Origin, planned_work
 from drivegate.gate.shard import DrawnRuns, FixedRuns, run_drawn
-from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.drive.drive_document import DriveDocument, load_drive
+from drivegate_cases.drive.scales import NOMINAL
 
-PAPER = load_drive("paper-5-phase")
+PAPER, INTERIOR = load_drive("paper-5-phase"), load_drive("pm-ac-interior")
 FIXED = fixed_scenarios(PAPER)
 NAMES = {check.id for check in CHECKS}
 DECLARATION = Declaration(
@@ -61,6 +62,17 @@ def test_only_a_check_of_repetitions_repeats_runs() -> None:
         first = planned_work("quick", 0, drive=PAPER, focus=Focus((only,)))[0].job.payload
         assert isinstance(first, FixedRuns)
         assert first.repeat is repeats
+
+
+@pytest.mark.parametrize("drive", [PAPER, INTERIOR], ids=lambda drive: drive.name)
+def test_runs_in_weakening_and_off_nominal_are_repeated_too(drive: DriveDocument) -> None:
+    """What a controller keeps may not show in the first run."""
+    plans = [item.job.payload for item in planned_work("quick", 0, drive=drive)]
+    repeated = [plan.scenarios[0] for plan in plans if isinstance(plan, FixedRuns) and plan.repeat]
+    assert len(repeated) == 3
+    fastest = max(speed for run in repeated for _, speed in run.speed_rpm)
+    assert fastest >= drive.rating.highest_speed_rpm
+    assert any(run.scales != NOMINAL for run in repeated)
 
 
 def test_a_shard_that_no_check_looks_at_is_left_out() -> None:

@@ -29,7 +29,6 @@ from drivegate.contracts.duty.scenarios.drawn_range import (
     TURNING_SHARE,
 )
 from drivegate.contracts.duty.scenarios.failures import FAILURE_TORQUE_SHARE
-from drivegate.contracts.duty.scenarios.fixed import START_ANGLES_DEG
 from drivegate.scenarios.changes import with_real_sensors, with_scales
 from drivegate.scenarios.drive_scale import tidy
 from drivegate.scenarios.title import titled
@@ -147,7 +146,7 @@ def load_step_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
 
 
 def start_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
-    """Draw starts from standstill at 24 angles of the rotor, up to base speed under up to 80 % of rated torque."""
+    """Draw starts from standstill at any angle of the rotor, up to base speed under up to 80 % of rated torque."""
     return st.builds(
         lambda angle, share, speed: speed_scenario(
             drive,
@@ -156,7 +155,7 @@ def start_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
             initial_speed_rpm=0.0,
             initial_angle_deg=angle,
         ),
-        st.sampled_from(START_ANGLES_DEG),
+        st.integers(0, 359).map(float),
         _shares(0.0, 0.8),
         _speeds(drive, TURNING_SHARE * drive.rating.base_speed_rpm, drive.rating.base_speed_rpm),
     )
