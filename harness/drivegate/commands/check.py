@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from drivegate.commands.conduct import Outcome
-from drivegate.commands.options import bounded, drive_option, json_option, named_drive, sign_option
+from drivegate.commands.options import bounded, drive_option, json_flag, named_drive, sign_option
 from drivegate.output.failure import complain, failure_of
 
 if TYPE_CHECKING:
-    from rich.console import Console
+    from drivegate.studies.check.checked import Checked
 
 DEFAULT_OUTPUT = "drivegate-report"
 
@@ -101,7 +102,7 @@ DEFAULT_OUTPUT = "drivegate-report"
 )
 @click.option("-q", "--quiet", is_flag=True, help="Print the last line alone, and no progress.")
 @sign_option
-@json_option
+@json_flag(exposed=True)
 def command(
     candidates: tuple[str, ...],
     output: Path,
@@ -121,6 +122,7 @@ def command(
     last_failed: bool,
     quiet: bool,
     sign: Path | None,
+    as_json: bool,
 ) -> Outcome:
     """Check every CANDIDATE: apply all checks, search for a scenario that breaks one, and write a report.
 
@@ -140,6 +142,22 @@ def command(
     how_much = Effort(effort, seed, workers, max_time, search, fail_on, contested)
     records = Records(corpus, waivers, baseline)
     part = Part(only, stop_at_first, last_failed)
+    reported: set[int] = set()
+
+    def complain_anew(all_checked: list[Checked]) -> None:
+        for checked in all_checked:
+            if checked.error is not None and id(checked.error) not in reported:
+                reported.add(id(checked.error))
+                failure = failure_of(checked.error)
+                alone = len(all_checked) == 1
+                complain(failure if alone else failure.about(checked.specification), checked.error)
+
+    def show(all_checked: list[Checked]) -> None:
+        if not _is_refused(all_checked):
+            complain_anew(all_checked)
+            if not as_json and sys.stdout is not None:
+                _show(all_checked, output, quiet=quiet)
+
     all_checked = check_all(
         candidates,
         output,
@@ -150,23 +168,29 @@ def command(
         drive=named_drive(drive),
         drive_named=drive,
         quiet=quiet,
+        show=show,
     )
-    if len(all_checked) == 1 and all_checked[0].error is not None and all_checked[0].document is None:
+    if _is_refused(all_checked):
+        assert all_checked[0].error is not None, "that is what refused means"
         raise all_checked[0].error
+    complain_anew(all_checked)
+    exit_code = max(checked.exit_code for checked in all_checked)
+    return Outcome(summary(all_checked), lambda _: None, exit_code)
+
+
+def _is_refused(all_checked: list[Checked]) -> bool:
+    """Return True if the only candidate has no result."""
+    (first, *others) = all_checked
+    return not others and first.error is not None and first.document is None
+
+
+def _show(all_checked: list[Checked], output: Path, *, quiet: bool) -> None:
+    from drivegate.output.console import console_for
+    from drivegate.studies.check.display import show_checked
+    from drivegate.studies.check.last_line import show_last_line
+
+    console = console_for(sys.stdout)
     for checked in all_checked:
-        if checked.error is not None:
-            failure = failure_of(checked.error)
-            complain(
-                failure if len(all_checked) == 1 else failure.about(checked.specification), checked.error
-            )
-
-    def show(console: Console) -> None:
-        from drivegate.studies.check.display import show_checked
-        from drivegate.studies.check.last_line import show_last_line
-
-        for checked in all_checked:
-            if checked.document is not None and not quiet:
-                show_checked(console, checked)
-        show_last_line(console, all_checked, output)
-
-    return Outcome(summary(all_checked), show, max(checked.exit_code for checked in all_checked))
+        if checked.document is not None and not quiet:
+            show_checked(console, checked)
+    show_last_line(console, all_checked, output)

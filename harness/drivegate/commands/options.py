@@ -27,9 +27,15 @@ sign_option = click.option(
 )
 """The option that names the key which a result is signed with."""
 
-json_option = click.option(
-    "--json", "as_json", is_flag=True, expose_value=False, help="Print one JSON document, errors too."
-)
+
+def json_flag(*, exposed: bool) -> Callable[[_Function], _Function]:
+    """Make the flag ``--json``, as an argument `as_json` of the command if it is exposed."""
+    return click.option(
+        "--json", "as_json", is_flag=True, expose_value=exposed, help="Print one JSON document, errors too."
+    )
+
+
+json_option = json_flag(exposed=False)
 """The flag that the command line has read before; here it is only accepted and described."""
 
 

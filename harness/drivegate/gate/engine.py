@@ -151,7 +151,7 @@ def check_candidate(
         baseline=baseline,
         focus=focus,
     )
-    yield CheckStarted(candidate.name, sum(item.runs for item in work))
+    yield CheckStarted(candidate.name, sum(item.runs for item in work), judged_on)
     kinds = uncompiled_kinds([judged_on])
     if kinds:
         yield Compiling()

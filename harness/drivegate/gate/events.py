@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from drivegate.results.result import CheckResult
+from drivegate_cases.drive.drive_document import DriveDocument
 
 
 @dataclass(frozen=True)
@@ -16,6 +17,8 @@ class CheckStarted:
     """The candidate."""
     planned_runs: int
     """Number of runs at most."""
+    drive: DriveDocument | None = None
+    """The drive that it is judged on; None of a part of a comparison."""
 
 
 @dataclass(frozen=True)

@@ -8,11 +8,13 @@ import os
 import re
 import secrets
 import shutil
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Final, Self
 
+from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_models.errors import InputError
 
@@ -119,13 +121,11 @@ class ReportFolder:
 
     def commit(self) -> None:
         """Put the folder into its place."""
-        own = sorted(
-            path.relative_to(self.staging).as_posix() for path in self.staging.rglob("*") if not path.is_dir()
-        )
+        own = _files_in(self.staging)
         former = self.staging.with_suffix(".former")
         try:
             self._keep_foreign_files()
-            (self.staging / MARK).write_text(json.dumps({"schema": 1, "files": own}, indent=2) + "\n")
+            _write_mark(self.staging, own)
             if self.place.exists():
                 self.place.rename(former)
             try:
@@ -137,6 +137,21 @@ class ReportFolder:
         except OSError as error:
             raise _unusable(self._shown, error) from error
         shutil.rmtree(former, ignore_errors=True)
+
+    @contextmanager
+    def adding(self) -> Iterator[Path]:
+        """Write further files into a folder of their own; at its end they join those that were committed."""
+        try:
+            self.staging.mkdir()
+            yield self.staging
+            added = _files_in(self.staging)
+            # Marked first: a file that is not there yet does no harm.
+            _write_mark(self.place, sorted({*_own_files(self.place), *added}))
+            for name in added:
+                (self.place / name).parent.mkdir(parents=True, exist_ok=True)
+                (self.staging / name).replace(self.place / name)
+        except OSError as error:
+            raise _unusable(self._shown, error) from error
 
     def _keep_foreign_files(self) -> None:
         """Copy what others have put into the earlier folder."""
@@ -157,6 +172,15 @@ class ReportFolder:
         for folder in self._made:
             with suppress(OSError):
                 folder.rmdir()
+
+
+def _files_in(folder: Path) -> list[str]:
+    return sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if not path.is_dir())
+
+
+def _write_mark(folder: Path, own: list[str]) -> None:
+    text = json.dumps({"schema": 1, "files": own}, indent=2)
+    write_atomically(folder / MARK, f"{text}\n")
 
 
 def _own_files(folder: Path) -> list[str]:

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Mapping
-from contextlib import redirect_stdout
+from contextlib import redirect_stdout, suppress
 from dataclasses import dataclass
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
-from typing import Any, Final, TypeAlias
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 from drivegate.candidates.fault import bounded_line
 from drivegate_cases.documents.wording import one_line
 from drivegate_models.errors import HarnessFault, InputError
+
+if TYPE_CHECKING:
+    from drivegate_cases.drive.drive_document import DriveDocument
 
 REPORT_GROUP: Final = "drivegate.reports"
 """Group of entry points, each a function of the result document and a folder that returns what it wrote."""
@@ -60,6 +63,25 @@ class WrittenReports:
 def report_points(group: str = REPORT_GROUP) -> dict[str, EntryPoint]:
     """Find the reports that installed packages offer."""
     return {point.name: point for point in sorted(entry_points(group=group), key=lambda point: point.name)}
+
+
+def page_name(load: LoadWriter) -> str | None:
+    """Return the name of the page that a report writes, where its module states it as ``REPORT_FILE``."""
+    name = _stated(load, "REPORT_FILE")
+    return name if isinstance(name, str) else None
+
+
+def preparation(load: LoadWriter) -> Callable[[DriveDocument], object] | None:
+    """Return what prepares a report on a drive, where its module has a function ``prepare``."""
+    prepare = _stated(load, "prepare")
+    return prepare if callable(prepare) else None
+
+
+def _stated(load: LoadWriter, name: str) -> object:
+    """Look a name up in the module of a writer; one that cannot be loaded fails when its report is written."""
+    with suppress(Exception):
+        return getattr(sys.modules[load().__module__], name, None)
+    return None
 
 
 def write_reports(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import lru_cache, partial
 from typing import Any, Final
 
 from pydantic import ValidationError
@@ -26,6 +26,7 @@ from drivegate_reports.conformance.figures import (
 )
 from drivegate_reports.page.figure import PageFigure, page_figure
 
+_KEPT: Final = 20
 _OWN_WAY: Final = (
     " Blue, from the dot on: the candidate's currents at the ends of control periods, through runs without a load "
     "(left), and with a torque reference out of reach and then none (right). Crosses: its eight operating points."
@@ -41,6 +42,12 @@ class ShownBehaviour:
     points: tuple[tuple[str, ...], ...]
     """A row for each operating point: point, torque, loss, least loss, excess, efficiency, d current, best d
     current."""
+
+
+def prepare_behaviour(drive: DriveDocument) -> None:
+    """Compute what the figures of every candidate on a drive show."""
+    if contract_of(drive).behaviour is not None:
+        _trajectories(duty_document(drive))
 
 
 def shown_behaviour(document: Mapping[str, Any], drive: DriveDocument) -> ShownBehaviour | None:
@@ -73,7 +80,7 @@ def _figures(read: BehaviourSection, drive: PmAcDocument) -> Iterator[PageFigure
 
 
 def _plane(read: BehaviourSection, drive: PmAcDocument) -> PageFigure:
-    known, limit = trajectories(drive), drive.rating.current_limit_a
+    known, limit = _trajectories(drive), drive.rating.current_limit_a
     ways = [
         rotor_plane.Way(title, path.direct_current_a, path.quadrature_current_a)
         for title, path in (
@@ -85,6 +92,11 @@ def _plane(read: BehaviourSection, drive: PmAcDocument) -> PageFigure:
     words = rotor_plane.alternative(known, limit, ways), rotor_plane.caption(known) + _OWN_WAY
     drawn = partial(rotor_plane.draw, known, limit, ways, dots)
     return page_figure("rotor-plane", rotor_plane.TITLE, drawn, *words)
+
+
+@lru_cache(maxsize=_KEPT)
+def _trajectories(drive: PmAcDocument) -> Mapping[str, Any]:
+    return trajectories(drive)
 
 
 def _row(point: EfficiencyPointSection) -> tuple[str, ...]:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import partial
+from functools import lru_cache, partial
 from typing import Any, Final
 
 from drivegate.drives.abilities import ability_of
@@ -15,6 +16,8 @@ from drivegate_cases.drive.limits import limits_of
 from drivegate_reports.conformance.figures import drive_envelope, duty_envelope, rotor_plane
 from drivegate_reports.page.figure import PageFigure, page_figure
 from drivegate_reports.page.printable import clean
+
+_KEPT: Final = 20
 
 
 @dataclass(frozen=True)
@@ -33,7 +36,13 @@ class ShownDrive:
 
 def shown_drive(document: Mapping[str, Any], drive: DriveDocument) -> ShownDrive | None:
     """Draw what the drive of a result can do; None for a result of earlier versions, which does not state it."""
-    ability, envelope = ability_of(drive), document.get("envelope")
+    return _drawn(json.dumps(finite(document.get("envelope"))), drive)
+
+
+@lru_cache(maxsize=_KEPT)
+def _drawn(envelope_text: str, drive: DriveDocument) -> ShownDrive | None:
+    """Draw what a drive can do from its envelope in JSON."""
+    ability, envelope = ability_of(drive), json.loads(envelope_text)
     if not envelope and kind_of(drive).angles is None:
         # Results of such drives leave it out.
         envelope = finite(ability.envelope(drive, lambda _: None))

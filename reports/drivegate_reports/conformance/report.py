@@ -4,12 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from drivegate_cases.documents.atomic_write import write_atomically
 
+if TYPE_CHECKING:
+    from drivegate_cases.drive.drive_document import DriveDocument
+
 REPORT_FILE: Final = "report.html"
 """Name of the page in the report's folder."""
+TEMPLATE: Final = "conformance.html.j2"
+"""Template of the page."""
 
 
 def write(document: Mapping[str, Any], folder: Path) -> Path:
@@ -17,6 +22,24 @@ def write(document: Mapping[str, Any], folder: Path) -> Path:
     path = folder / REPORT_FILE
     write_atomically(path, page(document))
     return path
+
+
+def prepare(drive: DriveDocument) -> None:
+    """Import, compute and draw what every page on a drive needs, while its candidate is still being checked."""
+    from drivegate.drives.envelope_document import envelope_of
+    from drivegate_reports.conformance import behaviour, runs, view  # noqa: F401  (loaded early)
+    from drivegate_reports.conformance.drive import shown_drive
+    from drivegate_reports.page.page import environment
+    from drivegate_reports.paper.drive import reference_drive
+    from drivegate_reports.paper.facts import comparisons
+    from drivegate_reports.paper.findings import recomputed_findings
+
+    behaviour.prepare_behaviour(drive)
+    shown_drive({"envelope": envelope_of(drive)}, drive)
+    environment().get_template(TEMPLATE)
+    if drive.kind == reference_drive().kind:
+        comparisons()
+        recomputed_findings(of_paper_drive_only=True)
 
 
 def page(document: Mapping[str, Any]) -> str:
@@ -38,7 +61,7 @@ def page(document: Mapping[str, Any]) -> str:
     is_of_paper_kind = drive.kind == reference_drive().kind
     compared = comparisons() if is_of_paper_kind else ()
     return page_text(
-        "conformance.html.j2",
+        TEMPLATE,
         result=view,
         drive=shown_drive(document, drive),
         behaviour=shown_behaviour(document, drive),

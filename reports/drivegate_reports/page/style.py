@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -75,12 +76,17 @@ def house_style() -> Iterator[None]:
     """Draw in the house style, whatever the user's own settings are."""
     import matplotlib
 
-    with matplotlib.rc_context():
-        matplotlib.rcdefaults()
-        # Their keys are typed as literals in some versions of matplotlib only.
-        parameters: Any = matplotlib.rcParams
-        parameters.update(_HOUSE)
-        yield
+    # Figures consist of cycles; each search for them would go through all that was loaded before.
+    gc.freeze()
+    try:
+        with matplotlib.rc_context():
+            matplotlib.rcdefaults()
+            # Their keys are typed as literals in some versions of matplotlib only.
+            parameters: Any = matplotlib.rcParams
+            parameters.update(_HOUSE)
+            yield
+    finally:
+        gc.unfreeze()
 
 
 def new_figure(

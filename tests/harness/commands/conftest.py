@@ -131,7 +131,7 @@ class FakeEngine:
 
     def __call__(self, candidate: Candidate, **options: Any) -> Any:
         self.options = options
-        yield CheckStarted(candidate.name, 2)
+        yield CheckStarted(candidate.name, 2, load_drive("paper-5-phase"))
         yield RunDone(1, 2, "a scenario", "CNV-1 +0.1")
         if self.error is not None:
             raise self.error
@@ -153,6 +153,10 @@ class FakeEngine:
             focus=self.focus,
         )
         yield CheckFinished(result)
+
+
+REPORT_FILE = "report.html"
+"""Name of the page of `OnePage`, by which the last line names it before it is written."""
 
 
 class OnePage:

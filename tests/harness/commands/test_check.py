@@ -5,7 +5,7 @@ import xml.etree.ElementTree as ElementTree
 from dataclasses import replace
 
 import pytest
-from tests.harness.commands.conftest import outcome
+from tests.harness.commands.conftest import OnePage, outcome
 
 from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.results.result import Witnessed
@@ -160,6 +160,34 @@ def test_a_report_that_cannot_be_written_is_a_fault_of_drivegate_beside_the_verd
     assert data.document["verdict"] == "pass"
     assert data.document["error"]["exit_code"] == 3
     assert (tmp_path / "drivegate-report" / "result.json").exists()
+
+
+def test_the_verdict_is_printed_and_stored_before_pages_are_written(
+    command, failing, monkeypatch, tmp_path, capsys
+):
+    before = []
+
+    class Page(OnePage):
+        def load(self):
+            write = super().load()
+
+            def noted(document, folder):
+                before.append((capsys.readouterr().out, names(tmp_path / "drivegate-report")))
+                return write(document, folder)
+
+            return noted
+
+    monkeypatch.setattr("drivegate.output.report_writers.entry_points", lambda group: [Page()])
+    assert command("check", "reference").code == 1
+    ((printed, stored),) = before
+    assert "CNV-1 fails (required)" in printed
+    assert printed.splitlines()[-1].startswith("reference: exception, 2 runs")
+    assert {"result.json", "counterexamples/CNV-1.json"} <= set(stored)
+    assert "report.html" not in stored
+    after = names(tmp_path / "drivegate-report")
+    assert set(after) == {*stored, "report.html"}, "a page joins what is stored"
+    mark = json.loads((tmp_path / "drivegate-report" / ".drivegate-report.json").read_text(encoding="utf-8"))
+    assert sorted([*mark["files"], ".drivegate-report.json"]) == after
 
 
 @pytest.mark.parametrize(

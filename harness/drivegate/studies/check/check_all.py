@@ -4,20 +4,21 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from copy import deepcopy
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.output.event_loop import finished
 from drivegate.output.pace import slow_in_words
+from drivegate.output.preparation import Preparation
 from drivegate.output.progress import progress_on
 from drivegate.output.report_folder import ReportFolder
-from drivegate.output.report_writers import WrittenReports
+from drivegate.output.report_writers import page_name, write_reports
 from drivegate.output.result_file import RESULT_FILE, as_json
-from drivegate.output.result_reports import OWN_FORMATS, all_formats, write_result
+from drivegate.output.result_reports import own_formats, page_formats, write_result
 from drivegate.results.result import CheckResult
 from drivegate.studies.check.checked import Checked, summary
 from drivegate.studies.check.part import WHOLE_CHECK, Part, focus_of
@@ -26,6 +27,7 @@ from drivegate_cases.documents.wording import shown_path
 from drivegate_models.errors import HarnessFault, InputError
 
 if TYPE_CHECKING:
+    from drivegate.output.report_writers import LoadWriter
     from drivegate_cases.drive.drive_document import DriveDocument
 
 _Result = TypeVar("_Result")
@@ -52,16 +54,6 @@ class Effort:
 
 
 @dataclass(frozen=True)
-class Place:
-    """Where the files of a candidate are written."""
-
-    staging: Path
-    """Where they are written."""
-    shown: Path
-    """Where they will be."""
-
-
-@dataclass(frozen=True)
 class Records:
     """Files of earlier checks, and of people, that a check takes into account."""
 
@@ -84,37 +76,96 @@ def check_all(
     drive: DriveDocument | None = None,
     drive_named: str | None = None,
     quiet: bool = False,
+    show: Callable[[list[Checked]], None] = lambda _: None,
 ) -> list[Checked]:
     """Check candidates and write their reports; nothing is written where there is no result.
 
-    Each is checked on the drive that is given, else on the one that its manifest names, else on the default.
+    Each is checked on the drive that is given, else on the one that its manifest names, else on the default. `show`
+    gets the verdicts when the results are stored, before the pages are written.
     """
     finish = _finish(sign)
     all_checked = [_resolved(specification) for specification in specifications]
     if all(checked.candidate is None for checked in all_checked):
+        show(all_checked)
         return all_checked
     options = _options(effort, records, [_name(checked) for checked in all_checked])
     options |= {"drive": drive, "drive_named": drive_named}
     if part != WHOLE_CHECK:
         options["focus"] = focus_of(part, [checked.candidate for checked in all_checked], output)
     taken: set[str] = set()
+    writers = page_formats()
+    preparation = Preparation(writers)
     with ReportFolder(output) as folder:
         for checked in all_checked:
             if checked.candidate is not None:
                 inside = "" if len(all_checked) == 1 else _folder_name(checked.candidate.name, taken)
-                place = Place(folder.staging / inside, output / inside)
-                _check(checked, checked.candidate, place, options, finish, quiet=quiet)
-        written = [checked for checked in all_checked if checked.folder is not None]
-        if written:
-            try:
-                if len(all_checked) > 1:
-                    (folder.staging / RESULT_FILE).write_text(as_json(summary(all_checked)), encoding="utf-8")
-                folder.commit()
-            except (OSError, InputError) as error:
-                # What the candidates came to is told all the same.
-                for checked in written:
-                    checked.folder, checked.pages, checked.error = None, (), _unwritten(error, output)
+                checked.folder = output / inside
+                _check(checked, folder.staging / inside, options, finish, preparation, quiet=quiet)
+        _commit(all_checked, folder, output)
+        named = tuple(filter(None, map(page_name, writers.values())))
+        for checked in _stored(all_checked):
+            checked.pages = tuple(checked.folder / page for page in named if checked.folder is not None)
+        show(all_checked)
+        if _stored(all_checked):
+            preparation.wait()
+            _write_pages(all_checked, folder, output, writers, quiet=quiet)
     return all_checked
+
+
+def _stored(all_checked: Sequence[Checked]) -> list[Checked]:
+    return [checked for checked in all_checked if checked.folder is not None]
+
+
+def _commit(all_checked: Sequence[Checked], folder: ReportFolder, output: Path) -> None:
+    """Store the results; where they cannot be stored, the verdicts are shown all the same."""
+    stored = _stored(all_checked)
+    if not stored:
+        return
+    try:
+        _write_summary(all_checked, folder.staging)
+        folder.commit()
+    except (OSError, InputError) as error:
+        for checked in stored:
+            checked.folder, checked.error = None, _unwritten(error, output)
+
+
+def _write_summary(all_checked: Sequence[Checked], folder: Path) -> None:
+    if len(all_checked) > 1:
+        (folder / RESULT_FILE).write_text(as_json(summary(all_checked)), encoding="utf-8")
+
+
+def _write_pages(
+    all_checked: Sequence[Checked],
+    folder: ReportFolder,
+    output: Path,
+    writers: Mapping[str, LoadWriter],
+    *,
+    quiet: bool,
+) -> None:
+    """Add the pages of installed packages to the stored results."""
+    stored = _stored(all_checked)
+    try:
+        with progress_on(None if quiet else sys.stderr) as display, folder.adding() as staging:
+            for checked in stored:
+                assert checked.folder is not None
+                assert checked.document is not None
+                display.begin(_name(checked), len(writers), "writing the report")
+                place = staging / checked.folder.relative_to(output)
+                place.mkdir(exist_ok=True)
+                # Whatever reports do to the document that they get, this one is the result's.
+                written = write_reports(deepcopy(checked.document), place, writers)
+                checked.pages = tuple(checked.folder / page for page in written.pages.values())
+                if written.errors:
+                    problems = "; ".join(written.problems())
+                    checked.error = HarnessFault(
+                        f"{problems}, but the result is in {checked.folder / RESULT_FILE}"
+                    )
+                    checked.error.__cause__ = next(iter(written.errors.values()))
+            if any(checked.error for checked in stored):
+                _write_summary(all_checked, staging)
+    except (OSError, InputError) as error:
+        for checked in stored:
+            checked.pages, checked.error = (), _unwritten(error, output)
 
 
 def _resolved(specification: str) -> Checked:
@@ -175,45 +226,37 @@ def _finish(sign: Path | None) -> Callable[[CheckResult], dict[str, Any]]:
 
 def _check(
     checked: Checked,
-    candidate: Candidate,
-    place: Place,
+    staging: Path,
     options: dict[str, Any],
     finish: Callable[[CheckResult], dict[str, Any]],
+    preparation: Preparation,
     *,
     quiet: bool,
 ) -> None:
+    """Check one candidate, and write its result and the harness's own reports into a folder."""
     # The engine brings the compiled plant, which a candidate that is refused does not need.
     from drivegate.gate.engine import check_candidate
 
-    def work() -> WrittenReports:
+    place, candidate = checked.folder, checked.candidate
+    assert place is not None, "its folder is known"
+    assert candidate is not None, "only a candidate that was found is checked"
+
+    def work() -> bool:
         with progress_on(None if quiet else sys.stderr) as display:
             events = check_candidate(
                 candidate, on_slow=lambda run: display.announce(slow_in_words(run)), **options
             )
-            result = finished(events, display)
-            # Whatever reports do to the document that they get, this one is the result's.
-            checked.document = finish(result)
-            place.staging.mkdir(exist_ok=True)
-            written = write_result(finish(result), place.staging, all_formats())
-        for name, error in written.errors.items():
-            if name in OWN_FORMATS or is_of_the_disk(error):
-                raise error
-        return written
+            checked.document = finish(finished(preparation.following(events), display))
+        staging.mkdir(exist_ok=True)
+        written = write_result(checked.document, staging, own_formats())
+        for error in written.errors.values():
+            raise error
+        return True
 
-    written = _attempted(checked, work)
-    if written is None:
+    if _attempted(checked, work) is None:
+        checked.folder = None
         if checked.document is not None and checked.error is not None:
-            checked.error = _unwritten(checked.error, place.shown)
-        return
-    checked.folder = place.shown
-    checked.pages = tuple(
-        place.shown / page for name, page in written.pages.items() if name not in OWN_FORMATS
-    )
-    if written.errors:
-        checked.error = HarnessFault(
-            f"{'; '.join(written.problems())}, but the result is in {place.shown / RESULT_FILE}"
-        )
-        checked.error.__cause__ = next(iter(written.errors.values()))
+            checked.error = _unwritten(checked.error, place)
 
 
 def _unwritten(error: Exception, place: Path) -> Exception:
