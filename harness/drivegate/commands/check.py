@@ -9,7 +9,16 @@ from typing import TYPE_CHECKING
 import click
 
 from drivegate.commands.conduct import Outcome
-from drivegate.commands.options import bounded, drive_option, json_flag, named_drive, sign_option
+from drivegate.commands.options import (
+    bounded,
+    drive_option,
+    effort_option,
+    folder_option,
+    json_flag,
+    named_drive,
+    sign_option,
+    workers_option,
+)
 from drivegate.output.failure import complain, failure_of
 
 if TYPE_CHECKING:
@@ -20,28 +29,13 @@ DEFAULT_OUTPUT = "drivegate-report"
 
 @click.command("check")
 @click.argument("candidates", nargs=-1, required=True, metavar="CANDIDATE...")
-@click.option(
-    "--output",
-    type=click.Path(path_type=Path),
-    default=DEFAULT_OUTPUT,
-    show_default=True,
-    metavar="DIR",
-    help="Folder of the report.",
-)
+@folder_option(DEFAULT_OUTPUT, "Folder of the report.")
 @drive_option
-@click.option(
-    "--effort",
-    type=click.Choice(["quick", "default", "nightly"]),
-    default="default",
-    show_default=True,
-    help="Number of scenarios that are drawn.",
-)
+@effort_option("Number of scenarios that are drawn.")
 @click.option(
     "--seed", type=click.IntRange(0, 2**63 - 1), default=0, show_default=True, help="Seed of the search."
 )
-@click.option(
-    "--workers", type=click.IntRange(1, 1024), help="Processes; by default as many as there are processors."
-)
+@workers_option
 @click.option(
     "--max-time",
     type=bounded(0.0, above=True),

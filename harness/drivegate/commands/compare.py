@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING
 import click
 
 from drivegate.commands.conduct import Outcome
-from drivegate.commands.options import drives_option, json_option, named_drive
+from drivegate.commands.options import (
+    drives_option,
+    effort_option,
+    folder_option,
+    json_option,
+    named_drive,
+    workers_option,
+)
 from drivegate.output.failure import ExitCode, Failure, complain, failure_of
 
 if TYPE_CHECKING:
@@ -19,31 +26,16 @@ DEFAULT_OUTPUT = "drivegate-comparison"
 
 @click.command("compare")
 @click.argument("candidates", nargs=-1, required=True, metavar="CANDIDATE...")
-@click.option(
-    "--output",
-    type=click.Path(path_type=Path),
-    default=DEFAULT_OUTPUT,
-    show_default=True,
-    metavar="DIR",
-    help="Folder of the report.",
-)
+@folder_option(DEFAULT_OUTPUT, "Folder of the report.")
 @drives_option
-@click.option(
-    "--effort",
-    type=click.Choice(["quick", "default", "nightly"]),
-    default="default",
-    show_default=True,
-    help="Number of operating points, disturbances and repetitions.",
-)
+@effort_option("Number of operating points, disturbances and repetitions.")
 @click.option(
     "--seed",
     type=click.IntRange(0, 2**63 - 1),
     show_default="0",
     help="Seed of noise, of drawn plants, and of the checks' search.",
 )
-@click.option(
-    "--workers", type=click.IntRange(1, 1024), help="Processes; by default as many as there are processors."
-)
+@workers_option
 @click.option(
     "--checks/--no-checks",
     default=True,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from drivegate.commands.conduct import Outcome
-from drivegate.commands.options import chosen_drive, drive_options, json_option
+from drivegate.commands.options import chosen_drive, drive_options, json_option, workers_option
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -32,9 +32,7 @@ if TYPE_CHECKING:
 @click.option(
     "--plot", type=click.Path(path_type=Path), help="Write a figure; the name ends in .png or .svg."
 )
-@click.option(
-    "--workers", type=click.IntRange(1, 1024), help="Processes; by default as many as there are processors."
-)
+@workers_option
 @drive_options
 @json_option
 def command(

@@ -38,6 +38,25 @@ def json_flag(*, exposed: bool) -> Callable[[_Function], _Function]:
 json_option = json_flag(exposed=False)
 """The flag that the command line has read before; here it is only accepted and described."""
 
+workers_option = click.option(
+    "--workers", type=click.IntRange(1, 1024), help="Processes; by default as many as there are processors."
+)
+"""The option that sets the number of processes."""
+
+
+def folder_option(default: str, help_text: str) -> Callable[[_Function], _Function]:
+    """Make the option that names the folder of the output."""
+    path: Any = click.Path(path_type=Path)
+    return click.option(
+        "--output", type=path, default=default, show_default=True, metavar="DIR", help=help_text
+    )
+
+
+def effort_option(help_text: str) -> Callable[[_Function], _Function]:
+    """Make the option that sets how much is done."""
+    efforts = click.Choice(["quick", "default", "nightly"])
+    return click.option("--effort", type=efforts, default="default", show_default=True, help=help_text)
+
 
 def bounded(lowest: float, highest: float = inf, *, above: bool = False) -> Callable[[str], float]:
     """Make the type of an option that is a finite number within limits."""

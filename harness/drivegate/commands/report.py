@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from drivegate.commands.conduct import Outcome
-from drivegate.commands.options import json_option, sign_option
+from drivegate.commands.options import folder_option, json_option, sign_option
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -27,14 +27,7 @@ DEFAULT_OUTPUT = "drivegate-report"
     help="A report to make: an installed one by the name of its entry point, junit or markdown; may be given "
     "again. By default all.",
 )
-@click.option(
-    "--output",
-    type=click.Path(path_type=Path),
-    default=DEFAULT_OUTPUT,
-    show_default=True,
-    metavar="DIR",
-    help="Folder of the reports.",
-)
+@folder_option(DEFAULT_OUTPUT, "Folder of the reports.")
 @sign_option
 @json_option
 def command(file: Path, formats: tuple[str, ...], output: Path, sign: Path | None) -> Outcome:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from drivegate.commands.conduct import Outcome
-from drivegate.commands.options import json_option
+from drivegate.commands.options import folder_option, json_option
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -19,14 +19,7 @@ _COLUMNS = ("published", "ours", "residual", "tolerance", "verdict")
 
 
 @click.command("reproduce")
-@click.option(
-    "--output",
-    type=click.Path(path_type=Path),
-    default=DEFAULT_OUTPUT,
-    show_default=True,
-    metavar="DIR",
-    help="Folder of the page, the figures and the numbers.",
-)
+@folder_option(DEFAULT_OUTPUT, "Folder of the page, the figures and the numbers.")
 @json_option
 def command(output: Path) -> Outcome:
     """Compute every figure and number of the paper that physics can give, beside what is published.

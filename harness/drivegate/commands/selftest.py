@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from drivegate.commands.conduct import Outcome
-from drivegate.commands.options import drive_option, json_option, named_drive
+from drivegate.commands.options import drive_option, json_option, named_drive, workers_option
 from drivegate.output.failure import ExitCode
 
 if TYPE_CHECKING:
@@ -53,9 +53,7 @@ DRAWN = ("half-bridge", "pm-ac")
     is_flag=True,
     help="Leave the fixed scenarios out, and the correct designs: what would drawing alone have caught?",
 )
-@click.option(
-    "--workers", type=click.IntRange(1, 1024), help="Processes; by default as many as there are processors."
-)
+@workers_option
 @click.option(
     "--drives",
     type=click.IntRange(1, MOST_DRIVES),
