@@ -90,7 +90,7 @@ def _checks(scratch: Path) -> Iterator[Row]:
         for drive in _DUTY_DRIVES:
             if (candidate, drive) != ("foc", "pm-ac-interior"):
                 yield _check(scratch, candidate, drive, 0)
-    for kind in ("c", "python", "exec", "compose", "numba"):
+    for kind in ("c", "python", "compose", "numba"):
         yield _check(scratch, str(examples / kind / "candidate.toml"), "paper-5-phase", 0, f"example {kind}")
     firmware = scratch / "firmware"
     made = ("new", "embedded-coder", str(firmware))

@@ -6,8 +6,6 @@ import subprocess
 import sys
 import tomllib
 from datetime import UTC, datetime, timedelta
-from importlib.resources import files
-from pathlib import Path
 
 import pytest
 
@@ -109,12 +107,6 @@ def test_the_wheel_is_drivegate_as_it_is_here(tmp_path):
     *places, digest = ended.stdout.split()
     assert all(place.startswith(str(tmp_path / "there")) for place in places), places
     assert digest == versions()["sources"], "it has other sources"
-
-
-def test_the_program_is_the_one_of_the_examples():
-    examples = Path(__file__).parents[3] / "examples" / "exec"
-    template = files("drivegate").joinpath("templates/new/exec/controller.py")
-    assert template.read_text(encoding="utf-8") == (examples / "controller.py").read_text(encoding="utf-8")
 
 
 def test_its_own_test_runs_and_its_waivers_are_all_needed(tmp_path):

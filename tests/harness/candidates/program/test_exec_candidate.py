@@ -31,7 +31,7 @@ from drivegate_models.contract.current.signals import Command, Nameplate, Sense
 from drivegate_models.errors import InputError
 
 ROOT = Path(__file__).parents[4]
-EXAMPLE = ROOT / "examples" / "exec"
+TEMPLATE = ROOT / "harness/drivegate/templates/new/exec/controller.py"
 NAMEPLATE = Nameplate(
     *(5, 11, 48.0, 52.36, 1500.0, 26.0, 0.0005, 0.25, 0.08, 0.00288, 0.339, 0.05),
     *(1, 2.513, 4.0, 0.576, 0.00417, 157.08),
@@ -230,10 +230,9 @@ def short(scenario: Scenario) -> Scenario:
     return scenario.model_copy(update={"duration_s": 1.0})
 
 
-def test_the_example_gives_the_commands_of_the_same_algorithm_in_the_harness(monkeypatch):
-    monkeypatch.setenv("PATH", f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}")
+def test_the_template_gives_the_commands_of_the_same_algorithm_in_the_harness():
     scenario = short(fixed_scenarios(load_drive("paper-5-phase"))[1])
-    example = load_controller(resolve_candidate(str(EXAMPLE / "candidate.toml")))
+    program = load_controller(resolve_candidate(f"exec:{sys.executable} {TEMPLATE}"))
     builtin = load_controller(resolve_candidate("initial"))
     for _ in range(2):
-        assert run_scenario(scenario, example).digest == run_scenario(scenario, builtin).digest
+        assert run_scenario(scenario, program).digest == run_scenario(scenario, builtin).digest
