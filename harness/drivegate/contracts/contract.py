@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -26,11 +27,29 @@ if TYPE_CHECKING:
     from drivegate_models.contract.layout import Layout
 
 
+@dataclass(frozen=True)
+class Later:
+    """A function or a value that is imported when it is first used."""
+
+    module: str
+    """Full name of its module."""
+    name: str
+    """Its name there."""
+
+    def value(self) -> Any:
+        """Import it."""
+        return getattr(import_module(self.module), self.name)
+
+    def __call__(self, *arguments: Any, **options: Any) -> Any:
+        """Call the function."""
+        return self.value()(*arguments, **options)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Contract:
     """The boundary between a controller and a drive, and everything that is judged by it.
 
-    Whatever is compiled, or takes long to import, is behind a function: a bundle costs nothing until it is called.
+    Whatever is compiled, or takes long to import, is imported by `Later`: a bundle costs nothing until it is called.
     """
 
     name: str
@@ -80,7 +99,7 @@ class Contract:
     nameplate: Callable[[Scenario], Any]
     """Return what a controller is reset with before a scenario."""
     run: Callable[..., Any]
-    """Run a controller once: plant's loop, scenario, controller, and `wrap`, which may put something around it."""
+    """Run a controller once: plant's loop, scenario, controller, and by name `wrap`, to put something around it."""
     given_steps: Callable[[AnyController, Any], GivenSteps]
     """From a controller and its nameplate, return steps through given Senses."""
     plant_state: Callable[[Callable[..., Any], Scenario, NDArray[Any], int], dict[str, Any]]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Final
 
-from drivegate.contracts.contract import Contract
+from drivegate.contracts.contract import Contract, Later
 from drivegate.contracts.current.columns import (
     OBSERVATIONS,
     OUTPUTS,
@@ -17,40 +17,17 @@ from drivegate.contracts.current.columns import (
 from drivegate.contracts.witness import Witness
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from hypothesis.strategies import SearchStrategy
     from numpy.typing import NDArray
 
     from drivegate.candidates.declaration import Declaration
-    from drivegate.checks.check import Check
-    from drivegate.checks.margin import Margin
     from drivegate.containment.messages import AnyController
-    from drivegate.containment.playback import Wrap
-    from drivegate.contracts.comparison import Comparison
     from drivegate.contracts.current.record import CurrentRecord
     from drivegate.contracts.current.run import PrepareLoop
-    from drivegate.contracts.given_steps import GivenSteps
     from drivegate.contracts.trace import RecordedTrace
-    from drivegate.scenarios.drawn_range import DrawnRange
-    from drivegate.scenarios.simplification import Simplification
     from drivegate_cases.drive.drive_document import DriveDocument
     from drivegate_cases.scenario.scenario import Scenario
     from drivegate_models.contract.current.signals import Nameplate
-    from drivegate_models.contract.layout import Layout
-    from drivegate_models.loop.closed_loop import ClosedLoopRun
-
-
-def _checks() -> tuple[Check, ...]:
-    from drivegate.contracts.current.checks.catalogue import CHECKS
-
-    return CHECKS
-
-
-def _numbers(drive: DriveDocument) -> Mapping[str, str]:
-    from drivegate.contracts.current.numbers import numbers
-
-    return numbers(drive)
 
 
 def _fixed_scenarios(drive: DriveDocument, declaration: Declaration) -> tuple[Scenario, ...]:
@@ -81,30 +58,6 @@ def _joint_rows() -> int:
     return len(covering_rows())
 
 
-def _unfair_because(scenario: Scenario) -> str | None:
-    from drivegate.contracts.current.scenarios.feasibility import unfair_because
-
-    return unfair_because(scenario)
-
-
-def _simplifications() -> tuple[Simplification, ...]:
-    from drivegate.contracts.current.scenarios.simplification import SIMPLIFICATIONS
-
-    return SIMPLIFICATIONS
-
-
-def _drawn_range(scenario: Scenario) -> DrawnRange:
-    from drivegate.contracts.current.scenarios.drawn_range import drawn_range
-
-    return drawn_range(scenario)
-
-
-def _unseen(declaration: Declaration, scenario: Scenario) -> CurrentRecord:
-    from drivegate.contracts.current.record import unseen_record
-
-    return unseen_record(declaration, scenario)
-
-
 def _record(
     prepare: PrepareLoop,
     declaration: Declaration,
@@ -128,60 +81,8 @@ def _record(
     return CurrentRecord(scenario, run, declaration)
 
 
-def _judged_window(check: Check, record: Any, margin: Margin | None) -> tuple[float, float]:
-    from drivegate.contracts.current.judged_window import judged_window
-
-    return judged_window(check, record, margin)
-
-
-def _step_seconds(controller: AnyController, record: Any) -> float:
-    from drivegate.contracts.current.timed_steps import current_step_seconds
-
-    return current_step_seconds(controller, record)
-
-
-def _layout() -> Layout:
-    from drivegate_models.contract.layout import CURRENT
-
-    return CURRENT
-
-
 def _nameplate(scenario: Scenario) -> Nameplate:
     return scenario.nameplate()
-
-
-def _run(
-    prepare: PrepareLoop, scenario: Scenario, controller: AnyController, wrap: Wrap | None = None
-) -> ClosedLoopRun:
-    from drivegate.contracts.current.run import run_in_closed_loop
-
-    return run_in_closed_loop(prepare, scenario, controller, wrap=wrap)
-
-
-def _given_steps(controller: AnyController, nameplate: Nameplate) -> GivenSteps:
-    from drivegate.contracts.current.timed_steps import given_steps
-
-    return given_steps(controller, nameplate)
-
-
-def _plant_state(
-    prepare: PrepareLoop, scenario: Scenario, commands: NDArray[Any], step: int
-) -> dict[str, Any]:
-    from drivegate.contracts.current.plant_state import plant_state
-
-    return plant_state(prepare, scenario, commands, step)
-
-
-def _signals(run: ClosedLoopRun) -> dict[str, NDArray[Any]]:
-    from drivegate.contracts.current.figures import signals
-
-    return signals(run)
-
-
-def _recorded_signals(run: ClosedLoopRun) -> dict[str, NDArray[Any]]:
-    from drivegate.contracts.current.figures import recorded_signals
-
-    return recorded_signals(run)
 
 
 def _account(trace: RecordedTrace) -> tuple[str, ...]:
@@ -206,24 +107,6 @@ def _common_cause(trace: RecordedTrace) -> str | None:
     return loss_of_speed(run_signals(trace))
 
 
-def _summary(record: Any) -> dict[str, Any]:
-    from drivegate.contracts.current.figures import summary
-
-    return summary(record)
-
-
-def _observe(record: Any) -> dict[str, float]:
-    from drivegate.contracts.current.figures import observe
-
-    return observe(record)
-
-
-def _comparison() -> Comparison:
-    from drivegate.contracts.current.comparison.declaration import COMPARISON
-
-    return COMPARISON
-
-
 _KINDS: Final = ("half-bridge", "star")
 
 CURRENT: Final = Contract(
@@ -238,7 +121,7 @@ CURRENT: Final = Contract(
             for name in ("angle-table", "golden-section", "quadratic-interpolation", "sweep")
         ),
     ),
-    checks=_checks,
+    checks=Later("drivegate.contracts.current.checks.catalogue", "CHECKS").value,
     families=(
         "steady",
         "constant power",
@@ -258,38 +141,38 @@ CURRENT: Final = Contract(
         "overspeed",
         "vehicle",
     ),
-    numbers=_numbers,
+    numbers=Later("drivegate.contracts.current.numbers", "numbers"),
     fixed_scenarios=_fixed_scenarios,
     drawn_scenarios=_drawn_scenarios,
     joint_scenarios=_joint_scenarios,
     joint_rows=_joint_rows,
-    unfair_because=_unfair_because,
-    simplifications=_simplifications,
-    drawn_range=_drawn_range,
-    unseen=_unseen,
+    unfair_because=Later("drivegate.contracts.current.scenarios.feasibility", "unfair_because"),
+    simplifications=Later("drivegate.contracts.current.scenarios.simplification", "SIMPLIFICATIONS").value,
+    drawn_range=Later("drivegate.contracts.current.scenarios.drawn_range", "drawn_range"),
+    unseen=Later("drivegate.contracts.current.record", "unseen_record"),
     record=_record,
-    judged_window=_judged_window,
-    step_seconds=_step_seconds,
-    layout=_layout,
+    judged_window=Later("drivegate.contracts.current.judged_window", "judged_window"),
+    step_seconds=Later("drivegate.contracts.current.timed_steps", "current_step_seconds"),
+    layout=Later("drivegate_models.contract.layout", "CURRENT").value,
     sensed=SENSED,
     outputs=OUTPUTS,
     plotted=PLOTTED,
     nameplate=_nameplate,
-    run=_run,
-    given_steps=_given_steps,
-    plant_state=_plant_state,
-    signals=_signals,
-    recorded_signals=_recorded_signals,
+    run=Later("drivegate.contracts.current.run", "run_in_closed_loop"),
+    given_steps=Later("drivegate.contracts.current.timed_steps", "given_steps"),
+    plant_state=Later("drivegate.contracts.current.plant_state", "plant_state"),
+    signals=Later("drivegate.contracts.current.figures", "signals"),
+    recorded_signals=Later("drivegate.contracts.current.figures", "recorded_signals"),
     recorded_names=RECORDED_NAMES,
     account=_account,
     marked_angle=_marked_angle,
     common_cause=_common_cause,
-    summary=_summary,
+    summary=Later("drivegate.contracts.current.figures", "summary"),
     summary_rows=SUMMARY_ROWS,
     window_columns=WINDOW_COLUMNS,
     observations=OBSERVATIONS,
-    observe=_observe,
+    observe=Later("drivegate.contracts.current.figures", "observe"),
     rehearsed="published",
-    comparison=_comparison,
+    comparison=Later("drivegate.contracts.current.comparison.declaration", "COMPARISON").value,
 )
 """A current reference and an advance angle, as the paper's controller gives them."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Final
 
-from drivegate.contracts.contract import Contract
+from drivegate.contracts.contract import Contract, Later
 from drivegate.contracts.duty.columns import (
     OBSERVATIONS,
     OUTPUTS,
@@ -17,7 +17,7 @@ from drivegate.contracts.duty.columns import (
 from drivegate.contracts.witness import Witness
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable
 
     from hypothesis.strategies import SearchStrategy
     from numpy.typing import NDArray
@@ -27,30 +27,11 @@ if TYPE_CHECKING:
     from drivegate.checks.margin import Margin
     from drivegate.checks.record import Record
     from drivegate.containment.messages import AnyController
-    from drivegate.containment.playback import Wrap
-    from drivegate.contracts.comparison import Comparison
     from drivegate.contracts.duty.record import DutyRecord
-    from drivegate.contracts.duty.run import DutyClosedLoopRun, PrepareDutyLoop
-    from drivegate.contracts.given_steps import GivenSteps
+    from drivegate.contracts.duty.run import PrepareDutyLoop
     from drivegate.contracts.trace import RecordedTrace
-    from drivegate.scenarios.drawn_range import DrawnRange
-    from drivegate.scenarios.simplification import Simplification
     from drivegate_cases.drive.drive_document import DriveDocument
     from drivegate_cases.scenario.scenario import Scenario
-    from drivegate_models.contract.duty.signals import DutyNameplate
-    from drivegate_models.contract.layout import Layout
-
-
-def _checks() -> tuple[Check, ...]:
-    from drivegate.contracts.duty.checks.catalogue import DUTY_CHECKS
-
-    return DUTY_CHECKS
-
-
-def _numbers(drive: DriveDocument) -> Mapping[str, str]:
-    from drivegate.contracts.duty.numbers import numbers
-
-    return numbers(drive)
 
 
 def _fixed_scenarios(drive: DriveDocument, declaration: Declaration) -> tuple[Scenario, ...]:
@@ -76,30 +57,6 @@ def _no_joint_scenarios(*_: object) -> tuple[Scenario, ...]:
 
 def _no_joint_rows() -> int:
     return 0
-
-
-def _unfair_because(scenario: Scenario) -> str | None:
-    from drivegate.contracts.duty.scenarios.feasibility import unfair_because
-
-    return unfair_because(scenario)
-
-
-def _simplifications() -> tuple[Simplification, ...]:
-    from drivegate.contracts.duty.scenarios.simplification import DUTY_SIMPLIFICATIONS
-
-    return DUTY_SIMPLIFICATIONS
-
-
-def _drawn_range(scenario: Scenario) -> DrawnRange:
-    from drivegate.contracts.duty.scenarios.drawn_range import drawn_range
-
-    return drawn_range(scenario)
-
-
-def _unseen(declaration: Declaration, scenario: Scenario) -> DutyRecord:
-    from drivegate.contracts.duty.unseen import unseen_duty_record
-
-    return unseen_duty_record(declaration, scenario)
 
 
 def _record(
@@ -132,52 +89,6 @@ def _judged_window(_check: Check, record: Record, _margin: Margin | None) -> tup
     return (0.0, record.scenario.duration_s)
 
 
-def _step_seconds(controller: AnyController, record: Record) -> float:
-    from drivegate.contracts.duty.timed_steps import duty_step_seconds
-
-    return duty_step_seconds(controller, record)
-
-
-def _layout() -> Layout:
-    from drivegate_models.contract.layout import DUTY
-
-    return DUTY
-
-
-def _nameplate(scenario: Scenario) -> DutyNameplate:
-    from drivegate.contracts.duty.run import duty_nameplate
-
-    return duty_nameplate(scenario)
-
-
-def _run(
-    prepare: PrepareDutyLoop, scenario: Scenario, controller: AnyController, wrap: Wrap | None = None
-) -> DutyClosedLoopRun:
-    from drivegate.contracts.duty.plant_run import duty_run
-
-    return duty_run(prepare, scenario, controller, wrap)
-
-
-def _given_steps(controller: AnyController, nameplate: DutyNameplate) -> GivenSteps:
-    from drivegate.contracts.duty.timed_steps import given_duty_steps
-
-    return given_duty_steps(controller, nameplate)
-
-
-def _plant_state(
-    prepare: PrepareDutyLoop, scenario: Scenario, commands: NDArray[Any], step: int
-) -> dict[str, Any]:
-    from drivegate.contracts.duty.plant_state import plant_state
-
-    return plant_state(prepare, scenario, commands, step)
-
-
-def _signals(run: DutyClosedLoopRun) -> dict[str, NDArray[Any]]:
-    from drivegate.contracts.duty.figures import signals
-
-    return signals(run)
-
-
 def _account(trace: RecordedTrace) -> tuple[str, ...]:
     from drivegate.contracts.duty.words import duty_account, duty_signals
 
@@ -189,18 +100,6 @@ def _nothing(_trace: RecordedTrace) -> None:
     return
 
 
-def _summary(record: Any) -> dict[str, Any]:
-    from drivegate.contracts.duty.figures import summary
-
-    return summary(record)
-
-
-def _observe(record: Record) -> dict[str, float]:
-    from drivegate.contracts.duty.figures import observe
-
-    return observe(record)
-
-
 def _behaviour(
     run: Callable[[Scenario], Record], drive: DriveDocument, step: Scenario | None
 ) -> dict[str, Any]:
@@ -210,12 +109,6 @@ def _behaviour(
     return behaviour(run, duty_document(drive), step)
 
 
-def _comparison() -> Comparison:
-    from drivegate.contracts.duty.comparison.declaration import COMPARISON
-
-    return COMPARISON
-
-
 DUTY: Final = Contract(
     name="duty",
     default_drive="pm-ac-interior",
@@ -223,7 +116,7 @@ DUTY: Final = Contract(
     witnesses=tuple(
         Witness(name, ("pm-ac",)) for name in ("foc", "predictive-flux", "direct-torque", "foc-loss-model")
     ),
-    checks=_checks,
+    checks=Later("drivegate.contracts.duty.checks.catalogue", "DUTY_CHECKS").value,
     families=(
         "torque step",
         "weakening",
@@ -237,39 +130,39 @@ DUTY: Final = Contract(
         "sensor",
         "failure",
     ),
-    numbers=_numbers,
+    numbers=Later("drivegate.contracts.duty.numbers", "numbers"),
     fixed_scenarios=_fixed_scenarios,
     drawn_scenarios=_drawn_scenarios,
     joint_scenarios=_no_joint_scenarios,
     joint_rows=_no_joint_rows,
-    unfair_because=_unfair_because,
-    simplifications=_simplifications,
-    drawn_range=_drawn_range,
-    unseen=_unseen,
+    unfair_because=Later("drivegate.contracts.duty.scenarios.feasibility", "unfair_because"),
+    simplifications=Later("drivegate.contracts.duty.scenarios.simplification", "DUTY_SIMPLIFICATIONS").value,
+    drawn_range=Later("drivegate.contracts.duty.scenarios.drawn_range", "drawn_range"),
+    unseen=Later("drivegate.contracts.duty.unseen", "unseen_duty_record"),
     record=_record,
     judged_window=_judged_window,
-    step_seconds=_step_seconds,
-    layout=_layout,
+    step_seconds=Later("drivegate.contracts.duty.timed_steps", "duty_step_seconds"),
+    layout=Later("drivegate_models.contract.layout", "DUTY").value,
     sensed=SENSED,
     outputs=OUTPUTS,
     plotted=PLOTTED,
-    nameplate=_nameplate,
-    run=_run,
-    given_steps=_given_steps,
-    plant_state=_plant_state,
-    signals=_signals,
-    recorded_signals=_signals,
+    nameplate=Later("drivegate.contracts.duty.run", "duty_nameplate"),
+    run=Later("drivegate.contracts.duty.plant_run", "duty_run"),
+    given_steps=Later("drivegate.contracts.duty.timed_steps", "given_duty_steps"),
+    plant_state=Later("drivegate.contracts.duty.plant_state", "plant_state"),
+    signals=Later("drivegate.contracts.duty.figures", "signals"),
+    recorded_signals=Later("drivegate.contracts.duty.figures", "signals"),
     recorded_names=RECORDED_NAMES,
     account=_account,
     marked_angle=_nothing,
     common_cause=_nothing,
-    summary=_summary,
+    summary=Later("drivegate.contracts.duty.figures", "summary"),
     summary_rows=SUMMARY_ROWS,
     window_columns=WINDOW_COLUMNS,
     observations=OBSERVATIONS,
-    observe=_observe,
+    observe=Later("drivegate.contracts.duty.figures", "observe"),
     rehearsed="foc-mtpa",
-    comparison=_comparison,
+    comparison=Later("drivegate.contracts.duty.comparison.declaration", "COMPARISON").value,
     behaviour=_behaviour,
 )
 """Three duty ratios, as the firmware of a PM AC drive writes them to its timer."""

@@ -142,7 +142,9 @@ def _run_once(scenario: Scenario, controller: Any, rows: NDArray[Any] | None = N
     def recording(inner: Controller) -> Controller:
         return inner if rows is None else RecordingController(inner, rows)
 
-    contract_of(scenario.drive).run(kind_of(scenario.drive).prepare_loop(), scenario, controller, recording)
+    contract_of(scenario.drive).run(
+        kind_of(scenario.drive).prepare_loop(), scenario, controller, wrap=recording
+    )
 
 
 def _row_of(scenario: Scenario) -> np.dtype[Any]:
