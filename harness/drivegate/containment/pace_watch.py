@@ -5,7 +5,7 @@ from typing import Final
 
 KNOWN_AFTER: Final = 4.0
 """Time of stepping after which the pace is known (s)."""
-LONG: Final = 600.0
+LONG: Final = 60.0
 """Time from which on a run is long (s)."""
 
 

@@ -23,10 +23,14 @@ from drivegate.drives.reach import refuse_unreachable
 from drivegate.gate.behaviour import behaviour_job
 from drivegate.gate.events import (
     CheckFinished,
+    CheckPlan,
     CheckStarted,
     Compiling,
+    DriveFrom,
     Event,
+    Recording,
     RunDone,
+    Running,
     Shrinking,
     WitnessesHeard,
 )
@@ -151,10 +155,11 @@ def check_candidate(
         baseline=baseline,
         focus=focus,
     )
-    yield CheckStarted(candidate.name, sum(item.runs for item in work), judged_on)
+    how = CheckPlan(judged_on, _drive_from(candidate, drive), effort, seed, count)
+    yield CheckStarted(candidate.name, sum(item.runs for item in work), how)
     kinds = uncompiled_kinds([judged_on])
     if kinds:
-        yield Compiling()
+        yield Compiling(kinds)
         compile_kernels(kinds)
 
     waived = {waiver.check for waiver in waivers if waiver.candidate == candidate.name}
@@ -168,6 +173,7 @@ def check_candidate(
     )
     progress = _Progress(None if max_time is None else began + max_time, focus, counting)
     with WorkerPool(candidate, workers=count, on_slow=on_slow) as pool:
+        yield Running()
         yield from _run_all(pool, work, progress)
         if not progress.time_is_up and progress.complete:
             _repeat(pool, progress)
@@ -182,6 +188,7 @@ def check_candidate(
         outcomes = focus.outcomes(judged)
         outcomes = yield from _shrink(pool, outcomes, runs, effort, progress)
         outcomes = yield from _hear(pool, judged_on, outcomes, runs, progress, counts=contested == "fail")
+        yield Recording()
         outcomes, traces = _record(pool, outcomes, progress)
         behaviour = _behave(pool, judged_on, candidate.declaration, outcomes, progress)
     for outcome in outcomes:
@@ -205,6 +212,12 @@ def check_candidate(
     )
     result = replace(result, behaviour=behaviour, contested=contested)
     yield CheckFinished(replace(result, drive_named=drive_named))
+
+
+def _drive_from(candidate: Candidate, named: DriveDocument | None) -> DriveFrom:
+    if named is not None:
+        return "user"
+    return "default" if candidate.drive is None else "manifest"
 
 
 def _run_all(pool: WorkerPool, work: Sequence[Work], progress: _Progress) -> Iterator[Event]:
@@ -270,6 +283,8 @@ def _hear(
     """Run known good controllers where the candidate fails, and contest what none of them meets."""
     accused = [] if progress.time_is_up else accusations(outcomes, runs, drive)
     endings: list[Acquittal | Defence | Fault] = []
+    if accused:
+        yield WitnessesHeard("", 0, len(accused))
     jobs: list[Job[Acquittal | Defence | Fault]] = [accusation.job() for accusation in accused]
     for accusation, ending in zip(accused, pool.map(jobs), strict=True):
         endings.append(ending)

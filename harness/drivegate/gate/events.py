@@ -3,10 +3,29 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Literal, TypeAlias
 
 from drivegate.results.result import CheckResult
 from drivegate_cases.drive.drive_document import DriveDocument
+
+DriveFrom: TypeAlias = Literal["user", "manifest", "default"]
+"""Who named a drive."""
+
+
+@dataclass(frozen=True)
+class CheckPlan:
+    """How a candidate is checked."""
+
+    drive: DriveDocument
+    """The drive that it is judged on."""
+    drive_from: DriveFrom
+    """Who named it."""
+    effort: str
+    """``quick``, ``default`` or ``nightly``."""
+    seed: int
+    """Seed of the search."""
+    workers: int
+    """Number of processes."""
 
 
 @dataclass(frozen=True)
@@ -17,13 +36,21 @@ class CheckStarted:
     """The candidate."""
     planned_runs: int
     """Number of runs at most."""
-    drive: DriveDocument | None = None
-    """The drive that it is judged on; None of a part of a comparison."""
+    plan: CheckPlan | None = None
+    """How it is checked; None of a part of a comparison."""
 
 
 @dataclass(frozen=True)
 class Compiling:
     """The kernels are being compiled, which is done once for each installation and takes a minute."""
+
+    kinds: tuple[str, ...]
+    """The kinds of drives whose kernels are compiled."""
+
+
+@dataclass(frozen=True)
+class Running:
+    """The first run begins."""
 
 
 @dataclass(frozen=True)
@@ -57,11 +84,16 @@ class WitnessesHeard:
     """Known good controllers have been run where a check fails."""
 
     check: str
-    """Identifier of the check."""
+    """Identifier of the check; empty before the first one is done."""
     done: int
     """Failures that are done with."""
     planned: int
     """Number of failures."""
+
+
+@dataclass(frozen=True)
+class Recording:
+    """What the report shows is recorded: runs, and how the candidate behaves."""
 
 
 @dataclass(frozen=True)
@@ -72,4 +104,6 @@ class CheckFinished:
     """The result."""
 
 
-Event: TypeAlias = CheckStarted | Compiling | RunDone | Shrinking | WitnessesHeard | CheckFinished
+Event: TypeAlias = (
+    CheckStarted | Compiling | Running | RunDone | Shrinking | WitnessesHeard | Recording | CheckFinished
+)

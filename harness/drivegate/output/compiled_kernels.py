@@ -18,11 +18,11 @@ def with_compiled_kernels(drives: Iterable[DriveDocument]) -> None:
     """
     kinds = uncompiled_kinds(drives)
     if kinds:
-        write_to(sys.stderr, f"{_announcement(kinds)}\n")
+        write_to(sys.stderr, f"{compiling_in_words(kinds)}\n")
         compile_kernels(kinds)
 
 
-def _announcement(kinds: Iterable[str]) -> str:
+def compiling_in_words(kinds: Iterable[str]) -> str:
     """Say what is compiled and how long it takes; kinds are compiled at the same time."""
     times = " and ".join(f"about {DRIVE_KINDS[kind].compiling_s} s for {kind} drives" for kind in kinds)
     return f"compiling the kernels, which is done once and takes {times} on 2 processors"

@@ -4,7 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from drivegate.gate.events import CheckFinished, CheckStarted, Event, RunDone, Shrinking, WitnessesHeard
+from drivegate.candidates.contract import CANDIDATES
+from drivegate.gate.events import (
+    CheckFinished,
+    CheckPlan,
+    CheckStarted,
+    Compiling,
+    Event,
+    Recording,
+    RunDone,
+    Running,
+    Shrinking,
+    WitnessesHeard,
+)
+from drivegate.output.compiled_kernels import compiling_in_words
 from drivegate.output.pace import CheckPace
 from drivegate.output.progress import Display
 from drivegate.results.result import CheckResult
@@ -24,14 +37,16 @@ def followed(events: Iterable[Event], display: Display) -> CheckResult | None:
 def _with_pace(events: Iterable[Event], display: Display, pace: CheckPace) -> Iterator[Event]:
     """Tell of a check that will take hours, as its events go by."""
     for event in events:
+        if isinstance(event, CheckStarted) and event.plan is not None:
+            pace.begin(event.planned_runs, event.plan.workers)
         if isinstance(event, RunDone) and (words := pace.slow_in_words(event.done, event.planned)):
             display.announce(words)
         yield event
 
 
-def finished(events: Iterable[Event], display: Display) -> CheckResult:
-    """Show every event of a check, and give its result; tell if it will take hours."""
-    result = followed(_with_pace(events, display, CheckPace()), display)
+def finished(events: Iterable[Event], display: Display, pace: CheckPace | None = None) -> CheckResult:
+    """Show every event of a check, and return its result; announce if it will take long."""
+    result = followed(_with_pace(events, display, pace or CheckPace()), display)
     if result is None:
         raise HarnessFault("the check ended without a result")
     return result
@@ -39,14 +54,32 @@ def finished(events: Iterable[Event], display: Display) -> CheckResult:
 
 def _show(event: Event, display: Display) -> None:
     if isinstance(event, CheckStarted):
+        if event.plan is not None:
+            display.headline(_headline(event.candidate_name, event.plan))
         display.begin(event.candidate_name, event.planned_runs)
+    elif isinstance(event, Compiling):
+        display.phase(compiling_in_words(event.kinds))
+    elif isinstance(event, Running):
+        display.phase("running")
     elif isinstance(event, RunDone):
         worst = f"least margin so far {event.worst}" if event.worst else ""
         told = (worst, display.time_left(event.done, event.planned))
         display.advance(event.done, event.planned, ", ".join(filter(None, told)), unit="runs")
     elif isinstance(event, Shrinking):
-        display.remark(f"shrinking counterexamples: {event.done} of {event.planned}")
+        display.phase("shrinking counterexamples", event.done, event.planned)
     elif isinstance(event, WitnessesHeard):
-        display.remark(f"running known good controllers in counterexamples: {event.done} of {event.planned}")
-    elif isinstance(event, CheckFinished):
-        display.remark(f"{event.result.runs} runs made, {event.result.verdict}", always=True)
+        display.phase("running known good controllers in counterexamples", event.done, event.planned)
+    elif isinstance(event, Recording):
+        display.phase("recording what the report shows")
+
+
+def _headline(name: str, plan: CheckPlan) -> str:
+    chosen = {
+        "user": "",
+        "manifest": " (from its manifest)",
+        "default": f" (default for {CANDIDATES[plan.drive.contract]})",
+    }
+    return (
+        f"{name} on {plan.drive.name}{chosen[plan.drive_from]}, contract {plan.drive.contract}, "
+        f"effort {plan.effort}, seed {plan.seed}"
+    )

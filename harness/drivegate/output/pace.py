@@ -11,10 +11,11 @@ from drivegate.containment.pace_watch import Pace, SlowRun
 from drivegate.output.progress import duration_in_words
 from drivegate.output.streams import write_to
 
-LONG_CHECK: Final = 3600.0
+LONG_CHECK: Final = 300.0
 """Time that is left of a check from which on it is long (s)."""
-CHECK_KNOWN_AFTER: Final = 20.0
+CHECK_KNOWN_AFTER: Final = 5.0
 """Time between two looks at a check from which its pace is known (s)."""
+_SHORTER: Final = "--effort quick or --only makes it shorter, and --max-time ends it"
 
 
 class CheckPace:
@@ -24,6 +25,11 @@ class CheckPace:
         self._clock = clock
         self._pace = Pace()
         self._told = False
+        self._shared_runs: float | None = None
+
+    def begin(self, planned: int, workers: int) -> None:
+        """Note how many runs are shared by how many processes."""
+        self._shared_runs = planned / workers
 
     def slow_in_words(self, done: int, planned: int) -> str:
         """Tell once how long the rest takes, where it is long; otherwise nothing."""
@@ -35,10 +41,16 @@ class CheckPace:
         if left < LONG_CHECK:
             return ""
         self._told = True
-        return (
-            f"at this pace this check takes about {duration_in_words(left)} more; --effort quick or --only makes it "
-            "shorter, and --max-time ends it"
-        )
+        return f"at this pace this check takes about {duration_in_words(left)} more; {_SHORTER}"
+
+    def slow_run_in_words(self, run: SlowRun) -> str:
+        """Project the whole check from its first slow run."""
+        words = slow_in_words(run)
+        if self._shared_runs is None or self._told or run.seconds > run.allowed_seconds:
+            return words
+        self._told = True
+        whole = duration_in_words(self._shared_runs * run.seconds)
+        return f"{words}, and this check about {whole}; {_SHORTER}"
 
 
 def slow_in_words(run: SlowRun) -> str:

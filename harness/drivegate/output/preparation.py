@@ -23,7 +23,7 @@ class Preparation:
         drive: DriveDocument | None = None
         for event in events:
             if isinstance(event, CheckStarted):
-                drive = event.drive
+                drive = None if event.plan is None else event.plan.drive
             elif isinstance(event, RunDone) and drive is not None and drive not in self._threads:
                 self._threads[drive] = Thread(target=self._prepare, args=(drive,), daemon=True)
                 self._threads[drive].start()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -13,8 +12,10 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from drivegate.output.console import console_for, plain
 from drivegate_cases.documents.wording import one_line
 
-SECONDS_BETWEEN_LINES: Final = 2.0
-"""Least time between two lines where the output is no terminal (s)."""
+SECONDS_BETWEEN_LINES: Final = 30.0
+"""Least time between two lines of a phase where the output is no terminal (s)."""
+SHARE_BETWEEN_LINES: Final = 0.1
+"""Least share of the work between these two lines."""
 
 
 class Display:
@@ -24,19 +25,27 @@ class Display:
         self._title = ""
         self._began = time.monotonic()
 
-    def begin(self, title: str, total: int, words: str = "compiling and starting") -> None:
-        """Begin a piece of work of so many parts; a line has nothing to report of it yet."""
+    def begin(self, title: str, total: int | None = None, words: str = "starting") -> None:
+        """Begin a piece of work of so many parts, None where they are not counted."""
         self._title = one_line(title)
         self._began = time.monotonic()
         self._begin_bar(total, words)
 
+    def headline(self, words: str) -> None:
+        """Print, on a line of its own that stays, what the work is."""
+
+    def phase(self, words: str, done: int = 0, total: int | None = None) -> None:
+        """Enter a phase of the work, or report how many of its parts are done."""
+        self._move_bar(words, done, total)
+        self._print(words if total is None else f"{words}: {done} of {total}", done, total, always=done == 0)
+
     def advance(
         self, done: int, total: int, words: str = "", *, unit: str = "", always: bool = False
     ) -> None:
-        """Tell how many parts are done, on a line of its own `always` or when the last one was long enough ago."""
+        """Report how many parts are done; `always` on a line of its own, else on one only now and then."""
         counted = f"{done} of {total} {unit}".rstrip()
         self._move_bar(words, done, total)
-        self._print(f"{counted}, {words}" if words else counted, always)
+        self._print(f"{counted}, {words}" if words else counted, done, total, always=always)
 
     def time_left(self, done: int, total: int) -> str:
         """Tell how long the rest takes at the rate so far; nothing before there is one."""
@@ -44,21 +53,16 @@ class Display:
             return ""
         return f"{duration_in_words((time.monotonic() - self._began) * (total - done) / done)} left"
 
-    def remark(self, words: str, *, always: bool = False) -> None:
-        """Tell what is no part done."""
-        self._move_bar(words)
-        self._print(words, always)
-
     def announce(self, words: str) -> None:
         """Tell at once, on a line of its own that stays, what is told but once."""
 
-    def _begin_bar(self, total: int, words: str) -> None:
+    def _begin_bar(self, total: int | None, words: str) -> None:
         """Show a new bar."""
 
-    def _move_bar(self, words: str, done: int | None = None, total: int | None = None) -> None:
-        """Show the bar as it is now."""
+    def _move_bar(self, words: str, done: int, total: int | None) -> None:
+        """Show the bar as it is now; it pulses where parts are not counted."""
 
-    def _print(self, words: str, always: bool) -> None:
+    def _print(self, words: str, done: int, total: int | None, *, always: bool) -> None:
         """Print a line."""
 
 
@@ -79,9 +83,7 @@ def progress_on(stream: TextIO | None) -> Iterator[Display]:
         ) as bars:
             yield _Bar(bars)
     else:
-        lines = _Lines(stream)
-        with lines.beating():
-            yield lines
+        yield _Lines(stream)
 
 
 class _Bar(Display):
@@ -89,67 +91,63 @@ class _Bar(Display):
         super().__init__()
         self._bars = bars
 
-    def _begin_bar(self, total: int, words: str) -> None:
-        self._task = self._bars.add_task(self._title, total=total, words=words)
+    def _begin_bar(self, total: int | None, words: str) -> None:
+        for shown in self._bars.task_ids:
+            self._bars.remove_task(shown)
+        self._task = self._bars.add_task(self._title, total=total, words=one_line(words))
 
-    def _move_bar(self, words: str, done: int | None = None, total: int | None = None) -> None:
-        self._bars.update(self._task, completed=done, total=total, words=one_line(words))
+    def _move_bar(self, words: str, done: int, total: int | None) -> None:
+        self._bars.update(self._task, completed=done, words=one_line(words))
+        # An update with no total would leave the last one.
+        self._bars.tasks[0].total = total
+
+    def headline(self, words: str) -> None:
+        self._bars.console.print(plain(words))
 
     def announce(self, words: str) -> None:
         self._bars.console.print(plain(f"{self._title}: {words}"))
 
 
 class _Lines(Display):
+    """Few lines, for the log of a machine: phases, then a part of the work that took a while; none twice."""
+
     def __init__(self, stream: TextIO) -> None:
         super().__init__()
         self._stream: TextIO | None = stream
-        self._next = 0.0
-        self._last = ""
-        self._turn = threading.Lock()
+        self._next = (0.0, 0.0)
+        self._printed: set[str] = set()
 
-    @contextmanager
-    def beating(self) -> Iterator[None]:
-        """Tell that work goes on, as long as the context lasts, where nothing else has been told for a while."""
-        ended = threading.Event()
-        beat = threading.Thread(target=self._beat, args=(ended,), daemon=True)
-        beat.start()
-        try:
-            yield
-        finally:
-            ended.set()
-            beat.join()
+    def _begin_bar(self, total: int | None, words: str) -> None:  # noqa: ARG002  (what a bar needs)
+        self._print_next_after(0.0)
 
-    def _beat(self, ended: threading.Event) -> None:
-        while not ended.wait(SECONDS_BETWEEN_LINES / 4.0):
-            due = max(self._next, self._began + SECONDS_BETWEEN_LINES)
-            if self._title and time.monotonic() >= due - SECONDS_BETWEEN_LINES / 4.0:
-                told = f"{self._last}, " if self._last else ""
-                self._write(f"{told}{duration_in_words(time.monotonic() - self._began)} so far")
-
-    def _begin_bar(self, total: int, words: str) -> None:  # noqa: ARG002  (what a bar needs)
-        self._last = words
+    def headline(self, words: str) -> None:
+        self._put(one_line(words))
 
     def announce(self, words: str) -> None:
-        self._write(words)
+        self._put(f"{self._title}: {one_line(words)}")
 
-    def _print(self, words: str, always: bool) -> None:
-        self._last = words
-        if always or time.monotonic() >= self._next:
-            self._write(words)
+    def _print(self, words: str, done: int, total: int | None, *, always: bool) -> None:
+        share = done / total if total else 0.0
+        now, next_share = time.monotonic(), self._next[1]
+        # The shares of parts add up to a tenth only almost.
+        due = share > next_share - 1e-9 and now >= self._next[0]
+        if (always or due) and self._put(f"{self._title}: {one_line(words)}"):
+            self._print_next_after(share)
 
-    def _write(self, words: str) -> None:
-        with self._turn:
-            self._next = time.monotonic() + SECONDS_BETWEEN_LINES
-            self._put(words)
+    def _print_next_after(self, share: float) -> None:
+        self._next = (time.monotonic() + SECONDS_BETWEEN_LINES, share + SHARE_BETWEEN_LINES)
 
-    def _put(self, words: str) -> None:
-        if self._stream is None:
-            return
+    def _put(self, line: str) -> bool:
+        """Print a line unless it has been printed before."""
+        if self._stream is None or line in self._printed:
+            return False
+        self._printed.add(line)
         try:
-            print(f"{self._title}: {one_line(words)}", file=self._stream, flush=True)
+            print(line, file=self._stream, flush=True)
         except (OSError, ValueError):
             # Progress that nobody reads is no reason to end what it is about.
             self._stream = None
+        return True
 
 
 def with_rate(
@@ -176,7 +174,7 @@ def with_rate(
             words = (
                 f"{made / seconds:.3g} {unit}/s, {duration_in_words((total - done) * seconds / made)} left"
             )
-        display.advance(done, total, words, unit=unit, always=done >= total)
+        display.advance(done, total, words, unit=unit, always=done == before or done >= total)
 
     return report
 

@@ -38,7 +38,9 @@ def test_a_pass_is_reported_and_reported(command, engine, tmp_path):
     assert "reference: pass" in ended.out
     assert "report: drivegate-report/report.html" in ended.out
     assert "a report that prints" not in ended.out
-    assert "reference: 1 of 2 runs" in ended.err
+    assert ended.err.splitlines()[0] == (
+        "reference on paper-5-phase (default for current-reference candidates), contract current, effort quick, seed 0"
+    )
     assert names(tmp_path / "drivegate-report") == FILES
 
 
@@ -210,7 +212,7 @@ def test_bad_input_is_refused_in_one_sentence(refused, engine, words, reason):
 
 
 def test_a_class_without_step_is_refused_and_leaves_nothing(refused, controllers):
-    assert "no method 'step'" in refused("check", f"{controllers}:WithoutStep")
+    assert "no method 'step'" in refused("check", f"{controllers}:WithoutStep", "--quiet")
 
 
 def test_a_folder_of_somebody_else_is_refused(refused, engine, tmp_path):

@@ -33,10 +33,10 @@ def test_what_is_fast_or_not_known_yet_is_not_told(looks):
     assert told(looks) == []
 
 
-def test_what_is_not_ended_as_a_hang_is_told_from_ten_minutes_on():
+def test_what_is_not_ended_as_a_hang_is_told_from_one_minute_on():
     looks = [(0.0, 2), (4.0, 1002)]
-    assert told(looks, steps=149_000, allowed=2 * HOUR) == []
-    assert told(looks, steps=151_000, allowed=2 * HOUR)[0].seconds == pytest.approx(604.0)
+    assert told(looks, steps=14_900, allowed=2 * HOUR) == []
+    assert told(looks, steps=15_100, allowed=2 * HOUR)[0].seconds == pytest.approx(60.4)
 
 
 def test_the_count_of_the_run_before_is_not_taken_for_its_own():

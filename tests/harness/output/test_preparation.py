@@ -5,11 +5,15 @@ from types import ModuleType
 
 import pytest
 
-from drivegate.gate.events import CheckStarted, Compiling, RunDone
+from drivegate.gate.events import CheckPlan, CheckStarted, Compiling, RunDone
 from drivegate.output.preparation import Preparation
 from drivegate_cases.drive.drive_document import load_drive
 
 RUN = RunDone(1, 2, "a scenario", "")
+
+
+def plan_on(drive):
+    return CheckPlan(drive, "user", "quick", 0, 1)
 
 
 @pytest.fixture
@@ -27,7 +31,7 @@ def report(monkeypatch):
 def test_a_report_is_prepared_once_for_a_drive_from_its_first_run_on(report):
     preparation = Preparation({"page": lambda: report.write})
     drive = load_drive("paper-5-phase")
-    events = [CheckStarted("mine", 2, drive), Compiling(), RUN, RUN]
+    events = [CheckStarted("mine", 2, plan_on(drive)), Compiling(()), RUN, RUN]
     passed = preparation.following(events)
     assert [next(passed), next(passed)] == events[:2]
     preparation.wait()
@@ -45,5 +49,5 @@ def test_a_preparation_that_fails_is_left_to_the_report(report, broken):
 
     report.prepare = fails
     preparation = Preparation({"page": fails if broken == "load" else lambda: report.write})
-    assert list(preparation.following([CheckStarted("mine", 2, load_drive("paper-5-phase")), RUN]))
+    assert list(preparation.following([CheckStarted("mine", 2, plan_on(load_drive("paper-5-phase"))), RUN]))
     preparation.wait()

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.output.event_loop import finished
-from drivegate.output.pace import slow_in_words
+from drivegate.output.pace import CheckPace
 from drivegate.output.preparation import Preparation
 from drivegate.output.progress import progress_on
 from drivegate.output.report_folder import ReportFolder
@@ -84,7 +84,11 @@ def check_all(
     gets the verdicts when the results are stored, before the pages are written.
     """
     finish = _finish(sign)
-    all_checked = [_resolved(specification) for specification in specifications]
+    all_checked = []
+    with progress_on(None if quiet else sys.stderr) as display:
+        for specification in specifications:
+            display.begin(specification, words="loading")
+            all_checked.append(_resolved(specification))
     if all(checked.candidate is None for checked in all_checked):
         show(all_checked)
         return all_checked
@@ -149,7 +153,7 @@ def _write_pages(
             for checked in stored:
                 assert checked.folder is not None
                 assert checked.document is not None
-                display.begin(_name(checked), len(writers), "writing the report")
+                display.begin(_name(checked), words="writing the report")
                 place = staging / checked.folder.relative_to(output)
                 place.mkdir(exist_ok=True)
                 # Whatever reports do to the document that they get, this one is the result's.
@@ -234,21 +238,25 @@ def _check(
     quiet: bool,
 ) -> None:
     """Check one candidate, and write its result and the harness's own reports into a folder."""
-    # The engine brings the compiled plant, which a candidate that is refused does not need.
-    from drivegate.gate.engine import check_candidate
-
     place, candidate = checked.folder, checked.candidate
     assert place is not None, "its folder is known"
     assert candidate is not None, "only a candidate that was found is checked"
 
     def work() -> bool:
         with progress_on(None if quiet else sys.stderr) as display:
+            display.begin(candidate.name)
+            # The engine brings the compiled plant, which a candidate that is refused does not need.
+            from drivegate.gate.engine import check_candidate
+
+            pace = CheckPace()
             events = check_candidate(
-                candidate, on_slow=lambda run: display.announce(slow_in_words(run)), **options
+                candidate, on_slow=lambda run: display.announce(pace.slow_run_in_words(run)), **options
             )
-            checked.document = finish(finished(preparation.following(events), display))
-        staging.mkdir(exist_ok=True)
-        written = write_result(checked.document, staging, own_formats())
+            checked.document = finish(finished(preparation.following(events), display, pace))
+            # Announced here, so that the verdict is the last line of a log.
+            display.phase("writing the report")
+            staging.mkdir(exist_ok=True)
+            written = write_result(checked.document, staging, own_formats())
         for error in written.errors.values():
             raise error
         return True

@@ -85,7 +85,7 @@ def prepared(drive: DriveDocument) -> Iterator[Event]:
     """Compile the kernels of a drive's kind if they are still to be compiled."""
     kinds = uncompiled_kinds([drive])
     if kinds:
-        yield Compiling()
+        yield Compiling(kinds)
         compile_kernels(kinds)
 
 
