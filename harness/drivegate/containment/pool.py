@@ -17,10 +17,15 @@ from drivegate.containment.stall_watch import WorkerLimits
 _LOOK_EVERY = 0.25
 
 
+class WorkEnded(Exception):
+    """Somebody has requested that work ends with what is known so far."""
+
+
 class WorkerPool:
     """Several judges of one candidate, each with a process of the candidate's, watched by a single thread.
 
-    `on_slow` is called with the first run that will take long, while it runs.
+    `on_slow` is called with the first run that will take long, while it runs. Waiting for jobs raises `WorkEnded` as
+    soon as `is_ended` returns True.
     """
 
     def __init__(
@@ -30,10 +35,12 @@ class WorkerPool:
         workers: int,
         limits: WorkerLimits | None = None,
         on_slow: Callable[[SlowRun], None] | None = None,
+        is_ended: Callable[[], bool] = lambda: False,
     ) -> None:
         told = None if on_slow is None else _once(on_slow)
         self._workers = [JudgeProcess(candidate, limits, told) for _ in range(max(workers, 1))]
         self._final: Fault | None = None
+        self._is_ended = is_ended
 
     def map(self, jobs: Iterable[Job[ResultT]]) -> Iterator[ResultT | Fault]:
         """Do jobs side by side; one that hangs is tried once more with no other beside it.
@@ -41,7 +48,7 @@ class WorkerPool:
         Leaving the iteration ends the jobs that are still under way. A fault while loading, and a hang in the second
         try, hold for every job that has not been started by then, also for those of later calls.
         """
-        schedule = _Schedule(self._workers, jobs, self._final)
+        schedule = _Schedule(self._workers, jobs, self._is_ended, self._final)
         try:
             for index in range(schedule.total):
                 yield schedule.outcome(index)
@@ -71,9 +78,14 @@ class _Schedule(Generic[ResultT]):
     """Who does which job, and what has come of it."""
 
     def __init__(
-        self, workers: list[JudgeProcess], jobs: Iterable[Job[ResultT]], final: Fault | None = None
+        self,
+        workers: list[JudgeProcess],
+        jobs: Iterable[Job[ResultT]],
+        is_ended: Callable[[], bool],
+        final: Fault | None = None,
     ) -> None:
         self._workers = workers
+        self._is_ended = is_ended
         self._jobs = list(jobs)
         self.total = len(self._jobs)
         self._waiting = deque(range(self.total))
@@ -87,6 +99,8 @@ class _Schedule(Generic[ResultT]):
 
     def outcome(self, index: int) -> ResultT | Fault:
         while index not in self._outcomes:
+            if self._is_ended():
+                raise WorkEnded
             self._dispatch()
             wait(self._waitables(), _LOOK_EVERY)
             self._collect()

@@ -16,7 +16,7 @@ from drivegate.checks.judging import InfeasibleScenario, JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin, margin_in_words
 from drivegate.containment.messages import Job
 from drivegate.containment.pace_watch import SlowRun
-from drivegate.containment.pool import WorkerPool
+from drivegate.containment.pool import WorkEnded, WorkerPool
 from drivegate.contracts.catalogue import CONTRACTS, all_checks, contract_of
 from drivegate.drives.choice import drive_for
 from drivegate.drives.reach import refuse_unreachable
@@ -80,6 +80,7 @@ class _Progress:
     infeasible: list[InfeasibleScenario] = field(default_factory=list)
     complete: bool = True
     stopped: bool = False
+    incomplete: str | None = None
 
     def add(self, work: Work, outcome: ShardOutcome | Fault) -> None:
         if isinstance(outcome, Fault):
@@ -102,9 +103,11 @@ class _Progress:
             return False
         return bool(self.faults) or self.focus.broken_by(self.all_runs, self.counting)
 
-    @property
-    def time_is_up(self) -> bool:
-        return self.deadline is not None and time.monotonic() > self.deadline
+    def cuts_short(self) -> bool:
+        """Return True if no more work may begin; called where there is some, so that the check is incomplete then."""
+        if self.incomplete is None and self.deadline is not None and time.monotonic() > self.deadline:
+            self.incomplete = "max time"
+        return self.incomplete is not None
 
 
 def check_candidate(
@@ -124,9 +127,11 @@ def check_candidate(
     contested: str = "pass",
     focus: Focus = WHOLE,
     on_slow: Callable[[SlowRun], None] | None = None,
+    is_ended: Callable[[], bool] = lambda: False,
 ) -> Iterator[Event]:
     """Check a candidate on a drive, and tell what is done as events; `on_slow` is told of a run that will take long.
 
+    Once `is_ended` returns True, the check ends with what its runs have shown by then.
     `drive_named` is the string that named the drive, which the result repeats.
     """
     if effort not in EXAMPLES:
@@ -172,11 +177,16 @@ def check_candidate(
         - waived
     )
     progress = _Progress(None if max_time is None else began + max_time, focus, counting)
-    with WorkerPool(candidate, workers=count, on_slow=on_slow) as pool:
+    traces: tuple[dict[str, list[float]], ...] = ()
+    behaviour: dict[str, Any] | None = None
+    with WorkerPool(candidate, workers=count, on_slow=on_slow, is_ended=is_ended) as pool:
         yield Running()
-        yield from _run_all(pool, work, progress)
-        if not progress.time_is_up and progress.complete:
-            _repeat(pool, progress)
+        try:
+            yield from _run_all(pool, work, progress)
+            if progress.complete and not progress.cuts_short():
+                _repeat(pool, progress)
+        except WorkEnded:
+            progress.complete, progress.incomplete = False, "interrupted"
         runs = progress.all_runs
         judged = check_outcomes(
             runs,
@@ -186,11 +196,15 @@ def check_candidate(
             named=focus.only,
         )
         outcomes = focus.outcomes(judged)
-        outcomes = yield from _shrink(pool, outcomes, runs, effort, progress)
-        outcomes = yield from _hear(pool, judged_on, outcomes, runs, progress, counts=contested == "fail")
-        yield Recording()
-        outcomes, traces = _record(pool, outcomes, progress)
-        behaviour = _behave(pool, judged_on, candidate.declaration, outcomes, progress)
+        try:
+            outcomes = yield from _shrink(pool, outcomes, runs, effort, progress)
+            outcomes = yield from _hear(pool, judged_on, outcomes, runs, progress, counts=contested == "fail")
+            if not progress.cuts_short():
+                yield Recording()
+            outcomes, traces = _record(pool, outcomes, progress)
+            behaviour = _behave(pool, judged_on, candidate.declaration, outcomes, progress)
+        except WorkEnded:
+            progress.incomplete = "interrupted"
     for outcome in outcomes:
         if outcome.id == REPEATED and outcome.verdict == "fail":
             message = f"the same scenario was answered differently when it was repeated: {outcome.measured}"
@@ -232,7 +246,7 @@ def _run_all(pool: WorkerPool, work: Sequence[Work], progress: _Progress) -> Ite
         done += made
         yield RunDone(done, planned, item.label, _worst(progress.all_runs, progress.focus))
         progress.stopped = progress.stops_here and item is not work[-1]
-        if progress.stopped or (progress.time_is_up and done < planned):
+        if progress.stopped or (done < planned and progress.cuts_short()):
             progress.complete = False
             break
 
@@ -256,7 +270,7 @@ def _shrink(
 ) -> Generator[Event, None, tuple[CheckOutcome, ...]]:
     """Make the failures simpler, and return the outcomes with their counterexamples."""
     failures = simplest_failures(outcomes, runs)
-    shrinking = [failure for failure in failures if failure.shrinks() and not progress.time_is_up]
+    shrinking = [failure for failure in failures if failure.shrinks() and not progress.cuts_short()]
     shrunk: dict[str, Shrunk | Fault | None] = {}
     if shrinking:
         yield Shrinking("", 0, len(shrinking))
@@ -266,7 +280,7 @@ def _shrink(
             if isinstance(ending, Fault):
                 progress.add_fault(ending)
             yield Shrinking(failure.check, len(shrunk), len(shrinking))
-            if progress.time_is_up:
+            if len(shrunk) < len(shrinking) and progress.cuts_short():
                 break
     return tuple(with_simplest(outcome, failures, shrunk) for outcome in outcomes)
 
@@ -281,7 +295,9 @@ def _hear(
     counts: bool,
 ) -> Generator[Event, None, tuple[CheckOutcome, ...]]:
     """Run known good controllers where the candidate fails, and contest what none of them meets."""
-    accused = [] if progress.time_is_up else accusations(outcomes, runs, drive)
+    accused = accusations(outcomes, runs, drive)
+    if accused and progress.cuts_short():
+        accused = []
     endings: list[Acquittal | Defence | Fault] = []
     if accused:
         yield WitnessesHeard("", 0, len(accused))
@@ -296,7 +312,7 @@ def _record(
     pool: WorkerPool, outcomes: tuple[CheckOutcome, ...], progress: _Progress
 ) -> tuple[tuple[CheckOutcome, ...], tuple[dict[str, list[float]], ...]]:
     """Keep the signals of the runs that reports show."""
-    plans = [] if progress.time_is_up else recording_plans(outcomes)
+    plans = [] if progress.cuts_short() else recording_plans(outcomes)
     mapped = pool.map([recording_job(plan) for plan in plans])
     endings = list(mapped)
     for ending in endings:
@@ -315,7 +331,7 @@ def _behave(
     """Measure how a candidate without faults behaves, where all of it was judged."""
     job = behaviour_job(drive, declaration, outcomes)
     whole = progress.complete and not progress.faults and not progress.focus.only
-    if job is None or not whole or progress.time_is_up:
+    if job is None or not whole or progress.cuts_short():
         return None
     (ending,) = pool.map([job])
     if isinstance(ending, Fault):
@@ -356,6 +372,7 @@ def _result(
         fail_on=fail_on,
         traces=traces,
         focus=progress.focus.document(stopped=progress.stopped),
+        incomplete=progress.incomplete,
     )
 
 

@@ -67,6 +67,9 @@ class ReportFolder:
         except OSError as error:
             self._leave()
             raise _unusable(self._shown, error) from error
+        except BaseException:
+            self._leave()
+            raise
         return self
 
     def __exit__(

@@ -242,6 +242,11 @@ class ResultDocument(Document):
     focus: FocusSection | None = Field(
         default=None, description="what the check was confined to; null for a whole one"
     )
+    incomplete: Literal["interrupted", "max time"] | None = Field(
+        default=None,
+        description="what ended the check before all of it was done: a signal, or the option --max-time; null where "
+        "nothing did",
+    )
     checks: tuple[CheckSection, ...] = Field(
         description="outcome of every check that was judged, in the order of the catalogue"
     )

@@ -193,6 +193,8 @@ class CheckResult:
     focus: dict[str, Any] | None = None
     """Under ``only`` the checks that were judged (empty for all), under ``stopped_at_first`` whether the
     check ended with the first failure; None for a whole check."""
+    incomplete: str | None = None
+    """``interrupted`` or ``max time`` where the check ended before all of it was done; None for a check to its end."""
     drive_named: str | None = None
     """The string that named the drive; None where the candidate's manifest or nothing did."""
 
@@ -226,6 +228,7 @@ class CheckResult:
             "fail_on": self.fail_on,
             "contested": self.contested,
             "focus": self.focus,
+            "incomplete": self.incomplete,
             "checks": [asdict(outcome) for outcome in self.checks],
             "faults": [_fault_document(fault) for fault in self.faults],
             "runs": self.runs,

@@ -4,10 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from shlex import quote
-from typing import Any
+from types import MappingProxyType
+from typing import Any, Final
 
 from drivegate.checks.margin import margin_in_words
 from drivegate_cases.documents.wording import counted
+
+_INCOMPLETE: Final = MappingProxyType(
+    {"interrupted": "incomplete, interrupted after ", "max time": "incomplete, --max-time reached after "}
+)
 
 
 def printed_margin(document: dict[str, Any], check: dict[str, Any]) -> str:
@@ -29,4 +34,5 @@ def runs_in_short(result: dict[str, Any]) -> str:
     focus = result.get("focus") or {}
     only = f"only {', '.join(focus['only'])}, " if focus.get("only") else ""
     early = "ended at the first failure after " if focus.get("stopped_at_first") else ""
+    early = _INCOMPLETE.get(str(result.get("incomplete")), early)
     return f"{only}{early}{counted(result['runs'], 'run')}{corpus}, {result['set_aside']} set aside as infeasible"

@@ -186,6 +186,8 @@ def _rests_on(document: Mapping[str, Any], checks: Sequence[CheckRow]) -> tuple[
         counts = {row.verdict: sum(other.verdict == row.verdict for other in of_level) for row in of_level}
         listed = ", ".join(f"{count} {verdict}" for verdict, count in counts.items())
         sentences.append(f"{len(of_level)} {level} checks: {listed or 'none'}.")
+    if document.get("incomplete"):
+        sentences.append(f"Incomplete ({document['incomplete']}): not all that was planned was done.")
     fixed, corpus = len(document.get("fixed") or ()), int(document.get("corpus_runs") or 0)
     sentences.append(
         f"{document['runs']} runs: {fixed} fixed scenarios, {corpus} of the corpus, the others drawn with the seed "

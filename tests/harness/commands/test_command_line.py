@@ -16,6 +16,7 @@ from drivegate import __version__
 from drivegate.candidates.kinds import KINDS, MANIFEST_SUFFIX
 from drivegate.commands.command_line import COMMANDS
 from drivegate.commands.conduct import Outcome, conducted
+from drivegate.output.result_reports import read_result
 from drivegate_models.errors import HarnessFault, InputError
 
 HEAVY = ("numba", "numpy", "pandas", "pydantic", "scipy", "hypothesis", "matplotlib", "rich")
@@ -181,19 +182,37 @@ def test_a_console_without_the_characters_gets_escapes():
     assert r"N\xb7m" in out
 
 
-@pytest.mark.parametrize("ending", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-def test_a_check_that_is_ended_exits_with_130_and_leaves_nothing(tmp_path, ending):
+def ended_by(ending, folder):
+    """End a check that has begun to run, and return the document that it printed."""
     # Whoever runs the tests may ignore SIGHUP, which a process inherits.
     process = drivegate(
-        "check", "reference", "--json", cwd=tmp_path, preexec_fn=lambda: signal.signal(ending, signal.SIG_DFL)
+        "check", "reference", "--json", cwd=folder, preexec_fn=lambda: signal.signal(ending, signal.SIG_DFL)
     )
-    assert any("runs" in line for line in iter(process.stderr.readline, ""))
+    assert any("running" in line for line in iter(process.stderr.readline, ""))
     process.send_signal(ending)
     out, err = process.communicate()
     assert process.returncode == 130, err
     assert err.splitlines()[-1] == "error: interrupted"
-    assert json.loads(out)["error"]["exit_code"] == 130
+    document = json.loads(out)
+    assert document["error"]["exit_code"] == 130
+    return document
+
+
+@pytest.mark.parametrize("ending", [signal.SIGINT, signal.SIGHUP])
+def test_a_check_that_is_interrupted_exits_with_130_and_leaves_nothing(tmp_path, ending):
+    ended_by(ending, tmp_path)
     assert list(tmp_path.iterdir()) == [], "an interrupted check leaves no folder behind"
+
+
+def test_a_check_that_is_terminated_exits_with_130_and_leaves_what_it_knows(tmp_path):
+    document = ended_by(signal.SIGTERM, tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == ["drivegate-report"], "nothing unfinished stays"
+    folder = tmp_path / "drivegate-report"
+    assert not list(folder.rglob("*.partial"))
+    stored = read_result(folder / "result.json")
+    assert {key: value for key, value in document.items() if key != "error"} == stored
+    assert (stored["verdict"], stored["incomplete"]) == ("inconclusive", "interrupted")
+    assert "incomplete, interrupted after" in (folder / "summary.md").read_text(encoding="utf-8")
 
 
 def test_a_signal_that_is_ignored_stays_ignored():

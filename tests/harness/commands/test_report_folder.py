@@ -64,6 +64,16 @@ def test_without_a_commit_nothing_remains(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_an_interrupt_before_anything_is_written_leaves_no_lock(tmp_path, monkeypatch):
+    def interrupted(self):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(ReportFolder, "_recover", interrupted)
+    with pytest.raises(KeyboardInterrupt), ReportFolder(tmp_path / "a" / "out"):
+        pass
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_a_file_in_the_way_is_refused(tmp_path):
     (tmp_path / "file").write_text("x", encoding="utf-8")
     with pytest.raises(InputError, match="is a file"):

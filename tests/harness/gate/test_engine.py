@@ -11,7 +11,7 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
 from drivegate.drives.envelope_document import envelope_of
 from drivegate.gate.engine import check_candidate
-from drivegate.gate.events import CheckFinished, CheckStarted, RunDone, Shrinking
+from drivegate.gate.events import CheckFinished, CheckStarted, Event, RunDone, Shrinking
 from drivegate.gate.shrinking import size_of
 from drivegate.output.result_file import as_json
 from drivegate.results.document import ResultDocument
@@ -162,7 +162,29 @@ def test_commands_out_of_range_fail_their_checks_and_are_clamped(tmp_path: Path,
 
 def test_time_that_has_run_out_is_inconclusive() -> None:
     result = check("reference", max_time=1e-9)
-    assert (result.verdict, result.exit_code) == ("inconclusive", 1)
+    assert (result.verdict, result.exit_code, result.incomplete) == ("inconclusive", 1, "max time")
+
+
+def test_a_check_that_is_ended_has_what_its_runs_have_shown(tmp_path: Path, few_jobs: None) -> None:
+    ended: list[Event] = []
+    events = check_candidate(
+        resolve_candidate(candidate(tmp_path, "return Command(1e9, -0.02)")),
+        effort="quick",
+        workers=1,
+        is_ended=lambda: bool(ended),
+    )
+    for event in events:
+        if isinstance(event, RunDone):
+            ended.append(event)
+    assert len(ended) == 1, "no more work begins"
+    assert isinstance(event, CheckFinished)
+    result = event.result
+    assert (result.verdict, result.exit_code, result.incomplete) == ("fail", 1, "interrupted")
+    failed = {outcome.id: outcome for outcome in result.checks}["CMD-1"]
+    assert failed.counterexample is not None
+    assert result.runs == ended[0].done
+    document = json.loads(as_json(result.document()))
+    assert parse_document(document, ResultDocument, "the result").incomplete == "interrupted"
 
 
 def test_an_unknown_effort_is_refused() -> None:

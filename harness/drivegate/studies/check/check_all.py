@@ -22,6 +22,7 @@ from drivegate.output.result_reports import own_formats, page_formats, write_res
 from drivegate.results.result import CheckResult
 from drivegate.studies.check.checked import Checked, summary
 from drivegate.studies.check.part import WHOLE_CHECK, Part, focus_of
+from drivegate.studies.check.termination import Termination, termination
 from drivegate_cases.documents.system_failure import is_of_the_disk
 from drivegate_cases.documents.wording import shown_path
 from drivegate_models.errors import HarnessFault, InputError
@@ -99,18 +100,22 @@ def check_all(
     taken: set[str] = set()
     writers = page_formats()
     preparation = Preparation(writers)
-    with ReportFolder(output) as folder:
+    with termination() as ending, ReportFolder(output) as folder:
         for checked in all_checked:
-            if checked.candidate is not None:
+            if ending.is_requested():
+                checked.error = checked.error or KeyboardInterrupt()
+            elif checked.candidate is not None:
                 inside = "" if len(all_checked) == 1 else _folder_name(checked.candidate.name, taken)
                 checked.folder = output / inside
-                _check(checked, folder.staging / inside, options, finish, preparation, quiet=quiet)
+                _check(checked, folder.staging / inside, options, finish, preparation, ending, quiet=quiet)
         _commit(all_checked, folder, output)
-        named = tuple(filter(None, map(page_name, writers.values())))
+        named = () if ending.is_requested() else tuple(filter(None, map(page_name, writers.values())))
         for checked in _stored(all_checked):
             checked.pages = tuple(checked.folder / page for page in named if checked.folder is not None)
         show(all_checked)
-        if _stored(all_checked):
+        ending.end()
+        # Who ends a check waits a few seconds at most, and pages can be made of its result.
+        if _stored(all_checked) and not ending.is_requested():
             preparation.wait()
             _write_pages(all_checked, folder, output, writers, quiet=quiet)
     return all_checked
@@ -234,6 +239,7 @@ def _check(
     options: dict[str, Any],
     finish: Callable[[CheckResult], dict[str, Any]],
     preparation: Preparation,
+    ending: Termination,
     *,
     quiet: bool,
 ) -> None:
@@ -250,9 +256,13 @@ def _check(
 
             pace = CheckPace()
             events = check_candidate(
-                candidate, on_slow=lambda run: display.announce(pace.slow_run_in_words(run)), **options
+                candidate,
+                on_slow=lambda run: display.announce(pace.slow_run_in_words(run)),
+                is_ended=ending.is_requested,
+                **options,
             )
-            checked.document = finish(finished(preparation.following(events), display, pace))
+            followed = ending.following(preparation.following(events))
+            checked.document = finish(finished(followed, display, pace))
             # Announced here, so that the verdict is the last line of a log.
             display.phase("writing the report")
             staging.mkdir(exist_ok=True)
@@ -265,9 +275,11 @@ def _check(
         checked.folder = None
         if checked.document is not None and checked.error is not None:
             checked.error = _unwritten(checked.error, place)
+    if ending.is_requested():
+        checked.error = checked.error or KeyboardInterrupt()
 
 
-def _unwritten(error: Exception, place: Path) -> Exception:
+def _unwritten(error: BaseException, place: Path) -> BaseException:
     """Say of an error of the disk what a user can do about it."""
     if not is_of_the_disk(error):
         return error

@@ -28,8 +28,8 @@ class Checked:
     """Where its files are."""
     pages: tuple[Path, ...] = ()
     """The written reports."""
-    error: Exception | None = None
-    """Why there is no result, or no report."""
+    error: BaseException | None = None
+    """Why there is no result, no report, or only a part of it."""
 
     @property
     def exit_code(self) -> int:
@@ -42,7 +42,8 @@ class Checked:
         if self.error is None and self.document is not None:
             return self.document
         named = {"candidate": {"specification": self.specification}}
-        return (self.document or named) | ({} if self.error is None else failure_of(self.error).document())
+        # The schema of a result is that of the result.
+        return ({} if self.error is None else failure_of(self.error).document()) | (self.document or named)
 
 
 def summary(all_checked: Sequence[Checked]) -> dict[str, Any]:

@@ -116,6 +116,6 @@ def _next_step(checked: Checked, folder: Path) -> str:
         return (
             f"mend what is named first ({kind}), then drivegate check {specification}{drive_option(document)}"
         )
-    if document.get("focus") is not None:
+    if document.get("focus") is not None or document.get("incomplete"):
         return f"the whole check: drivegate check {specification}{drive_option(document)}"
     return "open the report; drivegate checks lists what was required"
