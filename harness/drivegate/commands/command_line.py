@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import atexit
+import gc
 import signal
 import sys
 from collections.abc import Sequence
@@ -117,4 +119,6 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
         return command_line.main(words, prog_name="drivegate", standalone_mode=False)
 
     _interrupt_when_ended()
+    # The interpreter would look for cycles in everything that was loaded, on its way out.
+    atexit.register(gc.freeze)
     sys.exit(conducted(work, as_json=wants_json(words)))

@@ -24,6 +24,7 @@ from drivegate_reports.conformance.figures import (
     torque_ripple,
 )
 from drivegate_reports.conformance.figures import script as script_figure
+from drivegate_reports.conformance.figures.run_panels import reused_run_panels
 from drivegate_reports.conformance.ripple import ripple_of
 from drivegate_reports.page.figure import PageFigure, page_figure
 from drivegate_reports.page.printable import clean
@@ -43,6 +44,7 @@ class ShownRun:
     """The torque over one electrical period, where a check of the ripple fails."""
 
 
+@reused_run_panels()
 def shown_runs(document: Mapping[str, Any]) -> dict[str, ShownRun]:
     """Draw the runs of a result document."""
     shown: dict[str, ShownRun] = {}
