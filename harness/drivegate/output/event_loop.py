@@ -57,6 +57,8 @@ def _show(event: Event, display: Display) -> None:
         if event.plan is not None:
             display.headline(_headline(event.candidate_name, event.plan))
         display.begin(event.candidate_name, event.planned_runs)
+        if event.plan is None:
+            display.phase("running")
     elif isinstance(event, Compiling):
         display.phase(compiling_in_words(event.kinds))
     elif isinstance(event, Running):
