@@ -31,6 +31,7 @@ def reset_regulator(state: Any, nameplate: Any) -> None:
     state.magnet_flux = nameplate.magnet_flux
     state.current_limit = nameplate.current_limit
     state.lead = (nameplate.update_delay + 0.5) * nameplate.control_period
+    state.remaining_error = max(1.0 - BANDWIDTH * (nameplate.update_delay + 0.5), 0.0)
     # Dead time occurs once per carrier period, which consists of two control periods with double update.
     halves = 2.0 if nameplate.updates == 2 else 1.0
     state.dead_ratio = nameplate.dead_time / (halves * nameplate.control_period)
@@ -168,8 +169,9 @@ def regulate_currents(
     electrical = state.pole_pairs * sense.speed
     direct_error = direct_reference - direct
     quadrature_error = quadrature_reference - quadrature
-    direct_flux = state.direct_inductance * direct_error
-    quadrature_flux = state.quadrature_inductance * quadrature_error
+    # What is left of the errors by the time at which the command acts: more decoupling than that couples anew.
+    direct_flux = state.remaining_error * state.direct_inductance * direct_error
+    quadrature_flux = state.remaining_error * state.quadrature_inductance * quadrature_error
     # The voltage that maintains the references and moves the currents to them. Decoupling is added as far as the limit
     # allows.
     along = (

@@ -59,6 +59,8 @@ FOC_STATE: Final = np.dtype(
         ("deepest", np.float64),
         # Time from sampling to the middle of the period in which the command acts.
         ("lead", np.float64),
+        # Share of a current error that is left when the command acts.
+        ("remaining_error", np.float64),
         ("speed_gain", np.float64),
         ("speed_integral_step", np.float64),
         ("torque_step", np.float64),

@@ -27,6 +27,8 @@ VOLTAGE_SHARE: Final = 0.95
 """Share of the undistorted voltage up to which it is judged: at the limit there is no ideal modulation (1)."""
 LEAST_VOLTAGE_SHARE: Final = 0.01
 """Share of it from which on it is judged: without voltage, as in an active short, modulation has no ripple (1)."""
+LEAST_SWING_SHARE: Final = 0.001
+"""Swing of the torque over rated torque from which on it is judged: nobody feels less (1)."""
 _SIXTH: Final = pi / 3.0
 _FEWEST, _MOST = 20, 600
 _LEAD: Final = 4
@@ -148,10 +150,12 @@ def dead_time_ripple(record: Record) -> Margin | None:
 def _over(
     check: str, record: DutyRecord, window: DutyWindow, other: float, limit: float, words: str
 ) -> Margin | None:
-    """Judge the swing of a window over another swing; None where the other one is nothing."""
+    """Judge the swing of a window over another swing; None where either is next to nothing."""
     if other == 0.0:
         return None
     swing = _swing(record, window)
+    if swing < LEAST_SWING_SHARE * record.limits.rated_torque_nm:
+        return None
     ratio = swing / other
     told = f"torque swings by {swing:.4g} N·m, {ratio:.4g} times the {other:.4g} N·m {words}, {at(window)}"
     return Margin(check, at_most(ratio, limit), told)

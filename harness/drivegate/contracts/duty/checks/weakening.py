@@ -72,15 +72,18 @@ def needless_direct_current(record: Record) -> Margin | None:
 
 
 def _direct_error(record: DutyRecord, window: DutyWindow) -> Margin | None:
-    # Weakening may keep this much voltage in hand, and only what goes further is needless.
-    voltage = FREE_SHARE * undistorted(window.link)
+    # Weakening may keep this much voltage in hand, and only what goes further is needless. None is needed where the
+    # voltage suffices, which the controller may know better: dead time takes some of it when motoring, and gives it
+    # back when braking.
+    plant, voltage = plant_of(record), FREE_SHARE * undistorted(window.link)
     best, cool = (
-        least_free(plant_of(record), window.speed, window.torque, voltage, purpose).direct
-        for purpose in _PURPOSES
+        least_free(plant, window.speed, window.torque, voltage, purpose).direct for purpose in _PURPOSES
     )
-    if not (isfinite(best) and isfinite(cool)):
+    unweakened = least_free(plant, window.speed, window.torque).direct
+    if not (isfinite(best) and isfinite(cool) and isfinite(unweakened)):
         return None
-    error = max(min(best, cool) - window.direct, window.direct - max(best, cool), 0.0)
+    right = (best, cool, unweakened)
+    error = max(min(right) - window.direct, window.direct - max(right), 0.0)
     told = f"d current {window.direct:.4g} A, {best:.4g} A is best for {window.torque:.4g} N·m {at(window)}"
     return Margin("FWK-2", at_most(error, record.limits.direct_error_a), told)
 

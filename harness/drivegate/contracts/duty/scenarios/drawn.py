@@ -12,6 +12,7 @@ from drivegate.contracts.duty.scenarios.building import (
     edge_positions,
     failing,
     load_step_scenario,
+    slow_torque,
     speed_scenario,
     supply_step_scenario,
     torque_of,
@@ -24,7 +25,6 @@ from drivegate.contracts.duty.scenarios.drawn_range import (
     HEAVIEST_FAILURE_SHARE,
     HEAVIEST_SHARE,
     SHARE_STEP,
-    SLOW_LOAD_SHARE,
     SLOW_SHARE,
     TURNING_SHARE,
 )
@@ -213,12 +213,12 @@ def torque_supply_step_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scena
 def low_speed_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
     """Draw runs that end at 1 to 10 % of base speed: from standstill, from a higher speed, or after a stop.
 
-    The load is up to 20 % of rated torque.
+    The load is up to 20 % of rated torque at the end of this range, and less in proportion to the speed below it.
     """
     base = drive.rating.base_speed_rpm
 
     def made(share: float, slow: float, fast: float, how: str) -> Scenario:
-        torque = torque_of(drive, slow, share)
+        torque = slow_torque(drive, slow, share)
         if how == "load":
             return load_step_scenario(drive, slow, torque, (0.0, 1.0))
         if how == "start":
@@ -227,7 +227,7 @@ def low_speed_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
 
     return st.builds(
         made,
-        _shares(SHARE_STEP, SLOW_LOAD_SHARE),
+        st.sampled_from((0.25, 0.5, 0.75, 1.0)),
         st.integers(1, 9).map(lambda percent: tidy(percent * SLOW_SHARE * base)),
         _turning(drive),
         st.sampled_from(("load", "start", "fall", "stop")),

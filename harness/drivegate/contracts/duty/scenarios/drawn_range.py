@@ -25,7 +25,8 @@ BRAKING_SHARE: Final = 1.0
 SLOW_SHARE: Final = 0.01
 """Least speed reference of a run at low speed over base speed (1); it ends at `TURNING_SHARE`."""
 SLOW_LOAD_SHARE: Final = 0.2
-"""Heaviest load at low speed over rated torque (1): more stops the shaft before a regulator of its speed can act."""
+"""Heaviest load at the end of low speeds over rated torque, and less in proportion to the speed below it (1): more
+stops the shaft before a regulator of its speed can act."""
 BEYOND_SHARE: Final = 3.0
 """Torque reference that no drive of this kind can follow in weakening, over the one of rated power there (1)."""
 
@@ -48,7 +49,7 @@ def drawn_range(scenario: Scenario) -> DrawnRange:
     starts = scenario.initial_speed_rpm == 0.0
     if is_slow(scenario):
         speeds = Interval(SLOW_SHARE * base, TURNING_SHARE * base)
-        return DrawnRange(speeds, Interval(0.0, highest), Interval(SHARE_STEP, SLOW_LOAD_SHARE), NONE)
+        return DrawnRange(speeds, Interval(0.0, highest), Interval(0.0, SLOW_LOAD_SHARE), NONE)
     speeds = Interval(TURNING_SHARE * base, base if starts else highest)
     return DrawnRange(speeds, speeds, Interval(SHARE_STEP, HEAVIEST_SHARE), NONE)
 

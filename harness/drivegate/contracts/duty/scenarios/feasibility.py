@@ -9,9 +9,10 @@ from typing import Final
 import numpy as np
 
 from drivegate.contracts.duty.document import duty_document
-from drivegate.contracts.duty.scenarios.drawn_range import is_slow
+from drivegate.contracts.duty.scenarios.drawn_range import SLOW_LOAD_SHARE, TURNING_SHARE, is_slow
 from drivegate.contracts.duty.scenarios.failures import unnoticed_because
 from drivegate.contracts.duty.scenarios.windows import DutyDwell, duty_dwells
+from drivegate.scenarios.drive_scale import rated_torque_at
 from drivegate_cases.drive.data_sheet import USABLE_SHARE
 from drivegate_cases.drive.pm_ac.limits import duty_limits_of
 from drivegate_cases.drive.scales import NOMINAL
@@ -30,6 +31,8 @@ from drivegate_models.units import RADIANS_PER_RPM
 IN_HAND: Final = USABLE_SHARE
 """Share of the greatest torque that a speed's load may take; the rest is for regulation (1)."""
 _KEPT: Final = 20_000
+_ROUNDING: Final = 0.01
+"""What torques that people can read are rounded by, over themselves (1)."""
 
 
 def unfair_because(scenario: Scenario) -> str | None:
@@ -47,6 +50,8 @@ def unfair_because(scenario: Scenario) -> str | None:
         return None
     if is_slow(scenario) and scenario.drive.position == "hall":
         return "below 10 % of base speed the edges of Hall switches come too rarely to regulate the speed by them"
+    if _stops_at_low_speed(scenario):
+        return "at so low a speed its load stops the shaft before a regulator of the speed can act"
     if _stops_within_a_sector(scenario):
         return "a load stops the shaft before the next edge of its Hall switches can show it"
     if not all(_is_driven(scenario, dwell) for dwell in duty_dwells(scenario)):
@@ -59,6 +64,20 @@ def _rests_by_hall_switches(scenario: Scenario) -> bool:
     is_dynamometer = isinstance(scenario.load, DynamometerLoad)
     at_rest = is_dynamometer and any(speed == 0.0 for _, speed in scenario.speed_rpm)
     return at_rest and scenario.drive.position == "hall"
+
+
+def _stops_at_low_speed(scenario: Scenario) -> bool:
+    """Return True if a load at low speed is more than its share of what may be drawn at the end of that range."""
+    load, drive = scenario.load, scenario.drive
+    if isinstance(load, (LockedLoad, DynamometerLoad, VehicleLoad)):
+        return False
+    end = TURNING_SHARE * drive.rating.base_speed_rpm
+    return any(
+        0.0 < dwell.speed_rpm < end
+        and load.torque_at(dwell.speed_rpm, dwell.load_factor)
+        > SLOW_LOAD_SHARE * rated_torque_at(drive, end) * dwell.speed_rpm / end * (1.0 + _ROUNDING)
+        for dwell in duty_dwells(scenario)
+    )
 
 
 def _stops_within_a_sector(scenario: Scenario) -> bool:

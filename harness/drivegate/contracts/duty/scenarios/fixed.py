@@ -9,13 +9,14 @@ from drivegate.contracts.duty.scenarios.building import (
     edge_positions,
     failing,
     load_step_scenario,
+    slow_torque,
     speed_scenario,
     supply_step_scenario,
     torque_of,
     torque_scenario,
     with_edges,
 )
-from drivegate.contracts.duty.scenarios.drawn_range import BEYOND_SHARE, SLOW_LOAD_SHARE, SLOW_SHARE
+from drivegate.contracts.duty.scenarios.drawn_range import BEYOND_SHARE, SLOW_SHARE
 from drivegate.scenarios.changes import with_real_sensors, with_scales
 from drivegate.scenarios.drive_scale import rated_torque_at, tidy
 from drivegate_cases.drive.limits import nearest_step
@@ -145,10 +146,9 @@ def _speeds(drive: PmAcDocument) -> list[Scenario]:
 def _slow_speeds(drive: PmAcDocument) -> list[Scenario]:
     """Make the runs that end at low speed: steady and loaded, from standstill, and after a stop."""
     slowest, slow = (tidy(share * drive.rating.base_speed_rpm) for share in (SLOW_SHARE, 5.0 * SLOW_SHARE))
-    torque = torque_of(drive, slow, SLOW_LOAD_SHARE)
     return [
-        load_step_scenario(drive, slowest, torque, (0.0, 1.0)),
-        speed_scenario(drive, (slow,), torque_nm=torque, initial_speed_rpm=0.0),
+        load_step_scenario(drive, slowest, slow_torque(drive, slowest), (0.0, 1.0)),
+        speed_scenario(drive, (slow,), torque_nm=slow_torque(drive, slow), initial_speed_rpm=0.0),
         speed_scenario(drive, (speed_of(drive, -0.5), 0.0, slow)),
     ]
 

@@ -260,6 +260,16 @@ def test_ripple_that_modulation_or_dead_time_adds_is_noticed(slow: DutyRecord) -
     assert not both.met, both.measured
 
 
+def test_ripple_that_nobody_feels_is_not_judged(slow: DutyRecord) -> None:
+    unrest = 1e-5 * np.where(np.arange(len(slow.run.commands)) % 4 < 2, 1.0, -1.0)
+    faint = with_command(slow, "first_duty", lambda ratio: ratio + unrest)
+    rated = slow.document.rating.rated_power_w
+    heavy = slow.document.replaced(rated_power_w=1e4 * rated, current_limit_a=1e4)
+    assert judged("RIP-4", faint) is not None
+    margins = judged("RIP-4", replace(faint, scenario=faint.scenario.replaced(drive=heavy)))
+    assert margins is None, "a thousandth of rated torque, and less"
+
+
 @pytest.mark.parametrize(
     ("low", "high", "is_judged"),
     [(1.0, 1.0, True), (0.9, 0.9, True), (0.6, 0.6, False), (0.4, 1.0, False), (0.0, 0.5, False)],
@@ -382,6 +392,31 @@ def test_braking_needs_less_voltage_and_so_less_weakening(
     else:
         assert margin is not None
         assert margin.met, margin.measured
+
+
+def test_a_voltage_that_suffices_needs_no_weakening(run: Run) -> None:
+    """Dead time gives voltage back while braking: the duty ratios stay below 90 %, which the currents alone exceed."""
+    drive = load_drive("pm-ac-2kw").replaced(dead_time_s=3e-6)
+    assert isinstance(drive, PmAcDocument)
+    record = run(torque_scenario(drive, 1620.0, (0.0, -14.0)))
+    braking = record.steady[-1]
+    plant, share = plant_of(record), 0.9 * undistorted(braking.link)
+    free, within = (least_free(plant, braking.speed, braking.torque, voltage) for voltage in (1e9, share))
+    assert braking.voltage < share < free.voltage
+    assert within.direct < free.direct - record.limits.direct_error_a
+    margin = judged("FWK-2", record)
+    assert margin is not None
+    assert margin.met, margin.measured
+
+
+@pytest.mark.parametrize("speed_rpm", [1050.0, 1080.0])
+def test_a_step_at_a_high_speed_leaves_the_current_along_the_magnet_alone(run: Run, speed_rpm: float) -> None:
+    """Decoupling acts periods later, when less of the error is left; all of it moves the d current by over 10 %."""
+    drive = load_drive("pm-ac-surface")
+    assert isinstance(drive, PmAcDocument)
+    margin = judged("DEC-1", run(torque_scenario(drive, speed_rpm, (2.0, 0.5))))
+    assert margin is not None
+    assert margin.value > 0.5, margin.measured
 
 
 def low_inductance_drive(inductance: float, frequency: float, link: float = 48.0) -> PmAcDocument:

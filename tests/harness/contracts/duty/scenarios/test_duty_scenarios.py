@@ -89,6 +89,19 @@ def test_a_load_out_of_reach_is_unfair_and_a_torque_reference_out_of_reach_is_no
     assert unfair_because(torque_scenario(INTERIOR, top, (0.0, much))) is None
 
 
+@pytest.mark.parametrize(
+    ("speed_share", "torque_share", "is_fair"),
+    [(0.01, 0.02, True), (0.01, 0.1, False), (0.09, 0.18, True), (0.09, 0.2, False), (0.1, 0.8, True)],
+)
+def test_a_load_that_stops_a_slow_shaft_is_set_aside(
+    speed_share: float, torque_share: float, is_fair: bool
+) -> None:
+    speed = speed_share * BASE
+    run = speed_scenario(INTERIOR, (speed,), torque_nm=torque_of(INTERIOR, speed, torque_share))
+    reason = unfair_because(run.replaced(initial_speed_rpm=0.0))
+    assert (reason is None) is is_fair, reason
+
+
 def test_a_shaft_that_is_to_stand_is_not_judged_for_being_locked() -> None:
     start = speed_scenario(INTERIOR, (BASE,), torque_nm=0.5, initial_speed_rpm=0.0)
     assert unfair_because(failing(start, "locked-rotor", 0.0)) is None, (
