@@ -161,11 +161,11 @@ class _FilesNamedByContent(caching.IndexDataCacheFile):
 class _KernelCache(caching.FunctionCache):
     """numba's cache of a function's compiled code, safe with several processes that compile at once."""
 
-    def __init__(self, function: Callable[..., object]) -> None:
+    def __init__(self, function: Callable[..., object], purpose: str) -> None:
         super().__init__(function)
         self._cache_file = _FilesNamedByContent(
             cache_path=self._cache_path,
-            filename_base=self._impl.filename_base,
+            filename_base=self._impl.filename_base + purpose,
             source_stamp=self._impl.locator.get_source_stamp(),
         )
 
@@ -189,17 +189,61 @@ def _fingerprint(function: Callable[..., object]) -> str:
     return digest.hexdigest()
 
 
-def _compiled(function: _Function, *, forceinline: bool = False, **options: Any) -> _Function:
-    njit: Any = numba.njit
+def _ignore_constants(dispatcher: Any) -> None:
+    """Compile a function once for a type of argument, not once for each constant that a caller passes."""
+    template_of = dispatcher.get_call_template
+
+    def get_call_template(args: Any, kws: Any) -> Any:
+        plain = tuple(numba.types.unliteral(arg) for arg in args)
+        return template_of(plain, {name: numba.types.unliteral(kind) for name, kind in kws.items()})
+
+    dispatcher.get_call_template = get_call_template
+
+
+class _Inner(numba.core.dispatcher.Dispatcher):  # type: ignore[misc]
+    """A function that kernels call, compiled without a way in from Python.
+
+    Taking the arguments of a whole drive apart is more code than most functions have themselves. Where one of them is
+    called from Python all the same, as tests do, it is compiled once more for that.
+    """
+
+    def __call__(self, *args: Any) -> Any:
+        if not hasattr(self, "_from_python"):
+            self._from_python = _dispatcher(self.py_func, "-python", **_options_of(self))
+        return self._from_python(*args)
+
+
+def _options_of(dispatcher: Any) -> dict[str, Any]:
+    """Return the options of a function for compilation with a way in from Python."""
+    options = {name: value for name, value in dispatcher.targetoptions.items() if name != "nopython"}
+    return options | {"no_cpython_wrapper": False}
+
+
+def _dispatcher(function: Callable[..., object], purpose: str, **options: Any) -> Any:
+    """Return numba's dispatcher of a function; the files of its code have the purpose in their names."""
+    # Nothing calls a kernel by its address in C, but for controllers, which are compiled as that.
+    dispatcher = numba.njit(**{"error_model": "numpy", "no_cfunc_wrapper": True, **options})(function)
+    if not vars(numba.config)["DISABLE_JIT"]:
+        _ignore_constants(dispatcher)
+        if KEEPS_CACHE:
+            dispatcher._cache = _KernelCache(function, purpose)
+    return dispatcher
+
+
+def _compiled(
+    function: _Function, *, forceinline: bool = False, has_way_in: bool = True, **options: Any
+) -> _Function:
     if function.__closure__:
         # numba names code by the function and a number that it increments in each process. Two functions of one
         # factory, compiled by two processes, may have the same name, and one would be linked instead of the other.
         function.__qualname__ += f".{_fingerprint(function)[:16]}"
     # State `forceinline` for every function. Otherwise a function compiled for an inlined caller is inlined as well,
     # with everything that it calls, at every call.
-    dispatcher = njit(error_model="numpy", forceinline=forceinline, **options)(function)
-    if KEEPS_CACHE and not vars(numba.config)["DISABLE_JIT"]:
-        dispatcher._cache = _KernelCache(function)
+    dispatcher = _dispatcher(
+        function, "", forceinline=forceinline, no_cpython_wrapper=not has_way_in, **options
+    )
+    if not has_way_in and not vars(numba.config)["DISABLE_JIT"]:
+        dispatcher.__class__ = _Inner
     return cast(_Function, dispatcher)
 
 
@@ -219,4 +263,4 @@ def unallocating(function: _Function) -> _Function:
 
 def inlined(function: _Function) -> _Function:
     """Compile a function like `unallocating`, and inline it into its callers, as for all functions of a controller."""
-    return _compiled(function, forceinline=True, _nrt=False)
+    return _compiled(function, forceinline=True, _nrt=False, has_way_in=False)

@@ -40,7 +40,7 @@ _COMPILE = """
 from drivegate_models.machine.winding_current import current_after
 from drivegate_models.controllers.current.builtin import reset_function, step_function
 step_function()
-current_after(1.0, 1.0, 1.0, 1.0, 0.1)
+current_after.compile("float64(float64, float64, float64, float64, float64)")
 print(sum(current_after.stats.cache_misses.values()), sum(current_after.stats.cache_hits.values()))
 print(step_function()._cache_hits)
 """
@@ -144,3 +144,30 @@ def test_the_cache_folder_holds_where_numba_was_imported_before(
         [sys.executable, "-c", command], capture_output=True, text=True, check=True, timeout=120
     )
     assert Path(done.stdout.strip()).is_relative_to(tmp_path), done.stdout
+
+
+_CONSTANTS = """
+from drivegate_models.compilation.kernels import inlined, kernel
+@inlined
+def scaled(number, x):
+    return number * x
+@kernel
+def three(x):
+    return scaled(1, x) + scaled(2, x) + scaled(3, x)
+"""
+
+
+def test_a_function_is_compiled_once_for_all_constants_and_callable_all_the_same(tmp_path: Path) -> None:
+    """numba would compile it for each constant, and with the arguments of a Python call taken apart."""
+    (tmp_path / "constants.py").write_text(_CONSTANTS, encoding="utf-8")
+    shown = "print(three(1.0), scaled.signatures, scaled(4, 0.5))"
+    done = subprocess.run(
+        [sys.executable, "-c", f"from constants import scaled, three; {shown}"],
+        cwd=tmp_path,
+        env={**os.environ, compilation.CACHE_VARIABLE: str(tmp_path / "cache")},
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=120,
+    )
+    assert done.stdout.strip() == "6.0 [(int64, float64)] 2.0"
