@@ -200,7 +200,7 @@ def _ignore_constants(dispatcher: Any) -> None:
     dispatcher.get_call_template = get_call_template
 
 
-class _Inner(numba.core.dispatcher.Dispatcher):  # type: ignore[misc]
+class _Inner(numba.core.dispatcher.Dispatcher):
     """A function that kernels call, compiled without a way in from Python.
 
     Taking the arguments of a whole drive apart is more code than most functions have themselves. Where one of them is

@@ -40,7 +40,7 @@ _COMPILE = """
 from drivegate_models.machine.winding_current import current_after
 from drivegate_models.controllers.current.builtin import reset_function, step_function
 step_function()
-current_after.compile("float64(float64, float64, float64, float64, float64)")
+current_after.compile("(float64, float64, float64, float64, float64)")
 print(sum(current_after.stats.cache_misses.values()), sum(current_after.stats.cache_hits.values()))
 print(step_function()._cache_hits)
 """
