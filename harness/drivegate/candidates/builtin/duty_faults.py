@@ -171,7 +171,7 @@ DUTY_FAULTS: Final = {
         perturbed=lambda _plate: {"supply_factor": 0.8},
     ),
     "late-samples": DutyFault(
-        "STP-1", "Regulates with the currents of the step before.", perturbed=lambda _plate: {"is_late": 1.0}
+        "FWK-3", "Regulates with the currents of the step before.", perturbed=lambda _plate: {"is_late": 1.0}
     ),
     "unclamped-ratios": DutyFault(
         "DUT-1",

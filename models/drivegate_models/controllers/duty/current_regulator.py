@@ -14,7 +14,8 @@ from drivegate_models.machine.sine import cosine_sine
 BANDWIDTH: Final = 0.2
 """Bandwidth of the current regulators relative to the sampling rate, stable with a delay of 1.5 periods."""
 
-_INTEGRAL = 0.1
+# Rate of the integrals relative to that of the currents. What they collect during a step decays later, as overshoot.
+_INTEGRAL = 0.05
 # Current, as a share of the limit, from which dead-time compensation is complete. It is small, because a wider ramp
 # leaves ripple at a low voltage, and the reference current used for compensation has no noise.
 _DEAD_SHARE = 0.0005

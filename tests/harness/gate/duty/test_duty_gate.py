@@ -69,7 +69,7 @@ def rarer_runs() -> dict[str, Scenario]:
     base = INTERIOR.rating.base_speed_rpm
     rated = torque_of(INTERIOR, base, 1.0)
     braking = torque_scenario(INTERIOR, base, (-0.5 * rated,))
-    slowest = load_step_scenario(INTERIOR, 0.01 * base, 0.2 * rated, (0.0, 1.0))
+    slowest = load_step_scenario(INTERIOR, 0.01 * base, 0.02 * rated, (0.0, 1.0))
     stopped = speed_scenario(INTERIOR, (0.5 * base, 0.0, 0.03 * base))
     light, heavy = (
         speed_scenario(INTERIOR, (0.5 * base, 0.55 * base), torque_nm=0.3 * rated, inertia_factor=factor)
