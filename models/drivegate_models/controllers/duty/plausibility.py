@@ -50,10 +50,12 @@ _INDUCED = 0.5
 # Torque relative to the maximum that remains under a heavy load to turn the shaft past a sector of its Hall switches.
 _LEFT = 0.1
 # Current of a missing phase relative to the largest, minimum of the largest current relative to the limit, and rotation
-# of the field meanwhile (rad electrical).
+# of the field meanwhile (rad electrical) with its maximum in a period: after a step at high speed the current vector
+# stands for as long as the step takes, and a phase may be without current for all of it.
 _MISSING = 0.03
 _CARRYING = 0.15
 _PASSED = pi / 4.0
+_PASSED_IN_A_PERIOD = _PASSED / 20.0
 
 _TURN = 2.0 * pi
 
@@ -160,7 +162,7 @@ def _is_phase_missing(state: Any, sense: Any, turned: float) -> bool:
     missing = False
     for phase in range(3):
         without = carrying and abs(double_at(currents, phase)) < _MISSING * most
-        state.passed[phase] = state.passed[phase] + abs(turned) if without else 0.0
+        state.passed[phase] = state.passed[phase] + min(abs(turned), _PASSED_IN_A_PERIOD) if without else 0.0
         missing = missing or state.passed[phase] > _PASSED
     return missing
 

@@ -409,6 +409,16 @@ def test_a_voltage_that_suffices_needs_no_weakening(run: Run) -> None:
     assert margin.met, margin.measured
 
 
+def test_a_phase_without_current_during_a_step_is_not_missing() -> None:
+    """At high speed the current vector stands while it shrinks, for seven periods with nothing in the third phase."""
+    drive = load_drive("pm-ac-surface")
+    assert isinstance(drive, PmAcDocument)
+    loaded = own_candidate(resolve_candidate("predictive-flux"))
+    record = recorded(loaded, torque_scenario(drive, 1100.0, (-6.077, 2.431)), loaded.controller())
+    assert isinstance(record, DutyRecord)
+    assert not np.any(record.run.commands["fault"])
+
+
 @pytest.mark.parametrize("speed_rpm", [1050.0, 1080.0])
 def test_a_step_at_a_high_speed_leaves_the_current_along_the_magnet_alone(run: Run, speed_rpm: float) -> None:
     """Decoupling acts periods later, when less of the error is left; all of it moves the d current by over 10 %."""
