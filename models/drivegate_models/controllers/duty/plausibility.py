@@ -158,10 +158,12 @@ def _is_phase_missing(state: Any, sense: Any, turned: float) -> bool:
     """Return True if the field has turned past a phase without current."""
     currents = sense.phase_currents
     most = max(abs(double_at(currents, 0)), abs(double_at(currents, 1)), abs(double_at(currents, 2)))
-    carrying = most > _CARRYING * state.current_limit
+    if most <= _CARRYING * state.current_limit:
+        # With little current, a phase without any proves nothing.
+        return False
     missing = False
     for phase in range(3):
-        without = carrying and abs(double_at(currents, phase)) < _MISSING * most
+        without = abs(double_at(currents, phase)) < _MISSING * most
         state.passed[phase] = state.passed[phase] + min(abs(turned), _PASSED_IN_A_PERIOD) if without else 0.0
         missing = missing or state.passed[phase] > _PASSED
     return missing

@@ -266,9 +266,10 @@ def test_a_phase_without_current_is_missing_where_the_others_carry_any(
     found, step = drive.steps_to_fault(200, open_phase)
     assert found == fault
     if fault:
-        # The field turns by 45 degrees meanwhile, and no step of the current takes 20 control periods.
-        turning = pi / 4.0 / (POLE_PAIRS * speed * PERIOD)
-        assert step == pytest.approx(max(turning, 20.0), abs=1.0)
+        # The field turns by 45 degrees, and no step of the current takes the 20 control periods in which the others
+        # carry any.
+        needed = max(pi / 4.0 / (POLE_PAIRS * speed * PERIOD), 20.0)
+        assert needed - 1.0 <= step <= 1.7 * needed
 
 
 def test_a_fault_is_held_for_good_with_all_legs_off() -> None:
