@@ -79,7 +79,7 @@ def _headline(name: str, plan: CheckPlan) -> str:
     chosen = {
         "user": "",
         "manifest": " (from its manifest)",
-        "default": f" (default for {CANDIDATES[plan.drive.contract]})",
+        "default": f" (default for {CANDIDATES.get(plan.drive.contract, 'its contract')})",
     }
     return (
         f"{name} on {plan.drive.name}{chosen[plan.drive_from]}, contract {plan.drive.contract}, "

@@ -47,7 +47,7 @@ def test_the_first_difference_is_shown_in_full(command, files):
     assert "DIFFERENT first in step 120, at 0.06 s" in ended.out
     assert "5.000000000000001" in ended.out, "numbers must be shown to the last digit"
     assert "+8.88e-16 (1 ULP)" in ended.out
-    assert "phase current 5" in ended.out
+    assert "phase_currents[5]" in ended.out
     assert "electrical angle" in ended.out
     assert "--plot difference.svg" in ended.out
 

@@ -74,7 +74,7 @@ def test_the_first_difference_is_shown_in_full(command, files, tmp_path) -> None
     assert ended.code == 1
     assert "DIFFERENT first in step 120, at 0.012 s" in ended.out
     assert "+1.11e-16 (1 ULP)" in ended.out
-    assert "phase current 3" in ended.out
+    assert "phase_currents[3]" in ended.out
     assert "--case case.json --set friction_n_m=0.001 --plot difference.svg" in " ".join(ended.out.split())
     document = diff(command, "mine.py:One", "mine.py:Other", "--plot", "x.svg", "--json").document
     found = document["difference"]

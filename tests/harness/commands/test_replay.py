@@ -293,7 +293,7 @@ def test_every_counterexample_of_a_report_is_told_on_one_line(command, report, c
     assert "was -2.5, by controllers.py:Steady" in lines[0]
     assert total == "3 counterexamples: 2 fixed, 1 not applicable"
     assert f"cp {folder}/counterexamples/*.json corpus/ && drivegate check" in following
-    assert "replay: " in ended.err, "progress belongs on standard error"
+    assert "replay: " not in ended.out, "progress belongs on standard error"
 
 
 def test_one_that_still_fails_decides_and_the_folder_inside_will_do(command, report, controllers):

@@ -65,6 +65,7 @@ def test_its_oracle_and_its_steady_states_are_of_the_same_drive(kind: DriveKind)
 
 RUN_OF_A_KIND = """
 import sys
+from numba.core.dispatcher import Dispatcher
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import own_candidate
 from drivegate.contracts.catalogue import contract_of
@@ -83,7 +84,7 @@ assert outcome.runs, "nothing was judged"
 plants = {}
 for name, module in [*sys.modules.items()]:
     for kernel in vars(module).values() if name.startswith("drivegate_models.") else ():
-        for signature in getattr(kernel, "nopython_signatures", ()):
+        for signature in kernel.nopython_signatures if isinstance(kernel, Dispatcher) else ():
             for given in signature.args:
                 plants[getattr(given, "instance_class", str).__module__] = kernel.__name__
 for plant, kernel in plants.items():

@@ -27,7 +27,7 @@ VOLTAGE_SHARE: Final = 0.95
 """Share of the undistorted voltage up to which it is judged: at the limit there is no ideal modulation (1)."""
 LEAST_VOLTAGE_SHARE: Final = 0.01
 """Share of it from which on it is judged: without voltage, as in an active short, modulation has no ripple (1)."""
-LEAST_SWING_SHARE: Final = 0.001
+LEAST_SWING_SHARE: Final = 0.0005
 """Swing of the torque over rated torque from which on it is judged: nobody feels less (1)."""
 _SIXTH: Final = pi / 3.0
 _FEWEST, _MOST = 20, 600

@@ -267,7 +267,7 @@ def test_ripple_that_nobody_feels_is_not_judged(slow: DutyRecord) -> None:
     heavy = slow.document.replaced(rated_power_w=1e4 * rated, current_limit_a=1e4)
     assert judged("RIP-4", faint) is not None
     margins = judged("RIP-4", replace(faint, scenario=faint.scenario.replaced(drive=heavy)))
-    assert margins is None, "a thousandth of rated torque, and less"
+    assert margins is None, "less than 0.05 % of rated torque"
 
 
 @pytest.mark.parametrize(
