@@ -24,7 +24,7 @@ def test_the_time_to_compile_is_that_of_the_kind(
 
 def test_every_kind_states_its_own_time() -> None:
     assert {name: kind.compiling_s for name, kind in DRIVE_KINDS.items()} == {
-        "half-bridge": 33,
-        "star": 60,
-        "pm-ac": 80,
+        "half-bridge": 20,
+        "star": 40,
+        "pm-ac": 40,
     }
