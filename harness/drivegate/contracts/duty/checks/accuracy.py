@@ -5,7 +5,13 @@ from __future__ import annotations
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, at_most
 from drivegate.checks.record import Record
-from drivegate.contracts.duty.checks.judged import at, duty_record, is_within_reach, worst
+from drivegate.contracts.duty.checks.judged import (
+    UNWEAKENED_FAMILIES,
+    at,
+    duty_record,
+    is_within_reach,
+    worst,
+)
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -35,15 +41,7 @@ def reference_error(check: str, record: DutyRecord, window: DutyWindow, factor: 
 
 ACC_1 = Check(
     id="ACC-1",
-    families=(
-        "torque step",
-        "speed step",
-        "load step",
-        "low speed",
-        "start",
-        "supply step",
-        "torque supply step",
-    ),
+    families=UNWEAKENED_FAMILIES,
     requirement="In steady state the mean torque or speed is the reference.",
     source="the contract",
     subject="candidate",

@@ -12,7 +12,15 @@ import numpy as np
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, at_most
 from drivegate.checks.record import Record
-from drivegate.contracts.duty.checks.judged import at, duty_record, greatest_required, plant_of, worst
+from drivegate.contracts.duty.checks.judged import (
+    STEADY_FAMILIES,
+    UNWEAKENED_FAMILIES,
+    at,
+    duty_record,
+    greatest_required,
+    plant_of,
+    worst,
+)
 from drivegate.contracts.duty.checks.optimum import least_free, least_within, undistorted
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
 
@@ -167,16 +175,7 @@ OVC_1 = Check(
 )
 OVC_2 = Check(
     id="OVC-2",
-    families=(
-        "torque step",
-        "weakening",
-        "speed step",
-        "load step",
-        "low speed",
-        "start",
-        "supply step",
-        "torque supply step",
-    ),
+    families=STEADY_FAMILIES,
     requirement="In steady state the current stays within the limit of the nameplate.",
     source="the contract",
     subject="candidate",
@@ -189,15 +188,7 @@ OVC_2 = Check(
 )
 MTP_1 = Check(
     id="MTP-1",
-    families=(
-        "torque step",
-        "speed step",
-        "load step",
-        "low speed",
-        "start",
-        "supply step",
-        "torque supply step",
-    ),
+    families=UNWEAKENED_FAMILIES,
     requirement="Below weakening a torque takes hardly more than its least current, or than its least loss.",
     source="the contract",
     subject="candidate",

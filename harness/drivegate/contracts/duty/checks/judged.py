@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from math import isfinite
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 from drivegate.checks.margin import Margin
 from drivegate.checks.record import Record
@@ -14,6 +14,19 @@ from drivegate_models.units import RADIANS_PER_RPM
 
 if TYPE_CHECKING:
     from drivegate_models.pm_ac.plant.drive import PmAcDrive
+
+UNWEAKENED_FAMILIES: Final = (
+    "torque step",
+    "speed step",
+    "load step",
+    "low speed",
+    "start",
+    "supply step",
+    "torque supply step",
+)
+"""Families of scenarios with a steady state below weakening."""
+STEADY_FAMILIES: Final = ("torque step", "weakening", *UNWEAKENED_FAMILIES[1:])
+"""Families of scenarios with any steady state."""
 
 
 def duty_record(record: Record) -> DutyRecord:

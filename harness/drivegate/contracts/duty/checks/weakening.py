@@ -13,6 +13,7 @@ from drivegate.checks.margin import Margin, at_most, normalised
 from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.current import FREE_SHARE
 from drivegate.contracts.duty.checks.judged import (
+    STEADY_FAMILIES,
     at,
     duty_record,
     greatest_required,
@@ -72,7 +73,7 @@ def needless_direct_current(record: Record) -> Margin | None:
 
 
 def _direct_error(record: DutyRecord, window: DutyWindow) -> Margin | None:
-    # Weakening may keep this much voltage in hand, and only what goes further is needless. None is needed where the
+    # Weakening may keep this much voltage in reserve, and only what goes further is needless. None is needed where the
     # voltage suffices, which the controller may know better: dead time takes some of it when motoring, and gives it
     # back when braking.
     plant, voltage = plant_of(record), FREE_SHARE * undistorted(window.link)
@@ -139,16 +140,7 @@ FWK_1 = Check(
 )
 FWK_2 = Check(
     id="FWK-2",
-    families=(
-        "torque step",
-        "weakening",
-        "speed step",
-        "load step",
-        "low speed",
-        "start",
-        "supply step",
-        "torque supply step",
-    ),
+    families=STEADY_FAMILIES,
     requirement="Where 10 % of the voltage is free the d current is that of least current, of least loss, or between.",
     source="the contract",
     subject="candidate",
