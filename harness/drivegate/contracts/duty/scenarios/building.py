@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import Final
 
-from drivegate.contracts.duty.scenarios.drawn_range import SLOW_LOAD_SHARE, TURNING_SHARE
+from drivegate.contracts.duty.scenarios.drawn_range import slow_load_share
 from drivegate.contracts.duty.scenarios.windows import WINDOW_SHARE, run_up_s
 from drivegate.scenarios.drive_scale import rated_torque_at, tidy
 from drivegate.scenarios.title import titled
@@ -36,9 +36,7 @@ def torque_of(drive: PmAcDocument, speed_rpm: float, share: float) -> float:
 
 def slow_torque(drive: PmAcDocument, speed_rpm: float, share: float = 1.0) -> float:
     """Give a share of the load that a speed regulator must bear at low speed, which grows with the speed (N·m)."""
-    return torque_of(
-        drive, speed_rpm, share * SLOW_LOAD_SHARE * speed_rpm / (TURNING_SHARE * drive.rating.base_speed_rpm)
-    )
+    return torque_of(drive, speed_rpm, share * slow_load_share(speed_rpm, drive))
 
 
 def dwell_periods(drive: PmAcDocument, speed_change_rpm: float = 0.0, inertia_factor: float = 1.0) -> int:

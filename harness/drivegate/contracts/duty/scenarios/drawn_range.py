@@ -7,6 +7,7 @@ from typing import Final
 from drivegate.contracts.duty.scenarios.failures import FAILURE_TORQUE_SHARE
 from drivegate.scenarios.drawn_range import NONE, DrawnRange, Interval
 from drivegate.scenarios.drive_scale import rated_torque_at
+from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.pm_ac.limits import FAILURE_SPEED_SHARE
 from drivegate_cases.scenario.load import DynamometerLoad, LockedLoad
 from drivegate_cases.scenario.scenario import Scenario
@@ -52,6 +53,11 @@ def drawn_range(scenario: Scenario) -> DrawnRange:
         return DrawnRange(speeds, Interval(0.0, highest), Interval(0.0, SLOW_LOAD_SHARE), NONE)
     speeds = Interval(TURNING_SHARE * base, base if starts else highest)
     return DrawnRange(speeds, speeds, Interval(SHARE_STEP, HEAVIEST_SHARE), NONE)
+
+
+def slow_load_share(speed_rpm: float, drive: DriveDocument) -> float:
+    """Return the heaviest load at a low speed over rated torque (1)."""
+    return SLOW_LOAD_SHARE * speed_rpm / (TURNING_SHARE * drive.rating.base_speed_rpm)
 
 
 def is_slow(scenario: Scenario) -> bool:

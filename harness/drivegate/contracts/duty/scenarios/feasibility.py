@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from drivegate.contracts.duty.document import duty_document
-from drivegate.contracts.duty.scenarios.drawn_range import SLOW_LOAD_SHARE, TURNING_SHARE, is_slow
+from drivegate.contracts.duty.scenarios.drawn_range import TURNING_SHARE, is_slow, slow_load_share
 from drivegate.contracts.duty.scenarios.failures import unnoticed_because
 from drivegate.contracts.duty.scenarios.windows import DutyDwell, duty_dwells
 from drivegate.scenarios.drive_scale import rated_torque_at
@@ -75,7 +75,7 @@ def _stops_at_low_speed(scenario: Scenario) -> bool:
     return any(
         0.0 < dwell.speed_rpm < end
         and load.torque_at(dwell.speed_rpm, dwell.load_factor)
-        > SLOW_LOAD_SHARE * rated_torque_at(drive, end) * dwell.speed_rpm / end * (1.0 + _ROUNDING)
+        > slow_load_share(dwell.speed_rpm, drive) * rated_torque_at(drive, end) * (1.0 + _ROUNDING)
         for dwell in duty_dwells(scenario)
     )
 
