@@ -75,25 +75,15 @@ def _unseen_along(share: float) -> Callable[[DutyNameplate], dict[str, float]]:
     return perturbed
 
 
-def _of_speed(field: str, share: float) -> Callable[[DutyNameplate], dict[str, float]]:
-    """Set a speed over base speed, where the reference is one."""
+def _under(
+    reference_kind: int, field: str, value: Callable[[DutyNameplate], float]
+) -> Callable[[DutyNameplate], dict[str, float]]:
+    """Set a field where the reference is of a kind."""
 
     def perturbed(plate: DutyNameplate) -> dict[str, float]:
-        return {field: share * plate.base_speed} if plate.reference_kind == SPEED_REFERENCE else {}
+        return {field: value(plate)} if plate.reference_kind == reference_kind else {}
 
     return perturbed
-
-
-def _weak_braking(plate: DutyNameplate) -> dict[str, float]:
-    if plate.reference_kind != TORQUE_REFERENCE:
-        return {}
-    return {"braking_limit": 0.6 * plate.rated_power / plate.base_speed}
-
-
-def _braking_cut_off(plate: DutyNameplate) -> dict[str, float]:
-    if plate.reference_kind != TORQUE_REFERENCE:
-        return {}
-    return {"braking_voltage": 1.05 * plate.supply_voltage}
 
 
 DUTY_FAULTS: Final = {
@@ -291,22 +281,26 @@ DUTY_FAULTS: Final = {
         perturbed=lambda plate: {"counts_edges": 1.0, "pole_pairs": float(plate.pole_pairs)},
     ),
     "weak-braking": DutyFault(
-        "ACC-1", "Limits a braking torque to 60 % of rated torque at base speed.", perturbed=_weak_braking
+        "ACC-1",
+        "Limits a braking torque to 60 % of rated torque at base speed.",
+        perturbed=_under(
+            TORQUE_REFERENCE, "braking_limit", lambda plate: 0.6 * plate.rated_power / plate.base_speed
+        ),
     ),
     "braking-cut-off": DutyFault(
         "ACC-1",
         "Refuses to brake above 105 % of the nominal link voltage, where the link takes the power.",
-        perturbed=_braking_cut_off,
+        perturbed=_under(TORQUE_REFERENCE, "braking_voltage", lambda plate: 1.05 * plate.supply_voltage),
     ),
     "slow-shaft-unseen": DutyFault(
         "ACC-1",
         "Takes the shaft for standing below 4 % of base speed.",
-        perturbed=_of_speed("least_speed", 0.04),
+        perturbed=_under(SPEED_REFERENCE, "least_speed", lambda plate: 0.04 * plate.base_speed),
     ),
     "idle-speed-forced": DutyFault(
         "ACC-1",
         "Raises a speed reference below 6 % of base speed to that speed.",
-        perturbed=_of_speed("least_reference", 0.06),
+        perturbed=_under(SPEED_REFERENCE, "least_reference", lambda plate: 0.06 * plate.base_speed),
     ),
     "light-rotor-assumed": DutyFault(
         "ROB-4",
