@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Final
+from typing import Any
 
 from drivegate.scenarios.supply_words import stated_supply
-
-_FACTORS: Final = ("resistance", "inductance", "emf_constant", "inertia")
+from drivegate_cases.drive.scales import FACTOR_SYMBOLS
 
 
 def scenario_in_short(scenario: dict[str, Any]) -> str:
@@ -22,7 +21,7 @@ def scenario_in_short(scenario: dict[str, Any]) -> str:
     parts += [
         f"{key} × {value:g}"
         for key, value in scenario.get("scales", {}).items()
-        if key in _FACTORS and value != 1.0
+        if key in FACTOR_SYMBOLS and value != 1.0
     ]
     added = scenario.get("scales", {}).get("friction_added_n_m", 0.0)
     if added:

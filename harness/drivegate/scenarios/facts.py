@@ -11,7 +11,7 @@ from drivegate.scenarios.supply_words import stated_supply
 from drivegate_cases.documents.wording import figure
 from drivegate_cases.drive.drive_document import PM_AC
 from drivegate_cases.drive.limits import rounded
-from drivegate_cases.drive.scales import NOMINAL
+from drivegate_cases.drive.scales import FACTOR_SYMBOLS, NOMINAL
 from drivegate_cases.scenario.failure_kind import PHASED
 from drivegate_cases.scenario.scenario import LONGEST_CONTROL_PERIOD_S, Scenario
 from drivegate_models.units import RADIANS_PER_RPM
@@ -23,7 +23,6 @@ _TOLD_ELSEWHERE: Final = frozenset({"schema", "name", "description", "drive", "s
 COURSES: Final = ("factor", "grade_percent", "torque_reference_nm")
 """Keys of a load that are courses over time."""
 _TORQUE_DIGITS: Final = 3
-_SYMBOLS: Final = {"resistance": "R", "inductance": "L", "emf_constant": "ke", "inertia": "J"}
 _UNITS: Final = {"torque_nm": "N·m", "power_w": "W"}
 
 
@@ -131,13 +130,13 @@ def _imbalance(scenario: Mapping[str, Any]) -> Iterator[str]:
 def _scales(scenario: Mapping[str, Any]) -> Iterator[str]:
     for name, value in scenario["scales"].items():
         if value != getattr(NOMINAL, name):
-            symbol = _SYMBOLS.get(name)
+            symbol = FACTOR_SYMBOLS.get(name)
             yield f"friction + {value:g} N·m" if symbol is None else f"{symbol} × {value:g}"
 
 
 def _drift(scenario: Mapping[str, Any]) -> Iterator[str]:
     for name, profile in (scenario["drift"] or {}).items():
-        yield f"{_SYMBOLS[name]} drifts by {_course(profile, 'times')}"
+        yield f"{FACTOR_SYMBOLS[name]} drifts by {_course(profile, 'times')}"
 
 
 def _dropouts(scenario: Mapping[str, Any]) -> Iterator[str]:

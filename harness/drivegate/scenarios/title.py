@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from drivegate.scenarios.supply_words import stated_supply
 from drivegate_cases.documents.wording import figure
+from drivegate_cases.drive.scales import FACTOR_SYMBOLS
 from drivegate_cases.scenario.disturbance import Dropout
 from drivegate_cases.scenario.failure_kind import PHASED
 from drivegate_cases.scenario.load import (
@@ -150,13 +151,8 @@ def _parameters(scenario: Scenario) -> list[_Trait]:
     scales = scenario.scales
     traits = [
         _Trait(f"{symbol}×{factor:.4g}", f"{symbol} × {factor:.4g}")
-        for symbol, factor in (
-            ("R", scales.resistance),
-            ("L", scales.inductance),
-            ("ke", scales.emf_constant),
-            ("J", scales.inertia),
-        )
-        if factor != 1.0
+        for key, symbol in FACTOR_SYMBOLS.items()
+        if (factor := getattr(scales, key)) != 1.0
     ]
     if scales.friction_added_n_m:
         added = f"{scales.friction_added_n_m:.4g}"

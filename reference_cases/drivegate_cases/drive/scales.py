@@ -1,5 +1,7 @@
 """How a plant differs from the nominal drive that its controller knows."""
 
+from typing import Final
+
 from pydantic import Field
 
 from drivegate_cases.documents.document import Section
@@ -17,4 +19,6 @@ class Scales(Section):
     )
 
 
+FACTOR_SYMBOLS: Final = {"resistance": "R", "inductance": "L", "emf_constant": "ke", "inertia": "J"}
+"""What people call the keys that are factors."""
 NOMINAL = Scales()
