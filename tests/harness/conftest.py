@@ -48,8 +48,17 @@ def altered() -> Callable[[str, Alter], AlteredController]:
 
 @pytest.fixture
 def no_process_left() -> Iterator[None]:
-    """Hold a test to leaving no process that was not there before."""
+    """Hold a test to leaving no process but those of before and what they start, as the session's browser does."""
     before = psutil.Process().children(recursive=True)
     yield
-    left = [child for child in psutil.Process().children(recursive=True) if child not in before]
+    children = psutil.Process().children(recursive=True)
+    left = [child for child in children if child not in before and not _has_ancestor_in(before, child)]
     assert left == [], "a worker process is left"
+
+
+def _has_ancestor_in(processes: list[psutil.Process], process: psutil.Process) -> bool:
+    """Tell whether one of these processes started another, itself or through others; an ended one counts as theirs."""
+    try:
+        return any(parent in processes for parent in process.parents())
+    except psutil.NoSuchProcess:
+        return True
