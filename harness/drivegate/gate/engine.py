@@ -145,6 +145,7 @@ def check_candidate(
         counterexamples=(*focus.first, *corpus),
         waivers=[waiver for waiver in waivers if waiver.candidate == candidate.name],
     )
+    focus = focus.within(judged_on.contract, [check.id for check in contract_of(judged_on).checks()])
     refuse_unreachable(judged_on)
     today = present_day() if waivers else None
     started = datetime.now(UTC)
@@ -193,8 +194,8 @@ def check_candidate(
             candidate.declaration,
             judged_on,
             complete=progress.complete and not progress.faults,
-            named=focus.only,
         )
+        focus.require_judged(judged)
         outcomes = focus.outcomes(judged)
         try:
             outcomes = yield from _shrink(pool, outcomes, runs, effort, progress)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from drivegate.checks.judging import JudgedRun
 from drivegate.results.counterexample import Counterexample
 from drivegate.results.result import CheckOutcome
+from drivegate_models.errors import InputError
 
 
 @dataclass(frozen=True)
@@ -17,10 +18,29 @@ class Focus:
 
     only: tuple[str, ...] = ()
     """Identifiers of the checks that are judged; empty for all."""
+    named: tuple[str, ...] = ()
+    """Checks and families that the user named; each must be one of the drive's contract."""
     stop_at_first: bool = False
     """Whether no more work is begun after the first failure that counts."""
     first: tuple[Counterexample, ...] = ()
     """Counterexamples that are run before everything else."""
+
+    def within(self, contract: str, own: Collection[str]) -> Focus:
+        """Leave out the checks that a contract does not have; refuse a name that stands for none of its checks."""
+        for name in self.named:
+            if not any(is_called(check, name) for check in own):
+                raise InputError(
+                    f"--only: controllers of the contract '{contract}' are not judged by {name}, "
+                    f"but by {', '.join(own)}"
+                )
+        return replace(self, only=tuple(check for check in self.only if check in own))
+
+    def require_judged(self, outcomes: Iterable[CheckOutcome]) -> None:
+        """Refuse to pass a candidate to which none of the named checks applies."""
+        idle = [outcome for outcome in outcomes if self.only and self.judges(outcome.id)]
+        if idle and all(outcome.verdict == "not applicable" for outcome in idle):
+            reasons = "; ".join(f"{outcome.id}: {outcome.message}" for outcome in idle)
+            raise InputError(f"--only: no named check applies, so nothing is judged ({reasons}); name others")
 
     def judges(self, check: str) -> bool:
         """Tell whether a check is judged."""
@@ -51,3 +71,8 @@ class Focus:
 
 WHOLE: Final = Focus()
 """The whole check."""
+
+
+def is_called(check: str, name: str) -> bool:
+    """Return True if a name is a check's identifier or its family's."""
+    return name in (check, check.partition("-")[0])

@@ -11,9 +11,8 @@ from drivegate.candidates.fault import Fault
 from drivegate.checks.check import Check
 from drivegate.checks.judging import JudgedRun
 from drivegate.checks.margin import Margin
-from drivegate.contracts.catalogue import CONTRACTS, all_checks, contract_of
+from drivegate.contracts.catalogue import all_checks, contract_of
 from drivegate.contracts.drive_numbers import on_drive
-from drivegate.drives.kinds import DEFAULT_DRIVES
 from drivegate.results.result import (
     MOST_MARGINS,
     STALE_WAIVERS,
@@ -23,7 +22,7 @@ from drivegate.results.result import (
 )
 from drivegate_cases.documents.rounding import significant
 from drivegate_cases.documents.wording import counted
-from drivegate_cases.drive.drive_document import DriveDocument, load_drive
+from drivegate_cases.drive.drive_document import DriveDocument
 
 _NAMED: Final = 4
 _DIGITS: Final = 6
@@ -41,25 +40,10 @@ def check_outcomes(
     drive: DriveDocument,
     *,
     complete: bool,
-    named: Sequence[str] = (),
 ) -> tuple[CheckOutcome, ...]:
-    """Judge every check of a drive's contract over all runs; others that are named do not apply."""
+    """Judge every check of a drive's contract over all runs."""
     own = contract_of(drive).checks()
-    judged = tuple(_outcome(on_drive(check, drive), runs, declaration, drive, complete) for check in own)
-    known = {check.id for check in own}
-    return (*judged, *(_of_another_contract(name, drive) for name in named if name not in known))
-
-
-def _of_another_contract(name: str, drive: DriveDocument) -> CheckOutcome:
-    contract = next(
-        contract for contract, bundle in CONTRACTS.items() if name in [check.id for check in bundle.checks()]
-    )
-    check = on_drive(all_checks()[name], load_drive(DEFAULT_DRIVES[contract]))
-    message = (
-        f"judges controllers of the contract '{contract}', but those of a drive of the kind '{drive.kind}' are of the "
-        f"contract '{drive.contract}'"
-    )
-    return _made(check, "not applicable", None, 0, message, None)
+    return tuple(_outcome(on_drive(check, drive), runs, declaration, drive, complete) for check in own)
 
 
 def machine_dependent(runs: Sequence[JudgedRun]) -> dict[str, dict[str, Any]]:

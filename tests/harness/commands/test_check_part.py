@@ -11,7 +11,9 @@ NO_REPORT = "there is no earlier result"
 
 def test_checks_are_chosen_by_name_and_by_family(command, engine):
     assert command("check", "reference", "--only", "cnv-3,PWR", "--only", "CNV-2", "-x").code == 0
-    assert engine.options["focus"] == Focus(("PWR-1", "PWR-2", "CNV-2", "CNV-3"), stop_at_first=True)
+    assert engine.options["focus"] == Focus(
+        ("PWR-1", "PWR-2", "CNV-2", "CNV-3"), ("CNV-3", "PWR", "CNV-2"), stop_at_first=True
+    )
 
 
 def test_what_failed_last_time_is_judged_alone_and_its_counterexample_comes_first(command, failing):
@@ -69,6 +71,31 @@ def test_the_report_of_another_candidate_is_no_earlier_one(command, refused, eng
 )
 def test_bad_input_is_refused_in_one_sentence(refused, engine, words, reason):
     assert reason in refused("check", *words)
+
+
+@pytest.mark.parametrize(
+    ("words", "reason"),
+    [
+        (("foc", "--only", "CNV-1"), "of the contract 'duty' are not judged by CNV-1, but by "),
+        (("foc", "--only", "STP-1,CNV"), "of the contract 'duty' are not judged by CNV, but by "),
+        (("foc", "--only", "ROB-1,ROB-4"), "of the contract 'duty' are not judged by ROB-1, but by "),
+        (("reference", "--only", "STP-1"), "of the contract 'current' are not judged by STP-1, but by "),
+        (
+            ("reference", "--only", "FLO-1", "--effort", "quick"),
+            "no named check applies, so nothing is judged",
+        ),
+    ],
+)
+def test_a_candidate_never_passes_by_checks_that_judge_nothing(command, tmp_path, words, reason):
+    ended = command("check", *words, "--output", "out", "--workers", "1")
+    assert ended.code == 2
+    assert reason in ended.out + ended.err
+    assert not (tmp_path / "out").exists(), "there is no result of a check that judges nothing"
+
+
+def test_a_family_stands_for_those_of_its_checks_that_the_contract_has():
+    focus = Focus(("ROB-1", "ROB-4", "STP-1"), ("ROB", "STP-1"))
+    assert focus.within("duty", ["STP-1", "ROB-4"]).only == ("ROB-4", "STP-1")
 
 
 def test_a_check_ends_at_the_first_failure_for_real(command, tmp_path):

@@ -38,7 +38,8 @@ def focus_of(part: Part, candidates: Sequence[Candidate | None], output: Path) -
     """Find the checks that are requested, and what failed in the last report of a folder."""
     from drivegate.gate.focus import Focus
 
-    only = _chosen(part.only)
+    named = _named(part.only)
+    only = _chosen(named)
     first: tuple[Counterexample, ...] = ()
     if part.last_failed:
         if len(candidates) != 1 or candidates[0] is None:
@@ -46,28 +47,33 @@ def focus_of(part: Part, candidates: Sequence[Candidate | None], output: Path) -
         failed = _last_failed(output, candidates[0])
         first = tuple(stored for stored in failed if not only or stored.check in only)
         only = tuple(stored.check for stored in first) or only
-    return Focus(only, part.stop_at_first, first)
+    return Focus(only, named, part.stop_at_first, first)
 
 
-def _chosen(words: Iterable[str]) -> tuple[str, ...]:
-    """Find checks by their names or their families', in the order of the catalogue."""
+def _named(words: Iterable[str]) -> tuple[str, ...]:
+    """Read names of checks and families, and refuse those that no contract has."""
     from drivegate.contracts.catalogue import all_checks
+    from drivegate.gate.focus import is_called
 
     known = list(all_checks())
-    named = [word.strip().upper() for listed in words for word in listed.split(",") if word.strip()]
+    named = tuple(word.strip().upper() for listed in words for word in listed.split(",") if word.strip())
     if words and not named:
         raise InputError("--only names no check; name some, such as --only CNV-2,CNV-3")
     for name in named:
-        if not any(_is_called(check, name) for check in known):
+        if not any(is_called(check, name) for check in known):
             raise InputError(
                 f"--only: there is no check '{one_line(name)}', the nearest is '{nearest(name, known)}'; "
                 "drivegate checks lists them"
             )
-    return tuple(check for check in known if any(_is_called(check, name) for name in named))
+    return named
 
 
-def _is_called(check: str, name: str) -> bool:
-    return name in (check, check.partition("-")[0])
+def _chosen(named: Iterable[str]) -> tuple[str, ...]:
+    """Find the checks of any contract that are named, in the order of the catalogue."""
+    from drivegate.contracts.catalogue import all_checks
+    from drivegate.gate.focus import is_called
+
+    return tuple(check for check in all_checks() if any(is_called(check, name) for name in named))
 
 
 def _last_failed(output: Path, candidate: Candidate) -> list[Counterexample]:
