@@ -1,4 +1,4 @@
-"""Picture of the first screen of a report page, as README shows it: ``python docs/screenshot.py PAGE FILE.png``."""
+"""Picture of the first screen of a comparison's report: ``python docs/screenshot.py PAGE FILE.png``."""
 
 import shutil
 import sys
