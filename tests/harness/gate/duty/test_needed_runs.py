@@ -126,7 +126,7 @@ def test_a_quick_check_on_any_carrier_ends_with_a_verdict(kilohertz: float, carr
     declaration, only = FOC.candidate.declaration, ("STP-1",)
     work = planned_work("quick", 0, declaration=declaration, drive=drive, focus=Focus(only))
     runs = [run for item in work for run in item.job.target(FOC, item.job.payload).runs]
-    outcomes = check_outcomes(runs, declaration, drive, complete=True, named=only)
+    outcomes = check_outcomes(runs, declaration, drive, complete=True)
     verdicts = {outcome.id: outcome.verdict for outcome in outcomes if outcome.id in only}
     assert verdicts == {"STP-1": "pass"}
     assert len(runs) >= 7
