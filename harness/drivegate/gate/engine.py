@@ -146,6 +146,8 @@ def check_candidate(
         waivers=[waiver for waiver in waivers if waiver.candidate == candidate.name],
     )
     focus = focus.within(judged_on.contract, [check.id for check in contract_of(judged_on).checks()])
+    # What a candidate does not declare is known before anything is compiled or run.
+    focus.require_judged(check_outcomes((), candidate.declaration, judged_on, complete=False))
     refuse_unreachable(judged_on)
     today = present_day() if waivers else None
     started = datetime.now(UTC)

@@ -37,9 +37,9 @@ class Focus:
 
     def require_judged(self, outcomes: Iterable[CheckOutcome]) -> None:
         """Refuse to pass a candidate to which none of the named checks applies."""
-        idle = [outcome for outcome in outcomes if self.only and self.judges(outcome.id)]
-        if idle and all(outcome.verdict == "not applicable" for outcome in idle):
-            reasons = "; ".join(f"{outcome.id}: {outcome.message}" for outcome in idle)
+        named = [outcome for outcome in outcomes if outcome.id in self.only]
+        if named and all(outcome.verdict == "not applicable" for outcome in named):
+            reasons = "; ".join(f"{outcome.id}: {outcome.message}" for outcome in named)
             raise InputError(f"--only: no named check applies, so nothing is judged ({reasons}); name others")
 
     def judges(self, check: str) -> bool:

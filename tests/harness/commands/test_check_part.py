@@ -90,6 +90,7 @@ def test_a_candidate_never_passes_by_checks_that_judge_nothing(command, tmp_path
     ended = command("check", *words, "--output", "out", "--workers", "1")
     assert ended.code == 2
     assert reason in ended.out + ended.err
+    assert "running" not in ended.err, "it is refused before any work"
     assert not (tmp_path / "out").exists(), "there is no result of a check that judges nothing"
 
 
