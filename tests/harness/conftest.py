@@ -52,12 +52,12 @@ def no_process_left() -> Iterator[None]:
     before = psutil.Process().children(recursive=True)
     yield
     children = psutil.Process().children(recursive=True)
-    left = [child for child in children if child not in before and not _has_ancestor_in(before, child)]
+    left = [child for child in children if child not in before and not _descends_from(before, child)]
     assert left == [], "a worker process is left"
 
 
-def _has_ancestor_in(processes: list[psutil.Process], process: psutil.Process) -> bool:
-    """Tell whether one of these processes started another, itself or through others; an ended one counts as theirs."""
+def _descends_from(processes: list[psutil.Process], process: psutil.Process) -> bool:
+    """Return True if one of these started a process, itself or through others, or if the process has ended since."""
     try:
         return any(parent in processes for parent in process.parents())
     except psutil.NoSuchProcess:
