@@ -56,7 +56,7 @@ def surroundings(restricted: Mapping[str, str]) -> dict[str, str]:
 
 def digest_of_loops() -> str:
     """Run closed loops of many kinds and draw scenarios, and digest the observed numbers."""
-    from drivegate.candidates.loading import load_controller
+    from drivegate.candidates.kinds import load_controller
     from drivegate.candidates.resolution import resolve_candidate
     from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
     from drivegate.drives.running import run_scenario

@@ -18,7 +18,7 @@ from drivegate.containment.judge import own_candidate
 from drivegate.contracts.comparison import ComparisonRequest, PlannedRun
 from drivegate.contracts.current.comparison.plan import planned_runs
 from drivegate.contracts.current.figures import recorded_signals
-from drivegate.contracts.duty.comparison.plan import planned_duty_runs
+from drivegate.contracts.duty.comparison.declaration import planned_duty_runs
 from drivegate.contracts.duty.scenarios.building import torque_of, torque_scenario
 from drivegate.contracts.recorded_trace import thinned
 from drivegate.drives.envelope_document import envelope_of

@@ -32,8 +32,7 @@ from drivegate.contracts.comparison import (
     mean,
     name_of,
 )
-from drivegate.contracts.contract import Contract
-from drivegate.contracts.witness import Witness
+from drivegate.contracts.contract import Contract, Witness
 from drivegate.drives.abilities import ABILITIES
 from drivegate.drives.ability import Ability, RunTime
 from drivegate.drives.constant_power import ConstantPower

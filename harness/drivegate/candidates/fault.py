@@ -4,6 +4,7 @@ Everything in it is bounded text and numbers, whatever the candidate raised, pri
 """
 
 import re
+import signal
 import traceback
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -125,3 +126,14 @@ def _traceback_of(error: BaseException) -> str:
     while frames is not None and frames.tb_frame.f_globals.get("__name__", "").split(".")[0] in _CALLERS:
         frames = frames.tb_next
     return bounded_text("".join(traceback.format_exception(type(error), error, frames)))
+
+
+def ending_in_words(status: int) -> tuple[str, str]:
+    """Tell how a process ended."""
+    if status >= 0:
+        return f"ended itself with exit status {status}", ""
+    try:
+        name = signal.Signals(-status).name
+    except ValueError:
+        name = f"signal {-status}"
+    return f"was killed by {name} ({signal.strsignal(-status) or 'unknown'})", name

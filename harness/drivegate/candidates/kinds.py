@@ -15,10 +15,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from drivegate.candidates.candidate import Candidate
+from drivegate.candidates.controller import Controller
 
 if TYPE_CHECKING:
-    from drivegate.candidates.controller import Controller
     from drivegate_cases.documents.document import Document
+
 
 EXEC_PREFIX: Final = "exec:"
 """What the command line of a candidate that is a program begins with."""
@@ -104,3 +105,8 @@ KINDS: Final[Mapping[str, Kind]] = {kind.name: kind for kind in _ALL}
 
 WHOLE_FILE_SUFFIXES: Final = (MANIFEST_SUFFIX, *(kind.suffix for kind in _ALL if kind.suffix))
 """Suffixes of candidates that are a file as a whole."""
+
+
+def load_controller(candidate: Candidate) -> Controller:
+    """Make a new instance of a candidate."""
+    return KINDS[candidate.kind].load_controller(candidate)

@@ -31,7 +31,7 @@ def judged_elsewhere(_record: Record) -> Margin | None:
 class Check:
     """A requirement and how it is judged.
 
-    Its texts name a drive's numbers, such as ``{k1}``; `drivegate.contracts.drive_numbers.on_drive` fills them in.
+    Its texts name a drive's numbers, such as ``{k1}``; `drivegate.contracts.catalogue.on_drive` fills them in.
     """
 
     id: str

@@ -78,9 +78,8 @@ def command(
     campaign = read_campaign(file)
 
     from drivegate.output.progress import progress_on, with_rate
-    from drivegate.studies.campaign.engine import make_runs
+    from drivegate.studies.campaign.engine import make_runs, write_pages
     from drivegate.studies.campaign.folder import CampaignFolder
-    from drivegate.studies.campaign.pages import write_pages
     from drivegate.studies.campaign.plan import planned
     from drivegate.studies.campaign.summary import broken_harness, summarised
 

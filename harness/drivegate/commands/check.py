@@ -180,8 +180,7 @@ def _is_refused(all_checked: list[Checked]) -> bool:
 
 def _show(all_checked: list[Checked], output: Path, *, quiet: bool) -> None:
     from drivegate.output.console import console_for
-    from drivegate.studies.check.display import show_checked
-    from drivegate.studies.check.last_line import show_last_line
+    from drivegate.studies.check.display import show_checked, show_last_line
 
     console = console_for(sys.stdout)
     for checked in all_checked:

@@ -87,7 +87,7 @@ def command(
     _require_fields(contract, ignore)
     check_targets(None, None, plot)
 
-    from drivegate.drives.choice import require_contract
+    from drivegate.drives.kinds import require_contract
     from drivegate.studies.diff.diff import compared
     from drivegate.studies.diff.document import document_of
     from drivegate.studies.diff.rule import BITWISE, Rule
@@ -103,7 +103,7 @@ def command(
         found["before"] = found["before"][len(found["before"]) - min(before, len(found["before"])) :]
         del found["after"]
     if plot is not None and comparison.difference is not None:
-        from drivegate.studies.diff.figure import draw
+        from drivegate.studies.diff.display import draw
 
         names = (candidates[0].name, candidates[1].name)
         draw(comparison.difference, contract, names, plot, f"{names[0]} and {names[1]}: {scenario.name}")

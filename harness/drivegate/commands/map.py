@@ -73,7 +73,7 @@ def command(
     check_targets(csv, parquet, plot)
 
     from drivegate.candidates.resolution import resolve_candidate
-    from drivegate.drives.choice import drive_for, require_angles
+    from drivegate.drives.kinds import drive_for, require_angles
 
     resolved = None if candidate is None else resolve_candidate(candidate)
     nominal = require_angles(chosen_drive(drive, settings, lambda: drive_for(resolved)))

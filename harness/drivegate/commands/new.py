@@ -70,8 +70,8 @@ def _new_drive(file: Path, output: Path | None, start: str | None) -> Outcome:
     if output is not None:
         raise click.UsageError("--output goes with a candidate only; NAME is the file of a drive")
 
-    from drivegate.drives.choice import drive_for
-    from drivegate.studies.new.drive import write_drive
+    from drivegate.drives.kinds import drive_for
+    from drivegate.studies.new.write import write_drive
 
     written = write_drive(file, drive_for(None, named_drive(start)))
     look = f"drivegate drive {quote(str(file))}"

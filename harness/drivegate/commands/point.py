@@ -45,7 +45,7 @@ def command(
         raise click.UsageError("give exactly one of --torque-nm and --current-a")
     if cycles is not None and current_a is None:
         raise click.UsageError("--cycles goes with --current-a only")
-    from drivegate.drives.choice import require_angles
+    from drivegate.drives.kinds import require_angles
     from drivegate.studies.point.point import point_document
     from drivegate_cases.drive.drive_document import load_drive
 
@@ -55,7 +55,7 @@ def command(
     )
 
     def show(console: Console) -> None:
-        from drivegate.studies.point.display import show_point
+        from drivegate.studies.point.point import show_point
 
         show_point(console, document, plant, torque_nm)
 

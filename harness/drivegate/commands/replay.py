@@ -56,7 +56,7 @@ def command(file: Path, candidate: str | None, plot: Path | None) -> Outcome:
     ended = replayed(stored, resolved)
     document = document_of(stored, resolved, ended)
     if plot is not None and not isinstance(ended, Fault):
-        from drivegate.studies.replay.figure import draw
+        from drivegate.studies.replay.display import draw
 
         title = f"{stored.check} {document['verdict']}: {resolved.name}, {stored.scenario.name}"
         draw(stored, ended, plot, title)

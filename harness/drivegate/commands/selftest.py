@@ -118,12 +118,12 @@ def command(
             "--fault": bool(faults) and every_fault,
         }
         _refuse(given, f"does not go with {'--faults' if faults and every_fault else '--drives'}")
-    from drivegate.studies.selftest.selftest import chosen_names, selftested
+    from drivegate.studies.selftest.run import chosen_names, selftested
 
     drawn_kind = kind or DRAWN[0]
     names = () if drives is None else chosen_names(faults, drawn_kind)
 
-    from drivegate.drives.choice import drive_for
+    from drivegate.drives.kinds import drive_for
     from drivegate.studies.selftest.display import show_matrix
     from drivegate.studies.selftest.drawn.run import DrivesRequest
     from drivegate.studies.selftest.run import SelftestEffort

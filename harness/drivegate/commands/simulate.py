@@ -70,7 +70,7 @@ def command(
     if isinstance(ended, Fault):
 
         def show_failed(console: Console) -> None:
-            from drivegate.studies.simulate.display import show_fault
+            from drivegate.studies.simulate.simulate import show_fault
 
             show_fault(console, document)
 
@@ -87,7 +87,7 @@ def command(
 
     def show(console: Console) -> None:
         from drivegate.contracts.catalogue import contract_of
-        from drivegate.studies.simulate.display import show_run
+        from drivegate.studies.simulate.simulate import show_run
 
         show_run(console, contract_of(scenario.drive), document, hint)
 

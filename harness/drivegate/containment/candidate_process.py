@@ -12,8 +12,7 @@ from typing import Any, Final
 from numpy.typing import NDArray
 
 from drivegate.candidates.candidate import Candidate
-from drivegate.candidates.ending import ending_in_words
-from drivegate.candidates.fault import CandidateFault, Fault, FaultKind, bounded_text
+from drivegate.candidates.fault import CandidateFault, Fault, FaultKind, bounded_text, ending_in_words
 from drivegate.candidates.kinds import KINDS
 from drivegate.containment.candidate_handle import CandidateHandle
 from drivegate.containment.orders import MakeInstance, Order, RunOrder, Setup

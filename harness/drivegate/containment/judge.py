@@ -12,8 +12,7 @@ from typing import Any, Self
 
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind
-from drivegate.candidates.kinds import KINDS
-from drivegate.candidates.loading import load_controller
+from drivegate.candidates.kinds import KINDS, load_controller
 from drivegate.containment.messages import AnyController, Job, JudgedCandidate, ResultT
 from drivegate.containment.pace_watch import SlowRun
 from drivegate.containment.stall_watch import WorkerLimits

@@ -23,7 +23,7 @@ import psutil
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.controller import Controller
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind, Phase, exception_fault
-from drivegate.candidates.loading import load_controller
+from drivegate.candidates.kinds import load_controller
 from drivegate.containment.orders import (
     PACKET,
     CloseLoop,

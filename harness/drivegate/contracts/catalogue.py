@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import cache
+from dataclasses import replace
+from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Final
 
+from drivegate.checks.check import Check
 from drivegate.contracts.current.bundle import CURRENT
 from drivegate.contracts.duty.bundle import DUTY
+from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
-    from drivegate.checks.check import Check
     from drivegate.contracts.comparison import Comparison
     from drivegate.contracts.contract import Contract
-    from drivegate_cases.drive.drive_document import DriveDocument
 
+TEXTS: Final = ("requirement", "limit", "scenarios", "formula", "why")
 CONTRACTS: Final[Mapping[str, Contract]] = {contract.name: contract for contract in (CURRENT, DUTY)}
 """Every contract by its name."""
 DEFAULT_CONTRACT: Final = CURRENT
@@ -51,3 +53,14 @@ def comparison_of(kind: object) -> Comparison:
         kinds = " or ".join(f"'{comparison.kind}'" for comparison in made)
         raise InputError(f"the document is of kind {kind!r}, but must be of kind {kinds}")
     return found
+
+
+"""Texts of a check that name a drive's numbers."""
+_KEPT: Final = 1_000
+
+
+@lru_cache(maxsize=_KEPT)
+def on_drive(check: Check, drive: DriveDocument) -> Check:
+    """Return a check whose texts have the numbers of a drive."""
+    numbers = contract_of(drive).numbers(drive)
+    return replace(check, **{name: getattr(check, name).format_map(numbers) for name in TEXTS})

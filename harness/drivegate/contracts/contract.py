@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 if TYPE_CHECKING:
+    import numpy as np
     from hypothesis.strategies import SearchStrategy
     from numpy.typing import NDArray
 
@@ -18,13 +19,39 @@ if TYPE_CHECKING:
     from drivegate.containment.messages import AnyController
     from drivegate.contracts.comparison import Comparison
     from drivegate.contracts.given_steps import GivenSteps
-    from drivegate.contracts.trace import RecordedTrace
-    from drivegate.contracts.witness import Witness
     from drivegate.scenarios.drawn_range import DrawnRange
     from drivegate.scenarios.simplification import Simplification
     from drivegate_cases.drive.drive_document import DriveDocument
     from drivegate_cases.scenario.scenario import Scenario
     from drivegate_models.contract.layout import Layout
+
+Columns: TypeAlias = "dict[str, NDArray[np.float64]]"
+"""Arrays of equal length, shape (n,), by the name of the column, which has the unit."""
+
+
+@dataclass(frozen=True)
+class RecordedTrace:
+    """The signals of a run, each a mean over a stretch of it."""
+
+    scenario: Scenario
+    """The scenario of the run."""
+    columns: Columns
+    """Its signals."""
+    judged_s: tuple[float, float]
+    """Start and end of the stretch that the check was judged on (s)."""
+
+
+@dataclass(frozen=True)
+class Witness:
+    """A built-in controller that passes the packaged drives of some kinds."""
+
+    candidate: str
+    """The string that names it."""
+    kinds: tuple[str, ...]
+    """Kinds of drives whose packaged ones it passes; on others it is no witness."""
+    knows_plant: bool = False
+    """Whether it knows more of the drive than its nameplate states, so that it shows what is possible, not what is
+    reasonable."""
 
 
 @dataclass(frozen=True)

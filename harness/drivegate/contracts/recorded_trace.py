@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.contracts.catalogue import contract_of
-from drivegate.contracts.trace import Columns, RecordedTrace
+from drivegate.contracts.contract import Columns, RecordedTrace
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.documents.rounding import significant
 from drivegate_cases.scenario.scenario import Scenario

@@ -6,8 +6,7 @@ from collections.abc import Mapping
 from typing import Any, Final
 
 from drivegate.checks.check import Check
-from drivegate.contracts.catalogue import CONTRACTS, check_of, contract_of
-from drivegate.contracts.drive_numbers import on_drive
+from drivegate.contracts.catalogue import CONTRACTS, check_of, contract_of, on_drive
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.publication.facts import Fact, facts
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any, Final
 
 from numpy.typing import NDArray
 
@@ -10,10 +12,14 @@ from drivegate.checks.record import Record
 from drivegate.containment.messages import AnyController, JudgedCandidate
 from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.current.run import run_in_closed_loop
-from drivegate.drives.choice import require_contract
-from drivegate.drives.kinds import kind_of
+from drivegate.contracts.parting import SEED_IN_RESET, Parting, parting_of, room_for_commands
+from drivegate.drives.kinds import kind_of, require_contract
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.loop.closed_loop import ClosedLoopRun
+
+_OUTSIDE: Final = (
+    f"something outside of the instance is kept, or the answer goes by chance or a clock; {SEED_IN_RESET}"
+)
 
 
 def run_scenario(
@@ -54,3 +60,25 @@ def recorded(
         trace_every=trace_every,
         kept=kept,
     )
+
+
+def with_repetitions(
+    loaded: JudgedCandidate, record: Record, kept: NDArray[Any], controller: AnyController
+) -> Record:
+    """Repeat a finished run whose commands were kept, and tell where the repetitions part from it."""
+    digests, partings = [], []
+    # A new instance takes the place of the one before, so it is made after that has run.
+    for new in (False, True):
+        room = room_for_commands(record.scenario)
+        instance = loaded.controller() if new else controller
+        digests.append(recorded(loaded, record.scenario, instance, kept=room).run.digest)
+        partings.append(parting_of(record.scenario, room, kept))
+    return replace(record, repeated_digests=tuple(digests), parting=_in_words(partings))
+
+
+def _in_words(partings: Sequence[Parting | None]) -> str:
+    same, new = partings
+    if same is None:
+        return "" if new is None else f"the run on a new instance {new}; {_OUTSIDE}"
+    cause = "reset kept something" if new is None else f"so does that on a new instance: {_OUTSIDE}"
+    return f"the second run on the same instance {same}; {cause}"

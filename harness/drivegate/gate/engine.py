@@ -18,7 +18,7 @@ from drivegate.containment.messages import Job
 from drivegate.containment.pace_watch import SlowRun
 from drivegate.containment.pool import WorkEnded, WorkerPool
 from drivegate.contracts.catalogue import CONTRACTS, all_checks, contract_of
-from drivegate.drives.choice import drive_for
+from drivegate.drives.kinds import drive_for
 from drivegate.drives.reach import refuse_unreachable
 from drivegate.gate.behaviour import behaviour_job
 from drivegate.gate.events import (
@@ -39,8 +39,7 @@ from drivegate.gate.plan import EXAMPLES, REPEATED, Origin, Work, planned_work
 from drivegate.gate.recording import recording_job, recording_plans, with_recordings
 from drivegate.gate.repetition import repeated_elsewhere
 from drivegate.gate.same_drive import require_same_drive
-from drivegate.gate.shrinking import Shrunk
-from drivegate.gate.simplest import simplest_failures, with_simplest
+from drivegate.gate.shrinking import Shrunk, simplest_failures, with_simplest
 from drivegate.gate.warm_up import compile_kernels, uncompiled_kinds
 from drivegate.gate.witnesses import Acquittal, Defence, accusations, with_witnesses
 from drivegate.results.baseline import Baseline, compared

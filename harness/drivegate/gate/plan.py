@@ -8,15 +8,20 @@ from enum import Enum, auto
 from typing import Final
 
 from drivegate.candidates.declaration import Declaration
+from drivegate.candidates.kinds import KINDS
+from drivegate.candidates.python.bridge import PythonController
 from drivegate.checks.judging import JudgedRun, ShardOutcome
-from drivegate.containment.messages import Job, JudgedCandidate
+from drivegate.checks.margin import Margin, below
+from drivegate.checks.timing import LARGEST_SHARE
+from drivegate.containment.contained_controller import ContainedController
+from drivegate.containment.messages import AnyController, Job, JudgedCandidate
 from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.current.flowchart.run import ScriptRuns, run_scripts, script_margin
 from drivegate.contracts.current.flowchart.scripts import fixed_scripts, usual_speed
 from drivegate.drives.kinds import DEFAULT_DRIVE
+from drivegate.drives.running import recorded
 from drivegate.gate.focus import WHOLE, Focus
 from drivegate.gate.shard import DrawnRuns, FixedRuns, JointRuns, run_drawn, run_fixed, run_joint
-from drivegate.gate.step_timing import TimedSteps, time_steps
 from drivegate.results.baseline import Baseline, scenario_key
 from drivegate.results.counterexample import Counterexample
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
@@ -24,6 +29,7 @@ from drivegate_cases.drive.scales import NOMINAL
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.script import Script
 
+_CHECK: Final = "TIM-1"
 EXAMPLES: Final = {"quick": 4, "default": 36, "nightly": 400}
 """Scenarios drawn in each shard, by effort."""
 SHARDS: Final = 8
@@ -195,3 +201,40 @@ def _not_among(fixed: Iterable[Scenario], baseline: Baseline | None) -> list[Sce
             known.add(key)
             chosen.append(scenario)
     return chosen
+
+
+@dataclass(frozen=True)
+class TimedSteps:
+    """Steps to be timed."""
+
+    scenario: Scenario
+    """The run whose first Senses the controller is timed on."""
+
+
+def time_steps(loaded: JudgedCandidate, plan: TimedSteps) -> ShardOutcome:
+    """Record a run, then time the candidate's steps on what it sensed there."""
+    controller = loaded.controller()
+    scenario = plan.scenario
+    record = recorded(loaded, scenario, controller, trace_every=1)
+    step_time = contract_of(scenario.drive).step_seconds(controller, record)
+    way = way_of_running(loaded.candidate.kind, controller)
+    return ShardOutcome(
+        (JudgedRun(scenario.to_mapping(), (timing_margin(way, step_time, scenario.control_period_s),)),)
+    )
+
+
+def way_of_running(kind: str, controller: AnyController) -> str:
+    """Tell how a candidate's step runs, without which its time says little."""
+    is_python = (
+        controller.is_python
+        if isinstance(controller, ContainedController)
+        else isinstance(controller, PythonController)
+    )
+    return KINDS[kind].way_of_running or ("Python" if is_python else "native")
+
+
+def timing_margin(way: str, step_time: float, control_period: float) -> Margin:
+    """Judge the time of a step."""
+    share = step_time / control_period
+    measured = f"{1e6 * step_time:.3g} µs a step ({way}), {100.0 * share:.3g} % of the control period"
+    return Margin(_CHECK, below(step_time, LARGEST_SHARE * control_period), measured)

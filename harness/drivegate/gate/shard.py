@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from random import Random
@@ -17,12 +17,11 @@ from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.fault import CandidateFault
 from drivegate.checks.judging import InfeasibleScenario, JudgedRun, ShardOutcome, judged
 from drivegate.checks.margin import Margin
+from drivegate.checks.unseen import NotRun
 from drivegate.containment.messages import JudgedCandidate
 from drivegate.contracts.catalogue import all_checks, contract_of
-from drivegate.contracts.needed_runs import is_needed
 from drivegate.contracts.parting import room_for_commands
-from drivegate.drives.repeating import with_repetitions
-from drivegate.drives.running import recorded
+from drivegate.drives.running import recorded, with_repetitions
 from drivegate.scenarios.isolation import from_the_seed_alone
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.scenario import Scenario
@@ -246,3 +245,18 @@ def run_joint(loaded: JudgedCandidate, plan: JointRuns) -> ShardOutcome:
         plan.drive, declaration, plan.seed, plan.part, plan.parts
     )
     return run_fixed(loaded, FixedRuns(scenarios, only=plan.only))
+
+
+def is_needed(scenario: Scenario, declaration: Declaration, only: Collection[str]) -> bool:
+    """Return True if one of some checks may judge a run of a scenario; no names mean all checks.
+
+    Each check is evaluated without a run. One that returns no margin without a look at the run returns none after it.
+    """
+    if not only:
+        return True
+    contract = contract_of(scenario.drive)
+    record = contract.unseen(declaration, scenario)
+    try:
+        return any(check.evaluate(record) is not None for check in contract.checks() if check.id in only)
+    except NotRun:
+        return True

@@ -3,22 +3,28 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Final
 
-from drivegate.candidates.fault import CandidateFault, FaultKind
+from drivegate.candidates.fault import CandidateFault, Fault, FaultKind
+from drivegate.checks.judging import JudgedRun
 from drivegate.checks.margin import Margin
-from drivegate.containment.messages import JudgedCandidate
+from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.contracts.catalogue import check_of, contract_of
+from drivegate.contracts.parting import SEED_IN_RESET
 from drivegate.drives.running import recorded
+from drivegate.gate.plan import REPEATED
 from drivegate.gate.shard import content_key
+from drivegate.results.result import CheckOutcome, Found
+from drivegate.results.verdict import considered
 from drivegate.scenarios.simplification import Simplification, simplified
 from drivegate.scenarios.size import size_of
 from drivegate.scenarios.title import titled
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.scenario.scenario import Scenario
 
+_BUDGET: Final = {"quick": 15, "default": 40, "nightly": 200}
 __all__ = ["ShrinkPlan", "Shrunk", "run_shrink", "size_of"]
 
 
@@ -145,3 +151,60 @@ def _candidates(scenario: Scenario, simplification: Simplification, trials: _Tri
         simpler = simplified(scenario, fields)
         if simpler is not None and trials.is_due(simpler):
             yield simpler
+
+
+"""Runs that may be spent on making one counterexample simpler, by effort."""
+_GONE: Final = f"run again, it did not fail: two runs of the same scenario differ; {SEED_IN_RESET}"
+
+
+@dataclass(frozen=True)
+class FailedRun:
+    """The simplest run that breaks a check of the candidate."""
+
+    check: str
+    """Identifier of the check."""
+    margin: Margin
+    """Its margin."""
+    run: JudgedRun
+    """The run."""
+    worst: float | None = None
+    """Least margin that the check is reported with."""
+
+    def shrinks(self) -> bool:
+        """Tell whether it is worth while to look for a simpler one."""
+        return self.check != REPEATED and self.run.scenario.get("kind") != "script"
+
+    def job(self, effort: str) -> Job[Shrunk | None]:
+        """Plan the search for a simpler one."""
+        return Job(run_shrink, ShrinkPlan(self.run.scenario, self.check, _BUDGET[effort], self.worst))
+
+
+def simplest_failures(outcomes: Iterable[CheckOutcome], runs: Sequence[JudgedRun]) -> list[FailedRun]:
+    """Choose for every failed check of the candidate the simplest scenario that breaks it."""
+    failures = []
+    for outcome in outcomes:
+        if outcome.counterexample is not None and outcome.subject == "candidate":
+            broken = [item for item in considered(outcome.id, runs) if not item[0].met]
+            margin, run = min(broken, key=lambda item: size_of(item[1].scenario))
+            failures.append(FailedRun(outcome.id, margin, run, outcome.margin))
+    return failures
+
+
+def with_simplest(
+    outcome: CheckOutcome,
+    failures: Iterable[FailedRun],
+    shrunk: Mapping[str, Shrunk | Fault | None],
+) -> CheckOutcome:
+    """Put the simplest counterexample that was found into an outcome."""
+    failure = next((failure for failure in failures if failure.check == outcome.id), None)
+    if failure is None:
+        return outcome
+    simpler = shrunk.get(failure.check)
+    if isinstance(simpler, Shrunk):
+        found = Found(simpler.margin.value, simpler.margin.measured, simpler.size, simpler.runs)
+        return replace(outcome, counterexample=simpler.scenario, found=found)
+    scenario, measured = failure.run.scenario, failure.margin.measured
+    if simpler is None and failure.check in shrunk:
+        measured = f"{measured}; {_GONE}"
+    found = Found(failure.margin.value, measured, size_of(scenario), 0)
+    return replace(outcome, counterexample=scenario, found=found)

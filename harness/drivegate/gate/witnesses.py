@@ -16,7 +16,7 @@ from drivegate.checks.record import Record
 from drivegate.containment.judge import own_candidate
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.contracts.catalogue import check_of, contract_of
-from drivegate.contracts.witness import Witness
+from drivegate.contracts.contract import Witness
 from drivegate.drives.running import recorded
 from drivegate.gate.plan import REPEATED
 from drivegate.results.result import CheckOutcome, Found, Witnessed

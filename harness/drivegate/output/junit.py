@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from drivegate.checks.margin import margin_in_words
-from drivegate.output.distinct_faults import distinct_faults, in_runs
-from drivegate.output.explanations import explanations
+from drivegate.output.explanations import distinct_faults, explanations, in_runs
 from drivegate.results.result import STALE_WAIVERS, counted_levels
 from drivegate_cases.documents.wording import one_line
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from drivegate.scenarios.supply_words import stated_supply
+from drivegate.scenarios.title import stated_supply
 from drivegate_cases.drive.scales import FACTOR_SYMBOLS
 
 

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
-from drivegate.scenarios.supply_words import stated_supply
 from drivegate_cases.documents.wording import figure
+from drivegate_cases.drive.drive_document import SPLIT_SUPPLY
 from drivegate_cases.drive.scales import FACTOR_SYMBOLS
 from drivegate_cases.scenario.disturbance import Dropout
-from drivegate_cases.scenario.failure_kind import PHASED
+from drivegate_cases.scenario.failure import PHASED
 from drivegate_cases.scenario.load import (
     ConstantPowerLoad,
     ConstantTorqueLoad,
@@ -231,3 +232,9 @@ def _failure(scenario: Scenario) -> list[_Trait]:
 
 def _lost(dropout: Dropout) -> str:
     return dropout.signal if dropout.phase is None else f"phase {dropout.phase}"
+
+
+def stated_supply(kind: str, halves: Sequence[Sequence[float]]) -> tuple[str, Profile]:
+    """Return what the users of a kind of drive call its supply, and its course (s, V), from that of each half."""
+    name, share = ("half-supply", 1.0) if kind == SPLIT_SUPPLY else ("link", 2.0)
+    return name, tuple((time, share * volts) for time, volts in halves)

@@ -174,7 +174,7 @@ class Conformance:
 
 def _faults(document: Mapping[str, Any]) -> str:
     """Tell the candidate's faults; empty where it has none."""
-    from drivegate.output.distinct_faults import distinct_faults, in_runs
+    from drivegate.output.explanations import distinct_faults, in_runs
 
     lines = []
     for fault, count in distinct_faults(document.get("faults", [])):

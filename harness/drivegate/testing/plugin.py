@@ -79,7 +79,7 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
             f"{metafunc.function.__name__} must take the argument '{FIXTURE}' and call its verify()"
         )
     from drivegate.contracts.catalogue import CONTRACTS
-    from drivegate.drives.choice import drive_for
+    from drivegate.drives.kinds import drive_for
     from drivegate_models.errors import InputError
 
     try:

@@ -2,16 +2,22 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from typing import Annotated, Any, Final, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
 from drivegate_cases.documents.document import Section
-from drivegate_cases.drive.converter_ranges import converter_ranges
+from drivegate_cases.documents.rounding import significant
 from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.limits import nearest_step
 from drivegate_cases.drive.position import Position
 
+_CURRENT_RANGE = 1.54
+_CURRENT_OFFSET = 0.0019
+_CURRENT_NOISE = 0.00077
+_VOLTAGE_RANGE = 2.08
+_VOLTAGE_NOISE = 0.00042
 EncoderLines = Annotated[int, Field(ge=1, le=1_000_000, description="lines of the quadrature encoder a turn")]
 """Lines of an encoder."""
 SpeedWindow = Annotated[
@@ -303,3 +309,31 @@ def _of_drive(sensors: Sensors, drive: DriveDocument) -> dict[str, Any]:
         return {}
     own = asdict(converter_ranges(drive))
     return own | {"position": position_of(SHUNTS, drive)} if isinstance(sensors, ShuntSensors) else own
+
+
+@dataclass(frozen=True)
+class ConverterRanges:
+    """What converters chosen for a drive show of it: 40 A and 100 V on the paper's, the same shares on any other."""
+
+    current_range_a: float
+    """Greatest current shown (A): half as much again as the current limit, and a little."""
+    current_offset_a: float
+    current_noise_a: float
+    """Greatest offset of a current sensor, and standard deviation of its noise (A): about 0.2 % and 0.08 % of
+    the current limit."""
+    voltage_range_v: float
+    voltage_noise_v: float
+    """Greatest voltage shown, and standard deviation of its noise (V): about twice the voltage of each half
+    of the supply, and 0.04 % of it."""
+
+
+def converter_ranges(drive: DriveDocument) -> ConverterRanges:
+    """Choose the converters for a drive."""
+    limit, supply = drive.rating.current_limit_a, drive.inverter.supply_voltage_v
+    return ConverterRanges(
+        current_range_a=significant(_CURRENT_RANGE * limit, 2),
+        current_offset_a=nearest_step(_CURRENT_OFFSET * limit),
+        current_noise_a=nearest_step(_CURRENT_NOISE * limit),
+        voltage_range_v=significant(_VOLTAGE_RANGE * supply, 2),
+        voltage_noise_v=nearest_step(_VOLTAGE_NOISE * supply),
+    )

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from drivegate.studies.campaign.display import interval_text, probability_text, share_text, told_margins
 from drivegate.studies.campaign.summary import KIND, SCHEMA
-from drivegate.studies.campaign.wording import interval_text, probability_text, share_text, told_margins
 from drivegate_cases.documents.wording import counted
 from drivegate_reports.campaign import distributions
 from drivegate_reports.campaign.distributions import CheckDistribution

@@ -6,8 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
-from drivegate.contracts.catalogue import contract_of
-from drivegate.contracts.drive_numbers import on_drive
+from drivegate.contracts.catalogue import contract_of, on_drive
 from drivegate.contracts.traceability import SPECIAL, facts_of, families_of
 from drivegate.drives.kinds import DEFAULT_DRIVE
 from drivegate_cases.documents.document import parse_document

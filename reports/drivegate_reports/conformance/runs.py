@@ -9,10 +9,10 @@ from typing import Any, Final
 import numpy as np
 
 from drivegate.contracts.catalogue import contract_of
+from drivegate.contracts.contract import RecordedTrace
 from drivegate.contracts.current.words.run_signals import run_signals
 from drivegate.contracts.duty.words import duty_signals
 from drivegate.contracts.recorded_trace import recorded_trace
-from drivegate.contracts.trace import RecordedTrace
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.scenario.script import Script
 from drivegate_models.errors import InputError

@@ -2,10 +2,9 @@
 
 import pytest
 
-from drivegate_cases.drive.converter_ranges import ConverterRanges, converter_ranges
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.scenario.scenario import Scenario, load_scenario
-from drivegate_cases.scenario.sensors import Mcs96Sensors
+from drivegate_cases.scenario.sensors import ConverterRanges, Mcs96Sensors, converter_ranges
 
 PAPER, TRACTION = load_drive("paper-5-phase"), load_drive("traction-7-phase")
 RUN = load_scenario("fig5-search")

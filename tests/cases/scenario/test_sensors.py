@@ -3,7 +3,6 @@
 import pytest
 
 from drivegate_cases.documents.document import parse_document
-from drivegate_cases.drive.converter_ranges import converter_ranges
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import (
@@ -13,6 +12,7 @@ from drivegate_cases.scenario.sensors import (
     SHUNTS,
     HallSensors,
     ShuntSensors,
+    converter_ranges,
     counted_s,
     has_edges,
     has_encoder,

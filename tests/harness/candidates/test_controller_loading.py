@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from drivegate.candidates.builtin.candidates import BUILTIN_CANDIDATES
-from drivegate.candidates.loading import load_controller
+from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.python.bridge import PythonController
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import Judge

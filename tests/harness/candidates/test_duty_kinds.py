@@ -19,9 +19,9 @@ from drivegate.contracts.duty.document import duty_document
 from drivegate.contracts.duty.record import DutyRecord
 from drivegate.contracts.duty.run import DUTY_RATIOS
 from drivegate.contracts.duty.scenarios.building import torque_scenario
-from drivegate.drives.choice import drive_for
+from drivegate.drives.kinds import drive_for
 from drivegate.drives.running import recorded
-from drivegate.gate.step_timing import TimedSteps, time_steps
+from drivegate.gate.plan import TimedSteps, time_steps
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario, load_scenario
 from drivegate_models.errors import InputError

@@ -3,8 +3,8 @@
 import pytest
 
 from drivegate.candidates.declaration import Declaration, FlowchartProfile
+from drivegate.contracts.catalogue import on_drive
 from drivegate.contracts.current.checks.catalogue import CHECKS
-from drivegate.contracts.drive_numbers import on_drive
 from drivegate_cases.drive.drive_document import load_drive
 
 PAPER = load_drive("paper-5-phase")

@@ -19,7 +19,7 @@ from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.current.record import CurrentRecord
 from drivegate.contracts.duty.scenarios.building import speed_scenario, torque_of, torque_scenario
-from drivegate.drives.choice import drive_for
+from drivegate.drives.kinds import drive_for
 from drivegate.drives.running import recorded
 from drivegate.results.waivers import read_waivers
 from drivegate.studies.new.write import KINDS, write_candidate

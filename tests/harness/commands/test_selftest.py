@@ -9,7 +9,7 @@ from drivegate.commands import selftest
 from drivegate.drives.drawn.kinds import DRAWN_KINDS
 from drivegate.studies.selftest import seeded_fault
 from drivegate.studies.selftest.drawn import run
-from drivegate.studies.selftest.drawn.gate_row import GateRow
+from drivegate.studies.selftest.drawn.tasks import GateRow
 from drivegate_cases.drive.drive_document import load_drive
 
 

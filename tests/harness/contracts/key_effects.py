@@ -10,9 +10,8 @@ from typing import Any, Final, TypeAlias, get_args
 from drivegate import Command, DutyCommand
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.python.bridge import PythonController
-from drivegate.contracts.catalogue import CONTRACTS, contract_of
-from drivegate.contracts.drive_numbers import TEXTS, on_drive
-from drivegate.contracts.duty.plant_run import duty_run
+from drivegate.contracts.catalogue import CONTRACTS, TEXTS, contract_of, on_drive
+from drivegate.contracts.duty.run import duty_run
 from drivegate.drives.duty_ability import duty_envelope
 from drivegate.drives.kinds import DRIVE_KINDS
 from drivegate.drives.running import run_scenario

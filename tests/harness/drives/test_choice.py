@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.drives.choice import common_drive, drive_for
+from drivegate.drives.kinds import common_drive, drive_for
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_models.errors import InputError
 

@@ -10,11 +10,10 @@ from drivegate.checks.judging import judged
 from drivegate.containment.judge import own_candidate
 from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
-from drivegate.contracts.needed_runs import is_needed
 from drivegate.drives.running import recorded
 from drivegate.gate.focus import Focus
 from drivegate.gate.plan import Origin, planned_work
-from drivegate.gate.shard import DrawnRuns, FixedRuns, run_drawn
+from drivegate.gate.shard import DrawnRuns, FixedRuns, is_needed, run_drawn
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.drive.scales import NOMINAL
 

@@ -10,7 +10,7 @@ import pytest
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.controller import Controller
 from drivegate.candidates.declaration import Declaration
-from drivegate.candidates.loading import load_controller
+from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.check import Check
 from drivegate.checks.judging import JudgedRun, ShardOutcome

@@ -7,7 +7,7 @@ import pytest
 
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.controller import Controller
-from drivegate.candidates.loading import load_controller
+from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.contracts.current.record import CurrentRecord

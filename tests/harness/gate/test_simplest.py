@@ -2,8 +2,7 @@
 
 from drivegate.checks.judging import JudgedRun
 from drivegate.checks.margin import Margin
-from drivegate.gate.shrinking import Shrunk
-from drivegate.gate.simplest import FailedRun, with_simplest
+from drivegate.gate.shrinking import FailedRun, Shrunk, with_simplest
 from drivegate.results.result import CheckOutcome, Found
 from drivegate_cases.scenario.scenario import load_scenario
 

@@ -13,7 +13,7 @@ from drivegate.checks.judging import JudgedRun
 from drivegate.checks.margin import Margin
 from drivegate.containment.judge import own_candidate
 from drivegate.contracts.catalogue import CONTRACTS
-from drivegate.contracts.witness import Witness
+from drivegate.contracts.contract import Witness
 from drivegate.drives.kinds import DRIVE_KINDS
 from drivegate.gate import witnesses
 from drivegate.gate.witnesses import (

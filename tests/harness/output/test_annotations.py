@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from drivegate.output.annotations import workflow_commands
+from drivegate.output.result_reports import workflow_commands
 
 
 def result(

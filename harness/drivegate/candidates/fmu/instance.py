@@ -5,19 +5,24 @@ period, and the outputs are read; they are the command for that same period. The
 FMU, so that its equations start from the first measurements.
 """
 
+from __future__ import annotations
+
 import ctypes
 import weakref
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from struct import Struct
-from typing import Any, ClassVar, Final
+from typing import Any, ClassVar, Final, TypeAlias
 
 from drivegate.candidates.contract import AnyNameplate
-from drivegate.candidates.fmu.answer import answer_of
 from drivegate.candidates.fmu.description import FmuDescription
-from drivegate.candidates.fmu.log import forget_messages, with_messages
+from drivegate.candidates.fmu.log import callbacks_2, forget_messages, log_3, with_messages
 from drivegate.candidates.fmu.ports import PORTS
+from drivegate.candidates.fmu.variables import Connections
+from drivegate_models.contract.current.signals import Command
+from drivegate_models.contract.duty.signals import DutyCommand
 
 WARNING: Final = 1
 """The worst status of an FMI function with which a run goes on."""
@@ -52,7 +57,7 @@ class FmuInstance(ABC):
         self._initialised = False
         self._period = 0.0
         self._signals = [fields.index(name) for name in connections.signals]
-        self._answer = answer_of(connections)
+        self._answer = _answer_of(connections)
         self._arrays = [fields.index(name) for name, _ in connections.arrays]
         self._input_references = _references(connections.input_references)
         self._output_references = _references(connections.output_references)
@@ -156,7 +161,7 @@ class FmuInstance(ABC):
             self._fail(error.function, error.status)
 
 
-def block_of(references: "ctypes.Array[ctypes.c_uint32]") -> tuple[int, int]:
+def block_of(references: ctypes.Array[ctypes.c_uint32]) -> tuple[int, int]:
     """Tell where value references are, and how many."""
     return ctypes.addressof(references), len(references)
 
@@ -167,5 +172,150 @@ def function_of(library: ctypes.CDLL, name: str, types: tuple[Any, ...]) -> Call
     return function
 
 
-def _references(values: tuple[int, ...]) -> "ctypes.Array[ctypes.c_uint32]":
+def _references(values: tuple[int, ...]) -> ctypes.Array[ctypes.c_uint32]:
     return (ctypes.c_uint32 * len(values))(*values)
+
+
+_Answer: TypeAlias = Callable[[tuple[float, ...]], Any]
+"""From the outputs' values, in the order of the connections, to a Command or a DutyCommand."""
+
+
+def _answer_of(connections: Connections) -> _Answer:
+    """Make what turns the outputs of an FMU into commands."""
+    return _ANSWERS[connections.contract](connections)
+
+
+def _of_angles(_connections: Connections) -> _Answer:
+    # The fields of the command are the outputs, in their order.
+    return lambda values: Command(*values)
+
+
+def _of_duty_ratios(connections: Connections) -> _Answer:
+    places: dict[str, slice] = {}
+    start = 0
+    for name, count in connections.outputs:
+        places[name] = slice(start, start + count)
+        start += count
+    arrays = {name: place for name, place in places.items() if name in ("duty_ratios", "legs")}
+    scalars = {name: place.start for name, place in places.items() if name not in arrays}
+
+    def answer(values: tuple[float, ...]) -> DutyCommand:
+        fields: dict[str, Any] = {name: values[place] for name, place in scalars.items()}
+        fields |= {name: values[place] for name, place in arrays.items()}
+        if "legs" in fields:
+            fields["legs"] = tuple(map(_whole, fields["legs"]))
+        if "fault" in fields:
+            fields["fault"] = _whole(fields["fault"])
+        return DutyCommand(**fields)
+
+    return answer
+
+
+_ANSWERS: Final = {"current": _of_angles, "duty": _of_duty_ratios}
+
+
+def _whole(value: float) -> float | int:
+    """Make a whole number of a real one; what is none is left for the contract to refuse."""
+    return int(value) if value.is_integer() else value
+
+
+class Fmi2Instance(FmuInstance):
+    """An FMU of FMI 2.0 as an object with `reset` and `step`."""
+
+    prefix = "fmi2"
+    set_name = "fmi2SetReal"
+    get_name = "fmi2GetReal"
+
+    def _instantiate(self, with_log: bool) -> None:
+        self._slave.instantiate(callbacks=callbacks_2(), loggingOn=with_log)
+
+    def _freeing_function(self) -> Callable[[int], None]:
+        free: Callable[[int], None] = self._slave.fmi2FreeInstance
+        return free
+
+    def _bind(self, component: int) -> None:
+        values = (ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p)
+        step = (ctypes.c_void_p, ctypes.c_double, ctypes.c_double, ctypes.c_int)
+        library = self._slave.dll
+        self._set_inputs = partial(
+            function_of(library, self.set_name, values),
+            component,
+            *block_of(self._input_references),
+            ctypes.addressof(self._inputs),
+        )
+        self._get_outputs = partial(
+            function_of(library, self.get_name, values),
+            component,
+            *block_of(self._output_references),
+            ctypes.addressof(self._outputs),
+        )
+        do_step = function_of(library, "fmi2DoStep", step)
+        self._do_step = lambda time, period: do_step(component, time, period, 1)
+
+    def _set_parameter(self, kind: str, value_reference: int, value: float) -> None:
+        if kind == "Integer":
+            self._slave.setInteger([value_reference], [int(value)])
+        else:
+            self._slave.setReal([value_reference], [float(value)])
+
+    def _initialise(self, time: float) -> None:
+        slave = self._slave
+        slave.setupExperiment(startTime=time)
+        slave.enterInitializationMode()
+        if (status := self._set_inputs()) > WARNING:
+            self._fail(self.set_name, status)
+        slave.exitInitializationMode()
+
+
+class Fmi3Instance(FmuInstance):
+    """An FMU of FMI 3.0 as an object with `reset` and `step`."""
+
+    prefix = "fmi3"
+    set_name = "fmi3SetFloat64"
+    get_name = "fmi3GetFloat64"
+
+    def _instantiate(self, with_log: bool) -> None:
+        self._slave.instantiate(loggingOn=with_log, logMessage=log_3)
+
+    def _freeing_function(self) -> Callable[[int], None]:
+        free: Callable[[int], None] = self._slave.fmi3FreeInstance
+        return free
+
+    def _bind(self, component: int) -> None:
+        values = (ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p, ctypes.c_size_t)
+        step = (ctypes.c_void_p, ctypes.c_double, ctypes.c_double, ctypes.c_bool, *(ctypes.c_void_p,) * 4)
+        library = self._slave.dll
+        self._set_inputs = partial(
+            function_of(library, self.set_name, values),
+            component,
+            *block_of(self._input_references),
+            ctypes.addressof(self._inputs),
+            len(self._inputs),
+        )
+        self._get_outputs = partial(
+            function_of(library, self.get_name, values),
+            component,
+            *block_of(self._output_references),
+            ctypes.addressof(self._outputs),
+            len(self._outputs),
+        )
+        do_step = function_of(library, "fmi3DoStep", step)
+        unused, reached = (ctypes.c_bool * 2)(), ctypes.c_double()
+        event, early = ctypes.addressof(unused), ctypes.addressof(unused) + 1
+        ends, until = ctypes.addressof(self._ends), ctypes.addressof(reached)
+        self._results = (unused, reached)
+        self._do_step = lambda time, period: do_step(component, time, period, True, event, ends, early, until)
+
+    def _set_parameter(self, kind: str, value_reference: int, value: float) -> None:
+        if kind == "Float64":
+            self._slave.setFloat64([value_reference], [float(value)])
+        elif kind == "Int32":
+            self._slave.setInt32([value_reference], [int(value)])
+        else:
+            self._slave.setInt64([value_reference], [int(value)])
+
+    def _initialise(self, time: float) -> None:
+        self._slave.enterInitializationMode(startTime=time)
+        if (status := self._set_inputs()) > WARNING:
+            self._fail(self.set_name, status)
+        self._slave.exitInitializationMode()

@@ -133,12 +133,12 @@ def _loaded(description: FmuDescription, folder: Path) -> FmuInstance:
     if description.version == 2:
         from fmpy.fmi2 import FMU2Slave
 
-        from drivegate.candidates.fmu.fmi2_instance import Fmi2Instance
+        from drivegate.candidates.fmu.instance import Fmi2Instance
 
         return Fmi2Instance(description, FMU2Slave(**given))
     from fmpy.fmi3 import FMU3Slave
 
-    from drivegate.candidates.fmu.fmi3_instance import Fmi3Instance
+    from drivegate.candidates.fmu.instance import Fmi3Instance
 
     return Fmi3Instance(description, FMU3Slave(**given))
 

@@ -10,7 +10,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from drivegate.candidates.candidate import Program
-from drivegate.candidates.ending import ending_in_words
+from drivegate.candidates.fault import ending_in_words
 from drivegate.candidates.program.protocol import LONGEST_LINE, WrongAnswer
 from drivegate_cases.documents.wording import shown_path
 from drivegate_models.errors import InputError

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Final
 
-from drivegate.contracts.contract import Contract, Later
+from drivegate.contracts.contract import Contract, Later, Witness
 from drivegate.contracts.current.columns import (
     OBSERVATIONS,
     OUTPUTS,
@@ -14,7 +14,6 @@ from drivegate.contracts.current.columns import (
     SUMMARY_ROWS,
     WINDOW_COLUMNS,
 )
-from drivegate.contracts.witness import Witness
 
 if TYPE_CHECKING:
     from hypothesis.strategies import SearchStrategy
@@ -22,9 +21,9 @@ if TYPE_CHECKING:
 
     from drivegate.candidates.declaration import Declaration
     from drivegate.containment.messages import AnyController
+    from drivegate.contracts.contract import RecordedTrace
     from drivegate.contracts.current.record import CurrentRecord
     from drivegate.contracts.current.run import PrepareLoop
-    from drivegate.contracts.trace import RecordedTrace
     from drivegate_cases.drive.drive_document import DriveDocument
     from drivegate_cases.scenario.scenario import Scenario
     from drivegate_models.contract.current.signals import Nameplate
@@ -160,7 +159,7 @@ CURRENT: Final = Contract(
     nameplate=_nameplate,
     run=Later("drivegate.contracts.current.run", "run_in_closed_loop"),
     given_steps=Later("drivegate.contracts.current.timed_steps", "given_steps"),
-    plant_state=Later("drivegate.contracts.current.plant_state", "plant_state"),
+    plant_state=Later("drivegate.contracts.current.run", "plant_state"),
     signals=Later("drivegate.contracts.current.figures", "signals"),
     recorded_signals=Later("drivegate.contracts.current.figures", "recorded_signals"),
     recorded_names=RECORDED_NAMES,

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from drivegate.contracts.current.checks.command_range import LARGEST_ANGLE
 from drivegate.contracts.current.columns import RECORDED
 from drivegate.contracts.current.record import CurrentRecord
-from drivegate.contracts.current.scenarios.windows import observed_windows
+from drivegate.contracts.current.run import observed_windows
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.loop.closed_loop import ClosedLoopRun
 from drivegate_models.machine import ledger

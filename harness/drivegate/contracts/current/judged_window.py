@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin
 from drivegate.contracts.current.record import CurrentRecord, SteadyWindow
-from drivegate.contracts.current.scenarios.windows import observed_windows
+from drivegate.contracts.current.run import observed_windows
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from typing import Any
 from drivegate.candidates.declaration import Declaration
 from drivegate.checks.record import Record
 from drivegate.checks.unseen import Unseen
-from drivegate.contracts.current.scenarios.windows import observed_windows
+from drivegate.contracts.current.run import observed_windows
 from drivegate_cases.drive.scales import Scales
 from drivegate_cases.scenario.circumstance import Circumstance, circumstance
 from drivegate_cases.scenario.load import LockedLoad

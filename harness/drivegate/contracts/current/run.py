@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Callable
 from functools import partial
+from math import degrees, floor, pi
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -12,11 +14,13 @@ from numpy.typing import NDArray
 
 from drivegate.candidates.controller import Controller, show_drive
 from drivegate.candidates.fault import OVERWRITTEN_SIZE, CandidateFault, placed, refused_command
+from drivegate.containment.contained_controller import CommandPlayer
 from drivegate.containment.messages import AnyController
 from drivegate.containment.orders import CloseLoop
 from drivegate.containment.playback import Wrap, require_same_plant, stepped_here
 from drivegate.containment.restarting import Restarter
-from drivegate.contracts.current.scenarios.windows import observed_windows
+from drivegate.contracts.recorded_steps import RecordingController
+from drivegate.scenarios.drive_scale import scale_of
 from drivegate.scenarios.plant_inputs import (
     plant_converters,
     plant_encoder,
@@ -27,6 +31,7 @@ from drivegate.scenarios.plant_inputs import (
 from drivegate_cases.drive.limits import mean_time
 from drivegate_cases.scenario.control_periods import seen_at_s
 from drivegate_cases.scenario.disturbance import Dropout
+from drivegate_cases.scenario.profile import dwells
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import HallSensors, IdealSensors, ShuntSensors
 from drivegate_models.contract.layout import CURRENT
@@ -34,7 +39,8 @@ from drivegate_models.errors import HarnessFault
 from drivegate_models.loop.closed_loop import ClosedLoopRun, PreparedLoop
 from drivegate_models.loop.exchange import COMPLETED, NOT_FINITE, STOPPED
 from drivegate_models.loop.sensing import sensors
-from drivegate_models.units import RADIANS_PER_RPM
+from drivegate_models.loop.step_recording import row_layout
+from drivegate_models.units import RADIANS_PER_RPM, RPM
 
 PrepareLoop: TypeAlias = Callable[..., PreparedLoop]
 """Makes a run of a controller, already reset, against the plant of one kind of drive ready to begin."""
@@ -143,3 +149,52 @@ def refusal_of(command: Any, status: int) -> str:
         return OVERWRITTEN_SIZE
     values = ", ".join(f"{name} = {command[name]}" for name in CURRENT.outputs)
     return f"the command is not finite: {values}"
+
+
+def plant_state(
+    prepare: PrepareLoop, scenario: Scenario, commands: NDArray[Any], step: int
+) -> dict[str, Any]:
+    """Find the plant's state at the start of a step by playing the recorded commands back."""
+    machine = scenario.drive.machine
+    rows = np.zeros(step + 1, row_layout(CURRENT, machine.phases))
+    recorders: list[RecordingController] = []
+
+    def recording(player: Controller) -> Controller:
+        recorders.append(RecordingController(player, rows))
+        return recorders[-1]
+
+    # The sensors stay, since Hall switches commutate the plant.
+    plain = scenario.replaced(dropouts=(), glitches=(), current_errors=(), restarts_s=())
+    player = CommandPlayer(commands[: step + 1])
+    # The player stops the run after its last command.
+    with contextlib.suppress(CandidateFault):
+        run_in_closed_loop(prepare, plain, player, wrap=recording, sees_plant=True)
+    if recorders[-1].steps != len(rows):
+        raise HarnessFault(f"the recorded commands, played back, do not reach step {step}")
+    sense = CURRENT.sensed(rows["sense"][step], rows["currents"][step])
+    return {
+        "speed": sense.speed,
+        "speed_rpm": sense.speed * RPM,
+        "electrical_angle_deg": degrees(_angle(rows["sense"]["speed"][:step], scenario)),
+        "phase_currents": sense.phase_currents,
+        "half_supply_voltage": sense.half_supply_voltage,
+    }
+
+
+def _angle(speeds: NDArray[np.float64], scenario: Scenario) -> float:
+    """Turn by the speed of each control period as the closed loop does, from 0 (rad)."""
+    angle, turning = 0.0, scenario.drive.machine.pole_pairs * 1.0
+    for speed in speeds.tolist():
+        turned = angle + turning * speed * scenario.control_period_s
+        angle = turned - 2.0 * pi * floor(turned * (0.5 / pi))
+    return angle
+
+
+def observed_windows(scenario: Scenario) -> list[tuple[float, float]]:
+    """Find the stretches in which convergence is judged: from the settling time into each long dwell to its end."""
+    scale = scale_of(scenario.drive)
+    return [
+        (dwell.start + scale.settling_s, dwell.end)
+        for dwell in dwells(scenario)
+        if dwell.duration >= scale.settling_s + scale.shortest_window_s - 1e-9
+    ]

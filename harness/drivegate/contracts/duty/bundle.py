@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Final
 
-from drivegate.contracts.contract import Contract, Later
+from drivegate.contracts.contract import Contract, Later, Witness
 from drivegate.contracts.duty.columns import (
     OBSERVATIONS,
     OUTPUTS,
@@ -14,7 +14,6 @@ from drivegate.contracts.duty.columns import (
     SUMMARY_ROWS,
     WINDOW_COLUMNS,
 )
-from drivegate.contracts.witness import Witness
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -27,9 +26,9 @@ if TYPE_CHECKING:
     from drivegate.checks.margin import Margin
     from drivegate.checks.record import Record
     from drivegate.containment.messages import AnyController
+    from drivegate.contracts.contract import RecordedTrace
     from drivegate.contracts.duty.record import DutyRecord
     from drivegate.contracts.duty.run import PrepareDutyLoop
-    from drivegate.contracts.trace import RecordedTrace
     from drivegate_cases.drive.drive_document import DriveDocument
     from drivegate_cases.scenario.scenario import Scenario
 
@@ -68,8 +67,8 @@ def _record(
     trace_every: int = 0,  # noqa: ARG001  (every run of this contract keeps its whole trace)
     kept: NDArray[Any] | None = None,
 ) -> DutyRecord:
-    from drivegate.contracts.duty.plant_run import duty_run
     from drivegate.contracts.duty.record import DutyRecord
+    from drivegate.contracts.duty.run import duty_run
     from drivegate.contracts.duty.scenarios.dead_time import with_other_dead_time
 
     run = duty_run(prepare, scenario, controller)
@@ -138,7 +137,7 @@ DUTY: Final = Contract(
     unfair_because=Later("drivegate.contracts.duty.scenarios.feasibility", "unfair_because"),
     simplifications=Later("drivegate.contracts.duty.scenarios.simplification", "DUTY_SIMPLIFICATIONS").value,
     drawn_range=Later("drivegate.contracts.duty.scenarios.drawn_range", "drawn_range"),
-    unseen=Later("drivegate.contracts.duty.unseen", "unseen_duty_record"),
+    unseen=Later("drivegate.contracts.duty.record", "unseen_duty_record"),
     record=_record,
     judged_window=_judged_window,
     step_seconds=Later("drivegate.contracts.duty.timed_steps", "duty_step_seconds"),
@@ -147,9 +146,9 @@ DUTY: Final = Contract(
     outputs=OUTPUTS,
     plotted=PLOTTED,
     nameplate=Later("drivegate.contracts.duty.run", "duty_nameplate"),
-    run=Later("drivegate.contracts.duty.plant_run", "duty_run"),
+    run=Later("drivegate.contracts.duty.run", "duty_run"),
     given_steps=Later("drivegate.contracts.duty.timed_steps", "given_duty_steps"),
-    plant_state=Later("drivegate.contracts.duty.plant_state", "plant_state"),
+    plant_state=Later("drivegate.contracts.duty.run", "plant_state"),
     signals=Later("drivegate.contracts.duty.figures", "signals"),
     recorded_signals=Later("drivegate.contracts.duty.figures", "signals"),
     recorded_names=RECORDED_NAMES,

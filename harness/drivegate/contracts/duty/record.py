@@ -5,17 +5,22 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegate.candidates.declaration import Declaration
 from drivegate.checks.record import Record
+from drivegate.checks.unseen import NotRun, Unseen
 from drivegate.contracts.duty.document import duty_document
 from drivegate.contracts.duty.run import DutyClosedLoopRun
+from drivegate.contracts.duty.scenarios.dead_time import with_other_dead_time
 from drivegate.contracts.duty.scenarios.windows import DutyDwell, duty_windows
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.limits import DutyLimits, duty_limits_of
 from drivegate_cases.drive.scales import NOMINAL
+from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import IdealSensors
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -116,3 +121,30 @@ _MEANS = ("speed", "torque", "direct", "quadrature", "link")
 def exact_mean(values: NDArray[np.float64]) -> float:
     """Give a mean whose sum is exact, so that no processor's way of adding shows in it."""
     return math.fsum(values.tolist()) / len(values)
+
+
+class _UnseenWindow(DutyWindow):
+    """Stretch in which a steady state would be judged: what it shows is not known."""
+
+    def __init__(self, dwell: DutyDwell, start_s: float, end_s: float) -> None:
+        self.__dict__.update(dwell=dwell, start_s=start_s, end_s=end_s)
+
+    def __getattr__(self, name: str) -> Any:
+        raise NotRun(name)
+
+
+class _UnseenDutyRecord(DutyRecord):
+    """Record of a run that has not been made."""
+
+    @cached_property
+    def steady(self) -> tuple[DutyWindow, ...]:
+        """The stretches in which a steady state would be judged."""
+        return tuple(_UnseenWindow(*window) for window in duty_windows(self.scenario))
+
+
+def unseen_duty_record(declaration: Declaration, scenario: Scenario) -> DutyRecord:
+    """Make the record of a run that has not been made: its windows are known, but not what they show."""
+    run: Any = Unseen()
+    other = with_other_dead_time(scenario)
+    compared = None if other is None else _UnseenDutyRecord(other, run, declaration)
+    return _UnseenDutyRecord(scenario, run, declaration, other_dead_time=compared)

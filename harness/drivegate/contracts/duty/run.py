@@ -7,6 +7,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from math import degrees
 from typing import Any, Final, TypeAlias
 
 import numpy as np
@@ -14,10 +15,12 @@ from numpy.typing import NDArray
 
 from drivegate.candidates.controller import Controller
 from drivegate.candidates.fault import OVERWRITTEN_SIZE, CandidateFault, placed, refused_command
+from drivegate.containment.contained_controller import CommandPlayer
 from drivegate.containment.messages import AnyController
 from drivegate.containment.orders import CloseLoop
 from drivegate.containment.playback import Wrap, require_same_plant, stepped_here
 from drivegate.contracts.duty.document import duty_document
+from drivegate.contracts.duty.sensing import duty_failure, duty_sensors
 from drivegate.scenarios.plant_inputs import plant_course, plant_load, plant_schedule
 from drivegate_cases.scenario.load import DynamometerLoad, VehicleLoad
 from drivegate_cases.scenario.scenario import Scenario
@@ -27,7 +30,9 @@ from drivegate_models.contract.layout import DUTY
 from drivegate_models.errors import HarnessFault
 from drivegate_models.loop.duty_command import BAD_LEG
 from drivegate_models.loop.exchange import COMPLETED, NOT_FINITE, STOPPED
-from drivegate_models.units import RADIANS_PER_RPM
+from drivegate_models.machine.rotor_frame import phase_currents
+from drivegate_models.pm_ac.loop_records import TRACE
+from drivegate_models.units import RADIANS_PER_RPM, RPM
 
 PrepareDutyLoop: TypeAlias = Callable[..., Any]
 """Makes a run against the plant ready to begin, `drivegate_models.pm_ac.closed_loop.prepared_duty_loop`."""
@@ -161,3 +166,33 @@ def refusal_of(command: Any, status: int) -> str:
         return OVERWRITTEN_SIZE
     legs = ", ".join(str(int(command[name])) for name in LEGS)
     return f"the legs are {legs}, but each must be from {LEG_OFF} to {LEG_LOW}"
+
+
+def duty_run(
+    prepare: PrepareDutyLoop, scenario: Scenario, controller: AnyController, wrap: Wrap | None = None
+) -> DutyClosedLoopRun:
+    """Reset a controller and run it through a scenario, once."""
+    return run_duty(
+        prepare, TRACE, scenario, controller, duty_sensors(scenario), duty_failure(scenario), wrap
+    )
+
+
+def plant_state(
+    prepare: PrepareDutyLoop, scenario: Scenario, commands: NDArray[Any], step: int
+) -> dict[str, Any]:
+    """Find the plant at the start of a step: speed, angle and link, and currents at the end of the step before."""
+    run = duty_run(prepare, scenario, CommandPlayer(commands))
+    speed, angle, link = (float(run.column(name)[step]) for name in ("speed", "angle", "link"))
+    direct, quadrature = (
+        float(run.column(name)[step - 1]) if step else 0.0 for name in ("direct", "quadrature")
+    )
+    currents = phase_currents(np.array([direct]), np.array([quadrature]), np.array([angle]))[0]
+    return {
+        "speed": speed,
+        "speed_rpm": speed * RPM,
+        "electrical_angle_deg": degrees(angle),
+        "phase_currents": currents.tolist(),
+        "direct_current": direct,
+        "quadrature_current": quadrature,
+        "link_voltage": link,
+    }

@@ -16,7 +16,7 @@ from drivegate_cases.scenario.load import DynamometerLoad
 from drivegate_cases.scenario.scenario import Scenario
 
 if TYPE_CHECKING:
-    from drivegate.contracts.trace import RecordedTrace
+    from drivegate.contracts.contract import RecordedTrace
 
 _ROOT_THREE: Final = math.sqrt(3.0)
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, Final
 
+from drivegate.drives.running import run_scenario
 from drivegate.studies.bench.loop_rates import (
     CANDIDATES,
     SENSORS,
@@ -14,17 +16,17 @@ from drivegate.studies.bench.loop_rates import (
     SPEEDS_RPM,
     loop_rate,
 )
-from drivegate.studies.bench.measurement import Better, NotMeasured, Value
+from drivegate.studies.bench.measurement import Better, Correctness, NotMeasured, Value
 from drivegate.studies.bench.point_rates import POINTS, oracle_time, steady_rate
 from drivegate.studies.bench.process_times import gate_time, help_words, start_time
 from drivegate.studies.bench.python_overhead import SIMULATED as OVERHEAD_SIMULATED
 from drivegate.studies.bench.python_overhead import python_overhead
 from drivegate.studies.bench.record import BenchRow
-from drivegate.studies.bench.run_memory import run_memory
-from drivegate.studies.bench.workbench import Workbench
+from drivegate.studies.bench.workbench import Workbench, operating_scenario
 from drivegate_cases.documents.wording import nearest, one_line
 from drivegate_models.errors import InputError
 
+_GROWTH: Final = 4096
 RATE_UNIT: Final = "× real time"
 """Unit of the closed loop's rate: simulated seconds a second."""
 NATIVE_BAR: Final = 300.0
@@ -238,3 +240,26 @@ def _processes(quick: bool, cold: bool) -> list[Planned]:
         Planned("start.import", "import drivegate", "a fresh process", "s", "less", IMPORT_BAR, imported),
         Planned("memory.run", "memory of a run", "4 s, no trace", "KiB", "less", None, run_memory),
     ]
+
+
+"""Bytes that a run of twenty times the length may take more, for what the interpreter itself counts."""
+_SHORT, _LONG = 4.0, 80.0
+
+
+def run_memory(bench: Workbench) -> Value:
+    """Measure the memory of a run without a trace."""
+    controller = bench.controller("reference")
+    peaks = []
+    for seconds in (_SHORT, _SHORT, _LONG):
+        scenario = operating_scenario(1500, "ideal", seconds)
+        tracemalloc.start()
+        try:
+            run_scenario(scenario, controller)
+            peaks.append(tracemalloc.get_traced_memory()[1])
+        finally:
+            tracemalloc.stop()
+    _, short, long = peaks
+    correctness = Correctness(
+        long <= short + _GROWTH, f"a run of {_LONG:g} s takes {long - short} bytes more"
+    )
+    return Value(short / 1024.0, short / 1024.0, 1, correctness)

@@ -8,7 +8,7 @@ from pathlib import Path
 from shlex import quote
 from typing import TYPE_CHECKING, Final
 
-from drivegate.candidates.loading import load_controller
+from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.drives.kinds import DEFAULT_DRIVE
 from drivegate.results.waivers import present_day

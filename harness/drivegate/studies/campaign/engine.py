@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
-from typing import TypeAlias
+from pathlib import Path
+from typing import Any, TypeAlias
 
 from drivegate.candidates.kinds import KINDS
 from drivegate.candidates.resolution import resolve_candidate
@@ -14,6 +15,8 @@ from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.containment.pool import WorkerPool
 from drivegate.contracts.catalogue import CONTRACTS
 from drivegate.gate.warm_up import compile_missing
+from drivegate.output.report_writers import CAMPAIGN_GROUP, report_points, write_reports
+from drivegate.output.resumed_folder import failures_refused
 from drivegate.studies.campaign.folder import CampaignFolder
 from drivegate.studies.campaign.plan import CampaignPlan
 from drivegate.studies.campaign.row import RowRequest, run_row
@@ -76,3 +79,16 @@ def _rehearsed(loaded: JudgedCandidate, requests: list[RowRequest]) -> None:
 
 def _load(loaded: JudgedCandidate, _payload: None) -> None:
     loaded.controller()
+
+
+def write_pages(document: dict[str, Any], folder: CampaignFolder) -> tuple[Path, ...]:
+    """Write every page, from the summary and the specifications of its candidates."""
+    writers = {name: point.load for name, point in report_points(CAMPAIGN_GROUP).items()}
+    written = write_reports(document, folder.place, writers)
+    for error in written.errors.values():
+        if isinstance(error, OSError):
+            # A page is lost to a full disk as the results are, and made again in the same way.
+            with failures_refused(folder.place, "write"):
+                raise error
+    written.require_all()
+    return tuple(folder.place / page for page in written.pages.values())

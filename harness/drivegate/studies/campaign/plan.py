@@ -14,7 +14,7 @@ from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.contract import ANSWERS
 from drivegate.candidates.kinds import WHOLE_FILE_SUFFIXES
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.drives.choice import require_contract
+from drivegate.drives.kinds import require_contract
 from drivegate.scenarios.parameters import SPREADABLE
 from drivegate.studies.campaign.file import Campaign
 from drivegate.studies.campaign.parameters import drawn, with_parameters

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Final
 
-from drivegate.contracts.catalogue import check_of
-from drivegate.contracts.drive_numbers import on_drive
+from drivegate.contracts.catalogue import check_of, on_drive
 from drivegate.results.result import finite
 from drivegate.studies.campaign.folder import CampaignFolder
 from drivegate.studies.campaign.plan import CampaignPlan

@@ -6,8 +6,7 @@ from typing import Any, Final
 from urllib.parse import quote
 
 from drivegate.candidates.fault import bounded_line
-from drivegate.contracts.catalogue import check_of
-from drivegate.contracts.drive_numbers import on_drive
+from drivegate.contracts.catalogue import check_of, on_drive
 from drivegate.results.counterexample import KIND, Counterexample
 from drivegate.results.provenance import versions
 from drivegate.results.result import finite

@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import re
+import signal
 import sys
-from collections.abc import Callable, Mapping, Sequence
+import threading
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from copy import deepcopy
 from dataclasses import dataclass
 from pathlib import Path
+from types import FrameType
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.gate.events import Event, Running
 from drivegate.output.event_loop import finished
 from drivegate.output.pace import CheckPace
 from drivegate.output.preparation import Preparation
@@ -22,7 +27,6 @@ from drivegate.output.result_reports import own_formats, page_formats, write_res
 from drivegate.results.result import CheckResult
 from drivegate.studies.check.checked import Checked, summary
 from drivegate.studies.check.part import WHOLE_CHECK, Part, focus_of
-from drivegate.studies.check.termination import Termination, termination
 from drivegate_cases.documents.system_failure import is_of_the_disk
 from drivegate_cases.documents.wording import shown_path
 from drivegate_models.errors import HarnessFault, InputError
@@ -30,6 +34,7 @@ from drivegate_models.errors import HarnessFault, InputError
 if TYPE_CHECKING:
     from drivegate.output.report_writers import LoadWriter
     from drivegate_cases.drive.drive_document import DriveDocument
+
 
 _Result = TypeVar("_Result")
 
@@ -100,7 +105,7 @@ def check_all(
     taken: set[str] = set()
     writers = page_formats()
     preparation = Preparation(writers)
-    with termination() as ending, ReportFolder(output) as folder:
+    with _termination() as ending, ReportFolder(output) as folder:
         for checked in all_checked:
             if ending.is_requested():
                 checked.error = checked.error or KeyboardInterrupt()
@@ -300,3 +305,46 @@ def _folder_name(name: str, taken: set[str]) -> str:
         unique = f"{plain}-{count}"
     taken.add(unique.lower())
     return unique
+
+
+class Termination:
+    """Whether SIGTERM came, and what it does now."""
+
+    def __init__(self) -> None:
+        self._is_requested = False
+        self._is_deferred = False
+
+    def is_requested(self) -> bool:
+        """Return True if SIGTERM came while a check could end by itself."""
+        return self._is_requested
+
+    def following(self, events: Iterable[Event]) -> Iterator[Event]:
+        """Pass the events of a check on, and defer SIGTERM from its first run on."""
+        for event in events:
+            self._is_deferred |= isinstance(event, Running)
+            yield event
+
+    def end(self) -> None:
+        """Answer SIGTERM as Ctrl-C again."""
+        self._is_deferred = False
+
+    def _answer(self, number: int, frame: FrameType | None) -> None:
+        if not self._is_deferred:
+            signal.default_int_handler(number, frame)
+        self._is_requested = True
+
+
+@contextmanager
+def _termination() -> Iterator[Termination]:
+    """Answer SIGTERM as long as the context lasts, unless it is ignored; only the main thread can."""
+    made = Termination()
+    is_main = threading.current_thread() is threading.main_thread()
+    former = signal.getsignal(signal.SIGTERM)
+    if not is_main or former in (signal.SIG_IGN, None):
+        yield made
+        return
+    signal.signal(signal.SIGTERM, made._answer)
+    try:
+        yield made
+    finally:
+        signal.signal(signal.SIGTERM, former)

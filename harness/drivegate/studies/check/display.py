@@ -2,24 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from pathlib import Path
 from shlex import quote
 from typing import TYPE_CHECKING, Any
 
-from drivegate.output.causes import by_urgency, causes_of, first_to_mend
 from drivegate.output.console import ADVISED, STYLES, plain, table, verdict_text
-from drivegate.output.distinct_faults import distinct_faults, in_runs
-from drivegate.output.explanations import unjudged_in_words
+from drivegate.output.explanations import (
+    by_urgency,
+    causes_of,
+    distinct_faults,
+    first_to_mend,
+    in_runs,
+    unjudged_in_words,
+)
 from drivegate.output.result_file import counterexample_name
 from drivegate.output.scenario_words import scenario_in_short
 from drivegate.results.result import Witnessed, counted_levels
 from drivegate.results.signature import fingerprint
-from drivegate.results.wording import drive_option, printed_margin
+from drivegate.results.verdict import drive_option, printed_margin, runs_in_short
 from drivegate.scenarios.facts import facts_in_short
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from rich.console import Console
+    from rich.text import Text
 
     from drivegate.studies.check.checked import Checked
 
@@ -119,3 +125,35 @@ def _next_step(checked: Checked, folder: Path) -> str:
     if document.get("focus") is not None or document.get("incomplete"):
         return f"the whole check: drivegate check {specification}{drive_option(document)}"
     return "open the report; drivegate checks lists what was required"
+
+
+def show_last_line(console: Console, all_checked: Sequence[Checked], output: Path) -> None:
+    """Print what has become of all candidates on one line."""
+    line = plain("")
+    for number, checked in enumerate(all_checked):
+        line.append("; " if number else "")
+        line.append_text(_ending(checked, alone=len(all_checked) == 1))
+    seconds = sum(
+        checked.document["timing"].get("seconds", 0.0) for checked in all_checked if checked.document
+    )
+    line.append_text(plain(f", {seconds:.0f} s, report: {_report(all_checked, output)}"))
+    console.print(line)
+
+
+def _ending(checked: Checked, *, alone: bool) -> Text:
+    if checked.document is None:
+        ending = plain(f"{checked.specification}: ")
+        ending.append_text(plain("refused" if checked.exit_code == 2 else "no result", "bold red"))
+        return ending
+    ending = plain(f"{checked.document['candidate']['name']}: ")
+    ending.append_text(verdict_text(checked.document["verdict"]))
+    if alone:
+        ending.append_text(plain(f", {runs_in_short(checked.document)}"))
+    return ending
+
+
+def _report(all_checked: Sequence[Checked], output: Path) -> Path | str:
+    if all(checked.folder is None for checked in all_checked):
+        return "none"
+    pages = all_checked[0].pages
+    return pages[0] if len(all_checked) == 1 and pages else output

@@ -17,7 +17,7 @@ from drivegate.candidates.contract import ANSWERS
 from drivegate.candidates.fault import bounded_line
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.contracts.comparison import ComparisonRequest
-from drivegate.drives.choice import common_drive
+from drivegate.drives.kinds import common_drive
 from drivegate.drives.reach import refuse_unreachable
 from drivegate.output.progress import progress_on
 from drivegate.output.report_folder import ReportFolder

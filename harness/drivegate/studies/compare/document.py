@@ -11,10 +11,9 @@ from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.comparison import POINTS, Comparison, ComparisonRequest, PlannedRun, Row, RunTable
 from drivegate.results.provenance import hash_of_content, provenance
 from drivegate.results.result import finite
-from drivegate.studies.compare.differences import difference_rows
 from drivegate.studies.compare.engine import CHECKS_EFFORT, COMPARED, Best, Compared
 from drivegate.studies.compare.ranking import ranking_rows, region_rows, rule_of
-from drivegate.studies.compare.statistics import METHOD
+from drivegate.studies.compare.statistics import METHOD, difference_rows
 from drivegate_cases.drive.drive_document import DriveDocument
 
 SCHEMA: Final = 1

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import base64
+import hashlib
+import io
 import json
 import re
 import tempfile
-from collections.abc import Mapping
+import zipfile
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from datetime import date, timedelta
+from importlib.metadata import distribution
 from importlib.resources import files
 from pathlib import Path
 from types import MappingProxyType
@@ -15,13 +20,20 @@ from typing import TYPE_CHECKING, Final
 
 from drivegate.candidates.contract import ANSWERS, ContractName
 from drivegate.drives.kinds import DEFAULT_DRIVE, DEFAULT_DRIVES
-from drivegate.studies.new.wheel import wheel_bytes, wheel_name
+from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.documents.wording import one_line, shown_path
+from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.drive_file import drive_toml
 from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
     from importlib.resources.abc import Traversable
 
+_SUFFIX = ".toml"
+_FOLLOWING: Final = {"speed_tolerance_rpm": None, "settling_s": None, "point": ()}
+_PACKAGES: Final = ("drivegate_models", "drivegate_cases", "drivegate", "drivegate_reports")
+_METADATA: Final = ("METADATA", "WHEEL", "entry_points.txt", "licenses/LICENSE")
+_EARLIEST: Final = (1980, 1, 1, 0, 0, 0)
 WAIVED: Final = timedelta(days=90)
 """Time for which the exercise's failures are waived."""
 
@@ -93,7 +105,7 @@ def write_candidate(
     contents = {
         _PLACES.get(place, place): _filled(place, text, kind, words).encode() for place, text in texts.items()
     }
-    contents[words["@wheel@"]] = wheel_bytes()
+    contents[words["@wheel@"]] = _wheel_bytes()
     usual = DEFAULT_DRIVES[KINDS[kind].contract]
     if drive is None and usual != DEFAULT_DRIVE:
         # Manifest and waivers that name none are for the default drive.
@@ -164,3 +176,78 @@ def _filled(place: str, text: str, kind: str, words: dict[str, str]) -> str:
     for word, value in words.items():
         text = text.replace(word, value)
     return text
+
+
+"""The one time of every file: equal sources give equal bytes."""
+_SHARED_FILE: Final = 0o100644 << 16
+
+
+def wheel_name() -> str:
+    """Name the wheel of the installed version."""
+    return f"drivegate-{distribution('drivegate').version}-py3-none-any.whl"
+
+
+def _wheel_bytes() -> bytes:
+    """Pack the four packages as they are installed, or as they lie in a working tree, into a wheel."""
+    place = f"drivegate-{distribution('drivegate').version}.dist-info"
+    contents = {f"{name}/{path}": data for name in _PACKAGES for path, data in _contents(files(name))}
+    contents |= {
+        f"{place}/{name}": text.encode()
+        for name in _METADATA
+        if (text := distribution("drivegate").read_text(name))
+    }
+    record = "".join(f"{path},{_digest(data)},{len(data)}\n" for path, data in sorted(contents.items()))
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w") as archive:
+        for path, data in [
+            *sorted(contents.items()),
+            (f"{place}/RECORD", f"{record}{place}/RECORD,,\n".encode()),
+        ]:
+            entry = zipfile.ZipInfo(path, _EARLIEST)
+            entry.external_attr = _SHARED_FILE
+            archive.writestr(entry, data, zipfile.ZIP_DEFLATED, 9)
+    return packed.getvalue()
+
+
+def _contents(folder: Traversable, prefix: str = "") -> Iterator[tuple[str, bytes]]:
+    for entry in folder.iterdir():
+        if entry.is_dir():
+            if entry.name != "__pycache__":
+                yield from _contents(entry, f"{prefix}{entry.name}/")
+        elif not entry.name.endswith((".pyc", ".nbc", ".nbi")):
+            yield f"{prefix}{entry.name}", entry.read_bytes()
+
+
+def _digest(data: bytes) -> str:
+    return "sha256=" + base64.urlsafe_b64encode(hashlib.sha256(data).digest()).rstrip(b"=").decode()
+
+
+"""Requirements that follow from the rating, as they are left out."""
+
+
+def write_drive(file: Path, start: DriveDocument) -> DriveDocument:
+    """Write a drive with the values of another, named after its file; nothing is ever overwritten.
+
+    What follows from the values is left out, since of other values it would be wrong.
+    """
+    if file.suffix != _SUFFIX:
+        raise InputError(f"{shown_path(file)} is no name for a drive's file, which ends in {_SUFFIX}")
+    if file.is_symlink() or file.exists():
+        raise InputError(
+            f"{shown_path(file)} exists already, and nothing is ever overwritten; name another file"
+        )
+    known = type(start.requirements).model_fields
+    following = {key: value for key, value in _FOLLOWING.items() if key in known}
+    drive = start.replaced(name=file.stem, advance=None, provenance=_not_stated(start), **following)
+    write_atomically(file, drive_toml(drive))
+    return drive
+
+
+def _not_stated(start: DriveDocument) -> dict[str, dict[str, str]]:
+    """Say of each value that nobody has said where it is from, which stays true when it is changed."""
+    sentence = f"not stated; as in {start.name} until it is changed"[:200]
+    return {
+        table: {key: sentence for key in sentences if key not in _FOLLOWING}
+        for table, sentences in start.provenance.items()
+        if table != "advance"
+    }

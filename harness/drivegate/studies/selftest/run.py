@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from drivegate.candidates.fault import Fault
 from drivegate.candidates.kinds import FAULTY_PREFIX
@@ -14,11 +15,13 @@ from drivegate.checks.judging import ShardOutcome
 from drivegate.containment.messages import Job
 from drivegate.containment.pool import WorkerPool
 from drivegate.contracts.catalogue import contract_of
-from drivegate.drives.choice import drive_for
+from drivegate.drives.kinds import drive_for
 from drivegate.gate.engine import check_candidate
 from drivegate.gate.events import Event
 from drivegate.gate.plan import Origin, Work, planned_work
 from drivegate.gate.warm_up import compile_missing
+from drivegate.output.event_loop import finished
+from drivegate.output.progress import progress_on
 from drivegate.results.result import CheckOutcome, CheckResult
 from drivegate.studies.selftest.correct_designs import CorrectDesign
 from drivegate.studies.selftest.detection import FaultRow
@@ -28,6 +31,10 @@ from drivegate.studies.selftest.trial import Trial, TrialOutcome, run_trial
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.errors import HarnessFault
 
+if TYPE_CHECKING:
+    from drivegate.studies.selftest.matrix import Matrix
+
+_TITLE = "faulty controllers"
 SHRINKING_RUNS: Final = {"quick": 5, "default": 15, "nightly": 60}
 """Runs that may be spent on making one counterexample simpler, by effort."""
 
@@ -182,3 +189,61 @@ def least_margin(outcomes: Sequence[CheckOutcome]) -> LeastMargin | None:
         if outcome.level == "required" and outcome.margin is not None and outcome.id not in _MET_AT_THE_END
     ]
     return min(judged, key=lambda least: least.margin, default=None)
+
+
+def chosen_names(names: Sequence[str], kind: str) -> tuple[str, ...]:
+    """Find faulty controllers for drives of a kind by their names; without any, all."""
+    from drivegate.drives.kinds import DRIVE_KINDS
+    from drivegate.studies.selftest.seeded_fault import chosen_faults
+    from drivegate_cases.drive.drive_document import load_drive
+
+    drive = load_drive(DRIVE_KINDS[kind].default_drive)
+    return tuple(fault.name for fault in chosen_faults(names, drive))
+
+
+def selftested(names: Sequence[str], effort: SelftestEffort, *, designs: bool) -> Matrix:
+    """Put faulty controllers before the checks, all of them without names, and correct designs if requested."""
+    from drivegate.contracts.catalogue import contract_of
+    from drivegate.drives.kinds import drive_for
+    from drivegate.studies.selftest.matrix import Matrix
+    from drivegate.studies.selftest.seeded_fault import chosen_faults
+
+    drive = drive_for(None, effort.drive)
+    rows = _tried(chosen_faults(names, drive), effort)
+    judged = _judged(drive.contract, effort) if designs else ()
+    return Matrix(tuple(check.id for check in contract_of(drive).checks()), rows, judged)
+
+
+def _tried(faults: Sequence[SeededFault], effort: SelftestEffort) -> tuple[FaultRow, ...]:
+    # It brings the compiled plant, which a name that is refused does not need.
+
+    rows: list[FaultRow] = []
+    with progress_on(sys.stderr) as display:
+        display.begin(_TITLE, len(faults))
+        for row in try_faults(faults, effort):
+            rows.append(row)
+            # Each line tells of another controller, so none is left out.
+            display.advance(len(rows), len(faults), _in_short(row), always=True)
+    return tuple(rows)
+
+
+def _judged(contract: str, effort: SelftestEffort) -> tuple[DesignRow, ...]:
+    from drivegate.studies.selftest.correct_designs import correct_designs
+
+    rows = []
+    for design in correct_designs(contract):
+        for seed in range(effort.seeds):
+            with progress_on(sys.stderr) as display:
+                result = finished(design_check(design, seed, effort), display)
+            rows.append(judged_design(design, result))
+    return tuple(rows)
+
+
+def _in_short(row: FaultRow) -> str:
+    """Tell in a few words what has become of a faulty controller."""
+    slowest = row.slowest
+    if not row.applies:
+        return f"{row.name}: does not apply"
+    if slowest is None:
+        return f"{row.name}: missed by {row.check} in {row.runs} runs"
+    return f"{row.name}: caught by {row.check} in run {slowest.runs}"

@@ -14,7 +14,7 @@ from drivegate.candidates.kinds import FAULTY_PREFIX
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.duty.document import duty_document
-from drivegate.drives.choice import require_contract
+from drivegate.drives.kinds import require_contract
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.contract.duty.signals import DutyNameplate
 

@@ -4,14 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from math import isfinite
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, field_validator
 
 from drivegate_cases.documents.document import Section
 from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.machine import (
+    CoreLossConductance,
+    Friction,
+    Inertia,
+    PolePairs,
+    Resistance,
+    ViscousFriction,
+)
 from drivegate_cases.drive.pm_ac.inverter import UPDATES, PmAcInverter
-from drivegate_cases.drive.pm_ac.machine import PmAcMachine
 from drivegate_cases.drive.pm_ac.requirements import NO_PM_AC_REQUIREMENTS, PmAcRequirements
 from drivegate_cases.drive.position import Position
 from drivegate_cases.drive.rating import Rating
@@ -21,6 +28,36 @@ from drivegate_models.units import RADIANS_PER_RPM
 if TYPE_CHECKING:
     from drivegate_models.contract.duty.signals import DutyNameplate
     from drivegate_models.pm_ac.plant.drive import PmAcDrive
+
+_PHASES = 3
+
+_Inductance = Annotated[float, Field(gt=0.0, le=1e2)]
+
+
+class PmAcMachine(Section):
+    """A star of three sinusoidal phases with an isolated neutral; quantities of the rotor's frame are peak values."""
+
+    pole_pairs: PolePairs
+    resistance_ohm: Resistance
+    direct_inductance_h: _Inductance = Field(description="inductance along the magnet's axis, L_d, in henry")
+    quadrature_inductance_h: _Inductance = Field(description="inductance across it, L_q, in henry")
+    magnet_flux_v_s: float = Field(
+        gt=0.0, le=1e3, description="peak flux linkage of one phase by the magnet, in volt seconds"
+    )
+    core_loss_conductance_s: CoreLossConductance = 0.0
+    inertia_kg_m2: Inertia
+    friction_n_m: Friction = 0.0
+    viscous_friction_n_m_s_per_rad: ViscousFriction = 0.0
+
+    @property
+    def phases(self) -> int:
+        """Number of phases."""
+        return _PHASES
+
+    @property
+    def emf_shape(self) -> str:
+        """Shape of the EMF, by the name that the machines have which can have others."""
+        return "sine"
 
 
 class PmAcSensing(Section):

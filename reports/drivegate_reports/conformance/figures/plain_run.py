@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from drivegate.contracts.trace import RecordedTrace
+from drivegate.contracts.contract import RecordedTrace
 from drivegate_reports.page.style import BLUE
 
 if TYPE_CHECKING:

@@ -5,7 +5,7 @@ import pytest
 from drivegate.candidates.builtin.candidates import DESIGN_CANDIDATES
 from drivegate.candidates.builtin.near import NEAR_DESIGNS
 from drivegate.candidates.declaration import Declaration
-from drivegate.candidates.loading import load_controller
+from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.margin import Margin
 from drivegate.contracts.current.checks.catalogue import CHECKS

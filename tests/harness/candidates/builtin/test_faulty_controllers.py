@@ -11,7 +11,7 @@ from drivegate.candidates.builtin.faults.mutation import Mutation
 from drivegate.candidates.builtin.faulty_controller import FaultyController
 from drivegate.candidates.builtin.loading import BuiltinController
 from drivegate.candidates.builtin.near import NEAR_DESIGNS
-from drivegate.candidates.loading import load_controller
+from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.margin import Margin
 from drivegate.contracts.current.checks.catalogue import CHECKS

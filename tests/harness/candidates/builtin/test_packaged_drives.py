@@ -2,7 +2,7 @@
 
 import pytest
 
-from drivegate.candidates.loading import load_controller
+from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.judging import judged
 from drivegate.contracts.current.checks.catalogue import CHECKS

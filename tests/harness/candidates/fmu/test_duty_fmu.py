@@ -13,11 +13,11 @@ from tests.harness.candidates.native.duty_sources import duty_source
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.fault import CandidateFault, FaultKind
 from drivegate.candidates.fmu.loading import FmuController
-from drivegate.candidates.loading import load_controller
+from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.contracts.duty.bundle import DUTY
 from drivegate.contracts.duty.scenarios.building import torque_scenario
-from drivegate.drives.choice import drive_for
+from drivegate.drives.kinds import drive_for
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.contract.duty.signals import DutyNameplate, DutySense

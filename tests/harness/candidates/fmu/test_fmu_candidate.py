@@ -16,7 +16,7 @@ from drivegate.candidates.fmu.archive import unpack
 from drivegate.candidates.fmu.instance import FmuError
 from drivegate.candidates.fmu.loading import _unpacked
 from drivegate.candidates.fmu.ports import CURRENT, DUTY
-from drivegate.candidates.loading import load_controller
+from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job

@@ -11,7 +11,7 @@ from tests.harness.candidates.native.duty_sources import duty_source
 
 from drivegate.candidates.candidate import NativeBuild
 from drivegate.candidates.fault import Fault, FaultKind
-from drivegate.candidates.loading import load_controller
+from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.native.compiler import include_folder
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.judging import judged
@@ -22,10 +22,10 @@ from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.current.record import CurrentRecord
 from drivegate.contracts.duty.record import DutyRecord
 from drivegate.contracts.duty.scenarios.building import torque_scenario
-from drivegate.drives.choice import drive_for
+from drivegate.drives.kinds import drive_for
 from drivegate.drives.running import recorded
+from drivegate.gate.plan import TimedSteps, time_steps
 from drivegate.gate.shard import FixedRuns, run_fixed
-from drivegate.gate.step_timing import TimedSteps, time_steps
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import InputError

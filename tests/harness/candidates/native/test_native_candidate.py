@@ -9,7 +9,7 @@ import pytest
 
 from drivegate.candidates.candidate import NativeBuild
 from drivegate.candidates.declaration import Declaration
-from drivegate.candidates.loading import load_controller
+from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.native.bounded_command import Bounds, run_bounded
 from drivegate.candidates.native.build import FOLDER, built_library
 from drivegate.candidates.native.compiler import Compilation, include_folder

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind
-from drivegate.candidates.loading import load_controller
+from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.judging import judged
 from drivegate.containment.judge import Judge

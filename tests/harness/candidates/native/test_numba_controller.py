@@ -11,7 +11,7 @@ from numba.np.numpy_support import carray
 
 from drivegate import NumbaController, phase_current
 from drivegate.candidates.fault import CandidateFault, FaultKind
-from drivegate.candidates.loading import load_controller
+from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.native.numba_loading import load_numba_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.drives.running import run_scenario

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from drivegate.candidates.candidate import Program
-from drivegate.candidates.loading import load_controller
+from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.program.process import ProgramProcess
 from drivegate.candidates.program.protocol import (
     HELLO,

@@ -11,7 +11,7 @@ from drivegate.candidates.declaration import Declaration
 from drivegate.checks.check import Check
 from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.contracts.current.record import CurrentRecord
-from drivegate.contracts.current.scenarios.windows import observed_windows
+from drivegate.contracts.current.run import observed_windows
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.scenario.profile import dwell_torque, dwells
 from drivegate_cases.scenario.scenario import Scenario

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from drivegate import Command, Nameplate, Sense
-from drivegate.candidates.loading import load_controller
+from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.python.bridge import PythonController
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.contracts.current.run import plant_sensors

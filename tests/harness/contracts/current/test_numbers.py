@@ -6,10 +6,10 @@ import pytest
 
 from drivegate.candidates.builtin.loading import BuiltinController
 from drivegate.candidates.declaration import Declaration
+from drivegate.contracts.catalogue import TEXTS, on_drive
 from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.contracts.current.record import CurrentRecord
 from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
-from drivegate.contracts.drive_numbers import TEXTS, on_drive
 from drivegate.contracts.traceability import traced_checks
 from drivegate.drives.running import run_scenario
 from drivegate_cases.drive.drive_document import load_drive

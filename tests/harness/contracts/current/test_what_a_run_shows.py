@@ -14,9 +14,8 @@ from drivegate.candidates.fault import CandidateFault
 from drivegate.candidates.python.bridge import PythonController
 from drivegate.contracts.current.checks.power import estimated_power
 from drivegate.contracts.current.record import CurrentRecord
-from drivegate.contracts.current.run import run_in_closed_loop
+from drivegate.contracts.current.run import observed_windows, run_in_closed_loop
 from drivegate.contracts.current.scenarios.building import steady_scenario
-from drivegate.contracts.current.scenarios.windows import observed_windows
 from drivegate.drives.running import run_scenario
 from drivegate.scenarios.changes import (
     with_beginning,

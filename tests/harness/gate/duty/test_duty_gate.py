@@ -29,15 +29,14 @@ from drivegate.gate.behaviour import behaviour_job
 from drivegate.gate.engine import check_candidate
 from drivegate.gate.events import CheckFinished
 from drivegate.gate.focus import Focus
-from drivegate.gate.plan import NOTHING_DECLARED
+from drivegate.gate.plan import NOTHING_DECLARED, TimedSteps, time_steps
 from drivegate.gate.shard import DrawnRuns, FixedRuns, run_drawn, run_fixed
-from drivegate.gate.step_timing import TimedSteps, time_steps
 from drivegate.results.verdict import check_outcomes
 from drivegate.scenarios.changes import with_scales
 from drivegate.scenarios.facts import facts_of
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
-from drivegate_cases.scenario.failure_kind import FailureKind
+from drivegate_cases.scenario.failure import FailureKind
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import InputError
 from drivegate_reports.conformance.report import page

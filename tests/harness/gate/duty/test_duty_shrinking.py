@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from drivegate.candidates.controller import Controller
-from drivegate.candidates.loading import load_controller
+from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.contracts.duty.scenarios.building import failing, torque_of, torque_scenario
 from drivegate.gate.shrinking import ShrinkPlan, Shrunk, run_shrink, size_of

@@ -15,13 +15,12 @@ from drivegate.contracts.duty.scenarios.building import (
     torque_of,
     torque_scenario,
 )
-from drivegate.contracts.needed_runs import is_needed
 from drivegate.drives.running import recorded
 from drivegate.gate.engine import check_candidate
 from drivegate.gate.events import CheckFinished, RunDone
 from drivegate.gate.focus import Focus
 from drivegate.gate.plan import planned_work
-from drivegate.gate.shard import DrawnRuns, FixedRuns, run_drawn, run_fixed
+from drivegate.gate.shard import DrawnRuns, FixedRuns, is_needed, run_drawn, run_fixed
 from drivegate.results.result import CheckResult
 from drivegate.results.verdict import check_outcomes
 from drivegate.scenarios.changes import with_real_sensors, with_scales

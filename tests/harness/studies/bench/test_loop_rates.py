@@ -5,10 +5,10 @@ import os
 import numpy as np
 import pytest
 
-from drivegate.candidates.loading import load_controller
+from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.drives.running import run_scenario
-from drivegate.studies.bench import loop_rates, point_rates, python_overhead, run_memory
+from drivegate.studies.bench import loop_rates, plan, point_rates, python_overhead
 from drivegate.studies.bench.measurement import NotMeasured
 from drivegate.studies.bench.plan import planned
 from drivegate.studies.bench.workbench import operating_scenario
@@ -117,12 +117,12 @@ def test_the_oracle_is_checked_at_the_angle_that_it_found(workbench, monkeypatch
 
 
 def test_memory_that_grows_is_wrong(workbench, monkeypatch):
-    assert run_memory.run_memory(workbench).correctness.valid
-    real, kept = run_memory.run_scenario, []
+    assert plan.run_memory(workbench).correctness.valid
+    real, kept = plan.run_scenario, []
 
     def keeping(scenario, controller):
         kept.append(np.zeros(int(1000 * scenario.duration_s)))
         return real(scenario, controller)
 
-    monkeypatch.setattr(run_memory, "run_scenario", keeping)
-    assert not run_memory.run_memory(workbench).correctness.valid
+    monkeypatch.setattr(plan, "run_scenario", keeping)
+    assert not plan.run_memory(workbench).correctness.valid

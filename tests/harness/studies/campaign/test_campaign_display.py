@@ -8,8 +8,7 @@ from typing import Any
 import pytest
 from rich.console import Console
 
-from drivegate.studies.campaign.display import show_campaign
-from drivegate.studies.campaign.wording import probability_text, told_margins
+from drivegate.studies.campaign.display import probability_text, show_campaign, told_margins
 
 
 def shown(document: dict[str, Any], width: int = 160) -> list[str]:

@@ -5,14 +5,14 @@ import math
 import numpy as np
 import pytest
 
-from drivegate.candidates.loading import load_controller
+from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.messages import JudgedCandidate
-from drivegate.contracts.current.plant_state import plant_state
+from drivegate.contracts.current.run import plant_state
 from drivegate.drives.kinds import kind_of
 from drivegate.drives.running import run_scenario
 from drivegate.studies.diff.diff import FIRST, SECOND, compared
-from drivegate.studies.diff.field import units_in_the_last_place
+from drivegate.studies.diff.document import units_in_the_last_place
 from drivegate.studies.diff.jobs import RecordRequest, record_run, recorded_rows
 from drivegate.studies.diff.rule import Rule
 from drivegate_cases.drive.drive_document import load_drive

@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
+import hashlib
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
 
 from hypothesis import HealthCheck, Phase, given, seed, settings
+from hypothesis import strategies as st
 from hypothesis.strategies import SearchStrategy
 
 from drivegate.candidates.declaration import FlowchartProfile
 from drivegate.checks.judging import JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin
 from drivegate.containment.messages import AnyController, JudgedCandidate
-from drivegate.contracts.current.flowchart.drawn import drawn_scripts
 from drivegate.contracts.current.flowchart.judging import judge_script
-from drivegate.contracts.current.flowchart.scripts import fixed_scripts, usual_speed
+from drivegate.contracts.current.flowchart.scripts import Event, fixed_scripts, script_of, usual_speed
+from drivegate.scenarios.drive_scale import scale_of, tidy
 from drivegate.scenarios.isolation import from_the_seed_alone
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.script import Script, ScriptRow
@@ -58,7 +61,7 @@ def run_scripts(loaded: JudgedCandidate, plan: ScriptRuns) -> ShardOutcome:
     for fixed in fixed_scripts(plan.drive, profile, speed):
         judge(fixed)
 
-    for drawn in _drawn(drawn_scripts(plan.drive, profile, declaration.speed_range_rpm), plan):
+    for drawn in _drawn(_drawn_scripts(plan.drive, profile, declaration.speed_range_rpm), plan):
         judge(drawn)
     if failures:
         shortest = min(failures, key=lambda script: len(script.rows))
@@ -145,3 +148,29 @@ def _simpler_rows(row: ScriptRow, first: ScriptRow) -> Iterator[ScriptRow]:
         simpler = row.model_copy(update=change)
         if simpler != row:
             yield simpler
+
+
+def _drawn_scripts(
+    drive: DriveDocument, profile: FlowchartProfile, speed_range_rpm: tuple[float, float] | None
+) -> st.SearchStrategy[Script]:
+    """Draw scripts."""
+    lowest, highest = speed_range_rpm or (0.0, math.inf)
+    scale = scale_of(drive)
+    step = scale.speed_step_rpm
+    lowest = max(lowest, scale.speed(0.1))
+    highest = max(min(highest, scale.highest_loaded_rpm), lowest)
+    powers = st.sampled_from((0.0, -2.0, 2.0, -3.0, 3.0, -5.0, 5.0, -0.5, 0.5))
+    errors = st.sampled_from((0.0, 0.0, 0.0, 0.0, 0.0, 0.5, -0.5, 1.5, -1.5))
+    return st.builds(
+        lambda slower, events: _drawn_script(drive, profile, tidy(highest - step * slower), events),
+        st.integers(0, int((highest - lowest) // step)),
+        st.lists(st.tuples(powers, errors).map(lambda pair: Event(*pair)), min_size=1, max_size=24),
+    )
+
+
+def _drawn_script(
+    drive: DriveDocument, profile: FlowchartProfile, speed_rpm: float, events: list[Event]
+) -> Script:
+    digest = hashlib.sha256(repr(events).encode()).hexdigest()[:8]
+    name = f"drawn-{speed_rpm:g}rpm-{len(events) + 1}-rows-{digest}"
+    return script_of(name, drive, profile, speed_rpm, events, "Changes of power and speed drawn at random.")

@@ -18,18 +18,20 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drivegate.contracts.current.scenarios.hall_beat import beats_with_edges
 from drivegate.scenarios.drive_scale import scale_of
 from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.limits import mean_time
 from drivegate_cases.drive.scales import NOMINAL, Scales
 from drivegate_cases.scenario.load import ConstantPowerLoad, LockedLoad
 from drivegate_cases.scenario.piecewise import Profile, breakpoints, value_from, value_until
 from drivegate_cases.scenario.profile import Dwell, dwell_scales, dwell_torque
 from drivegate_cases.scenario.scenario import Scenario
+from drivegate_cases.scenario.sensors import HallSensors
 from drivegate_models.steady.oracle import feasible_edge
 from drivegate_models.steady.plant import AnyDrive
 from drivegate_models.units import RADIANS_PER_RPM
 
+_MOST_PERIODS = 12
 REACTION_S = 0.02
 """Time after a step of the load in which no controller can be required to have the torque (s)."""
 COASTING_SHARE = 0.5
@@ -257,3 +259,27 @@ def _drive(drive: DriveDocument, scales: Scales) -> AnyDrive:
 def _edge(drive: DriveDocument, scales: Scales, speed: float, torque: float, voltage: float) -> float:
     """Find the smallest angle that gives a torque; NaN where none does."""
     return feasible_edge(_drive(drive, scales), speed, torque, voltage)
+
+
+"""Control periods in an electrical cycle up to which their number matters: two from one edge to the next (1)."""
+
+
+def beats_with_edges(scenario: Scenario) -> bool:
+    """Tell whether Hall edges fall on nearly the same instants of a control period, cycle after cycle, at some speed.
+
+    The instants at which the edges are seen then drift so slowly that the commutation they give moves for longer than
+    the means last by which convergence is judged: Σ|i| moves by 1 % at an angle that no controller has changed.
+    """
+    if not isinstance(scenario.sensors, HallSensors):
+        return False
+    rate = 1.0 / scenario.control_period_s
+    slowest = 1.0 / mean_time(scenario.drive)
+    for start, end in pairwise(breakpoints((scenario.speed_rpm,), scenario.duration_s)):
+        speed = value_from(scenario.speed_rpm, start)
+        frequency = scenario.drive.machine.pole_pairs * speed / 60.0
+        if frequency == 0.0 or value_until(scenario.speed_rpm, end) != speed:
+            continue
+        periods = round(rate / frequency)
+        if periods <= _MOST_PERIODS and abs(periods * frequency - rate) < slowest:
+            return True
+    return False

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from drivegate_cases.scenario.scenario import Scenario
 
 if TYPE_CHECKING:
-    from drivegate.contracts.trace import RecordedTrace
+    from drivegate.contracts.contract import RecordedTrace
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from drivegate.contracts.duty.record import DutyRecord
 from drivegate.contracts.duty.run import LEGS
 from drivegate.contracts.duty.scenarios.failures import unnoticed_because
 from drivegate_cases.drive.drive_document import DriveDocument
-from drivegate_cases.scenario.failure_kind import SURVIVABLE
+from drivegate_cases.scenario.failure import SURVIVABLE
 from drivegate_cases.scenario.load import DynamometerLoad
 from drivegate_models.contract.duty.signals import LEG_OFF
 

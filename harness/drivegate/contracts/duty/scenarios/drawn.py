@@ -35,7 +35,7 @@ from drivegate.scenarios.title import titled
 from drivegate_cases.drive.limits import nearest_step
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.limits import FAILURE_SPEED_SHARE
-from drivegate_cases.scenario.failure_kind import FAILURE_KINDS, PHASED, FailureKind
+from drivegate_cases.scenario.failure import FAILURE_KINDS, PHASED, FailureKind
 from drivegate_cases.scenario.reference import Reference
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import SHUNTS, position_of

@@ -17,9 +17,8 @@ from drivegate.gate.warm_up import compile_missing
 from drivegate.output.progress import Display, with_rate
 from drivegate.results.result import finite
 from drivegate.studies.selftest.drawn.folder import SUMMARY, DrivesFolder
-from drivegate.studies.selftest.drawn.gate_row import row_from
 from drivegate.studies.selftest.drawn.summary import JudgedDrive, summarised
-from drivegate.studies.selftest.drawn.tasks import packed, run_faults, run_gate
+from drivegate.studies.selftest.drawn.tasks import packed, row_from, run_faults, run_gate
 from drivegate.studies.selftest.run import SelftestEffort
 from drivegate_cases.drive.drive_document import load_drive
 

@@ -13,7 +13,7 @@ from drivegate.drives.drawn.kinds import DRAWN_KINDS
 from drivegate.drives.kinds import DRIVE_KINDS
 from drivegate.results.proportion import CONFIDENCE, proportion
 from drivegate.studies.selftest.drawn.folder import KIND, SCHEMA
-from drivegate.studies.selftest.drawn.gate_row import FailedCheck, GateRow
+from drivegate.studies.selftest.drawn.tasks import FailedCheck, GateRow
 from drivegate.studies.selftest.run import SelftestEffort
 from drivegate_cases.drive.drive_document import DriveDocument
 

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import pickle
-from collections.abc import Mapping
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
 from typing import Any, Final
 
 from drivegate.contracts.catalogue import contract_of
-from drivegate.drives.choice import drive_for
+from drivegate.drives.kinds import drive_for
 from drivegate.output.event_loop import finished
 from drivegate.output.progress import Display
+from drivegate.results.result import CheckOutcome, CheckResult
+from drivegate.scenarios.facts import facts_in_short
 from drivegate.studies.selftest.correct_designs import CorrectDesign
 from drivegate.studies.selftest.detection import FaultRow
-from drivegate.studies.selftest.drawn.gate_row import GateRow, gate_row
 from drivegate.studies.selftest.run import SelftestEffort, design_check, try_faults
 from drivegate.studies.selftest.seeded_fault import SeededFault, chosen_faults
 from drivegate_cases.drive.drive_document import DriveDocument
@@ -75,7 +76,7 @@ def _gate(seed: int, effort: SelftestEffort) -> GateRow:
     """Check the usual controller; a drive that it cannot be judged on is an outcome too, and ends nothing else."""
     try:
         usual = contract_of(drive_for(None, effort.drive)).usual_candidate
-        return gate_row(finished(design_check(CorrectDesign(usual), seed, effort), Display()))
+        return _gate_row(finished(design_check(CorrectDesign(usual), seed, effort), Display()))
     except (OSError, MemoryError):
         raise
     except Exception as error:
@@ -99,3 +100,75 @@ def _effort(package: bytes, number: int) -> SelftestEffort:
 def _unpacked(package: bytes) -> tuple[SelftestEffort, dict[int, DriveDocument]]:
     effort, drives = pickle.loads(package)
     return effort, drives
+
+
+@dataclass(frozen=True)
+class FailedCheck:
+    """A required check that failed."""
+
+    check: str
+    """Its identifier."""
+    margin: float | None
+    """Its least margin."""
+    measured: str
+    """What was measured in the simplest counterexample."""
+    limit: str
+    """The limit."""
+    facts: str
+    """The facts of the simplest counterexample."""
+    contested: bool = False
+    """Whether no known good controller meets it either, so that it does not count against a candidate."""
+
+
+@dataclass(frozen=True)
+class GateRow:
+    """The verdict on a candidate with one seed."""
+
+    seed: int
+    """Seed of the search."""
+    verdict: str
+    """As in `drivegate.results.result.CheckResult`, or ``refused`` where the drive cannot be judged on."""
+    passed: bool
+    """Whether the candidate passes."""
+    runs: int = 0
+    """Number of runs made."""
+    failed: tuple[FailedCheck, ...] = ()
+    """The required checks that failed."""
+    message: str = ""
+    """What ended the check otherwise, in one sentence; empty where nothing did."""
+
+    def document(self) -> dict[str, Any]:
+        """Write the row as plain data."""
+        return asdict(self)
+
+
+def _gate_row(result: CheckResult) -> GateRow:
+    """Take from a whole check what is kept of it."""
+    return GateRow(
+        seed=result.seed,
+        verdict=result.verdict,
+        passed=result.exit_code == 0 and result.verdict != "contested",
+        runs=result.runs,
+        failed=tuple(_failed(result.checks)),
+        message=result.faults[0].message if result.faults else "",
+    )
+
+
+def row_from(document: Mapping[str, Any]) -> GateRow:
+    """Read a row that was kept."""
+    return GateRow(**{**document, "failed": tuple(FailedCheck(**check) for check in document["failed"])})
+
+
+def _failed(outcomes: Sequence[CheckOutcome]) -> list[FailedCheck]:
+    return [
+        FailedCheck(
+            check=outcome.id,
+            margin=outcome.margin,
+            measured=outcome.measured if outcome.found is None else outcome.found.measured,
+            limit=outcome.limit,
+            contested=outcome.verdict == "contested",
+            facts="" if outcome.counterexample is None else facts_in_short(outcome.counterexample),
+        )
+        for outcome in outcomes
+        if outcome.level == "required" and outcome.verdict in ("fail", "contested")
+    ]

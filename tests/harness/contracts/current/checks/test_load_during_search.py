@@ -5,7 +5,7 @@ import pytest
 from drivegate.candidates.builtin.candidates import BUILTIN_CANDIDATES, DESIGN_CANDIDATES
 from drivegate.candidates.builtin.loading import BuiltinController
 from drivegate.candidates.declaration import Declaration
-from drivegate.candidates.loading import load_controller
+from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.messages import AnyController
 from drivegate.contracts.current.checks.convergence import converges_again, reaches_optimum

@@ -9,7 +9,7 @@ from drivegate.candidates.python.bridge import PythonController
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import own_candidate
 from drivegate.containment.messages import JudgedCandidate
-from drivegate.gate.step_timing import TimedSteps, time_steps, timing_margin, way_of_running
+from drivegate.gate.plan import TimedSteps, time_steps, timing_margin, way_of_running
 from drivegate_cases.scenario.scenario import load_scenario
 
 LIMIT = 0.1 * 0.0005

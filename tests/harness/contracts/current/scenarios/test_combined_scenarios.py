@@ -6,10 +6,11 @@ from itertools import combinations, pairwise
 
 import pytest
 
-from drivegate.candidates.loading import load_controller
+from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.contracts.current.checks.convergence import CNV_2
 from drivegate.contracts.current.record import CurrentRecord
+from drivegate.contracts.current.run import observed_windows
 from drivegate.contracts.current.scenarios.combined import (
     SHORTEST_PERIOD_S,
     combined_scenarios,
@@ -17,7 +18,6 @@ from drivegate.contracts.current.scenarios.combined import (
     shortest_period_scenario,
 )
 from drivegate.contracts.current.scenarios.feasibility import is_fair
-from drivegate.contracts.current.scenarios.windows import observed_windows
 from drivegate.drives.running import run_scenario
 from drivegate.scenarios.covering import FACTORS, IMPOSSIBLE, covering_rows, is_possible, possible_pairs
 from drivegate.scenarios.drive_scale import scale_of

@@ -2,12 +2,11 @@
 
 import pytest
 
-from drivegate.candidates.loading import load_controller
+from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.contracts.current.scenarios.building import steady_scenario
-from drivegate.contracts.current.scenarios.feasibility import unfair_because
+from drivegate.contracts.current.scenarios.feasibility import beats_with_edges, unfair_because
 from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
-from drivegate.contracts.current.scenarios.hall_beat import beats_with_edges
 from drivegate.drives.running import run_scenario
 from drivegate.scenarios.changes import with_real_sensors, with_speed
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive

@@ -12,8 +12,7 @@ import pytest
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import own_candidate
 from drivegate.contracts.comparison import POINTS, ComparisonRequest
-from drivegate.contracts.duty.comparison.declaration import COMPARISON
-from drivegate.contracts.duty.comparison.plan import EFFORTS, planned_duty_runs
+from drivegate.contracts.duty.comparison.declaration import COMPARISON, EFFORTS, planned_duty_runs
 from drivegate.studies.compare.compared_drive import _common_reference
 from drivegate.studies.compare.document import comparison_document
 from drivegate.studies.compare.engine import Compared, labelled

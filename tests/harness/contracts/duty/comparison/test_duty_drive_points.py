@@ -6,7 +6,7 @@ import pytest
 
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.contracts.comparison import ComparisonRequest
-from drivegate.contracts.duty.comparison.plan import EFFORTS, planned_duty_runs
+from drivegate.contracts.duty.comparison.declaration import EFFORTS, planned_duty_runs
 from drivegate.contracts.duty.scenarios.building import torque_of
 from drivegate.contracts.duty.scenarios.fixed import speed_of
 from drivegate.studies.compare.compared_drive import ComparedDrive

@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis import strategies as st
 
 from drivegate.contracts.comparison import ComparisonRequest
-from drivegate.contracts.duty.comparison.plan import planned_duty_runs
+from drivegate.contracts.duty.comparison.declaration import planned_duty_runs
 from drivegate.contracts.duty.scenarios.building import PERIODS_AT_A_TIME, dwell_periods, torque_scenario
 from drivegate.contracts.duty.scenarios.drawn import FAMILY_GROUPS, failure_scenarios
 from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios
@@ -24,7 +24,7 @@ from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.control_periods import seen_at_s
 from drivegate_cases.scenario.drive_cycle import load_drive_cycle
-from drivegate_cases.scenario.failure_kind import FAILURE_KINDS
+from drivegate_cases.scenario.failure import FAILURE_KINDS
 from drivegate_cases.scenario.reference import Reference
 from drivegate_cases.scenario.scenario import Scenario
 

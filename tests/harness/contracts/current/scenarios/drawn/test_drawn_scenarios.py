@@ -9,6 +9,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from drivegate.contracts.current.run import observed_windows
 from drivegate.contracts.current.scenarios.drawn.changes import required_point_scenarios
 from drivegate.contracts.current.scenarios.drawn.families import (
     FAMILY_GROUPS,
@@ -19,7 +20,6 @@ from drivegate.contracts.current.scenarios.drawn.families import (
     standstill_scenarios,
 )
 from drivegate.contracts.current.scenarios.feasibility import coasts
-from drivegate.contracts.current.scenarios.windows import observed_windows
 from drivegate.scenarios.drive_scale import scale_of
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.drive.drive_document import load_drive
