@@ -8,11 +8,14 @@ from typing import Any, Literal, TypeAlias
 
 from drivegate.candidates.declaration import Declaration
 from drivegate.checks.margin import Margin
+from drivegate.checks.moment import Moment
 from drivegate.checks.record import Record
 from drivegate_cases.drive.drive_document import DriveDocument
 
 Evaluate: TypeAlias = Callable[[Any], Margin | None]
 """From the record of a run of the check's contract to its margin; None where it does not apply to the run."""
+StateMoment: TypeAlias = Callable[[Any], Moment | None]
+"""From the record of a run to the moment that decides its margin; None where no single signal shows it."""
 ReasonNotApplicable: TypeAlias = Callable[[Declaration, DriveDocument], str | None]
 """From a declaration and a drive to the reason why the check does not apply to that candidate; None where it does."""
 
@@ -20,6 +23,11 @@ ReasonNotApplicable: TypeAlias = Callable[[Declaration, DriveDocument], str | No
 def always_applicable(_declaration: Declaration, _drive: DriveDocument) -> str | None:
     """Let a check apply to every candidate."""
     return None
+
+
+def no_moment(_record: Record) -> None:
+    """State no moment: a figure shows the stretch that is judged."""
+    return
 
 
 def judged_elsewhere(_record: Record) -> Margin | None:
@@ -58,6 +66,8 @@ class Check:
     """Families of drawn scenarios that exercise it, where it does not judge every run."""
     evaluate: Evaluate = judged_elsewhere
     """The margin of a run."""
+    moment: StateMoment = no_moment
+    """The moment that decides the margin of a run, and what figures mark in it."""
     reason_not_applicable: ReasonNotApplicable = always_applicable
     """Why the check does not apply, on a drive, to a candidate that declares what it does."""
     volatile: bool = False

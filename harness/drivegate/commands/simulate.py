@@ -62,6 +62,7 @@ def command(
     check_targets(csv, parquet, plot)
 
     from drivegate.candidates.fault import Fault
+    from drivegate.contracts.catalogue import contract_of
     from drivegate.output.trace_files import write_plot, write_trace
     from drivegate.studies.simulate.simulate import document_of, simulated, trace_frame
 
@@ -79,14 +80,13 @@ def command(
         frame = trace_frame(scenario, ended.run)
         write_trace(frame, csv, parquet)
         if plot is not None:
-            write_plot(frame, plot, f"{resolved.name}: {scenario.name}")
+            write_plot(frame, plot, f"{resolved.name}: {scenario.name}", contract_of(scenario.drive).panels)
     written = [str(path) for path in (csv, parquet, plot) if path is not None]
     document["files"] = written
     again = f"drivegate simulate {quote(candidate)} {_named(case, report, run)}{drive_words(drive, settings)}"
     hint = "" if plot is not None else f"{again} --plot run.png"
 
     def show(console: Console) -> None:
-        from drivegate.contracts.catalogue import contract_of
         from drivegate.studies.simulate.simulate import show_run
 
         show_run(console, contract_of(scenario.drive), document, hint)

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from drivegate.containment.messages import AnyController
     from drivegate.contracts.comparison import Comparison
     from drivegate.contracts.given_steps import GivenSteps
+    from drivegate.contracts.panels import Panel
     from drivegate.scenarios.drawn_range import DrawnRange
     from drivegate.scenarios.simplification import Simplification
     from drivegate_cases.drive.drive_document import DriveDocument
@@ -157,6 +158,8 @@ class Contract:
     """Name of a built-in controller that fails checks: running it compiles what only failures need."""
     comparison: Callable[[], Comparison]
     """Return how controllers are compared."""
+    panels: tuple[Panel, ...] = ()
+    """How figures show the recorded columns; without any, each has a panel."""
     behaviour: (
         Callable[[Callable[[Scenario], Record], DriveDocument, Scenario | None], dict[str, Any]] | None
     ) = None

@@ -19,6 +19,8 @@ from drivegate_models.errors import InputError
 MOST_POINTS: Final = 300
 """Maximum number of points recorded of a run, each the mean of a stretch of it."""
 _DIGITS: Final = 5
+_TIME_DIGITS: Final = 9
+"""Enough to tell control periods apart late in a run."""
 _MOST_POINTS: Final = 5_000
 _GREATEST: Final = 1e9
 
@@ -70,14 +72,15 @@ def columns_of(trace: object, names: Iterable[str]) -> Columns | None:
     return columns
 
 
-def thinned(whole: Mapping[str, NDArray[Any]]) -> dict[str, list[float]]:
-    """Take the means of columns over equal stretches."""
+def thinned(whole: Mapping[str, NDArray[Any]], most: int = MOST_POINTS) -> dict[str, list[float]]:
+    """Take the means of columns over equal stretches, at most so many of them."""
     rows = len(next(iter(whole.values())))
-    length = max(-(-rows // MOST_POINTS), 1)
+    length = max(-(-rows // most), 1)
     begins = np.arange(0, rows, length)
     counts = np.diff(np.append(begins, rows))
     columns = {}
     for name, values in whole.items():
         means = np.add.reduceat(values, begins) / counts
-        columns[name] = [significant(mean, _DIGITS) for mean in means]
+        digits = _TIME_DIGITS if name == "time_s" else _DIGITS
+        columns[name] = [significant(mean, digits) for mean in means]
     return columns

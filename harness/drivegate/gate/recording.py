@@ -9,6 +9,7 @@ from typing import Any, Final
 from drivegate.candidates.fault import Fault
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.contracts.catalogue import contract_of
+from drivegate.contracts.closeup import closeup_of, deciding_moment
 from drivegate.contracts.recorded_trace import thinned
 from drivegate.drives.running import recorded
 from drivegate.results.result import CheckOutcome, Recording
@@ -26,6 +27,8 @@ class RecordPlan:
     """The scenario as plain data."""
     checks: tuple[str, ...]
     """Checks that look at it."""
+    failed: tuple[str, ...] = ()
+    """Those of them whose counterexample it is."""
 
 
 @dataclass(frozen=True)
@@ -36,6 +39,8 @@ class Recorded:
     """Lists of equal length by the name of the column."""
     windows: dict[str, tuple[float, float]]
     """By check, start and end of the stretch that it was judged on (s)."""
+    closeups: dict[str, dict[str, Any]]
+    """By failed check, its deciding moment as plain data."""
 
 
 def shown_scenario(outcome: CheckOutcome) -> dict[str, Any] | None:
@@ -51,11 +56,13 @@ def recording_plans(outcomes: Iterable[CheckOutcome]) -> list[RecordPlan]:
         scenario = shown_scenario(outcome)
         if scenario is None:
             continue
+        failed = () if outcome.counterexample is None else (outcome.id,)
         place = next((place for place, plan in enumerate(plans) if plan.scenario == scenario), None)
         if place is None:
-            plans.append(RecordPlan(scenario, (outcome.id,)))
+            plans.append(RecordPlan(scenario, (outcome.id,), failed))
         else:
-            plans[place] = replace(plans[place], checks=(*plans[place].checks, outcome.id))
+            known = plans[place]
+            plans[place] = replace(known, checks=(*known.checks, outcome.id), failed=(*known.failed, *failed))
     return plans
 
 
@@ -69,12 +76,16 @@ def run_recorded(loaded: JudgedCandidate, plan: RecordPlan) -> Recorded:
     scenario = parse_document(plan.scenario, Scenario, "the recorded scenario")
     every = -(-scenario.control_periods // _MOST_ROWS)
     record = recorded(loaded, scenario, loaded.controller(), trace_every=every)
-    windows = {}
+    windows, closeups = {}, {}
     contract = contract_of(scenario.drive)
     for check in contract.checks():
         if check.id in plan.checks:
-            windows[check.id] = contract.judged_window(check, record, check.evaluate(record))
-    return Recorded(thinned(contract.recorded_signals(record.run)), windows)
+            moment = deciding_moment(check, record, check.evaluate(record))
+            windows[check.id] = (moment.start_s, moment.end_s)
+            closeup = closeup_of(record, moment) if check.id in plan.failed else None
+            if closeup is not None:
+                closeups[check.id] = closeup
+    return Recorded(thinned(contract.recorded_signals(record.run)), windows, closeups)
 
 
 def with_recordings(
@@ -86,6 +97,9 @@ def with_recordings(
     for _, ending in zip(plans, endings, strict=False):
         if isinstance(ending, Recorded):
             windows: Mapping[str, tuple[float, float]] = ending.windows
-            places |= {check: Recording(len(traces), *window) for check, window in windows.items()}
+            places |= {
+                check: Recording(len(traces), *window, ending.closeups.get(check))
+                for check, window in windows.items()
+            }
             traces.append(ending.columns)
     return tuple(replace(outcome, recording=places.get(outcome.id)) for outcome in outcomes), tuple(traces)

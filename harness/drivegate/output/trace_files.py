@@ -8,7 +8,10 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from drivegate.checks.moment import Moment
+from drivegate.contracts.panels import TIME, Panel, panels_for
 from drivegate.output.legend import legend_beside
+from drivegate.output.moment_panel import draw_moment
 from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_models.errors import InputError
@@ -18,18 +21,6 @@ if TYPE_CHECKING:
 
 PLOT_SUFFIXES: Final = (".png", ".svg")
 
-_PANELS: Final = (
-    (("speed_reference_rpm", "reference"), ("speed_rpm", "speed"), "speed (rpm)"),
-    (("advance_deg", "advance angle"), None, "angle (el. deg)"),
-    (("current_sum_a", "Σ|i|"), ("current_reference_a", "current reference"), "current (A)"),
-    (("torque_nm", "torque"), ("load_torque_nm", "load"), "torque (N·m)"),
-)
-_DUTY_PANELS: Final = (
-    (("speed_reference_rpm", "reference"), ("speed_rpm", "speed"), "speed (rpm)"),
-    (("direct_current_a", "d"), ("quadrature_current_a", "q"), "current (A)"),
-    (("voltage_v", "voltage used"), ("link_voltage_v", "link"), "voltage (V)"),
-    (("torque_nm", "torque"), ("torque_reference_nm", "reference"), "torque (N·m)"),
-)
 _MOST_POINTS: Final = 20_000
 
 
@@ -88,36 +79,44 @@ def write_plot(
     frame: pandas.DataFrame,
     plot: Path,
     title: str,
+    panels: tuple[Panel, ...],
     *,
-    shaded: tuple[float, float] | None = None,
+    moment: Moment | None = None,
     edge: tuple[float, float] | None = None,
 ) -> None:
-    """Draw a trace: speed, angle, currents and torque over time, with the feasible edge from a time on (s, deg).
-
-    Of a controller of duty ratios the currents of the rotor's frame and the voltage take the place of the angle.
-    """
+    """Draw a trace over time, with the feasible edge from a time on (s, deg); above it the moment that decides."""
     from matplotlib import rc_context
     from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
+    from matplotlib.figure import Figure, FigureBase
 
     thinned = frame.iloc[:: -(-len(frame) // _MOST_POINTS)]
     buffer = io.BytesIO()
     with rc_context({"text.parse_math": False, "svg.hashsalt": "drivegate", "svg.fonttype": "none"}):
-        figure = Figure(figsize=(9.0, 9.0), layout="constrained")
+        shown = panels_for(panels, frame.columns)
+        is_marked = moment is not None and bool(moment.column)
+        figure = Figure(figsize=(9.0, 12.0 if is_marked else 9.0), layout="constrained")
         FigureCanvasAgg(figure)
-        panels = _DUTY_PANELS if "direct_current_a" in frame else _PANELS
-        all_axes = figure.subplots(len(panels), 1, sharex=True)
-        for axes, (first, second, label) in zip(all_axes, panels, strict=True):
-            for column, name in (line for line in (first, second) if line is not None):
-                axes.plot(thinned["time_s"], thinned[column], label=name, linewidth=1.0)
-            if edge is not None and first[0] == "advance_deg":
+        whole: FigureBase = figure
+        if moment is not None and is_marked:
+            parts = figure.subfigures(2, 1, squeeze=False, height_ratios=(1, 3))[:, 0]
+            whole = parts[1]
+            columns = {name: frame[name].to_numpy() for name in (TIME, moment.column)}
+            draw_moment(parts[0].subplots(), moment, columns, panels)
+        all_axes = whole.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0]
+        for axes, (label, lines) in zip(all_axes, shown, strict=True):
+            for column, name, is_reference in lines:
+                style = "--" if is_reference else "-"
+                axes.plot(thinned[TIME], thinned[column], label=name, linewidth=1.0, linestyle=style)
+            if edge is not None and lines[0].column == "advance_deg":
                 begin, angle = edge
-                reach = [begin, float(frame["time_s"].iloc[-1]) if shaded is None else shaded[1]]
+                reach = [begin, float(frame[TIME].iloc[-1]) if moment is None else moment.end_s]
                 axes.plot(
                     reach, [angle] * 2, label="feasible edge", linewidth=1.2, linestyle="--", color="tab:red"
                 )
-            if shaded is not None:
-                axes.axvspan(*shaded, color="tab:orange", alpha=0.15, label="judged here")
+            if moment is not None:
+                axes.axvspan(
+                    moment.start_s, moment.end_s, color="tab:orange", alpha=0.15, label="judged here"
+                )
             axes.set_ylabel(label)
             axes.grid(visible=True, alpha=0.3)
             legend_beside(axes)

@@ -6,6 +6,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import AfterValidator, ConfigDict, Field
 
+from drivegate.contracts.closeup import Closeup
 from drivegate.results.behaviour_section import BehaviourSection
 from drivegate.results.counterexample import resolved_script_or_scenario
 from drivegate.results.envelope_section import EnvelopeSection
@@ -84,6 +85,11 @@ class RecordingSection(Section):
     trace: int = Field(ge=0, description="place in the list 'traces'")
     start_s: float = Field(description="begin of the stretch that the check was judged on, in seconds")
     end_s: float = Field(description="end of that stretch, in seconds")
+    closeup: Closeup | None = Field(
+        default=None,
+        description="the moment that decides a counterexample, with its signals; null where there is none, and in "
+        "results of earlier versions",
+    )
 
 
 class CheckSection(Section):

@@ -72,6 +72,8 @@ class Recording:
     start_s: float
     end_s: float
     """The stretch that the check was judged on (s)."""
+    closeup: dict[str, Any] | None = None
+    """The deciding moment of a counterexample, `drivegate.contracts.closeup.Closeup` as plain data."""
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,8 @@ from typing import Any, Final
 import numpy as np
 
 from drivegate.contracts.catalogue import contract_of
-from drivegate.contracts.contract import RecordedTrace
+from drivegate.contracts.closeup import recorded_closeup
+from drivegate.contracts.contract import Contract, RecordedTrace
 from drivegate.contracts.current.words.run_signals import run_signals
 from drivegate.contracts.duty.words import duty_signals
 from drivegate.contracts.recorded_trace import recorded_trace
@@ -17,6 +18,7 @@ from drivegate_cases.documents.document import parse_document
 from drivegate_cases.scenario.script import Script
 from drivegate_models.errors import InputError
 from drivegate_reports.conformance.figures import (
+    closeup,
     duty_run,
     margin_distribution,
     plain_run,
@@ -42,6 +44,8 @@ class ShownRun:
     """Whether the figure stands with an earlier check already."""
     ripple: PageFigure | None = None
     """The torque over one electrical period, where a check of the ripple fails."""
+    closeup: PageFigure | None = None
+    """The moment that decides, where the check fails."""
 
 
 @reused_run_panels()
@@ -66,8 +70,27 @@ def shown_runs(document: Mapping[str, Any]) -> dict[str, ShownRun]:
         if not known:
             drawn[key] = drawing.run(trace, f"run-{len(drawn) + 1}")
         words = tuple(map(clean, contract.account(trace)))
-        shown[str(check["id"])] = ShownRun(words, drawn[key], known, drawing.ripple(check, trace))
+        shown[str(check["id"])] = ShownRun(
+            words, drawn[key], known, drawing.ripple(check, trace), _closeup(check, contract)
+        )
     return shown
+
+
+def _closeup(check: Mapping[str, Any], contract: Contract) -> PageFigure | None:
+    """Draw the moment that decides a counterexample; None in a result of earlier versions."""
+    read = recorded_closeup(check, contract.recorded_names)
+    if read is None:
+        return None
+    moment, columns = read
+    if moment.column and moment.column not in columns:
+        return None
+    return page_figure(
+        f"closeup-{clean(check['id'], 40)}",
+        closeup.title(moment),
+        lambda: closeup.draw(moment, columns, contract.panels),
+        clean(closeup.alternative(moment, contract.panels)),
+        closeup.caption(moment),
+    )
 
 
 def _figure(trace: RecordedTrace, name: str) -> PageFigure:

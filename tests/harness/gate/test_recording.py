@@ -53,7 +53,7 @@ def test_means_over_equal_stretches_are_kept() -> None:
     assert set(columns) == set(RECORDED) - {"half_supply_v"}, "a constant supply is not kept"
     assert {len(values) for values in columns.values()} == {MOST_POINTS}
     assert columns["speed_rpm"][0] == pytest.approx(1001.6, abs=0.1), "the mean of the first stretch"
-    assert columns["time_s"][-1] == pytest.approx(11.98)
+    assert columns["time_s"][-1] == pytest.approx(11.97975)
     assert columns["speed_rpm"] == sorted(columns["speed_rpm"])
 
 
@@ -74,15 +74,15 @@ def test_checks_that_look_at_one_scenario_share_a_recording() -> None:
         outcome("FLO-1", {"kind": "script", "rows": []}),
     )
     plans = recording_plans(outcomes)
-    assert [(plan.scenario["name"], plan.checks) for plan in plans] == [
-        ("fig5-search", ("CNV-1", "CMD-1")),
-        ("lock-up", ("CNV-2",)),
+    assert [(plan.scenario["name"], plan.checks, plan.failed) for plan in plans] == [
+        ("fig5-search", ("CNV-1", "CMD-1"), ("CNV-1",)),
+        ("lock-up", ("CNV-2",), ()),
     ]
 
 
 def test_a_run_is_recorded_with_the_stretch_that_was_judged() -> None:
     scenario = load_scenario("lock-up").to_mapping()
-    plan = RecordPlan(scenario, ("CMD-1", "CNV-1"))
+    plan = RecordPlan(scenario, ("CMD-1", "CNV-1"), ("CMD-1", "CNV-1"))
     with Judge(resolve_candidate("published")) as worker:
         ended = worker.run(recording_job(plan))
     assert not isinstance(ended, Fault)
@@ -93,7 +93,11 @@ def test_a_run_is_recorded_with_the_stretch_that_was_judged() -> None:
     outcomes, traces = with_recordings(
         (outcome("CNV-1", scenario), outcome("PWR-1", scenario)), [plan], [ended]
     )
-    assert outcomes[0].recording == Recording(0, start, end)
+    assert list(ended.closeups) == ["CNV-1"], "of a whole run there is nothing to zoom in on"
+    closeup = ended.closeups["CNV-1"]
+    assert closeup["moment"]["start_s"] == start
+    assert 2.0 < closeup["columns"]["time_s"][0] < start, "with what leads to it"
+    assert outcomes[0].recording == Recording(0, start, end, closeup)
     assert outcomes[1].recording is None
     assert traces == (ended.columns,)
 

@@ -8,6 +8,7 @@ from drivegate.contracts.contract import Contract, Later, Witness
 from drivegate.contracts.current.columns import (
     OBSERVATIONS,
     OUTPUTS,
+    PANELS,
     PLOTTED,
     RECORDED_NAMES,
     SENSED,
@@ -163,6 +164,7 @@ CURRENT: Final = Contract(
     signals=Later("drivegate.contracts.current.figures", "signals"),
     recorded_signals=Later("drivegate.contracts.current.figures", "recorded_signals"),
     recorded_names=RECORDED_NAMES,
+    panels=PANELS,
     account=_account,
     marked_angle=_marked_angle,
     common_cause=_common_cause,

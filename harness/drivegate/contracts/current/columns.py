@@ -6,6 +6,8 @@ import math
 from collections.abc import Mapping
 from typing import Final
 
+from drivegate.contracts.panels import Line, Panel
+
 SENSED: Final[Mapping[str, str]] = {
     "speed_reference": "rad/s",
     "speed": "rad/s",
@@ -37,6 +39,15 @@ RECORDED: Final = (
     "half_supply_v",
 )
 """Columns of the trace that a result keeps."""
+PANELS: Final = (
+    Panel("speed (rpm)", (Line("speed_reference_rpm", "reference", True), Line("speed_rpm", "speed"))),
+    Panel("angle (el. deg)", (Line("advance_deg", "advance angle"),)),
+    Panel(
+        "current (A)", (Line("current_sum_a", "Σ|i|"), Line("current_reference_a", "current reference", True))
+    ),
+    Panel("torque (N·m)", (Line("load_torque_nm", "load", True), Line("torque_nm", "torque"))),
+)
+"""How figures show these columns."""
 RECORDED_NAMES: Final = tuple(name for name in RECORDED if name != "half_supply_v")
 """Those without which a run cannot be described: the supply is recorded only where it varies."""
 SUMMARY_ROWS: Final = (

@@ -8,6 +8,7 @@ from drivegate.contracts.contract import Contract, Later, Witness
 from drivegate.contracts.duty.columns import (
     OBSERVATIONS,
     OUTPUTS,
+    PANELS,
     PLOTTED,
     RECORDED_NAMES,
     SENSED,
@@ -22,8 +23,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from drivegate.candidates.declaration import Declaration
-    from drivegate.checks.check import Check
-    from drivegate.checks.margin import Margin
     from drivegate.checks.record import Record
     from drivegate.containment.messages import AnyController
     from drivegate.contracts.contract import RecordedTrace
@@ -83,11 +82,6 @@ def _record(
     return DutyRecord(scenario, run, declaration, other_dead_time=other)
 
 
-def _judged_window(_check: Check, record: Record, _margin: Margin | None) -> tuple[float, float]:
-    """Return the whole run: these checks judge steps and whole runs too, and state the place in words."""
-    return (0.0, record.scenario.duration_s)
-
-
 def _account(trace: RecordedTrace) -> tuple[str, ...]:
     from drivegate.contracts.duty.words import duty_account, duty_signals
 
@@ -139,7 +133,7 @@ DUTY: Final = Contract(
     drawn_range=Later("drivegate.contracts.duty.scenarios.drawn_range", "drawn_range"),
     unseen=Later("drivegate.contracts.duty.record", "unseen_duty_record"),
     record=_record,
-    judged_window=_judged_window,
+    judged_window=Later("drivegate.contracts.duty.judged_window", "judged_window"),
     step_seconds=Later("drivegate.contracts.duty.timed_steps", "duty_step_seconds"),
     layout=Later("drivegate_models.contract.layout", "DUTY").value,
     sensed=SENSED,
@@ -152,6 +146,7 @@ DUTY: Final = Contract(
     signals=Later("drivegate.contracts.duty.figures", "signals"),
     recorded_signals=Later("drivegate.contracts.duty.figures", "signals"),
     recorded_names=RECORDED_NAMES,
+    panels=PANELS,
     account=_account,
     marked_angle=_nothing,
     common_cause=_nothing,

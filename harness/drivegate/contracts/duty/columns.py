@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final
 
+from drivegate.contracts.panels import Line, Panel
 from drivegate_models.units import RADIANS_PER_RPM
 
 SENSED: Final[Mapping[str, str]] = {
@@ -54,6 +55,16 @@ COLUMNS: Final[Mapping[str, tuple[str, float]]] = {
 """Columns that a result keeps, each with its source in the trace and a factor on it."""
 VOLTAGE: Final = "voltage_v"
 """One more column: the peak phase voltage that the duty ratios request."""
+PANELS: Final = (
+    Panel("torque (N·m)", (Line("torque_reference_nm", "reference", True), Line("torque_nm", "torque"))),
+    Panel("speed (rpm)", (Line("speed_reference_rpm", "reference", True), Line("speed_rpm", "speed"))),
+    Panel(
+        "current (A)",
+        (Line("direct_current_a", "d"), Line("quadrature_current_a", "q"), Line("peak_current_a", "peak")),
+    ),
+    Panel("voltage (V)", (Line("link_voltage_v", "link", True), Line(VOLTAGE, "used"))),
+)
+"""How figures show these columns."""
 RECORDED_NAMES: Final = (*COLUMNS, VOLTAGE)
 """Those without which a run cannot be described."""
 SUMMARY_ROWS: Final = (

@@ -8,6 +8,7 @@ from shlex import quote
 from typing import TYPE_CHECKING, Any, Final
 
 from drivegate.checks.margin import margin_in_words
+from drivegate.contracts.catalogue import contract_of
 from drivegate.output.console import plain
 from drivegate.output.legend import legend_beside
 from drivegate.output.result_file import COUNTEREXAMPLES
@@ -149,7 +150,8 @@ def draw(stored: Counterexample, ended: Replay, plot: Path, title: str) -> None:
         _draw_script(stored.scenario, ended, plot, title)
     elif ended.run is not None:
         frame = trace_frame(stored.scenario, ended.run)
-        write_plot(frame, plot, title, shaded=ended.window, edge=marked_angle(stored, ended))
+        panels = contract_of(stored.scenario.drive).panels
+        write_plot(frame, plot, title, panels, moment=ended.moment, edge=marked_angle(stored, ended))
 
 
 def _draw_script(script: Script, ended: Replay, plot: Path, title: str) -> None:

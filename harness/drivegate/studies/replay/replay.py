@@ -15,10 +15,12 @@ from drivegate.candidates.kinds import KINDS
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin
+from drivegate.checks.moment import Moment
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.contracts.catalogue import check_of as check_named
 from drivegate.contracts.catalogue import contract_of, on_drive
+from drivegate.contracts.closeup import deciding_moment
 from drivegate.contracts.current.flowchart.judging import judge_script
 from drivegate.contracts.parting import SEED_IN_RESET, room_for_commands
 from drivegate.contracts.recorded_trace import trace_of_run
@@ -59,10 +61,15 @@ class Replay:
     """The check's margin; None where the check has nothing to judge."""
     run: Any = None
     """The run of the scenario's contract, with its trace; None of a script."""
-    window: tuple[float, float] | None = None
-    """Start and end of the stretch that the check was judged on (s); None of a script."""
+    moment: Moment | None = None
+    """The stretch of the run that decides, and what a figure marks there; None of a script."""
     rows: tuple[int, int] | None = None
     """First and last row of a script that the check was judged on, counted from 1; None of a scenario."""
+
+    @property
+    def window(self) -> tuple[float, float] | None:
+        """Start and end of the stretch that the check was judged on (s); None of a script."""
+        return None if self.moment is None else (self.moment.start_s, self.moment.end_s)
 
 
 def candidate_for(stored: Counterexample, given: str | None) -> Candidate:
@@ -131,8 +138,7 @@ def _scenario_again(loaded: JudgedCandidate, scenario: Scenario, check: Check) -
         record = with_repetitions(loaded, record, kept, controller)
     applies = check.reason_not_applicable(record.declaration, scenario.drive) is None
     margin = check.evaluate(record) if applies else None
-    window = contract_of(scenario.drive).judged_window(check, record, margin)
-    return Replay(margin, record.run, window)
+    return Replay(margin, record.run, deciding_moment(check, record, margin))
 
 
 def _script_again(loaded: JudgedCandidate, script: Script) -> Replay:

@@ -11,6 +11,7 @@ import numpy as np
 
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, at_most
+from drivegate.checks.moment import Mark, Moment, Point
 from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.judged import (
     STEADY_FAMILIES,
@@ -31,6 +32,8 @@ FREE_SHARE = 0.9
 """Share of the undistorted voltage below which nothing has to be weakened (1)."""
 TAKE_OVER_PERIODS = 100
 """Control periods in which a controller takes over a machine whose diodes conduct."""
+SHOWN_PERIODS = 100
+"""Control periods before and after the peak that figures show."""
 STEADY_EXCESS = 0.01
 """Excess of the steady current over its limit that rounding and residual regulation error may cause (1)."""
 LEAST_TORQUE_SHARE = 0.1
@@ -55,6 +58,24 @@ def peak_current(record: Record) -> Margin:
     currents = judged.run.column("peak_current")[_first_judged(judged) :]
     peak, limit = float(np.max(currents, initial=0.0)), judged.limits.peak_current_a
     return Margin("OVC-1", at_most(peak, limit), f"{peak:.5g} A")
+
+
+def peak_moment(record: Record) -> Moment:
+    """Show the currents around the greatest one, with its limit."""
+    judged = duty_record(record)
+    first, period = _first_judged(judged), judged.scenario.control_period_s
+    currents = judged.run.column("peak_current")
+    place = first + int(np.argmax(currents[first:])) if first < len(currents) else len(currents) - 1
+    limit = judged.limits.peak_current_a
+    return Moment(
+        start_s=max(place - SHOWN_PERIODS, 0) * period,
+        end_s=min(place + SHOWN_PERIODS, len(currents)) * period,
+        column="peak_current_a",
+        levels=(Mark(words=f"limit {limit:.4g} A", value=limit),),
+        point=Point(
+            words=f"{currents[place]:.4g} A", time_s=(place + 0.5) * period, value=float(currents[place])
+        ),
+    )
 
 
 def _first_judged(record: DutyRecord) -> int:
@@ -172,6 +193,7 @@ OVC_1 = Check(
     formula="1 - greatest phase current / {peak}",
     why="Devices and magnets are chosen for that current.",
     evaluate=peak_current,
+    moment=peak_moment,
 )
 OVC_2 = Check(
     id="OVC-2",

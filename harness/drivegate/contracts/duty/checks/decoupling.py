@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
+from numpy.typing import NDArray
 
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, at_most
+from drivegate.checks.moment import Mark, Moment, Point
 from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.judged import duty_record, worst
 from drivegate.contracts.duty.checks.steps import (
+    SHOWN_BEFORE,
     TorqueStep,
     is_free,
     least_state,
@@ -27,25 +32,68 @@ _LEVEL_PERIODS = 25
 def decoupled_current(record: Record) -> Margin | None:
     """Judge how far a step of the torque moves the d current beyond where it was and where it goes."""
     judged = duty_record(record)
-    if not judged.is_nominal:
+    return worst(_moved(judged, step) for step in _judged_steps(judged))
+
+
+def coupling_moment(record: Record) -> Moment | None:
+    """Show the d current after the step that moves it most, with the range that it is allowed."""
+    judged = duty_record(record)
+    step = min(_judged_steps(judged), key=lambda step: _moved(judged, step).value, default=None)
+    if step is None:
         return None
-    return worst(_moved(judged, step) for step in torque_steps(judged) if _is_judged(judged, step))
+    period = judged.scenario.control_period_s
+    direct, rows, levels, allowed = _course(judged, step)
+    outside = np.maximum(min(levels) - direct[rows], direct[rows] - max(levels))
+    place = rows.start + int(np.argmax(outside))
+    return Moment(
+        start_s=max(step.time_s - SHOWN_BEFORE * period, 0.0),
+        end_s=rows.stop * period,
+        column="direct_current_a",
+        origin_s=step.time_s,
+        levels=(
+            Mark(words=f"limit {max(levels) + allowed:.3g} A", value=max(levels) + allowed),
+            Mark(words=f"limit {min(levels) - allowed:.3g} A", value=min(levels) - allowed),
+        ),
+        point=Point(
+            words=f"{max(float(np.max(outside)), 0.0):.3g} A beyond",
+            time_s=(place + 0.5) * period,
+            value=float(direct[place]),
+        ),
+    )
+
+
+def _judged_steps(record: DutyRecord) -> Iterator[TorqueStep]:
+    if record.is_nominal:
+        yield from (step for step in torque_steps(record) if _is_judged(record, step))
 
 
 def _is_judged(record: DutyRecord, step: TorqueStep) -> bool:
     return is_free(record, step) and voltage_time_s(record, step) <= LINEAR_SHARE * record.limits.rise_time_s
 
 
-def _moved(record: DutyRecord, step: TorqueStep) -> Margin:
+def _course(
+    record: DutyRecord, step: TorqueStep
+) -> tuple[NDArray[np.float64], slice, tuple[float, float], float]:
+    """Return the d current (A), the judged control periods, its levels before and after them, and what is allowed."""
     begin = step.rows.start
     end = min(begin + TRANSIENT_PERIODS, step.rows.stop)
     direct = record.run.column("direct")
-    levels = [exact_mean(direct[place - _LEVEL_PERIODS : place]) for place in (begin, end)]
-    rows = direct[begin:end]
-    moved = max(min(levels) - float(np.min(rows)), float(np.max(rows)) - max(levels), 0.0)
+    before, after = (exact_mean(direct[place - _LEVEL_PERIODS : place]) for place in (begin, end))
+    allowed = record.limits.coupled_current * _step_size(record, step)
+    return direct, slice(begin, end), (before, after), allowed
+
+
+def _step_size(record: DutyRecord, step: TorqueStep) -> float:
+    """Return the step of the q current (A)."""
     first, last = (least_state(record, step, torque).quadrature for torque in (step.before, step.after))
-    size = abs(last - first)
-    allowed = record.limits.coupled_current * size
+    return abs(last - first)
+
+
+def _moved(record: DutyRecord, step: TorqueStep) -> Margin:
+    direct, rows, levels, allowed = _course(record, step)
+    judged = direct[rows]
+    moved = max(min(levels) - float(np.min(judged)), float(np.max(judged)) - max(levels), 0.0)
+    size = _step_size(record, step)
     told = (
         f"d current moved by {moved:.4g} A by a q step of {size:.4g} A, from {step.before:.4g} to {step.after:.4g} N·m "
         f"at {step.speed_rpm:.5g} rpm"
@@ -65,4 +113,5 @@ DEC_1 = Check(
     formula="1 - d current outside of its values before and 100 control periods after / {coupling} of the q step",
     why="Rotation couples both axes, and what is not decoupled is current and loss for nothing.",
     evaluate=decoupled_current,
+    moment=coupling_moment,
 )

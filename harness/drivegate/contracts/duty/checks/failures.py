@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from drivegate.candidates.declaration import Declaration
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, at_most
+from drivegate.checks.moment import Mark, Moment
 from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.judged import duty_record
 from drivegate.contracts.duty.record import DutyRecord
@@ -43,6 +44,28 @@ def safe_state(record: Record) -> Margin | None:
         _reached(judged, claimed, begin),
         _torque_until_then(judged, claimed, begin),
         key=lambda margin: margin.value,
+    )
+
+
+def failure_moment(record: Record) -> Moment | None:
+    """Show the torque from the failure on, until twice the time that is allowed."""
+    judged = duty_record(record)
+    failure, period = judged.scenario.failure, judged.scenario.control_period_s
+    if failure is None:
+        return None
+    begin, longest = failure.first_period(period) * period, _longest_s(judged)
+    allowed = judged.limits.failure_torque_nm
+    wanted = judged.run.column("torque_reference")[failure.first_period(period) - 1]
+    levels = [Mark(words=f"± {allowed:.3g} N·m", value=value) for value in (allowed, -allowed)]
+    if isinstance(judged.scenario.load, DynamometerLoad):
+        levels.append(Mark(words="reference", value=float(wanted)))
+    return Moment(
+        start_s=max(begin - 0.25 * longest, 0.0),
+        end_s=min(begin + 2.0 * longest, judged.scenario.duration_s),
+        column="torque_nm",
+        origin_s=begin,
+        levels=tuple(levels),
+        instants=(Mark(words=f"{1e3 * longest:.3g} ms allowed", value=begin + longest),),
     )
 
 
@@ -126,5 +149,6 @@ SAF_1 = Check(
     ),
     why="What fails, fails in the field, where the torque that nobody asked for moves something.",
     evaluate=safe_state,
+    moment=failure_moment,
     reason_not_applicable=_detects_nothing,
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from math import ceil, pi
 from typing import Final
 
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, at_most
+from drivegate.checks.moment import Mark, Moment
 from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.judged import at, duty_record, plant_of, worst
 from drivegate.contracts.duty.checks.optimum import undistorted
@@ -29,6 +31,8 @@ LEAST_VOLTAGE_SHARE: Final = 0.01
 """Share of it from which on it is judged: without voltage, as in an active short, modulation has no ripple (1)."""
 LEAST_SWING_SHARE: Final = 0.0005
 """Swing of the torque over rated torque from which on it is judged: nobody feels less (1)."""
+SHOWN_SIXTHS: Final = 6
+"""Sixths of an electrical cycle that figures show."""
 _SIXTH: Final = pi / 3.0
 _FEWEST, _MOST = 20, 600
 _LEAD: Final = 4
@@ -117,33 +121,56 @@ def _is_rippling(record: DutyRecord, window: DutyWindow) -> bool:
 def modulation_ripple(record: Record) -> Margin | None:
     """Judge the torque ripple of steady states where the voltage is not limited."""
     judged = duty_record(record)
-    return worst(
-        _over(
-            "RIP-4",
-            judged,
-            window,
-            _ideal_swing(judged, window),
-            judged.limits.modulation_ripple,
-            "of ideal modulation",
-        )
-        for window in judged.steady
-        if judged.is_nominal and _is_rippling(judged, window)
-    )
+    return worst(margin for _, margin in _over_ideal(judged))
+
+
+def _over_ideal(record: DutyRecord) -> Iterator[tuple[DutyWindow, Margin | None]]:
+    limit = record.limits.modulation_ripple
+    for window in record.steady:
+        if record.is_nominal and _is_rippling(record, window):
+            ideal = _ideal_swing(record, window)
+            yield window, _over("RIP-4", record, window, ideal, limit, "of ideal modulation")
+
+
+def modulation_moment(record: Record) -> Moment | None:
+    """Show the torque of the steady state that decides."""
+    judged = duty_record(record)
+    return _moment(judged, _over_ideal(judged))
 
 
 def dead_time_ripple(record: Record) -> Margin | None:
     """Judge the torque ripple at low speed with dead time by that of the same run without it."""
-    judged = duty_record(record)
-    other = judged.other_dead_time
+    return worst(margin for _, margin in _over_free(duty_record(record)))
+
+
+def _over_free(record: DutyRecord) -> Iterator[tuple[DutyWindow, Margin | None]]:
+    other, limit = record.other_dead_time, record.limits.dead_time_ripple
     if other is None:
+        return
+    blanked, free = (record, other) if record.document.inverter.dead_time_s > 0.0 else (other, record)
+    for window, plain in zip(blanked.steady, free.steady, strict=True):
+        if free.is_nominal and _is_rippling(free, plain):
+            yield window, _over("DTM-1", blanked, window, _swing(free, plain), limit, "without dead time")
+
+
+def dead_time_moment(record: Record) -> Moment | None:
+    """Show the torque of the steady state that decides."""
+    judged = duty_record(record)
+    return _moment(judged, _over_free(judged))
+
+
+def _moment(record: DutyRecord, windows: Iterable[tuple[DutyWindow, Margin | None]]) -> Moment | None:
+    """Show a sixth of a cycle of the torque, in which its swing is measured, and its mean."""
+    known = [(window, margin) for window, margin in windows if margin is not None]
+    if not known:
         return None
-    blanked, free = (judged, other) if judged.document.inverter.dead_time_s > 0.0 else (other, judged)
-    return worst(
-        _over(
-            "DTM-1", blanked, window, _swing(free, plain), judged.limits.dead_time_ripple, "without dead time"
-        )
-        for window, plain in zip(blanked.steady, free.steady, strict=True)
-        if free.is_nominal and _is_rippling(free, plain)
+    window, _ = min(known, key=lambda pair: pair[1].value)
+    length = record.scenario.control_period_s
+    return Moment(
+        start_s=window.end_s - SHOWN_SIXTHS * _watched(record, window) * length,
+        end_s=window.end_s,
+        column="torque_nm",
+        levels=(Mark(words="mean", value=window.torque),),
     )
 
 
@@ -174,6 +201,7 @@ RIP_4 = Check(
     formula="1 - torque's swing over a sixth of a cycle / that of ideal modulation / {modulation_ripple}",
     why="What the torque swings by beyond what switching takes is noise and wear for nothing.",
     evaluate=modulation_ripple,
+    moment=modulation_moment,
 )
 DTM_1 = Check(
     id="DTM-1",
@@ -187,4 +215,5 @@ DTM_1 = Check(
     formula="1 - torque's swing with dead time / that without / {dead_time_ripple}",
     why="Dead time takes voltage by the sign of each current, and most of it where there is little.",
     evaluate=dead_time_ripple,
+    moment=dead_time_moment,
 )

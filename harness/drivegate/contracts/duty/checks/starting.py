@@ -5,11 +5,14 @@ from __future__ import annotations
 from math import degrees
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, at_most, normalised
+from drivegate.checks.moment import Mark, Moment, Point
 from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.judged import duty_record
+from drivegate.contracts.duty.record import DutyRecord
 from drivegate_models.units import RADIANS_PER_RPM
 
 REACHED = 0.95
@@ -22,17 +25,11 @@ def start(record: Record) -> Margin | None:
     """Judge a start under the load: the speed at its end, and how far the shaft has turned back."""
     judged = duty_record(record)
     scenario = judged.scenario
-    wanted = scenario.speed_rpm[-1][1] * RADIANS_PER_RPM
-    steady = judged.steady
-    if scenario.initial_speed_rpm != 0.0 or not judged.is_nominal or wanted == 0.0 or not steady:
+    wanted = _wanted(judged)
+    if wanted is None:
         return None
-    if steady[-1].torque_reference is not None:
-        return None
-    reached = steady[-1].speed / wanted
-    turned = (
-        np.cumsum(judged.run.column("speed")) * scenario.control_period_s * judged.document.machine.pole_pairs
-    )
-    backward = degrees(max(-float(np.min(turned)), 0.0))
+    reached = judged.steady[-1].speed / wanted
+    backward = degrees(max(-float(np.min(_turned(judged))), 0.0))
     place = f"from {scenario.initial_angle_deg:g}°"
     return min(
         Margin(
@@ -40,6 +37,47 @@ def start(record: Record) -> Margin | None:
         ),
         Margin("STA-1", at_most(backward, BACKWARD_DEG), f"{backward:.3g}° backward {place}"),
         key=lambda margin: margin.value,
+    )
+
+
+def _wanted(record: DutyRecord) -> float | None:
+    """Return the speed reference of a start (rad/s); None where nothing is judged."""
+    scenario, steady = record.scenario, record.steady
+    wanted = scenario.speed_rpm[-1][1] * RADIANS_PER_RPM
+    if scenario.initial_speed_rpm != 0.0 or not record.is_nominal or wanted == 0.0 or not steady:
+        return None
+    return wanted if steady[-1].torque_reference is None else None
+
+
+def _turned(record: DutyRecord) -> NDArray[np.float64]:
+    """Return the turn of the shaft since the start, shape (n,) (electrical rad)."""
+    turning = record.scenario.control_period_s * record.document.machine.pole_pairs
+    return np.cumsum(record.run.column("speed")) * turning
+
+
+def start_moment(record: Record) -> Moment | None:
+    """Show the speed from standstill on, until the shaft has turned back the farthest or should have reached it."""
+    judged = duty_record(record)
+    wanted = _wanted(judged)
+    if wanted is None:
+        return None
+    period, turned = judged.scenario.control_period_s, _turned(judged)
+    speed = judged.run.column("speed") / RADIANS_PER_RPM
+    last = judged.steady[-1]
+    backward = degrees(max(-float(np.min(turned)), 0.0))
+    if at_most(backward, BACKWARD_DEG) < normalised(last.speed / wanted - REACHED, REACHED):
+        place = int(np.argmin(turned))
+        end, words = min(2.0 * (place + 1) * period, judged.scenario.duration_s), f"{backward:.3g}° backward"
+    else:
+        place = len(speed) - 1
+        end, words = last.end_s, f"{100.0 * last.speed / wanted:.4g} % of the speed"
+    least = REACHED * wanted / RADIANS_PER_RPM
+    return Moment(
+        start_s=0.0,
+        end_s=end,
+        column="speed_rpm",
+        levels=(Mark(words=f"limit {least:.4g} rpm", value=least),),
+        point=Point(words=words, time_s=min((place + 0.5) * period, end), value=float(speed[place])),
     )
 
 
@@ -55,4 +93,5 @@ STA_1 = Check(
     formula="the lesser of speed / 95 % of the reference - 1 and 1 - backward turn / 60°",
     why="A drive that starts from some angles only fails in the field.",
     evaluate=start,
+    moment=start_moment,
 )

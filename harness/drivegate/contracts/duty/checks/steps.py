@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, at_most
+from drivegate.checks.moment import Mark, Moment, Point
 from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.judged import duty_record, is_within_reach, plant_of
 from drivegate.contracts.duty.checks.optimum import least_free, undistorted
@@ -26,6 +27,8 @@ SMALLEST_SHARE = 0.1
 """Least step that is judged, over rated torque (1)."""
 VOLTAGE_SHARE = 0.8
 """Greatest share of the undistorted voltage that the torques at both ends may take (1)."""
+SHOWN_BEFORE = 10
+"""Control periods before a step that figures show."""
 REACHED = 0.9
 """Share of a step by which its time is measured (1)."""
 
@@ -87,6 +90,43 @@ def step_responses(record: DutyRecord) -> Iterator[StepResponse]:
     """Measure the steps that are judged."""
     if record.is_nominal:
         yield from (_response(record, step) for step in torque_steps(record) if is_free(record, step))
+
+
+def step_moment(record: Record) -> Moment | None:
+    """Show the torque after the decisive step, with its reference and what is allowed."""
+    judged = duty_record(record)
+    response = decisive_step(judged)
+    return None if response is None else _moment(judged, response)
+
+
+def _moment(record: DutyRecord, response: StepResponse) -> Moment:
+    step, limits, period = response.step, record.limits, record.scenario.control_period_s
+    size = step.after - step.before
+    is_late = at_most(response.rise_s, response.allowed_s) < at_most(response.overshoot, limits.overshoot)
+    reached = Mark(words="90 %", value=step.before + REACHED * size)
+    highest = Mark(
+        words=f"{100.0 * limits.overshoot:.3g} % allowed", value=step.after + limits.overshoot * size
+    )
+    if is_late and isfinite(response.rise_s):
+        time, value, words = step.time_s + response.rise_s, reached.value, f"{1e3 * response.rise_s:.3g} ms"
+    else:
+        torque = record.run.column("torque")[step.rows]
+        place = int(np.argmax(torque / size))
+        time, value = step.time_s + (place + 0.5) * period, float(torque[place])
+        beyond = 100.0 * (value - step.after) / size
+        words = f"{100.0 + beyond:.3g} % reached" if is_late else f"{beyond:.3g} %"
+    longest = max(3.0 * response.allowed_s, 1.5 * (time - step.time_s))
+    return Moment(
+        start_s=max(step.time_s - SHOWN_BEFORE * period, 0.0),
+        end_s=min(step.time_s + longest, step.rows.stop * period),
+        column="torque_nm",
+        origin_s=step.time_s,
+        levels=(Mark(words="reference", value=step.after), reached if is_late else highest),
+        instants=(
+            Mark(words=f"{1e3 * response.allowed_s:.3g} ms allowed", value=step.time_s + response.allowed_s),
+        ),
+        point=Point(words=words, time_s=time, value=value),
+    )
 
 
 def is_free(record: DutyRecord, step: TorqueStep) -> bool:
@@ -161,4 +201,5 @@ STP_1 = Check(
     formula="the lesser of 1 - overshoot / {overshoot} and 1 - time to 90 % / the longest one",
     why="Loops above the torque are laid out for its response.",
     evaluate=step_response,
+    moment=step_moment,
 )

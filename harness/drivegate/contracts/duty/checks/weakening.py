@@ -10,6 +10,7 @@ import numpy as np
 
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, at_most, normalised
+from drivegate.checks.moment import Mark, Moment, Point
 from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.current import FREE_SHARE
 from drivegate.contracts.duty.checks.judged import (
@@ -22,10 +23,12 @@ from drivegate.contracts.duty.checks.judged import (
     worst,
 )
 from drivegate.contracts.duty.checks.optimum import Purpose, greatest_at, least_free, undistorted
-from drivegate.contracts.duty.checks.steps import TorqueStep, overshoot_of, torque_steps
+from drivegate.contracts.duty.checks.steps import SHOWN_BEFORE, TorqueStep, overshoot_of, torque_steps
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
 from drivegate_models.units import RADIANS_PER_RPM
 
+SHOWN_AFTER: Final = 100
+"""Control periods after a release that figures show at least."""
 _PURPOSES: Final[tuple[Purpose, ...]] = ("current", "loss")
 
 
@@ -93,6 +96,39 @@ def way_out_of_weakening(record: Record) -> Margin | None:
     """Judge what happens when the torque reference goes to zero above base speed."""
     judged = duty_record(record)
     return worst(_release(judged, step) for step in torque_steps(judged) if _is_release(judged, step))
+
+
+def release_moment(record: Record) -> Moment | None:
+    """Show the torque or the current after the release that decides."""
+    judged = duty_record(record)
+    releases = (step for step in torque_steps(judged) if _is_release(judged, step))
+    step = min(releases, key=lambda step: _release(judged, step).value, default=None)
+    if step is None:
+        return None
+    period, limits, rows = judged.scenario.control_period_s, judged.limits, step.rows
+    torque, current = (judged.run.column(name)[rows] for name in ("torque", "peak_current"))
+    size = _step_size(judged, step)
+    if at_most(overshoot_of(torque, step.after, -size), limits.braking) <= at_most(
+        float(np.max(current)), limits.peak_current_a
+    ):
+        values, column, unit = torque, "torque_nm", "N·m"
+        place, allowed = int(np.argmin(torque)), step.after - limits.braking * size
+    else:
+        values, column, unit = current, "peak_current_a", "A"
+        place, allowed = int(np.argmax(current)), limits.peak_current_a
+    end = rows.start + max(2 * place, SHOWN_AFTER)
+    return Moment(
+        start_s=max(rows.start - SHOWN_BEFORE, 0) * period,
+        end_s=min(end, rows.stop) * period,
+        column=column,
+        origin_s=step.time_s,
+        levels=(Mark(words=f"limit {allowed:.4g} {unit}", value=allowed),),
+        point=Point(
+            words=f"{values[place]:.4g} {unit}",
+            time_s=(rows.start + place + 0.5) * period,
+            value=float(values[place]),
+        ),
+    )
 
 
 def _is_release(record: DutyRecord, step: TorqueStep) -> bool:
@@ -163,4 +199,5 @@ FWK_3 = Check(
     formula="the lesser of 1 - braking torque / {braking} of that torque and 1 - greatest phase current / {peak}",
     why="Weakening that is dropped at once lets the back-EMF drive the current into the link.",
     evaluate=way_out_of_weakening,
+    moment=release_moment,
 )

@@ -15,6 +15,7 @@ from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import own_candidate
 from drivegate.contracts.catalogue import on_drive
+from drivegate.contracts.closeup import closeup_of, deciding_moment
 from drivegate.contracts.duty.checks.judged import plant_of
 from drivegate.contracts.duty.checks.optimum import greatest_at, least_free, undistorted
 from drivegate.contracts.duty.record import DutyRecord
@@ -177,6 +178,61 @@ def test_a_run_that_breaks_a_check_is_noticed(
     margin = judged(check, with_column(record, column, change))
     assert margin is not None
     assert not margin.met, f"{check} is met with {margin.measured}"
+
+
+MARKED: dict[str, tuple[str, ...]] = {
+    "STP-1": ("torque_nm",),
+    "DEC-1": ("direct_current_a",),
+    "FWK-3": ("torque_nm", "peak_current_a"),
+    "STA-1": ("speed_rpm",),
+    "SAF-1": ("torque_nm",),
+    "OVC-1": ("peak_current_a",),
+    "RIP-4": ("torque_nm",),
+    "DTM-1": ("torque_nm",),
+}
+"""Columns in which the moment of a check is marked."""
+
+
+@pytest.mark.parametrize(
+    ("check", "name", "column", "change"),
+    [
+        *FAULTS,
+        ("OVC-1", "weakened", "peak_current", lambda peak: 3.0 * peak),
+        ("RIP-4", "steps", "link", lambda link: link),
+        ("DTM-1", "slow", "link", lambda link: link),
+    ],
+)
+def test_the_moment_that_decides_is_a_small_part_of_the_run(
+    check: str, name: str, column: str, change: Callable[[Any], Any], request: pytest.FixtureRequest
+) -> None:
+    record = with_column(request.getfixturevalue(name), column, change)
+    moment = deciding_moment(CHECKS[check], record, judged(check, record))
+    assert 0.0 <= moment.start_s < moment.end_s <= record.scenario.duration_s
+    assert moment.column in MARKED.get(check, ("",))
+    closeup = closeup_of(record, moment)
+    if moment.end_s - moment.start_s > 0.6 * record.scenario.duration_s:
+        assert check in ("ROB-4", "STA-1"), (
+            "an overshoot that is stated in words, a speed that is not reached"
+        )
+    assert (closeup is None) == (check == "ROB-4" and moment.start_s == 0.0)
+    if closeup is not None and moment.point is not None:
+        near = np.argmin(np.abs(np.array(closeup["columns"]["time_s"]) - moment.point.time_s))
+        shown = np.array(closeup["columns"][moment.column])
+        # The time of a step is measured between two control periods, where the torque crosses a level.
+        close = shown[max(near - 2, 0) : near + 2]
+        assert np.min(np.abs(close - moment.point.value)) < 0.1 * np.ptp(shown)
+
+
+def test_a_late_step_is_shown_with_the_time_that_is_allowed(steps: DutyRecord) -> None:
+    late = with_column(steps, "torque", lambda torque: np.convolve(torque, np.ones(60) / 60.0)[: len(torque)])
+    margin = judged("STP-1", late)
+    assert margin is not None
+    moment = deciding_moment(CHECKS["STP-1"], late, margin)
+    assert moment.origin_s is not None
+    assert moment.point is not None
+    assert margin.measured.startswith(moment.point.words), margin.measured
+    assert moment.start_s < moment.origin_s < moment.instants[0].value < moment.point.time_s <= moment.end_s
+    assert moment.end_s - moment.start_s < 0.02, "milliseconds"
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,116 @@
+"""One panel that shows the deciding moment of a run: its column, limits, times and what was measured."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from drivegate.checks.moment import Moment
+from drivegate.contracts.contract import Columns
+from drivegate.contracts.panels import TIME, Panel
+from drivegate_cases.documents.wording import one_line
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+# Okabe and Ito, "Color Universal Design": distinguishable with any colour vision.
+_SIGNAL: Final = "#0072B2"
+_LIMIT: Final = "#D55E00"
+_LIMIT_INK: Final = "#A34700"
+_DASHED: Final = (0, (4, 3))
+_MOST_TREADS: Final = 150
+_SECONDS_FROM: Final = 5.0
+_WITH_LABELS: Final = 1.28
+_LABELS_AT: Final = 1.012
+
+
+class MomentTime:
+    """The axis of time of a moment: from its origin on, in milliseconds where it is short."""
+
+    def __init__(self, moment: Moment) -> None:
+        self.start, self.end = moment.start_s, moment.end_s
+        self.origin = moment.start_s if moment.origin_s is None else moment.origin_s
+        is_long = self.end - self.start > _SECONDS_FROM
+        self.factor, self.unit = (1.0, "s") if is_long else (1e3, "ms")
+
+    @property
+    def label(self) -> str:
+        """Name of the axis."""
+        return f"time after {self.origin:.6g} s ({self.unit})"
+
+    def of(self, time: float) -> float:
+        """Convert a time of the run (s) to the axis."""
+        return float(self.factor * (time - self.origin))
+
+    def apply(self, axes: Axes) -> None:
+        """Limit an axis to the moment, with room for labels at its end."""
+        begin, end = self.of(self.start), self.of(self.end)
+        axes.set_xlim(begin, begin + _WITH_LABELS * (end - begin))
+        axes.set_xticks([tick for tick in axes.get_xticks() if begin <= tick <= end + 1e-3 * (end - begin)])
+
+    @property
+    def labels_at(self) -> float:
+        """Where labels of lines begin."""
+        begin, end = self.of(self.start), self.of(self.end)
+        return begin + _LABELS_AT * (end - begin)
+
+
+def draw_moment(axes: Axes, moment: Moment, columns: Columns, panels: tuple[Panel, ...]) -> None:
+    """Draw the column that decides, with everything that its check marks."""
+    axis = MomentTime(moment)
+    rows = (columns[TIME] >= moment.start_s) & (columns[TIME] <= moment.end_s)
+    time = axis.factor * (columns[TIME][rows] - axis.origin)
+    values = columns[moment.column][rows]
+    # A control period is drawn as what it is: one value for its whole length.
+    style = "steps-post" if len(values) <= _MOST_TREADS else "default"
+    axes.plot(time, values, color=_SIGNAL, linewidth=1.5, drawstyle=style)
+    begin, end = axis.of(moment.start_s), axis.of(moment.end_s)
+    for level in moment.levels:
+        axes.plot([begin, end], [level.value] * 2, color=_LIMIT, linewidth=1.0, linestyle=_DASHED)
+    for instant in moment.instants:
+        axes.axvline(axis.of(instant.value), color=_LIMIT, linewidth=1.0, linestyle=_DASHED)
+    axes.margins(y=0.12)
+    axis.apply(axes)
+    _label(axes, axis, moment)
+    axes.set_xlabel(axis.label)
+    axes.set_ylabel(quantity_of(moment.column, panels))
+    axes.ticklabel_format(axis="y", useOffset=False)
+    axes.grid(visible=True, alpha=0.4)
+
+
+def _label(axes: Axes, axis: MomentTime, moment: Moment) -> None:
+    lines = [(level.value, one_line(level.words)) for level in moment.levels]
+    point = moment.point
+    if point is not None:
+        place = axis.of(point.time_s), point.value
+        axes.plot(
+            *place, marker="o", markersize=7, markerfacecolor="none", markeredgecolor=_LIMIT_INK, zorder=5
+        )
+        leader = [place[0], axis.of(axis.end)]
+        axes.plot(leader, [point.value] * 2, color=_LIMIT_INK, linewidth=0.8, linestyle=":")
+        lines.append((point.value, f"measured {one_line(point.words)}"))
+    low, high = axes.get_ylim()
+    gap, last = 0.1 * (high - low), -np.inf
+    for value, words in sorted(lines):
+        last = max(value, last + gap)
+        axes.text(axis.labels_at, last, words, color=_LIMIT_INK, fontsize=8.5, va="center")
+    for instant in moment.instants:
+        axes.text(
+            axis.of(instant.value),
+            1.01,
+            one_line(instant.words),
+            color=_LIMIT_INK,
+            fontsize=8.5,
+            ha="center",
+            transform=axes.get_xaxis_transform(),
+        )
+
+
+def quantity_of(column: str, panels: tuple[Panel, ...]) -> str:
+    """Name a column and its unit, as the panel that has it does."""
+    for label, lines in panels:
+        for line in lines:
+            if line.column == column:
+                return label if line.name in label else f"{line.name} {label}"
+    return column
