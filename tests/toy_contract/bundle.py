@@ -179,6 +179,7 @@ COMPARISON = Comparison(
 ANY = Interval(0.0, 1e6)
 TOY = Contract(
     name="toy",
+    candidates="toy candidates",
     default_drive=str(DRIVE_FILE),
     usual_candidate="toy:good",
     witnesses=(Witness("toy:good", ("toy-motor",)),),

@@ -16,10 +16,6 @@ ANSWERS: Final = MappingProxyType(
     {"current": "a current reference and an advance angle", "duty": "duty ratios"}
 )
 """What a controller of each contract answers with."""
-CANDIDATES: Final = MappingProxyType(
-    {"current": "current-reference candidates", "duty": "duty-ratio candidates"}
-)
-"""What the candidates of each contract are called."""
 HEADERS: Final = MappingProxyType({"current": "drivegate.h", "duty": "drivegate_duty.h"})
 """The header that a compiled controller of each contract is written by."""
 

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from drivegate.contracts.contract import Contract
 
 TEXTS: Final = ("requirement", "limit", "scenarios", "formula", "why")
+"""Texts of a check that name a drive's numbers."""
 CONTRACTS: Final[Mapping[str, Contract]] = {contract.name: contract for contract in (CURRENT, DUTY)}
 """Every contract by its name."""
 DEFAULT_CONTRACT: Final = CURRENT
@@ -55,7 +56,6 @@ def comparison_of(kind: object) -> Comparison:
     return found
 
 
-"""Texts of a check that name a drive's numbers."""
 _KEPT: Final = 1_000
 
 

@@ -82,6 +82,8 @@ class Contract:
 
     name: str
     """Its name in manifests, drives and results."""
+    candidates: str
+    """What its candidates are called."""
     default_drive: str
     """Name of the packaged drive that candidates are judged on by default."""
     usual_candidate: str

@@ -25,7 +25,8 @@ from drivegate_cases.documents.document import parse_document
 from drivegate_cases.scenario.scenario import Scenario
 
 _BUDGET: Final = {"quick": 15, "default": 40, "nightly": 200}
-__all__ = ["ShrinkPlan", "Shrunk", "run_shrink", "size_of"]
+"""Runs that may be spent on making one counterexample simpler, by effort."""
+_GONE: Final = f"run again, it did not fail: two runs of the same scenario differ; {SEED_IN_RESET}"
 
 
 @dataclass(frozen=True)
@@ -151,10 +152,6 @@ def _candidates(scenario: Scenario, simplification: Simplification, trials: _Tri
         simpler = simplified(scenario, fields)
         if simpler is not None and trials.is_due(simpler):
             yield simpler
-
-
-"""Runs that may be spent on making one counterexample simpler, by effort."""
-_GONE: Final = f"run again, it did not fail: two runs of the same scenario differ; {SEED_IN_RESET}"
 
 
 @dataclass(frozen=True)

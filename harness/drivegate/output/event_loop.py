@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from drivegate.candidates.contract import CANDIDATES
+from drivegate.contracts.catalogue import contract_of
 from drivegate.gate.events import (
     CheckFinished,
     CheckPlan,
@@ -79,7 +79,7 @@ def _headline(name: str, plan: CheckPlan) -> str:
     chosen = {
         "user": "",
         "manifest": " (from its manifest)",
-        "default": f" (default for {CANDIDATES.get(plan.drive.contract, 'its contract')})",
+        "default": f" (default for {contract_of(plan.drive).candidates})",
     }
     return (
         f"{name} on {plan.drive.name}{chosen[plan.drive_from]}, contract {plan.drive.contract}, "

@@ -11,6 +11,8 @@ from drivegate.contracts.recorded_trace import recorded_trace
 from drivegate_cases.documents.wording import counted, one_line
 
 _FEWEST_CHECKS: Final = 2
+"""Failed checks from which on something counts as their common cause."""
+_TO_BE_MET: Final = ("fail", "waiver expired")
 _NOT_JUDGED = "not judged"
 _IN_PART = "judged in part only"
 
@@ -68,10 +70,6 @@ def distinct_faults(faults: list[dict[str, Any]]) -> list[tuple[dict[str, Any], 
 def in_runs(count: int) -> str:
     """Tell how often a fault happened, where it was more than once."""
     return f" in {count} runs" if count > 1 else ""
-
-
-"""Failed checks from which on something counts as their common cause."""
-_TO_BE_MET: Final = ("fail", "waiver expired")
 
 
 @dataclass(frozen=True)

@@ -12,10 +12,10 @@ from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
 from drivegate.drives.envelope_document import envelope_of
 from drivegate.gate.engine import check_candidate
 from drivegate.gate.events import CheckFinished, CheckStarted, Event, RunDone, Shrinking
-from drivegate.gate.shrinking import size_of
 from drivegate.output.result_file import as_json
 from drivegate.results.document import ResultDocument
 from drivegate.results.result import CheckResult, finite
+from drivegate.scenarios.size import size_of
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.scenario.scenario import Scenario

@@ -14,7 +14,7 @@ from drivegate.contracts.current.record import CurrentRecord
 from drivegate.contracts.current.scenarios.building import steady_scenario
 from drivegate.contracts.current.scenarios.feasibility import is_fair
 from drivegate.drives.running import run_scenario
-from drivegate.gate.shrinking import ShrinkPlan, Shrunk, run_shrink, size_of
+from drivegate.gate.shrinking import ShrinkPlan, Shrunk, run_shrink
 from drivegate.scenarios.changes import (
     pulsed,
     stepped,
@@ -33,6 +33,7 @@ from drivegate.scenarios.changes import (
 )
 from drivegate.scenarios.facts import facts_of
 from drivegate.scenarios.simplification import simplified
+from drivegate.scenarios.size import size_of
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario

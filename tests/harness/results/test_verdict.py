@@ -9,9 +9,10 @@ from drivegate.candidates.declaration import Declaration, FlowchartProfile
 from drivegate.checks.judging import JudgedRun
 from drivegate.checks.margin import Margin
 from drivegate.contracts.current.checks.catalogue import CHECKS
-from drivegate.gate.shrinking import Shrunk, simplest_failures, size_of, with_simplest
+from drivegate.gate.shrinking import Shrunk, simplest_failures, with_simplest
 from drivegate.results.result import MOST_MARGINS, CheckOutcome
 from drivegate.results.verdict import candidate_verdict, check_outcomes, machine_dependent
+from drivegate.scenarios.size import size_of
 from drivegate_cases.scenario.scenario import load_scenario
 
 LOCK_UP = load_scenario("lock-up")

@@ -111,6 +111,7 @@ _KINDS: Final = ("half-bridge", "star")
 
 CURRENT: Final = Contract(
     name="current",
+    candidates="current-reference candidates",
     default_drive="paper-5-phase",
     usual_candidate="reference",
     witnesses=(

@@ -104,6 +104,7 @@ def _behaviour(
 
 DUTY: Final = Contract(
     name="duty",
+    candidates="duty-ratio candidates",
     default_drive="pm-ac-interior",
     usual_candidate="foc",
     witnesses=tuple(

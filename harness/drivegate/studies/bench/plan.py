@@ -27,6 +27,8 @@ from drivegate_cases.documents.wording import nearest, one_line
 from drivegate_models.errors import InputError
 
 _GROWTH: Final = 4096
+"""Bytes that a run of twenty times the length may take more, for what the interpreter itself counts."""
+_SHORT, _LONG = 4.0, 80.0
 RATE_UNIT: Final = "× real time"
 """Unit of the closed loop's rate: simulated seconds a second."""
 NATIVE_BAR: Final = 300.0
@@ -240,10 +242,6 @@ def _processes(quick: bool, cold: bool) -> list[Planned]:
         Planned("start.import", "import drivegate", "a fresh process", "s", "less", IMPORT_BAR, imported),
         Planned("memory.run", "memory of a run", "4 s, no trace", "KiB", "less", None, run_memory),
     ]
-
-
-"""Bytes that a run of twenty times the length may take more, for what the interpreter itself counts."""
-_SHORT, _LONG = 4.0, 80.0
 
 
 def run_memory(bench: Workbench) -> Value:

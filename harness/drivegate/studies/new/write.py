@@ -31,9 +31,12 @@ if TYPE_CHECKING:
 
 _SUFFIX = ".toml"
 _FOLLOWING: Final = {"speed_tolerance_rpm": None, "settling_s": None, "point": ()}
+"""Requirements that follow from the rating, as they are left out."""
 _PACKAGES: Final = ("drivegate_models", "drivegate_cases", "drivegate", "drivegate_reports")
 _METADATA: Final = ("METADATA", "WHEEL", "entry_points.txt", "licenses/LICENSE")
 _EARLIEST: Final = (1980, 1, 1, 0, 0, 0)
+"""The one time of every file: equal sources give equal bytes."""
+_SHARED_FILE: Final = 0o100644 << 16
 WAIVED: Final = timedelta(days=90)
 """Time for which the exercise's failures are waived."""
 
@@ -178,10 +181,6 @@ def _filled(place: str, text: str, kind: str, words: dict[str, str]) -> str:
     return text
 
 
-"""The one time of every file: equal sources give equal bytes."""
-_SHARED_FILE: Final = 0o100644 << 16
-
-
 def wheel_name() -> str:
     """Name the wheel of the installed version."""
     return f"drivegate-{distribution('drivegate').version}-py3-none-any.whl"
@@ -220,9 +219,6 @@ def _contents(folder: Traversable, prefix: str = "") -> Iterator[tuple[str, byte
 
 def _digest(data: bytes) -> str:
     return "sha256=" + base64.urlsafe_b64encode(hashlib.sha256(data).digest()).rstrip(b"=").decode()
-
-
-"""Requirements that follow from the rating, as they are left out."""
 
 
 def write_drive(file: Path, start: DriveDocument) -> DriveDocument:

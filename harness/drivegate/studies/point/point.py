@@ -40,6 +40,9 @@ _ROWS: Final = (
     ("current_peak_a", "phase current, peak", "A"),
 )
 _OFFSET: Final = 1e-3
+"""Offset that is added to a current, over the current reference and 1 A (1)."""
+_DECAY: Final = 1e-6
+"""Least share of an offset that a cycle takes off, where the state is the only one (1)."""
 SCHEMA: Final = 1
 LONGEST_TIME: Final = 3600.0
 """Longest simulated time of all cycles together (s), so that an answer comes within seconds to minutes."""
@@ -136,11 +139,6 @@ def _values(
 def _percent(part: float, whole: float) -> float | None:
     """Return a share of the mean's magnitude; None where the mean is no more than rounding leaves of 0."""
     return 100.0 * part / abs(whole) if abs(whole) > _NO_TORQUE else None
-
-
-"""Offset that is added to a current, over the current reference and 1 A (1)."""
-_DECAY: Final = 1e-6
-"""Least share of an offset that a cycle takes off, where the state is the only one (1)."""
 
 
 def _is_unique(drive: AnyDrive, speed: float, advance: float, reference: float) -> bool:

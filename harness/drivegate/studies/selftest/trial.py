@@ -15,8 +15,9 @@ from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.contracts.catalogue import all_checks
 from drivegate.gate.plan import REPEATED
 from drivegate.gate.shard import DrawnRuns, FixedRuns, content_key, run_fixed
-from drivegate.gate.shrinking import ShrinkPlan, run_shrink, size_of
+from drivegate.gate.shrinking import ShrinkPlan, run_shrink
 from drivegate.scenarios.facts import facts_of
+from drivegate.scenarios.size import size_of
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.scenario.scenario import Scenario
 

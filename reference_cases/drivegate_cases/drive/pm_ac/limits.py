@@ -46,17 +46,17 @@ class DutyLimits:
     """Greatest error of the mean torque (N·m)."""
     overshoot: float
     """Greatest overshoot of the torque over the reference's step (1)."""
-    coupled_current: float
+    coupling: float
     """Greatest movement of the d current over the q current's step (1)."""
     rise_time_s: float
     """Longest time of a torque step to 90 %, beside what the voltage takes to move the current (s)."""
-    peak_current_a: float
+    peak_a: float
     """Greatest phase current at any time (A)."""
     current_excess: float
     """Greatest excess of the current over the least one (1)."""
     loss_excess: float
     """Greatest excess of the loss over the least one (1)."""
-    weakening_share: float
+    weakening: float
     """Least torque in weakening over the greatest that `weakening_voltage` allows (1)."""
     weakening_voltage: float
     """Voltage in weakening that a controller must use, over the undistorted one (1)."""
@@ -91,12 +91,12 @@ def duty_limits_of(drive: PmAcDocument) -> DutyLimits:
         rated_torque_nm=torque,
         torque_error_nm=_PERCENT * stated.torque_tolerance_percent * torque,
         overshoot=_PERCENT * stated.overshoot_percent,
-        coupled_current=_PERCENT * stated.coupled_current_percent,
+        coupling=_PERCENT * stated.coupled_current_percent,
         rise_time_s=stated.rise_periods * drive.inverter.control_period_s,
-        peak_current_a=_PERCENT * stated.peak_current_percent * rating.current_limit_a,
+        peak_a=_PERCENT * stated.peak_current_percent * rating.current_limit_a,
         current_excess=_PERCENT * stated.least_current_percent,
         loss_excess=_PERCENT * stated.least_loss_percent,
-        weakening_share=_PERCENT * stated.weakening_torque_percent,
+        weakening=_PERCENT * stated.weakening_torque_percent,
         weakening_voltage=_PERCENT * stated.weakening_voltage_percent,
         direct_error_a=_PERCENT * stated.direct_current_percent * rating.current_limit_a,
         braking=_PERCENT * stated.braking_torque_percent,

@@ -70,10 +70,10 @@ def test_a_limit_that_is_left_out_follows_from_the_drive() -> None:
     drive = packaged("pm-ac-interior")
     limits = duty_limits_of(drive)
     assert limits.speed_tolerance_rpm == pytest.approx(0.01 * drive.rating.base_speed_rpm)
-    assert limits.peak_current_a == pytest.approx(1.2 * drive.rating.current_limit_a)
+    assert limits.peak_a == pytest.approx(1.2 * drive.rating.current_limit_a)
     stated = drive.with_overrides(["peak_current_percent=150", "requirements.settling_s=0.3"])
     assert isinstance(stated, PmAcDocument)
-    assert duty_limits_of(stated).peak_current_a == pytest.approx(1.5 * drive.rating.current_limit_a)
+    assert duty_limits_of(stated).peak_a == pytest.approx(1.5 * drive.rating.current_limit_a)
     assert duty_limits_of(stated).settling_s == 0.3
 
 

@@ -32,6 +32,7 @@ from drivegate_models.steady.plant import AnyDrive
 from drivegate_models.units import RADIANS_PER_RPM
 
 _MOST_PERIODS = 12
+"""Control periods in an electrical cycle up to which their number matters: two from one edge to the next (1)."""
 REACTION_S = 0.02
 """Time after a step of the load in which no controller can be required to have the torque (s)."""
 COASTING_SHARE = 0.5
@@ -259,9 +260,6 @@ def _drive(drive: DriveDocument, scales: Scales) -> AnyDrive:
 def _edge(drive: DriveDocument, scales: Scales, speed: float, torque: float, voltage: float) -> float:
     """Find the smallest angle that gives a torque; NaN where none does."""
     return feasible_edge(_drive(drive, scales), speed, torque, voltage)
-
-
-"""Control periods in an electrical cycle up to which their number matters: two from one edge to the next (1)."""
 
 
 def beats_with_edges(scenario: Scenario) -> bool:

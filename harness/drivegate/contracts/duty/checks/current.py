@@ -56,7 +56,7 @@ def peak_current(record: Record) -> Margin:
     """Judge the greatest phase current from the first answer on."""
     judged = duty_record(record)
     currents = judged.run.column("peak_current")[_first_judged(judged) :]
-    peak, limit = float(np.max(currents, initial=0.0)), judged.limits.peak_current_a
+    peak, limit = float(np.max(currents, initial=0.0)), judged.limits.peak_a
     return Margin("OVC-1", at_most(peak, limit), f"{peak:.5g} A")
 
 

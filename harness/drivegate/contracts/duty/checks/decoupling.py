@@ -79,7 +79,7 @@ def _course(
     end = min(begin + TRANSIENT_PERIODS, step.rows.stop)
     direct = record.run.column("direct")
     before, after = (exact_mean(direct[place - _LEVEL_PERIODS : place]) for place in (begin, end))
-    allowed = record.limits.coupled_current * _step_size(record, step)
+    allowed = record.limits.coupling * _step_size(record, step)
     return direct, slice(begin, end), (before, after), allowed
 
 

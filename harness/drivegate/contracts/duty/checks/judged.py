@@ -56,7 +56,7 @@ def greatest_required(record: DutyRecord, speed: float, link: float) -> float:
 def is_within_reach(record: DutyRecord, speed: float, link: float, torque: float) -> bool:
     """Return True if a controller must reach a torque at a speed and a link voltage."""
     greatest = greatest_required(record, speed, link)
-    return isfinite(greatest) and abs(torque) <= record.limits.weakening_share * greatest
+    return isfinite(greatest) and abs(torque) <= record.limits.weakening * greatest
 
 
 def at(window: DutyWindow) -> str:

@@ -59,7 +59,7 @@ def _share_of_greatest(record: DutyRecord, window: DutyWindow) -> Margin:
         # Nothing can be asked of a speed at which the limits leave no torque.
         return Margin("FWK-1", 1.0, f"no torque is possible {at(window)}")
     wanted = min(window.torque_reference or 0.0, greatest)
-    least = record.limits.weakening_share * wanted
+    least = record.limits.weakening * wanted
     voltage = f"with {100.0 * record.limits.weakening_voltage:g} % of the voltage"
     told = f"{window.torque:.4g} of {wanted:.4g} N·m possible {voltage} {at(window)}"
     return Margin("FWK-1", normalised(window.torque - least, least), told)
@@ -153,7 +153,7 @@ def _release(record: DutyRecord, step: TorqueStep) -> Margin:
     told = f"braking with {braking * size:.4g} N·m, {100.0 * braking:.3g} % of {size:.4g} N·m, {place}"
     return min(
         Margin("FWK-3", at_most(braking, limits.braking), told),
-        Margin("FWK-3", at_most(peak, limits.peak_current_a), f"{peak:.4g} A {place}"),
+        Margin("FWK-3", at_most(peak, limits.peak_a), f"{peak:.4g} A {place}"),
         key=lambda margin: margin.value,
     )
 

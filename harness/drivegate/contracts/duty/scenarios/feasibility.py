@@ -42,7 +42,7 @@ def unfair_because(scenario: Scenario) -> str | None:
         return "it begins above base speed, on a plant that the controller does not know"
     if (unnoticed := unnoticed_because(scenario)) is not None:
         return unnoticed
-    if _rectified_current(scenario) > duty_limits_of(duty_document(scenario.drive)).peak_current_a:
+    if _rectified_current(scenario) > duty_limits_of(duty_document(scenario.drive)).peak_a:
         return "it begins so fast that the current through the diodes alone exceeds the limit of OVC-1"
     if _rests_by_hall_switches(scenario):
         return "Hall switches show the angle of a shaft at rest no closer than 30 electrical degrees"
@@ -111,7 +111,7 @@ def _is_driven(scenario: Scenario, dwell: DutyDwell) -> bool:
     limits, link = duty_limits_of(duty_document(scenario.drive)), 2.0 * dwell.supply_v
     return demanded + drag <= min(
         IN_HAND * _greatest(plant, speed, link),
-        limits.weakening_share * _greatest(plant, speed, limits.weakening_voltage * link),
+        limits.weakening * _greatest(plant, speed, limits.weakening_voltage * link),
     )
 
 
