@@ -66,7 +66,7 @@ def peak_moment(record: Record) -> Moment:
     first, period = _first_judged(judged), judged.scenario.control_period_s
     currents = judged.run.column("peak_current")
     place = first + int(np.argmax(currents[first:])) if first < len(currents) else len(currents) - 1
-    limit = judged.limits.peak_current_a
+    limit = judged.limits.peak_a
     return Moment(
         start_s=max(place - SHOWN_PERIODS, 0) * period,
         end_s=min(place + SHOWN_PERIODS, len(currents)) * period,

@@ -109,13 +109,13 @@ def release_moment(record: Record) -> Moment | None:
     torque, current = (judged.run.column(name)[rows] for name in ("torque", "peak_current"))
     size = _step_size(judged, step)
     if at_most(overshoot_of(torque, step.after, -size), limits.braking) <= at_most(
-        float(np.max(current)), limits.peak_current_a
+        float(np.max(current)), limits.peak_a
     ):
         values, column, unit = torque, "torque_nm", "N·m"
         place, allowed = int(np.argmin(torque)), step.after - limits.braking * size
     else:
         values, column, unit = current, "peak_current_a", "A"
-        place, allowed = int(np.argmax(current)), limits.peak_current_a
+        place, allowed = int(np.argmax(current)), limits.peak_a
     end = rows.start + max(2 * place, SHOWN_AFTER)
     return Moment(
         start_s=max(rows.start - SHOWN_BEFORE, 0) * period,
