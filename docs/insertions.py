@@ -14,12 +14,7 @@ from types import MappingProxyType
 from typing import Final
 
 from pydantic.fields import FieldInfo
-
-from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS
-from drivegate.candidates.builtin.faults.catalogue import MUTATIONS
-from drivegate.candidates.builtin.faults.mutation import told_on
-from drivegate.candidates.builtin.near import NEAR_DESIGNS
-from drivegate.contracts.coverage import (
+from varied_keys import (
     JUDGED,
     NOT_VARIED,
     SENSED,
@@ -27,6 +22,11 @@ from drivegate.contracts.coverage import (
     drawn_by_family,
     varied_keys,
 )
+
+from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS
+from drivegate.candidates.builtin.faults.catalogue import MUTATIONS
+from drivegate.candidates.builtin.faults.mutation import told_on
+from drivegate.candidates.builtin.near import NEAR_DESIGNS
 from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.contracts.current.scenarios.drawn.families import FAMILY_GROUPS, Family
 from drivegate.contracts.current.scenarios.fixed import fixed_scenarios

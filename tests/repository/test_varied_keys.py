@@ -2,8 +2,7 @@
 
 import pytest
 from pydantic import Field
-
-from drivegate.contracts.coverage import (
+from varied_keys import (
     JUDGED,
     NOT_VARIED,
     SENSED,
@@ -13,6 +12,7 @@ from drivegate.contracts.coverage import (
     unvaried,
     varied_keys,
 )
+
 from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario

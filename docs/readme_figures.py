@@ -1,4 +1,4 @@
-"""The figures of read-me and documentation: ``python -m drivegate_reports.paper.readme_figures FOLDER``."""
+"""The figures of read-me and documentation: ``python docs/readme_figures.py FOLDER``."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def write_readme_figures(folder: Path) -> tuple[Path, ...]:
 def main(arguments: Sequence[str]) -> int:
     """Write the figures into the folder that the command line names."""
     if len(arguments) != 1:
-        sys.stderr.write("usage: python -m drivegate_reports.paper.readme_figures FOLDER\n")
+        sys.stderr.write("usage: python docs/readme_figures.py FOLDER\n")
         return 2
     try:
         paths = write_readme_figures(Path(arguments[0]))

@@ -6,8 +6,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
-
-from drivegate_reports.paper.readme_figures import README_FIGURES, main, write_readme_figures
+from readme_figures import README_FIGURES, main, write_readme_figures
 
 
 def test_files_are_the_same_every_time(tmp_path: Path) -> None:
