@@ -45,3 +45,5 @@ class Declaration:
     detects: tuple[FailureKind, ...] = ()
     """Failures that the candidate brings its drive into a safe state for, or keeps its torque behind if they
     are `SURVIVABLE`."""
+    reverses: bool = True
+    """Whether the candidate also turns its shaft backward, where its drive allows that."""

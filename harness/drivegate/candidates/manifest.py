@@ -115,6 +115,11 @@ class Manifest(Document):
         "keep the torque",
     )
 
+    reverses: bool = Field(
+        default=True,
+        description="whether a candidate that answers with duty ratios also turns the shaft backward",
+    )
+
     drive: DriveReference | None = Field(
         default=None,
         description="drive that the candidate is made for: the name of one, or the path of its file",
@@ -188,6 +193,7 @@ class Manifest(Document):
             self.power_window_s,
             self.references,
             self.detects,
+            self.reverses,
         )
 
 

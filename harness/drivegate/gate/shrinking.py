@@ -114,7 +114,7 @@ class _Trials:
 
     def is_due(self, scenario: Scenario) -> bool:
         """Return True if a scenario was not run yet, suits the candidate's speeds, and is as fair as the first."""
-        lowest, highest = self._loaded.candidate.declaration.speed_range_rpm or (0.0, math.inf)
+        lowest, highest = self._loaded.candidate.declaration.speed_range_rpm or (-math.inf, math.inf)
         declared = all(lowest <= speed <= highest for _, speed in scenario.speed_rpm)
         is_new = content_key(scenario.to_mapping()) not in self._known
         return declared and is_new and contract_of(scenario.drive).is_as_fair(scenario, self._start)

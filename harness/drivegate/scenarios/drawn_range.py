@@ -69,9 +69,12 @@ def _is_disturbed_no_further(simpler: Scenario, start: Scenario) -> bool:
 
 
 def _demands(scenario: Scenario) -> tuple[list[float], list[float], list[float], list[float]]:
-    """List loaded and idle speeds (rpm), and driving and braking torques (1), at every corner of the profiles."""
+    """List loaded and idle speeds (rpm), and driving and braking torques (1), at every corner of the profiles.
+
+    Speeds count without their sign: what may be drawn forward may be drawn backward too.
+    """
     drive = scenario.drive
-    corners = [(speed, torque / rated_torque_at(drive, speed)) for speed, torque in _corners(scenario)]
+    corners = [(abs(speed), torque / rated_torque_at(drive, speed)) for speed, torque in _corners(scenario)]
     return (
         [speed for speed, share in corners if share != 0.0],
         [speed for speed, share in corners if share == 0.0],
@@ -81,14 +84,14 @@ def _demands(scenario: Scenario) -> tuple[list[float], list[float], list[float],
 
 
 def _corners(scenario: Scenario) -> Iterator[tuple[float, float]]:
-    """Find speed (rpm) and torque (N·m) at every corner of their profiles."""
+    """Find speed (rpm), and torque in its sense (N·m), at every corner of their profiles."""
     load = scenario.load
     profiles = (scenario.speed_rpm, scenario.load_profile, scenario.torque_reference_profile)
     for time in breakpoints(profiles, scenario.duration_s):
         for value_at in (value_until, value_from):
             speed, share, reference = (value_at(profile, time) for profile in profiles)
             if isinstance(load, DynamometerLoad):
-                yield speed, reference
+                yield speed, reference if speed >= 0.0 else -reference
             elif isinstance(load, LockedLoad) or speed == share == 0.0:
                 yield speed, 0.0
             else:

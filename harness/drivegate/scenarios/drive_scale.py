@@ -198,7 +198,7 @@ def _scale_of_text(text: str) -> DriveScale:
 
 def rated_torque_at(drive: DriveDocument, speed_rpm: float) -> float:
     """Return the torque of rated power at a speed, constant below base speed (N·m)."""
-    speed = max(speed_rpm, drive.rating.base_speed_rpm) * RADIANS_PER_RPM
+    speed = max(abs(speed_rpm), drive.rating.base_speed_rpm) * RADIANS_PER_RPM
     return drive.rating.rated_power_w / speed
 
 

@@ -14,6 +14,7 @@ from drivegate_cases.scenario.load import (
     ConstantPowerLoad,
     ConstantTorqueLoad,
     FanLoad,
+    HoistLoad,
     LockedLoad,
     VehicleLoad,
 )
@@ -38,6 +39,8 @@ def plant_load(scenario: Scenario) -> load.Load:
         return load.Load(load.LOCKED)
     if isinstance(given, ConstantTorqueLoad):
         return load.Load(load.CONSTANT_TORQUE, given.torque_nm)
+    if isinstance(given, HoistLoad):
+        return load.Load(load.HOIST, given.torque_nm)
     if isinstance(given, ConstantPowerLoad):
         return load.Load(load.CONSTANT_POWER, given.power_w)
     if isinstance(given, FanLoad):

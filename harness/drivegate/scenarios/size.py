@@ -22,6 +22,7 @@ _LOAD_KINDS: Final = {
     "locked": 0,
     "dynamometer": 0,
     "constant_torque": 0,
+    "hoist": 1,
     "constant_power": 1,
     "fan": 2,
     "vehicle": 4,

@@ -16,6 +16,7 @@ from drivegate_cases.scenario.load import (
     ConstantTorqueLoad,
     DynamometerLoad,
     FanLoad,
+    HoistLoad,
     LockedLoad,
     VehicleLoad,
 )
@@ -111,6 +112,9 @@ def _load(scenario: Scenario) -> list[_Trait]:
             return [whole, _Trait(f"grade-{_sequence(grades)}%", grade)]
         case ConstantTorqueLoad():
             whole = _Trait(f"{figure(load.torque_nm)}Nm", f"constant torque of {figure(load.torque_nm)} N·m")
+        case HoistLoad():
+            torque = figure(load.torque_nm)
+            whole = _Trait(f"hoist-{torque}Nm", f"hoist of {torque} N·m")
         case ConstantPowerLoad():
             whole = _Trait(f"{figure(load.power_w)}W", f"constant power of {figure(load.power_w)} W")
         case FanLoad():

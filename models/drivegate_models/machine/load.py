@@ -17,6 +17,8 @@ FAN: Final = 3
 """Torque proportional to the square of speed."""
 VEHICLE: Final = 4
 """A vehicle on a road; the factor is the road's grade."""
+HOIST: Final = 5
+"""A weight on a drum: its torque keeps its sense of rotation, also at standstill, and can drive the shaft."""
 SLOWEST: Final = 1.0
 """Speed below which the torque of a constant power load no longer increases (rad/s)."""
 
@@ -25,7 +27,7 @@ class Load(NamedTuple):
     """A load: its kind and its size."""
 
     kind: int
-    """`LOCKED`, `CONSTANT_TORQUE`, `CONSTANT_POWER`, `FAN` or `VEHICLE`."""
+    """`LOCKED`, `CONSTANT_TORQUE`, `CONSTANT_POWER`, `FAN`, `VEHICLE` or `HOIST`."""
     size: float = 0.0
     """Torque (N m) or power (W); a vehicle's weight times its lever at the shaft (N m)."""
     speed: float = 1.0
@@ -36,6 +38,12 @@ class Load(NamedTuple):
     """Drag torque of a vehicle over the squared shaft speed (N m s2/rad2)."""
     inertia: float = 0.0
     """Inertia of the load at the shaft (kg m2)."""
+
+
+@inlined
+def weight_torque(load: Load, factor: float) -> float:
+    """Return the torque by which a hoist's weight turns the shaft backward (N m), 0 for other loads."""
+    return factor * load.size if load.kind == HOIST else 0.0
 
 
 @inlined
@@ -54,8 +62,8 @@ def load_torque(load: Load, factor: float, speed: float) -> float:
     Returns
     -------
     float
-        Torque against the rotation (N m). For a vehicle it is the sum of its weight along the road, its rolling
-        resistance and its drag.
+        Torque against the rotation (N m), 0 for a hoist. For a vehicle it is the sum of its weight along the road, its
+        rolling resistance and its drag.
     """
     if load.kind == CONSTANT_TORQUE:
         return factor * load.size

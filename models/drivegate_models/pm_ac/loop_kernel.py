@@ -14,7 +14,7 @@ from drivegate_models.loop.loop_kernel import PLANT_FAULT
 from drivegate_models.loop.schedule import Course, Schedule, conditions_at, follow
 from drivegate_models.loop.shaft import held_speed, shown_angle, whole_turns, within_a_turn
 from drivegate_models.machine import ledger
-from drivegate_models.machine.load import LOCKED, Load, load_torque
+from drivegate_models.machine.load import LOCKED, Load, load_torque, weight_torque
 from drivegate_models.pm_ac.exchange import DutyExchange, copy_command, step_controller, write_sense
 from drivegate_models.pm_ac.failure import (
     LOCKED_ROTOR,
@@ -219,8 +219,9 @@ def _run_from_initial_state(
             ledger.source_energy(period) / (link * length) if link > 0.0 else 0.0
         )
         opposing = load_torque(load, conditions.load_factor, abs(held))
+        weight = weight_torque(load, conditions.load_factor)
         begin = (k * length, conditions.speed_reference, speed, angle, link, torque_reference)
-        write_period(records.trace[k], period, length, phases.rotor_currents, begin, opposing)
+        write_period(records.trace[k], period, length, phases.rotor_currents, begin, opposing + weight)
         turned = angle + drive.pole_pairs * held * length
         turns = (turns + whole_turns(turned)) % drive.pole_pairs
         angle = within_a_turn(turned)
@@ -229,7 +230,7 @@ def _run_from_initial_state(
             for leg in range(3):
                 room.last[leg] = low_side_ratio(room.ratios[0, leg], room.legs[0, leg])
         if load.kind != LOCKED and not is_locked:
-            change = speed_change(drive, inertia, speed, opposing, period, length)
+            change = speed_change(drive, inertia, speed, opposing, weight, period, length)
             speed += change
         if delay > 0:
             for leg in range(3):

@@ -12,7 +12,13 @@ from drivegate_models.pm_ac.plant.drive import PmAcDrive
 
 @inlined
 def speed_change(
-    drive: PmAcDrive, inertia: float, speed: float, load: float, period: NDArray[np.float64], length: float
+    drive: PmAcDrive,
+    inertia: float,
+    speed: float,
+    load: float,
+    weight: float,
+    period: NDArray[np.float64],
+    length: float,
 ) -> float:
     """Return the change of the shaft's speed in a control period.
 
@@ -26,6 +32,8 @@ def speed_change(
         Speed at the start of the period (rad/s).
     load : float
         Magnitude of the load's torque, which opposes the shaft's rotation (N m).
+    weight : float
+        Torque that turns the shaft backward, whichever way it turns (N m).
     period : ndarray, shape (ledger.ENTRIES,)
         Exact integrals over the period.
     length : float
@@ -37,7 +45,7 @@ def speed_change(
         Change of speed (rad/s).
     """
     driving = (period[ledger.IMPULSE] - period[ledger.CORE_DRAG_IMPULSE]) / length
-    driving -= drive.viscous_friction * speed
+    driving -= drive.viscous_friction * speed + weight
     opposing = load + drive.friction
     # Load and friction oppose a turning shaft and stop it; they never drive it.
     mobility = length / inertia

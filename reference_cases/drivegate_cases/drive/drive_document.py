@@ -69,7 +69,8 @@ class DriveDocument(Document):
     excluded: ClassVar[Mapping[str, str]] = {"failure": _OF_PM_AC}
     """Keys of a scenario that are for other drives, with those that they are for."""
     excluded_loads: ClassVar[Mapping[str, str]] = {
-        "dynamometer": f"{_OF_PM_AC}, whose controllers take a torque reference"
+        "dynamometer": f"{_OF_PM_AC}, whose controllers take a torque reference",
+        "hoist": f"{_OF_PM_AC}, whose shaft may be driven",
     }
     """Kinds of load that are for other drives, with those that they are for."""
     usual_values_are_known: ClassVar[bool] = True
@@ -241,6 +242,11 @@ class DriveDocument(Document):
         """
         has_switches = self.kind == "star" and self.machine.phases == _PHASES_OF_HALL
         return "hall" if has_switches else "mcs96"
+
+    @property
+    def one_way_because(self) -> str | None:
+        """Return why its shaft never turns backward, in a clause; None where it may."""
+        return f'a drive of the kind "{self.kind}" turns forward alone'
 
     @property
     def position(self) -> Position:

@@ -1,4 +1,7 @@
-"""What the shaft drives: kinds of load, each with the torque that it demands at a speed."""
+"""What the shaft drives: kinds of load, each with its torque against the rotation at a speed.
+
+All but a hoist oppose the rotation, whichever way the shaft turns.
+"""
 
 import math
 from typing import Annotated, Literal
@@ -73,6 +76,19 @@ class ConstantTorqueLoad(_SwitchedLoad):
         return share * self.torque_nm
 
 
+class HoistLoad(_SwitchedLoad):
+    """A weight on a drum, whose torque keeps its sense: it drives a shaft that turns backward."""
+
+    kind: Literal["hoist"] = Field(description="kind of load")
+    torque_nm: _Torque = Field(
+        description="torque by which the whole weight turns the shaft backward, in newton metres"
+    )
+
+    def torque_at(self, speed_rpm: float, share: float = 1.0) -> float:
+        """Torque of the load."""
+        return share * (self.torque_nm if speed_rpm >= 0.0 else -self.torque_nm)
+
+
 class ConstantPowerLoad(_SwitchedLoad):
     """A torque that falls with speed, so that the power stays; it needs a turning shaft."""
 
@@ -81,7 +97,7 @@ class ConstantPowerLoad(_SwitchedLoad):
 
     def torque_at(self, speed_rpm: float, share: float = 1.0) -> float:
         """Torque of the load."""
-        return share * self.power_w / (speed_rpm * 2.0 * math.pi / 60.0)
+        return share * self.power_w / (abs(speed_rpm) * 2.0 * math.pi / 60.0)
 
 
 class FanLoad(_SwitchedLoad):
@@ -143,5 +159,5 @@ class VehicleLoad(Section):
         return self.lever_m * (weight * (self.rolling_resistance + slope) + drag)
 
 
-SwitchedLoad = ConstantTorqueLoad | ConstantPowerLoad | FanLoad
+SwitchedLoad = ConstantTorqueLoad | HoistLoad | ConstantPowerLoad | FanLoad
 Load = Annotated[LockedLoad | DynamometerLoad | SwitchedLoad | VehicleLoad, Field(discriminator="kind")]

@@ -66,9 +66,9 @@ class Scenario(Document):
     )
     seed: int = Field(default=0, ge=0, lt=2**63, description="seed of everything random in the run")
     initial_speed_rpm: float = Field(
-        ge=0.0,
+        ge=-_HIGHEST_SPEED_RPM,
         le=_HIGHEST_SPEED_RPM,
-        description="speed of the shaft at time 0, by default the first reference",
+        description="speed of the shaft at time 0, negative backward, by default the first reference",
     )
     initial_angle_deg: float = Field(
         default=0.0, ge=0.0, lt=360.0, description="electrical angle of the rotor at time 0, in degrees"
@@ -83,7 +83,9 @@ class Scenario(Document):
         default=(),
         description="list of times at which the controller is reset while the drive runs on, in seconds",
     )
-    speed_rpm: Profile = Field(description="speed reference, a list of [time in seconds, speed in rpm]")
+    speed_rpm: Profile = Field(
+        description="speed reference, a list of [time in seconds, speed in rpm], negative backward"
+    )
     supply_v: Profile | None = Field(
         default=None,
         description="voltage of each half of the supply, or half the voltage of a link without a tap, "
@@ -117,7 +119,7 @@ class Scenario(Document):
         if not isinstance(values, dict) or "initial_speed_rpm" in values:
             return values
         match values.get("speed_rpm"):
-            case ((_, float() | int() as first), *_) if 0.0 <= first <= _HIGHEST_SPEED_RPM:
+            case ((_, float() | int() as first), *_) if abs(first) <= _HIGHEST_SPEED_RPM:
                 return {**values, "initial_speed_rpm": first}
         # The profile itself is refused, and reported, where it has no valid first speed.
         return {**values, "initial_speed_rpm": 0.0}
@@ -151,8 +153,8 @@ class Scenario(Document):
     @field_validator("speed_rpm")
     @classmethod
     def _speeds_in_range(cls, profile: Profile) -> Profile:
-        if any(not 0.0 <= speed <= _HIGHEST_SPEED_RPM for _, speed in profile):
-            raise ValueError(f"must have speeds from 0 to {_HIGHEST_SPEED_RPM:g} rpm")
+        if any(abs(speed) > _HIGHEST_SPEED_RPM for _, speed in profile):
+            raise ValueError(f"must have speeds of at most {_HIGHEST_SPEED_RPM:g} rpm either way")
         return check_times(profile)
 
     @field_validator("supply_v")
@@ -200,6 +202,7 @@ class Scenario(Document):
         own = f'but this one\'s kind is "{self.drive.kind}"'
         if (others := self.drive.excluded_loads.get(self.load.kind)) is not None:
             raise ValueError(f"the load '{self.load.kind}' is {others}, {own}")
+        self._check_sense()
         for key, others in self.drive.excluded.items():
             if getattr(self, key):
                 raise ValueError(f"the key '{key}' is {others}, {own}; leave it out")
@@ -212,6 +215,20 @@ class Scenario(Document):
                 "the failure 'lost-edge' needs the sensors 'shunts' with the position 'encoder' or 'hall', or a drive "
                 "whose [sensing] states one of them, since an exact position has no edges"
             )
+
+    def _check_sense(self) -> None:
+        """Refuse speeds backward of a drive that turns one way."""
+        if (because := self.drive.one_way_because) is None:
+            return
+        slowest = {
+            "initial_speed_rpm": self.initial_speed_rpm,
+            "speed_rpm": min(speed for _, speed in self.speed_rpm),
+        }
+        for key, speed in slowest.items():
+            if speed < 0.0:
+                raise ValueError(
+                    f"the key '{key}' is {speed:g} rpm, but must have speeds from 0, since {because}"
+                )
 
     def _check_whole_periods(self) -> None:
         if not whole_periods(self.duration_s, self.control_period_s):

@@ -124,7 +124,18 @@ RAMP = [[0, 0], [0.2, 1]]
         ({"initial_speed_rpm": -1}, "the key 'initial_speed_rpm' is -1"),
         ({"speed_rpm": 1500}, "the key 'speed_rpm' is 1500, but must be a list"),
         ({"speed_rpm": []}, "must have its first point at time 0"),
-        ({"speed_rpm": [[0, -5]]}, "must have speeds from 0"),
+        (
+            {"speed_rpm": [[0, -5]]},
+            'must have speeds from 0, since a drive of the kind "half-bridge" turns forward',
+        ),
+        (
+            {"drive": "pm-ac-surface", "speed_rpm": [[0, -2e6]]},
+            "must have speeds of at most 1e+06 rpm either way",
+        ),
+        (
+            {"load": {"kind": "hoist", "torque_nm": 1, "factor": RAMP}},
+            "the load 'hoist' is for drives of the kind",
+        ),
         ({"speed_rpm": [[0.1, 5]]}, "must have its first point at time 0"),
         ({"speed_rpm": [[0, 5], [0.5, 5], [0.4, 5]]}, "must have times that never decrease"),
         ({"speed_rpm": [[0, 5], [1.5, 5]]}, "the key 'speed_rpm' has a point at 1.5 s, but must end within"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from drivegate.contracts.duty.scenarios.building import torque_scenario
-from drivegate.contracts.duty.scenarios.dead_time import with_other_dead_time
+from drivegate.contracts.duty.scenarios.compared import with_other_dead_time
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.sensors import SHUNTS

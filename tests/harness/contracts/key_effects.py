@@ -145,6 +145,8 @@ _SCENARIO: Final[dict[str, Effect]] = {
     "load[dynamometer].torque_reference_nm": Runs([[0.0, 0.0], [0.01, 1.0]]),
     "load[constant_torque].factor": Runs([[0.0, 0.5]]),
     "load[constant_torque].torque_nm": Runs(0.06),
+    "load[hoist].factor": Runs([[0.0, 0.5]]),
+    "load[hoist].torque_nm": Runs(0.06),
     "load[constant_power].factor": Runs([[0.0, 0.5]]),
     "load[constant_power].power_w": Runs(2.0),
     "load[fan].factor": Runs([[0.0, 0.5]]),
@@ -203,7 +205,7 @@ _SCENARIO: Final[dict[str, Effect]] = {
     # Every other kind of load or sensors is another run than the first one's.
     **{
         f"load[{kind}].kind": Runs(kind)
-        for kind in ("locked", "dynamometer", "constant_power", "fan", "vehicle")
+        for kind in ("locked", "dynamometer", "hoist", "constant_power", "fan", "vehicle")
     },
     "load[constant_torque].kind": Runs("constant_torque", {"load": {"kind": "locked"}}),
     **{f"sensors[{kind}].kind": Runs(kind) for kind in ("mcs96", "hall", "shunts")},
@@ -250,6 +252,7 @@ _DRIVE: Final[dict[str, Effect]] = {
     "drive.rating.highest_speed_rpm": Nameplate(5000.0),
     "drive.rating.overspeed_rpm": Plans(9999.0),
     "drive.rating.rated_power_w": Nameplate(20.0),
+    "drive.rating.reverses": Plans(False),
     "drive.rating.current_limit_a": Nameplate(4.0),
     "drive.rating.continuous_current_a": Nameplate(4.5, _CONTINUOUS),
     "drive.rating.peak_current_a": Nameplate(8.0, _PEAK),
@@ -306,6 +309,7 @@ _EXCEPT: Final[dict[str, dict[str, Effect]]] = {
 _OTHERS_ALONE: Final = {
     "sensors[shunts]": ("sensors", "'shunts'", "mcs96"),
     "load[dynamometer]": ("'dynamometer'", '"pm-ac"'),
+    "load[hoist]": ("'hoist'", '"pm-ac"'),
     "failure": ("failure", '"pm-ac"'),
     "drive.sensing": ("drive.sensing", "unknown"),
 }
@@ -328,6 +332,7 @@ _TABLES: Final[dict[str, dict[str, Any]]] = {
     "load[locked]": {"kind": "locked"},
     "load[dynamometer]": {"kind": "dynamometer", "torque_reference_nm": [[0.0, 0.5]]},
     "load[constant_torque]": {"kind": "constant_torque", "torque_nm": 0.03, "factor": [[0.0, 1.0]]},
+    "load[hoist]": {"kind": "hoist", "torque_nm": 0.05, "factor": [[0.0, 1.0]]},
     "load[constant_power]": {"kind": "constant_power", "power_w": 1.0, "factor": [[0.0, 1.0]]},
     "load[fan]": {"kind": "fan", "torque_nm": 0.03, "speed_rpm": 300.0, "factor": [[0.0, 1.0]]},
     "load[vehicle]": {

@@ -43,7 +43,9 @@ DUTY_RANGES = {
     "torque step": ((0.0, TOP / BASE), (-1.0, 1.0)),
     "weakening": ((1.0, TOP / BASE), (0.0, 3.0)),
     "speed step": ((0.1, TOP / BASE), (0.0, 0.85)),
+    "reversal": ((0.1, TOP / BASE), (0.0, 0.85)),
     "load step": ((0.1, TOP / BASE), (0.0, 0.85)),
+    "hoist": ((0.1, 1.0), (-0.6, 0.85)),
     "low speed": ((0.0, TOP / BASE), (0.0, 0.2)),
     "start": ((0.1, 1.0), (0.0, 0.85)),
     "parameter": ((0.1, TOP / BASE), (0.0, 0.85)),
@@ -97,7 +99,8 @@ def corners(scenario: Scenario) -> Iterator[tuple[float, float]]:
     for time in breakpoints(profiles, scenario.duration_s):
         speed, share, torque = (value_from(profile, time) for profile in profiles)
         demanded = 0.0 if scenario.load.kind == "dynamometer" else scenario.load.torque_at(speed, share)
-        yield speed, torque + demanded
+        # Speeds count without their sign, torques in the sense of rotation.
+        yield abs(speed), (torque if speed >= 0.0 else -torque) + demanded
 
 
 def test_every_family_is_tried() -> None:

@@ -284,7 +284,7 @@ DUTY_FAULTS: Final = {
         "ACC-1",
         "Limits a braking torque to 60 % of rated torque at base speed.",
         perturbed=_under(
-            TORQUE_REFERENCE, "braking_limit", lambda plate: 0.6 * plate.rated_power / plate.base_speed
+            TORQUE_REFERENCE, "backward_limit", lambda plate: 0.6 * plate.rated_power / plate.base_speed
         ),
     ),
     "braking-cut-off": DutyFault(
@@ -311,6 +311,18 @@ DUTY_FAULTS: Final = {
         "ROB-4",
         "Regulates the speed with seven times the gains, as for a heavier rotor.",
         alter=_scaled(7.0, "speed_gain", "speed_integral_step"),
+    ),
+    "backward-refused": DutyFault(
+        "ACC-1",
+        "Takes a speed reference backward for standstill.",
+        perturbed=_under(SPEED_REFERENCE, "backward_limit", lambda _plate: 0.0),
+    ),
+    "one-way-prediction": DutyFault(
+        "SYM-1",
+        "Predicts the angle for the delay of its voltages by the magnitude of the speed.",
+        perturbed=_under(
+            TORQUE_REFERENCE, "ahead", lambda plate: (plate.update_delay + 0.5) * plate.control_period
+        ),
     ),
     "hall-edge-awaited": DutyFault(
         "SAF-1",

@@ -50,7 +50,9 @@ def from_text(specification: str) -> Candidate:
         specification=specification,
         content_hash=hash_of((), f"drivegate {__version__} {INNER_PREFIX}{loop} {outer.content_hash}"),
         # It has no flowchart's scripts here, and its regulator takes no torque reference.
-        declaration=replace(outer.declaration, flowchart=None, references=("speed",), detects=()),
+        declaration=replace(
+            outer.declaration, flowchart=None, references=("speed",), reverses=False, detects=()
+        ),
         details=OuterLoop(outer),
         # The one that its manifest names takes current references.
         drive=None,

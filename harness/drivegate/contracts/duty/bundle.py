@@ -36,7 +36,9 @@ def _fixed_scenarios(drive: DriveDocument, declaration: Declaration) -> tuple[Sc
     from drivegate.contracts.duty.document import duty_document
     from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios
 
-    return fixed_scenarios(duty_document(drive), declaration.references, declaration.detects)
+    return fixed_scenarios(
+        duty_document(drive), declaration.references, declaration.detects, reverses=declaration.reverses
+    )
 
 
 def _drawn_scenarios(
@@ -45,7 +47,13 @@ def _drawn_scenarios(
     from drivegate.contracts.duty.document import duty_document
     from drivegate.contracts.duty.scenarios.drawn import drawn_scenarios
 
-    return drawn_scenarios(duty_document(drive), group, declaration.references, declaration.detects)
+    return drawn_scenarios(
+        duty_document(drive),
+        group,
+        declaration.references,
+        declaration.detects,
+        reverses=declaration.reverses,
+    )
 
 
 def _no_joint_scenarios(*_: object) -> tuple[Scenario, ...]:
@@ -68,18 +76,18 @@ def _record(
 ) -> DutyRecord:
     from drivegate.contracts.duty.record import DutyRecord
     from drivegate.contracts.duty.run import duty_run
-    from drivegate.contracts.duty.scenarios.dead_time import with_other_dead_time
+    from drivegate.contracts.duty.scenarios.compared import mirror_image, with_other_dead_time
 
     run = duty_run(prepare, scenario, controller)
     if kept is not None:
         kept[:] = run.commands
-    compared = with_other_dead_time(scenario)
-    other = (
+    other, mirror = (
         None
         if compared is None
         else DutyRecord(compared, duty_run(prepare, compared, controller), declaration)
+        for compared in (with_other_dead_time(scenario), mirror_image(scenario))
     )
-    return DutyRecord(scenario, run, declaration, other_dead_time=other)
+    return DutyRecord(scenario, run, declaration, other_dead_time=other, mirror=mirror)
 
 
 def _account(trace: RecordedTrace) -> tuple[str, ...]:
@@ -115,8 +123,10 @@ DUTY: Final = Contract(
         "torque step",
         "weakening",
         "speed step",
+        "reversal",
         "load step",
         "low speed",
+        "hoist",
         "start",
         "parameter",
         "supply step",

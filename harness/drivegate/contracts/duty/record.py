@@ -15,7 +15,7 @@ from drivegate.checks.record import Record
 from drivegate.checks.unseen import NotRun, Unseen
 from drivegate.contracts.duty.document import duty_document
 from drivegate.contracts.duty.run import DutyClosedLoopRun
-from drivegate.contracts.duty.scenarios.dead_time import with_other_dead_time
+from drivegate.contracts.duty.scenarios.compared import mirror_image, with_other_dead_time
 from drivegate.contracts.duty.scenarios.windows import DutyDwell, duty_windows
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.limits import DutyLimits, duty_limits_of
@@ -71,6 +71,8 @@ class DutyRecord(Record):
     """What was observed."""
     other_dead_time: DutyRecord | None = None
     """The same run on the drive with another dead time, where there is one to compare with."""
+    mirror: DutyRecord | None = None
+    """The mirror image of the run, where there is one to compare with."""
 
     @property
     def document(self) -> PmAcDocument:
@@ -145,6 +147,8 @@ class _UnseenDutyRecord(DutyRecord):
 def unseen_duty_record(declaration: Declaration, scenario: Scenario) -> DutyRecord:
     """Make the record of a run that has not been made: its windows are known, but not what they show."""
     run: Any = Unseen()
-    other = with_other_dead_time(scenario)
-    compared = None if other is None else _UnseenDutyRecord(other, run, declaration)
-    return _UnseenDutyRecord(scenario, run, declaration, other_dead_time=compared)
+    other, mirror = (
+        None if compared is None else _UnseenDutyRecord(compared, run, declaration)
+        for compared in (with_other_dead_time(scenario), mirror_image(scenario))
+    )
+    return _UnseenDutyRecord(scenario, run, declaration, other_dead_time=other, mirror=mirror)

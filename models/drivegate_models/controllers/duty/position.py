@@ -53,7 +53,11 @@ def locate_shaft(state: Any, sense: Any) -> Any:
         return seen
     turned = state.pole_pairs * (sense.angle - state.hall_angle)
     turned -= _TURN * floor(turned / _TURN + 0.5)
-    expected = state.pole_pairs * state.hall_speed * state.control_period
+    # Both as angles in the sense of rotation.
+    sense_of_rotation = 1.0 if state.hall_speed >= 0.0 else -1.0
+    turned *= sense_of_rotation
+    absolute_speed = abs(state.hall_speed)
+    expected = state.pole_pairs * absolute_speed * state.control_period
     has_come = sense.hall != state.hall_before
     state.hall_before = sense.hall
     state.hall_angle = sense.angle
@@ -63,9 +67,9 @@ def locate_shaft(state: Any, sense: Any) -> Any:
     state.is_overdue = 0
     if has_come or turned >= _HELD_BACK * expected:
         state.led_on = 0.0
-    elif state.hall_speed >= state.led_on_from and state.led_on + expected <= state.led_on_longest:
+    elif absolute_speed >= state.led_on_from and state.led_on + expected <= state.led_on_longest:
         state.led_on += expected - turned
-        seen.angle = sense.angle + state.led_on / state.pole_pairs
+        seen.angle = sense.angle + sense_of_rotation * state.led_on / state.pole_pairs
         seen.speed = state.hall_speed
     elif was_led_on:
         state.is_overdue = 1

@@ -35,6 +35,8 @@ PERTURBED_STATE: Final = np.dtype(
         # Offsets of the shaft's angle (rad) and of the first current (A).
         ("angle_added", np.float64),
         ("current_added", np.float64),
+        # Time by which the angle is predicted with the speed's magnitude, beyond what its sign would give (s).
+        ("ahead", np.float64),
         # Factor on the angle (1); angle after which a counter wraps (rad; 0 for never), angle turned since then, and
         # angle of the preceding step (rad).
         ("angle_factor", np.float64),
@@ -54,8 +56,8 @@ PERTURBED_STATE: Final = np.dtype(
         # value (rad/s).
         ("least_speed", np.float64),
         ("least_reference", np.float64),
-        # Maximum braking torque (N m), and link voltage above which there is none (V).
-        ("braking_limit", np.float64),
+        # Maximum backward reference (rad/s or N m), and link voltage above which there is none (V).
+        ("backward_limit", np.float64),
         ("braking_voltage", np.float64),
         # 1 if the third current is computed from the other two, as with two sensors; 1 if the currents are those of the
         # preceding step.
@@ -88,7 +90,7 @@ def perturbed_state(step_address: int, state_address: int, changes: dict[str, fl
     state["command"] = duty_command_record()
     for name in ("current_factor", "speed_factor", "supply_factor", "angle_factor", "stretch"):
         state[name] = 1.0
-    state["braking_limit"] = state["braking_voltage"] = np.inf
+    state["backward_limit"] = state["braking_voltage"] = np.inf
     for name, value in changes.items():
         state[name] = value
     return state
@@ -128,8 +130,7 @@ def _perturbed_reference(state: Any, sense: Any) -> float:
     """Return the reference of speed or torque that the controller sees (rad/s or N m)."""
     if sense.reference > 0.0:
         return float(max(sense.reference, state.least_reference))
-    # Only a torque is requested backward.
-    limit = 0.0 if sense.supply_voltage > state.braking_voltage else state.braking_limit
+    limit = 0.0 if sense.supply_voltage > state.braking_voltage else state.backward_limit
     return float(max(sense.reference, -limit))
 
 
@@ -155,6 +156,7 @@ def _write_sense(state: Any, sense: Any) -> None:
     if state.counts_edges == 1 and sense.hall > 0:
         _count_edge(state, sense.hall)
     perturbed.angle = state.angle_factor * sense.angle + state.angle_added
+    perturbed.angle += state.ahead * (abs(sense.speed) - sense.speed)
     perturbed.speed = state.speed_factor * sense.speed if abs(sense.speed) >= state.least_speed else 0.0
     perturbed.reference = _perturbed_reference(state, sense)
 

@@ -109,27 +109,33 @@ def turning_hall(
     initial_angle : float
         Electrical angle of the rotor, 0 to 2 pi (rad).
     initial_speed : float
-        Speed of the shaft (rad/s). At rest or backward, no edge is timed yet.
+        Speed of the shaft, of either sign (rad/s). At rest, no edge is timed yet.
 
     Returns
     -------
     Hall
-        With the times of the last cycle's edges if the shaft turns forward.
+        With the times of the last cycle's edges if the shaft turns.
     """
     lags = placement_errors + hysteresis
-    places = FIRST_EDGE + SECTOR * np.arange(EDGES) + lags
+    electrical = pole_pairs * initial_speed
+    sense = -1 if electrical < -_AT_REST else 1
+    # Backward, every edge comes earlier by the hysteresis of both senses.
+    earlier = 2.0 * hysteresis if sense < 0 else 0.0
+    places = FIRST_EDGE + SECTOR * np.arange(EDGES) + lags - earlier
     turned = initial_angle - places
     cycles = np.floor(turned / _CYCLE)
     turned -= _CYCLE * cycles
     nearest = int(np.argmin(turned))
     last = nearest + EDGES * int(cycles[nearest])
-    electrical = pole_pairs * initial_speed
-    is_turning = electrical > _AT_REST
+    is_turning = abs(electrical) > _AT_REST
     ticks = np.zeros(_RING)
     if is_turning:
         for before in range(_RING):
-            angle = turned[nearest] + SECTOR * before + lags[nearest] - lags[(last - before) % EDGES]
-            ticks[(last - before) % _RING] = floor(-angle / electrical / clock)
+            number = last - sense * before
+            # A sector is entered at its end backward.
+            edge = number if sense > 0 else number + 1
+            angle = turned[nearest] + SECTOR * (last - edge) + lags[nearest] - lags[edge % EDGES]
+            ticks[number % _RING] = floor(-angle / electrical / clock)
     return Hall(
         present=True,
         pole_pairs=float(pole_pairs),
@@ -138,8 +144,8 @@ def turning_hall(
         lags=lags,
         backlash=2.0 * hysteresis,
         ticks=ticks,
-        numbers=np.array([last, _RING if is_turning else 0, 0, 0, 1]),
-        memory=np.array([turned[nearest], initial_speed if is_turning else 0.0]),
+        numbers=np.array([last, _RING if is_turning else 0, 0, 0, sense]),
+        memory=np.array([turned[nearest] - earlier, initial_speed if is_turning else 0.0]),
     )
 
 

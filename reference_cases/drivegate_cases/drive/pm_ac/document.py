@@ -60,6 +60,15 @@ class PmAcMachine(Section):
         return "sine"
 
 
+class PmAcRating(Rating):
+    """Power, current and speeds, and whether the shaft may turn backward."""
+
+    reverses: bool | None = Field(
+        default=None,
+        description="whether controllers are also run backward, by default true; false for a drive that turns one way",
+    )
+
+
 class PmAcSensing(Section):
     """The sensor on the shaft that the drive always has."""
 
@@ -78,7 +87,7 @@ class PmAcDocument(DriveDocument):
     tables: ClassVar[Mapping[str, type[Section]]] = {
         "machine": PmAcMachine,
         "inverter": PmAcInverter,
-        "rating": Rating,
+        "rating": PmAcRating,
         "sensing": PmAcSensing,
         "requirements": PmAcRequirements,
     }
@@ -101,6 +110,7 @@ class PmAcDocument(DriveDocument):
     inverter: PmAcInverter = Field(  # type: ignore[assignment]
         description="table of the dc link, the bridge and the modulator"
     )
+    rating: PmAcRating = Field(description="table of power, current and speeds that the drive is made for")
     advance: None = Field(default=None, description="a line of advance angles is for other kinds")
     sensing: PmAcSensing | None = Field(
         default=None,
@@ -126,6 +136,13 @@ class PmAcDocument(DriveDocument):
     def control_period_s(self) -> float:
         """Time between two steps of the controller (s)."""
         return self.inverter.control_period_s
+
+    @property
+    def one_way_because(self) -> str | None:
+        """Return why its shaft never turns backward, in a clause; None where it may."""
+        return (
+            "the key 'reverses' in the drive's [rating] is false" if self.rating.reverses is False else None
+        )
 
     @property
     def real_sensors(self) -> str:

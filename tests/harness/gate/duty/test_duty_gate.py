@@ -34,6 +34,7 @@ from drivegate.gate.shard import DrawnRuns, FixedRuns, run_drawn, run_fixed
 from drivegate.results.verdict import check_outcomes
 from drivegate.scenarios.changes import with_scales
 from drivegate.scenarios.facts import facts_of
+from drivegate.scenarios.rotation import mirrored
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.failure import FailureKind
@@ -74,7 +75,10 @@ def rarer_runs() -> dict[str, Scenario]:
         speed_scenario(INTERIOR, (0.5 * base, 0.55 * base), torque_nm=0.3 * rated, inertia_factor=factor)
         for factor in (0.3, 2.0)
     )
+    backward = mirrored(torque_scenario(INTERIOR, 1.5 * base, (0.5 * rated,)))
     return {
+        "backward-refused": speed_scenario(INTERIOR, (0.3 * base, -0.3 * base), torque_nm=0.3 * rated),
+        "one-way-prediction": backward,
         "weak-braking": torque_scenario(INTERIOR, base, (0.0, -rated)),
         "braking-cut-off": supply_step_scenario(braking, INTERIOR, (1.0, 1.15)),
         "slow-shaft-unseen": stopped,

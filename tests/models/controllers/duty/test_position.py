@@ -67,10 +67,10 @@ class Shaft:
 
 def sector(speed: float) -> int:
     """Return the control periods that a sector takes."""
-    return round(pi / 3.0 / (POLE_PAIRS * speed * PERIOD))
+    return round(pi / 3.0 / (POLE_PAIRS * abs(speed) * PERIOD))
 
 
-@pytest.mark.parametrize("share", [0.2, 0.5, 1.0, 3.0])
+@pytest.mark.parametrize("share", [0.2, 0.5, 1.0, 3.0, -0.2, -1.0])
 def test_an_edge_that_is_lost_is_not_missed(share: float) -> None:
     speed = share * BASE_SPEED
     shaft = Shaft(speed)
@@ -80,7 +80,7 @@ def test_an_edge_that_is_lost_is_not_missed(share: float) -> None:
     for _ in range(4 * sector(speed)):
         late += shaft.errors([speed])
         speeds.append(float(shaft.state.seen.speed))
-    period = POLE_PAIRS * speed * PERIOD
+    period = POLE_PAIRS * abs(speed) * PERIOD
     assert max(map(abs, late)) < 0.2 * period + 1e-3
     assert speeds == pytest.approx([speed] * len(speeds), rel=1e-3)
 

@@ -71,6 +71,18 @@ def test_speed_angle_and_edges_are_exact_without_errors(rpm: float, pole_pairs: 
     )
 
 
+@given(errors_of_edges, st.floats(0.0, 15.0), st.floats(0.0, 359.9), st.floats(10.0, 300.0))
+@settings(max_examples=50, deadline=None)
+def test_a_shaft_that_turned_before_the_run_is_measured_as_one_that_goes_on(
+    errors: list[float], hysteresis: float, angle: float, speed: float
+) -> None:
+    for sense in (speed, -speed):
+        begun = hall(speed=sense, errors_deg=errors, hysteresis_deg=hysteresis, angle_deg=angle, pole_pairs=1)
+        assert hall_speed(begun) == sense
+        measured, _ = turn(begun, [sense] * round(7.0 / (speed * PERIOD)))
+        assert measured == pytest.approx([sense] * len(measured), rel=1e-4)
+
+
 @given(errors_of_edges, st.floats(0.0, 15.0), st.floats(0.0, 359.9), st.integers(1, 20))
 @settings(max_examples=100, deadline=None)
 def test_there_are_six_edges_a_cycle_and_like_ones_give_the_speed(

@@ -17,6 +17,7 @@ from drivegate.contracts.duty.checks.ripple import DTM_1, RIP_4
 from drivegate.contracts.duty.checks.robustness import ROB_4, ROB_5
 from drivegate.contracts.duty.checks.starting import STA_1
 from drivegate.contracts.duty.checks.steps import STP_1
+from drivegate.contracts.duty.checks.symmetry import SYM_1
 from drivegate.contracts.duty.checks.weakening import FWK_1, FWK_2, FWK_3
 
 DUTY_CHECKS: Final[tuple[Check, ...]] = (
@@ -35,6 +36,7 @@ DUTY_CHECKS: Final[tuple[Check, ...]] = (
     OVC_1,
     OVC_2,
     STA_1,
+    SYM_1,
     ROB_4,
     ROB_5,
     SAF_1,

@@ -18,7 +18,9 @@ if TYPE_CHECKING:
 UNWEAKENED_FAMILIES: Final = (
     "torque step",
     "speed step",
+    "reversal",
     "load step",
+    "hoist",
     "low speed",
     "start",
     "supply step",
@@ -49,8 +51,8 @@ def worst(margins: Iterable[Margin | None]) -> Margin | None:
 
 
 def greatest_required(record: DutyRecord, speed: float, link: float) -> float:
-    """Return the greatest torque with the voltage that a controller must use (N·m); NaN where there is none."""
-    return greatest_at(plant_of(record), speed, record.limits.weakening_voltage * link).torque
+    """Return the greatest driving torque with the voltage that a controller must use (N·m); NaN where there is none."""
+    return greatest_at(plant_of(record), abs(speed), record.limits.weakening_voltage * link).torque
 
 
 def is_within_reach(record: DutyRecord, speed: float, link: float, torque: float) -> bool:

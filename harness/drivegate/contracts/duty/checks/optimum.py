@@ -8,6 +8,8 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import TYPE_CHECKING, Final, Literal, TypeAlias
 
+from drivegate.scenarios.rotation import sense_of
+
 if TYPE_CHECKING:
     from drivegate_models.pm_ac.fundamental import SteadyState
     from drivegate_models.pm_ac.oracle import Limits
@@ -29,10 +31,10 @@ def undistorted(link: float) -> float:
 
 @lru_cache(maxsize=_KEPT)
 def greatest_at(drive: PmAcDrive, speed: float, link: float) -> SteadyState:
-    """Find the steady state of the greatest torque within the limits of current and link."""
+    """Find the steady state of the greatest torque in the sense of rotation, within the limits of current and link."""
     from drivegate_models.pm_ac.oracle import greatest_torque, undistorted_limits
 
-    return greatest_torque(drive, undistorted_limits(drive, link), speed)
+    return _in_sense(speed, greatest_torque(drive, undistorted_limits(drive, link), abs(speed)))
 
 
 @lru_cache(maxsize=_KEPT)
@@ -56,4 +58,12 @@ def least_free(
 def _least(drive: PmAcDrive, limits: Limits, speed: float, torque: float, purpose: Purpose) -> SteadyState:
     from drivegate_models.pm_ac.oracle import CURRENT, LOSS, least_at
 
-    return least_at(drive, limits, speed, torque, LOSS if purpose == "loss" else CURRENT)
+    aim = LOSS if purpose == "loss" else CURRENT
+    return _in_sense(speed, least_at(drive, limits, abs(speed), sense_of(speed) * torque, aim))
+
+
+def _in_sense(speed: float, forward: SteadyState) -> SteadyState:
+    """Mirror a steady state of forward rotation where the speed is backward: q current and torque change sign."""
+    if speed >= 0.0:
+        return forward
+    return forward._replace(quadrature=-forward.quadrature, torque=-forward.torque)

@@ -108,7 +108,7 @@ def _is_rippling(record: DutyRecord, window: DutyWindow) -> bool:
     base = record.document.rating.base_speed_rpm * RADIANS_PER_RPM
     if not _is_held(record, window, HELD_SHARE * base):
         return False
-    is_slow = window.speed < LEAST_SPEED_SHARE * base
+    is_slow = abs(window.speed) < LEAST_SPEED_SHARE * base
     is_weak = abs(window.torque) < LEAST_TORQUE_SHARE * record.limits.rated_torque_nm
     greatest = undistorted(window.link)
     if is_slow or is_weak or window.voltage > VOLTAGE_SHARE * greatest:

@@ -13,6 +13,7 @@ from drivegate.checks.moment import Mark, Moment, Point
 from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.judged import duty_record
 from drivegate.contracts.duty.record import DutyRecord
+from drivegate.scenarios.rotation import sense_of
 from drivegate_models.units import RADIANS_PER_RPM
 
 REACHED = 0.95
@@ -29,7 +30,7 @@ def start(record: Record) -> Margin | None:
     if wanted is None:
         return None
     reached = judged.steady[-1].speed / wanted
-    backward = degrees(max(-float(np.min(_turned(judged))), 0.0))
+    backward = degrees(max(-float(np.min(_turned(judged, wanted))), 0.0))
     place = f"from {scenario.initial_angle_deg:g}°"
     return min(
         Margin(
@@ -49,9 +50,9 @@ def _wanted(record: DutyRecord) -> float | None:
     return wanted if steady[-1].torque_reference is None else None
 
 
-def _turned(record: DutyRecord) -> NDArray[np.float64]:
-    """Return the turn of the shaft since the start, shape (n,) (electrical rad)."""
-    turning = record.scenario.control_period_s * record.document.machine.pole_pairs
+def _turned(record: DutyRecord, wanted: float) -> NDArray[np.float64]:
+    """Return the turn of the shaft towards its reference since the start, shape (n,) (electrical rad)."""
+    turning = sense_of(wanted) * record.scenario.control_period_s * record.document.machine.pole_pairs
     return np.cumsum(record.run.column("speed")) * turning
 
 
@@ -61,7 +62,7 @@ def start_moment(record: Record) -> Moment | None:
     wanted = _wanted(judged)
     if wanted is None:
         return None
-    period, turned = judged.scenario.control_period_s, _turned(judged)
+    period, turned = judged.scenario.control_period_s, _turned(judged, wanted)
     speed = judged.run.column("speed") / RADIANS_PER_RPM
     last = judged.steady[-1]
     backward = degrees(max(-float(np.min(turned)), 0.0))

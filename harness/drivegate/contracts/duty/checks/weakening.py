@@ -25,6 +25,7 @@ from drivegate.contracts.duty.checks.judged import (
 from drivegate.contracts.duty.checks.optimum import Purpose, greatest_at, least_free, undistorted
 from drivegate.contracts.duty.checks.steps import SHOWN_BEFORE, TorqueStep, overshoot_of, torque_steps
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
+from drivegate.scenarios.rotation import sense_of
 from drivegate_models.units import RADIANS_PER_RPM
 
 SHOWN_AFTER: Final = 100
@@ -46,8 +47,8 @@ def _weakened(record: DutyRecord) -> Iterator[DutyWindow]:
         wanted = window.torque_reference
         if (
             wanted is not None
-            and wanted > 0.0
-            and window.speed > base
+            and sense_of(window.speed) * wanted > 0.0
+            and abs(window.speed) > base
             and not is_within_reach(record, window.speed, window.link, wanted)
         ):
             yield window
@@ -58,11 +59,12 @@ def _share_of_greatest(record: DutyRecord, window: DutyWindow) -> Margin:
     if not isfinite(greatest) or greatest <= 0.0:
         # Nothing can be asked of a speed at which the limits leave no torque.
         return Margin("FWK-1", 1.0, f"no torque is possible {at(window)}")
-    wanted = min(window.torque_reference or 0.0, greatest)
+    sense = sense_of(window.speed)
+    wanted = min(sense * (window.torque_reference or 0.0), greatest)
     least = record.limits.weakening * wanted
     voltage = f"with {100.0 * record.limits.weakening_voltage:g} % of the voltage"
-    told = f"{window.torque:.4g} of {wanted:.4g} N·m possible {voltage} {at(window)}"
-    return Margin("FWK-1", normalised(window.torque - least, least), told)
+    told = f"{window.torque:.4g} of {sense * wanted:.4g} N·m possible {voltage} {at(window)}"
+    return Margin("FWK-1", normalised(sense * window.torque - least, least), told)
 
 
 def needless_direct_current(record: Record) -> Margin | None:
@@ -107,12 +109,12 @@ def release_moment(record: Record) -> Moment | None:
         return None
     period, limits, rows = judged.scenario.control_period_s, judged.limits, step.rows
     torque, current = (judged.run.column(name)[rows] for name in ("torque", "peak_current"))
-    size = _step_size(judged, step)
+    size = sense_of(step.speed_rpm) * _step_size(judged, step)
     if at_most(overshoot_of(torque, step.after, -size), limits.braking) <= at_most(
         float(np.max(current)), limits.peak_a
     ):
         values, column, unit = torque, "torque_nm", "N·m"
-        place, allowed = int(np.argmin(torque)), step.after - limits.braking * size
+        place, allowed = int(np.argmin(torque / size)), step.after - limits.braking * size
     else:
         values, column, unit = current, "peak_current_a", "A"
         place, allowed = int(np.argmax(current)), limits.peak_a
@@ -132,14 +134,16 @@ def release_moment(record: Record) -> Moment | None:
 
 
 def _is_release(record: DutyRecord, step: TorqueStep) -> bool:
-    return step.before > 0.0 == step.after and step.speed_rpm > record.document.rating.base_speed_rpm
+    is_driven = sense_of(step.speed_rpm) * step.before > 0.0 == step.after
+    return is_driven and abs(step.speed_rpm) > record.document.rating.base_speed_rpm
 
 
 def _step_size(record: DutyRecord, step: TorqueStep) -> float:
     """Return the torque by which a release is measured: what was possible before it, at least rated torque (N·m)."""
     link = float(record.run.column("link")[step.rows.start])
-    greatest = greatest_at(plant_of(record), step.speed_rpm * RADIANS_PER_RPM, link).torque
-    before = min(step.before, greatest) if isfinite(greatest) else step.before
+    greatest = greatest_at(plant_of(record), abs(step.speed_rpm) * RADIANS_PER_RPM, link).torque
+    asked = abs(step.before)
+    before = min(asked, greatest) if isfinite(greatest) else asked
     return max(before, record.limits.rated_torque_nm)
 
 
@@ -147,7 +151,7 @@ def _release(record: DutyRecord, step: TorqueStep) -> Margin:
     torque = record.run.column("torque")[step.rows]
     peak = float(np.max(record.run.column("peak_current")[step.rows]))
     size = _step_size(record, step)
-    braking = overshoot_of(torque, step.after, -size)
+    braking = overshoot_of(torque, step.after, -sense_of(step.speed_rpm) * size)
     limits = record.limits
     place = f"after {step.time_s:.4g} s at {step.speed_rpm:.5g} rpm"
     told = f"braking with {braking * size:.4g} N·m, {100.0 * braking:.3g} % of {size:.4g} N·m, {place}"

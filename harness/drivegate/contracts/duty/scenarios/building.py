@@ -18,7 +18,7 @@ from drivegate_cases.drive.position import Position
 from drivegate_cases.drive.scales import Scales
 from drivegate_cases.scenario.control_periods import first_period_from, period_start_s
 from drivegate_cases.scenario.failure import FailureKind
-from drivegate_cases.scenario.load import ConstantTorqueLoad, DynamometerLoad
+from drivegate_cases.scenario.load import ConstantTorqueLoad, DynamometerLoad, HoistLoad
 from drivegate_cases.scenario.piecewise import Profile
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import SHUNTS
@@ -124,6 +124,18 @@ def load_step_scenario(
     )
     load = ConstantTorqueLoad(kind="constant_torque", torque_nm=torque_nm, factor=factor)
     return titled(steady.replaced(duration_s=start_s(drive, end), load=load))
+
+
+def hoist_scenario(
+    drive: PmAcDocument, speeds_rpm: Sequence[float], torque_nm: float, shares: Sequence[float] = (1.0,)
+) -> Scenario:
+    """Make a run through steps of the speed reference, or of the share of a hoist's weight at one."""
+    if len(shares) > 1:
+        run = load_step_scenario(drive, speeds_rpm[0], torque_nm, shares)
+    else:
+        run = speed_scenario(drive, speeds_rpm, torque_nm=torque_nm, factor=((0.0, shares[0]),))
+    load = HoistLoad(kind="hoist", torque_nm=torque_nm, factor=run.load_profile)
+    return titled(run.replaced(load=load))
 
 
 def failing(run: Scenario, kind: FailureKind, time_s: float, phase: int = 1) -> Scenario:

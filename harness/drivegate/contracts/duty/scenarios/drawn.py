@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from drivegate.contracts.duty.scenarios.building import (
     edge_positions,
     failing,
+    hoist_scenario,
     load_step_scenario,
     slow_torque,
     speed_scenario,
@@ -31,6 +32,7 @@ from drivegate.contracts.duty.scenarios.drawn_range import (
 from drivegate.contracts.duty.scenarios.failures import FAILURE_TORQUE_SHARE
 from drivegate.scenarios.changes import with_real_sensors, with_scales
 from drivegate.scenarios.drive_scale import tidy
+from drivegate.scenarios.rotation import goes_backward, is_mirrored, mirrored
 from drivegate.scenarios.title import titled
 from drivegate_cases.drive.limits import nearest_step
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
@@ -134,6 +136,33 @@ def speed_step_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
         _turning(drive),
         _turning(drive),
     )
+
+
+def reversal_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
+    """Draw steps from a speed forward to one backward, under a constant torque of up to 70 % of the rated one."""
+    return st.builds(
+        lambda share, first, second: speed_scenario(
+            drive, (first, -second), torque_nm=torque_of(drive, max(first, second), share)
+        ),
+        _shares(0.0, 0.7),
+        _turning(drive),
+        _turning(drive),
+    )
+
+
+def hoist_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
+    """Draw a weight of up to 60 % of rated torque, lifted or lowered, that comes on, or reverses between both."""
+    heaviest = _shares(0.1, HEAVIEST_FAILURE_SHARE)
+    base = drive.rating.base_speed_rpm
+
+    def made(share: float, first: float, second: float, how: str) -> Scenario:
+        torque = torque_of(drive, base, share)
+        if how == "reversal":
+            return hoist_scenario(drive, (first, -second), torque)
+        return hoist_scenario(drive, (first if how == "lift" else -first,), torque, (0.0, 1.0))
+
+    speeds = _speeds(drive, TURNING_SHARE * base, base)
+    return st.builds(made, heaviest, speeds, speeds, st.sampled_from(("lift", "lower", "reversal")))
 
 
 def load_step_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
@@ -315,15 +344,15 @@ def _that_can_fail(
 
 def _possible(drive: PmAcDocument, run: Scenario, shunts: str) -> str:
     """Choose shunts that see two phases at all times: below the lower switches none do at full voltage."""
-    fast = max(speed for _, speed in run.speed_rpm) > drive.rating.base_speed_rpm
+    fast = max(abs(speed) for _, speed in run.speed_rpm) > drive.rating.base_speed_rpm
     return "in-line" if fast else shunts
 
 
 FAMILY_GROUPS: Final[tuple[tuple[Family, ...], ...]] = (
     (torque_step_scenarios,),
     (weakening_scenarios,),
-    (speed_step_scenarios,),
-    (load_step_scenarios, low_speed_scenarios),
+    (speed_step_scenarios, reversal_scenarios),
+    (load_step_scenarios, low_speed_scenarios, hoist_scenarios),
     (start_scenarios, torque_step_scenarios, failure_scenarios),
     (parameter_scenarios,),
     (supply_step_scenarios, torque_supply_step_scenarios, sensor_scenarios),
@@ -332,6 +361,9 @@ FAMILY_GROUPS: Final[tuple[tuple[Family, ...], ...]] = (
 """Families of scenarios that a shard of the search draws from; shards take turns at them."""
 
 
+_OF_BOTH_SENSES: Final = frozenset({reversal_scenarios, hoist_scenarios})
+_BACKWARD_SHARE: Final = 4
+"""One run in so many is drawn backward."""
 _OF_TORQUE: Final = frozenset({torque_step_scenarios, torque_supply_step_scenarios, weakening_scenarios})
 
 
@@ -340,21 +372,37 @@ def drawn_scenarios(
     group: int | None = None,
     references: Collection[Reference] = ("speed", "torque"),
     detected: Collection[FailureKind] = (),
+    *,
+    reverses: bool = True,
 ) -> st.SearchStrategy[Scenario]:
-    """Draw a scenario of any family, or of one group of them, as far as a candidate follows or detects it."""
+    """Draw a scenario of any family, or of one group of them, as far as a candidate follows or detects it.
+
+    One in four turns backward where both candidate and drive reverse.
+    """
+    reverses = reverses and drive.one_way_because is None
     failures = partial(failure_scenarios, detected=detected, references=references)
     can_fail = bool(_that_can_fail(detected, references))
     followed = [
         [
             failures if family is failure_scenarios else family
             for family in families
-            if (can_fail if family is failure_scenarios else _reference(family) in references)
+            if (reverses or family not in _OF_BOTH_SENSES)
+            and (can_fail if family is failure_scenarios else _reference(family) in references)
         ]
         for families in FAMILY_GROUPS
     ]
     groups = [families for families in followed if families]
     chosen = groups if group is None else [groups[group % len(groups)]]
-    return st.one_of([family(drive) for families in chosen for family in families])
+    drawn = st.one_of([family(drive) for families in chosen for family in families])
+    if not reverses:
+        return drawn
+    turned = st.integers(0, _BACKWARD_SHARE - 1).map(lambda number: number == _BACKWARD_SHARE - 1)
+    return st.builds(_turned, drawn, turned)
+
+
+def _turned(run: Scenario, backward: bool) -> Scenario:
+    """Mirror a run that is to go backward, and does not already."""
+    return mirrored(run) if backward and is_mirrored(run) and not goes_backward(run) else run
 
 
 def _reference(family: Family) -> Reference:

@@ -7,9 +7,10 @@ from typing import Final
 from drivegate.contracts.duty.scenarios.failures import FAILURE_TORQUE_SHARE
 from drivegate.scenarios.drawn_range import NONE, DrawnRange, Interval
 from drivegate.scenarios.drive_scale import rated_torque_at
+from drivegate.scenarios.rotation import sense_of
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.pm_ac.limits import FAILURE_SPEED_SHARE
-from drivegate_cases.scenario.load import DynamometerLoad, LockedLoad
+from drivegate_cases.scenario.load import DynamometerLoad, HoistLoad, LockedLoad
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import ShuntSensors
 
@@ -51,24 +52,28 @@ def drawn_range(scenario: Scenario) -> DrawnRange:
     if is_slow(scenario):
         speeds = Interval(SLOW_SHARE * base, TURNING_SHARE * base)
         return DrawnRange(speeds, Interval(0.0, highest), Interval(0.0, SLOW_LOAD_SHARE), NONE)
-    speeds = Interval(TURNING_SHARE * base, base if starts else highest)
+    bounded = starts or isinstance(scenario.load, HoistLoad)
+    speeds = Interval(TURNING_SHARE * base, base if bounded else highest)
     return DrawnRange(speeds, speeds, Interval(SHARE_STEP, HEAVIEST_SHARE), NONE)
 
 
 def slow_load_share(speed_rpm: float, drive: DriveDocument) -> float:
-    """Return the heaviest load at a low speed over rated torque (1)."""
-    return SLOW_LOAD_SHARE * speed_rpm / (TURNING_SHARE * drive.rating.base_speed_rpm)
+    """Return the heaviest load at a low speed of either sign over rated torque (1)."""
+    return SLOW_LOAD_SHARE * abs(speed_rpm) / (TURNING_SHARE * drive.rating.base_speed_rpm)
 
 
 def is_slow(scenario: Scenario) -> bool:
     """Return True if a run of a speed reference ends below the least speed of the other families."""
     is_held = isinstance(scenario.load, (DynamometerLoad, LockedLoad))
-    return not is_held and scenario.speed_rpm[-1][1] < TURNING_SHARE * scenario.drive.rating.base_speed_rpm
+    return (
+        not is_held and abs(scenario.speed_rpm[-1][1]) < TURNING_SHARE * scenario.drive.rating.base_speed_rpm
+    )
 
 
 def _is_beyond(scenario: Scenario) -> bool:
     """Return True if a torque reference asks for more than rated power above base speed."""
-    speed = scenario.speed_rpm[0][1]
-    most = max(torque for _, torque in scenario.torque_reference_profile)
+    reference = scenario.speed_rpm[0][1]
+    speed, sense = abs(reference), sense_of(reference)
+    most = max(sense * torque for _, torque in scenario.torque_reference_profile)
     above = speed > scenario.drive.rating.base_speed_rpm
     return above and most > (1.0 + SHARE_STEP) * rated_torque_at(scenario.drive, speed)

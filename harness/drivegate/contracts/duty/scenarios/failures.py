@@ -24,14 +24,14 @@ def unnoticed_because(scenario: Scenario) -> str | None:
         return None
     base = drive.rating.base_speed_rpm
     # On a change of the reference the shaft is still at the speed before it.
-    reference = value_from(scenario.speed_rpm, failure.time_s)
-    turning = reference if failure.time_s > 0.0 else scenario.initial_speed_rpm
+    reference = abs(value_from(scenario.speed_rpm, failure.time_s))
+    turning = reference if failure.time_s > 0.0 else abs(scenario.initial_speed_rpm)
     locks = failure.kind == "locked-rotor"
     # A shaft that locks shows it by its sudden stop, or by not starting.
     speed = max(turning, reference) if locks else min(turning, reference)
     if speed < (FAILURE_SPEED_SHARE - _ROUNDING) * base:
         return f"something fails below {100.0 * FAILURE_SPEED_SHARE:g} % of base speed, where it takes too long to show"
-    if max(turning, *(speed for _, speed in scenario.speed_rpm)) > (1.0 + _ROUNDING) * base:
+    if max(turning, *(abs(speed) for _, speed in scenario.speed_rpm)) > (1.0 + _ROUNDING) * base:
         return (
             "something fails above base speed, where legs that are off rectify and may not be the safe state"
         )

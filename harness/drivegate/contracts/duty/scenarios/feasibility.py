@@ -38,7 +38,7 @@ _ROUNDING: Final = 0.01
 def unfair_because(scenario: Scenario) -> str | None:
     """Tell why a candidate may not be judged on a scenario; a torque reference out of reach is judged as such."""
     differs = scenario.scales != NOMINAL
-    if differs and scenario.initial_speed_rpm > scenario.drive.rating.base_speed_rpm:
+    if differs and abs(scenario.initial_speed_rpm) > scenario.drive.rating.base_speed_rpm:
         return "it begins above base speed, on a plant that the controller does not know"
     if (unnoticed := unnoticed_because(scenario)) is not None:
         return unnoticed
@@ -73,8 +73,8 @@ def _stops_at_low_speed(scenario: Scenario) -> bool:
         return False
     end = TURNING_SHARE * drive.rating.base_speed_rpm
     return any(
-        0.0 < dwell.speed_rpm < end
-        and load.torque_at(dwell.speed_rpm, dwell.load_factor)
+        0.0 < abs(dwell.speed_rpm) < end
+        and abs(load.torque_at(dwell.speed_rpm, dwell.load_factor))
         > slow_load_share(dwell.speed_rpm, drive) * rated_torque_at(drive, end) * (1.0 + _ROUNDING)
         for dwell in duty_dwells(scenario)
     )
@@ -103,7 +103,7 @@ def _stops_within_a_sector(scenario: Scenario) -> bool:
 def _is_driven(scenario: Scenario, dwell: DutyDwell) -> bool:
     load = scenario.load
     assert not isinstance(load, LockedLoad), "a held shaft has no load"
-    speed = dwell.speed_rpm * RADIANS_PER_RPM
+    speed = abs(dwell.speed_rpm) * RADIANS_PER_RPM
     idle = dwell.load_factor == 0.0 == dwell.speed_rpm
     demanded = 0.0 if idle else load.torque_at(dwell.speed_rpm, dwell.load_factor)
     plant = _plant(scenario, dwell.resistance_factor, dwell.emf_factor)

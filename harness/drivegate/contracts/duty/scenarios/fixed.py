@@ -8,6 +8,7 @@ from typing import Final
 from drivegate.contracts.duty.scenarios.building import (
     edge_positions,
     failing,
+    hoist_scenario,
     load_step_scenario,
     slow_torque,
     speed_scenario,
@@ -19,6 +20,7 @@ from drivegate.contracts.duty.scenarios.building import (
 from drivegate.contracts.duty.scenarios.drawn_range import BEYOND_SHARE, SLOW_SHARE
 from drivegate.scenarios.changes import with_real_sensors, with_scales
 from drivegate.scenarios.drive_scale import rated_torque_at, tidy
+from drivegate.scenarios.rotation import mirrored
 from drivegate_cases.drive.limits import nearest_step
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.limits import FAILURE_SPEED_SHARE
@@ -42,8 +44,10 @@ def fixed_scenarios(
     drive: PmAcDocument,
     references: Collection[Reference] = ("speed", "torque"),
     detected: Collection[FailureKind] = (),
+    *,
+    reverses: bool = True,
 ) -> tuple[Scenario, ...]:
-    """List those of the references, and of the failures that a candidate detects.
+    """List those of the references, and of the failures that a candidate detects, backward only if it reverses.
 
     Speeds are shares of the drive's range, torques shares of the rated one.
     """
@@ -55,6 +59,7 @@ def fixed_scenarios(
         *_starts(drive),
         *_other_plants(drive),
         *_sensed(drive),
+        *(_backward(drive) if reverses and drive.one_way_because is None else ()),
         *(run for run in _failures(drive) if run.failure is not None and run.failure.kind in detected),
     )
     followed = [scenario for scenario in reversed(every) if reference_of(scenario) in references]
@@ -150,6 +155,36 @@ def _slow_speeds(drive: PmAcDocument) -> list[Scenario]:
         load_step_scenario(drive, slowest, slow_torque(drive, slowest), (0.0, 1.0)),
         speed_scenario(drive, (slow,), torque_nm=slow_torque(drive, slow), initial_speed_rpm=0.0),
         speed_scenario(drive, (speed_of(drive, -0.5), 0.0, slow)),
+    ]
+
+
+def _backward(drive: PmAcDocument) -> list[Scenario]:
+    """Make the runs backward and through standstill: torques, loads, starts, low speed, a hoist, and sensors."""
+    slow, fast, top = speed_of(drive, -0.5), speed_of(drive, 0.5), speed_of(drive, 1.0)
+    slowest = tidy(2.0 * SLOW_SHARE * drive.rating.base_speed_rpm)
+    torques = (
+        torque_scenario(drive, slow, tuple(torque_of(drive, slow, part) for part in (0.9, 0.4, -0.7))),
+        torque_scenario(drive, fast, tuple(torque_of(drive, fast, part) for part in (0.7, -0.7))),
+        release_scenario(drive, 0.5),
+    )
+    start = speed_of(drive, START_SPEED_SHARE - 1.0)
+    speeds = (
+        load_step_scenario(drive, top, torque_of(drive, top, 0.8), (0.0, 1.0, 0.0)),
+        load_step_scenario(drive, slowest, slow_torque(drive, slowest), (0.0, 1.0)),
+        speed_scenario(
+            drive,
+            (start,),
+            torque_nm=torque_of(drive, start, START_TORQUE_SHARE),
+            initial_speed_rpm=0.0,
+            initial_angle_deg=45.0,
+        ),
+    )
+    reversal = speed_scenario(drive, (slow, -slow), torque_nm=torque_of(drive, slow, 0.5))
+    return [
+        *(mirrored(run) for run in (*torques, *speeds)),
+        reversal,
+        with_real_sensors(reversal, 1),
+        hoist_scenario(drive, (slow, -slow), torque_of(drive, slow, 0.6)),
     ]
 
 

@@ -9,10 +9,11 @@ from typing import Any, Final
 from drivegate.contracts.duty.document import duty_document
 from drivegate.contracts.duty.scenarios.building import TORQUE_DIGITS, speed_scenario, torque_scenario
 from drivegate.contracts.duty.scenarios.fixed import speed_of
+from drivegate.scenarios.rotation import is_mirrored, mirrored, sense_of
 from drivegate.scenarios.simplification import Fields, Simplification
 from drivegate_cases.drive.limits import nearest_step, rounded
 from drivegate_cases.drive.scales import NOMINAL
-from drivegate_cases.scenario.load import ConstantTorqueLoad, DynamometerLoad
+from drivegate_cases.scenario.load import ConstantTorqueLoad, DynamometerLoad, HoistLoad
 from drivegate_cases.scenario.piecewise import Profile
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import IDEAL, SHUNTS, ShuntSensors
@@ -62,6 +63,12 @@ def _plainer_sensors(scenario: Scenario) -> Iterator[Fields]:
         yield {"sensors": plain}
 
 
+def _forward(scenario: Scenario) -> Iterator[Fields]:
+    """Turn forward what begins backward."""
+    if scenario.speed_rpm[0][1] < 0.0 and is_mirrored(scenario):
+        yield _fields_of(mirrored(scenario))
+
+
 def _fewer_torques(scenario: Scenario) -> Iterator[Fields]:
     """Ask for one torque, or for two one after the other."""
     if not isinstance(scenario.load, DynamometerLoad):
@@ -104,7 +111,7 @@ def _rounder_speed(scenario: Scenario) -> Iterator[Fields]:
     starts = begin == scenario.speed_rpm[0][1]
     if len(scenario.speed_rpm) == 1:
         for share in (-1.0, 0.0, 0.5, 1.0):
-            plain = speed_of(drive, share)
+            plain = sense_of(scenario.speed_rpm[0][1]) * speed_of(drive, share)
             yield {"speed_rpm": ((0.0, plain),), "initial_speed_rpm": plain if starts else begin}
     for share in _SPEED_SHARES:
         grain = nearest_step(share * base)
@@ -122,7 +129,7 @@ def _rounder_torque(scenario: Scenario) -> Iterator[Fields]:
                 (time, round(round(torque / grain) * grain, 9)) for time, torque in load.torque_reference_nm
             )
             yield {"load": load.model_copy(update={"torque_reference_nm": rounder})}
-        elif isinstance(load, ConstantTorqueLoad):
+        elif isinstance(load, (ConstantTorqueLoad, HoistLoad)):
             yield {
                 "load": load.model_copy(update={"torque_nm": round(round(load.torque_nm / grain) * grain, 9)})
             }
@@ -131,6 +138,7 @@ def _rounder_torque(scenario: Scenario) -> Iterator[Fields]:
 DUTY_SIMPLIFICATIONS: Final[tuple[Simplification, ...]] = (
     _nominal,
     _plainer_sensors,
+    _forward,
     _fewer_torques,
     _fewer_speeds,
     _rounder_speed,

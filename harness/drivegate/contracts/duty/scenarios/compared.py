@@ -1,9 +1,10 @@
-"""Which runs are made a second time with another dead time, and with which."""
+"""Which runs are made a second time to be compared: with another dead time, or as their mirror image."""
 
 from __future__ import annotations
 
 from typing import Final
 
+from drivegate.scenarios.rotation import mirrored
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.scales import NOMINAL
 from drivegate_cases.scenario.load import DynamometerLoad
@@ -26,9 +27,22 @@ def with_other_dead_time(scenario: Scenario) -> Scenario | None:
     return scenario.replaced(drive=other)
 
 
-def _is_slow(scenario: Scenario, drive: PmAcDocument) -> bool:
+def mirror_image(scenario: Scenario) -> Scenario | None:
+    """Make the run forward that one backward is compared with; None where it is with none.
+
+    What a speed regulator asks for depends on how it got there, so that only torque references are compared.
+    """
+    is_held = isinstance(scenario.load, DynamometerLoad)
+    backward = is_held and all(speed < 0.0 for _, speed in scenario.speed_rpm)
+    return mirrored(scenario) if backward and _is_nominal(scenario) else None
+
+
+def _is_nominal(scenario: Scenario) -> bool:
     is_plain = scenario.scales == NOMINAL and scenario.drift is None and scenario.failure is None
-    is_nominal = is_plain and scenario.supply_v is None and scenario.sensors.kind == IDEAL.kind
+    return is_plain and scenario.supply_v is None and scenario.sensors.kind == IDEAL.kind
+
+
+def _is_slow(scenario: Scenario, drive: PmAcDocument) -> bool:
     speeds = {speed for _, speed in scenario.speed_rpm}
-    slow = max(speeds) <= LOW_SPEED_SHARE * drive.rating.base_speed_rpm and min(speeds) > 0.0
-    return is_nominal and slow and len(speeds) == 1 and isinstance(scenario.load, DynamometerLoad)
+    slow = all(0.0 < abs(speed) <= LOW_SPEED_SHARE * drive.rating.base_speed_rpm for speed in speeds)
+    return _is_nominal(scenario) and slow and len(speeds) == 1 and isinstance(scenario.load, DynamometerLoad)

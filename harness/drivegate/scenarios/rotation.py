@@ -1,0 +1,47 @@
+"""The sense of rotation, and the mirror image of a run: what turns forward turns backward instead."""
+
+from __future__ import annotations
+
+from drivegate.scenarios.title import titled
+from drivegate_cases.scenario.load import DynamometerLoad, HoistLoad
+from drivegate_cases.scenario.piecewise import Profile
+from drivegate_cases.scenario.scenario import Scenario
+
+
+def sense_of(speed: float) -> float:
+    """Return the sense in which a shaft turns: 1 forward and at rest, -1 backward."""
+    return 1.0 if speed >= 0.0 else -1.0
+
+
+def goes_backward(scenario: Scenario) -> bool:
+    """Return True if a run begins with a speed backward or has a reference of one."""
+    return min(scenario.initial_speed_rpm, *(speed for _, speed in scenario.speed_rpm)) < 0.0
+
+
+def is_mirrored(scenario: Scenario) -> bool:
+    """Return True if a run has a mirror image: a hoist's weight pulls one way only."""
+    return not isinstance(scenario.load, HoistLoad)
+
+
+def mirrored(scenario: Scenario) -> Scenario:
+    """Negate speeds, torque reference and initial angle; the load opposes the rotation either way."""
+    load = scenario.load
+    if isinstance(load, DynamometerLoad):
+        load = load.model_copy(update={"torque_reference_nm": _negated(load.torque_reference_nm)})
+    return titled(
+        scenario.replaced(
+            initial_speed_rpm=_negative(scenario.initial_speed_rpm),
+            speed_rpm=_negated(scenario.speed_rpm),
+            initial_angle_deg=_negative(scenario.initial_angle_deg) % 360.0,
+            load=load,
+        )
+    )
+
+
+def _negated(profile: Profile) -> Profile:
+    return tuple((time, _negative(value)) for time, value in profile)
+
+
+def _negative(value: float) -> float:
+    """Negate a number, without a sign of zero that would show in names."""
+    return -value if value else 0.0

@@ -1,0 +1,92 @@
+"""The mirror image of a run, and what of it only drives and candidates that reverse are run in."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.containment.judge import own_candidate
+from drivegate.contracts.catalogue import contract_of
+from drivegate.contracts.duty.checks.symmetry import same_both_ways
+from drivegate.contracts.duty.record import DutyRecord
+from drivegate.contracts.duty.scenarios.building import hoist_scenario, speed_scenario, torque_scenario
+from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios
+from drivegate.drives.running import recorded
+from drivegate.gate.plan import NOTHING_DECLARED
+from drivegate.scenarios.rotation import goes_backward, mirrored
+from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_models.errors import InputError
+
+DRIVE = load_drive("pm-ac-interior").replaced(settling_s=0.1)
+SETTLED = load_drive("pm-ac-interior").replaced(settling_s=0.5)
+assert isinstance(DRIVE, PmAcDocument)
+assert isinstance(SETTLED, PmAcDocument)
+
+
+def record_of(scenario: Scenario, name: str = "foc") -> DutyRecord:
+    loaded = own_candidate(resolve_candidate(name))
+    record = recorded(loaded, scenario, loaded.controller())
+    assert isinstance(record, DutyRecord)
+    return record
+
+
+@pytest.mark.parametrize("name", ["foc", "predictive-flux", "direct-torque", "foc-loss-model"])
+def test_drive_and_controllers_turn_backward_as_they_turn_forward(name: str) -> None:
+    run = mirrored(torque_scenario(DRIVE, 3000.0, (1.0, -1.0)).replaced(initial_angle_deg=20.0))
+    record = record_of(run, name)
+    assert record.mirror is not None
+    for column, sign in (("torque", -1.0), ("direct", 1.0), ("quadrature", -1.0), ("speed", -1.0)):
+        own, other = record.run.column(column), record.mirror.run.column(column)
+        assert np.max(np.abs(own - sign * other)) < 1e-6, f"{column} is not mirrored"
+    margin = same_both_ways(record)
+    assert margin is not None
+    assert margin.value > 0.999
+
+
+def test_a_difference_of_the_limit_is_no_margin() -> None:
+    record = record_of(mirrored(torque_scenario(DRIVE, 1000.0, (1.0,))))
+    assert record.mirror is not None
+    rated = record.limits.rated_torque_nm
+    windows = tuple(replace(window, torque=window.torque + 0.02 * rated) for window in record.steady)
+    record.__dict__["steady"] = windows
+    margin = same_both_ways(record)
+    assert margin is not None
+    assert margin.value == pytest.approx(0.0, abs=1e-3)
+
+
+def test_a_run_forward_or_of_a_speed_is_compared_with_none() -> None:
+    for run in (
+        torque_scenario(DRIVE, 1000.0, (1.0,)),
+        speed_scenario(DRIVE, (500.0, -500.0)),
+        mirrored(speed_scenario(DRIVE, (500.0,))),
+    ):
+        assert contract_of(DRIVE).unseen(NOTHING_DECLARED, run).mirror is None
+
+
+def test_a_hoist_brakes_a_shaft_forward_and_drives_it_backward() -> None:
+    run = hoist_scenario(SETTLED, (500.0, -500.0), 1.0)
+    record = record_of(run)
+    lifting, lowering = record.steady
+    assert lifting.torque == pytest.approx(1.0, rel=0.05)
+    assert lowering.torque == pytest.approx(1.0, rel=0.05)
+    assert lowering.speed == pytest.approx(-lifting.speed, rel=1e-3)
+
+
+def test_nobody_is_run_backward_who_states_to_turn_one_way() -> None:
+    one_way = DRIVE.with_overrides(["rating.reverses=false"])
+    contract = contract_of(DRIVE)
+    backward = [run for run in contract.fixed_scenarios(DRIVE, NOTHING_DECLARED) if goes_backward(run)]
+    assert backward
+    declared = replace(NOTHING_DECLARED, reverses=False)
+    for drive, declaration in ((one_way, NOTHING_DECLARED), (DRIVE, declared)):
+        assert not any(map(goes_backward, contract.fixed_scenarios(drive, declaration)))
+    with pytest.raises(
+        InputError, match=r"speeds from 0, since the key 'reverses' in the drive's \[rating\]"
+    ):
+        backward[0].replaced(drive=one_way)
+    assert len(fixed_scenarios(DRIVE)) == len(fixed_scenarios(DRIVE, reverses=False)) + len(backward)
