@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from drivegate_cases.documents.atomic_write import write_atomically
+from drivegate_cases.drive.drive_document import load_drive
 from drivegate_models.errors import InputError
-from drivegate_reports.page.style import house_style, svg_document
+from drivegate_reports.page.style import house_style, new_figure, svg_document
 from drivegate_reports.paper.figures import (
     conventional_drives,
     conventional_ripple_map,
@@ -21,7 +22,30 @@ from drivegate_reports.paper.figures import (
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+
+def _failed_step() -> Figure:
+    """Draw the moment at which a slow current loop fails STP-1."""
+    from drivegate.candidates.resolution import resolve_candidate
+    from drivegate.containment.judge import own_candidate
+    from drivegate.contracts.catalogue import check_of, contract_of
+    from drivegate.contracts.closeup import deciding_moment
+    from drivegate.contracts.duty.document import duty_document
+    from drivegate.contracts.duty.scenarios.building import torque_scenario
+    from drivegate.drives.running import recorded
+    from drivegate.output.moment_panel import draw_moment
+
+    drive = duty_document(load_drive("pm-ac-interior"))
+    loaded = own_candidate(resolve_candidate("faulty:slow-currents"))
+    record = recorded(loaded, torque_scenario(drive, 0.0, (0.0, 1.0)), loaded.controller())
+    check, contract = check_of("duty", "STP-1"), contract_of(drive)
+    moment = deciding_moment(check, record, check.evaluate(record))
+    figure, (panel,) = new_figure(2.6, 1)
+    draw_moment(panel, moment, contract.recorded_signals(record.run), contract.panels)
+    return figure
+
+
 README_FIGURES: Final[Mapping[str, Callable[[], Figure]]] = {
+    "failed-step": _failed_step,
     "search-trajectory": lambda: search_trajectory.draw(search_trajectory.search_trajectory()),
     "initial-against-optimal": lambda: input_current.draw(input_current.input_current_sweep()),
     "conventional-drives": lambda: conventional_drives.draw(conventional_drives.conventional_drives()),

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.commands.command_line import command_line
 from drivegate.studies.campaign.file import read_campaign
@@ -70,6 +71,38 @@ def test_extras_are_those_of_the_package_and_bring_what_is_said() -> None:
         assert packages.split() == [re.split("[<>=]", needed)[0] for needed in extras[name]]
     installed = re.findall(r"pip install '\.\[(.+)\]'", TEXT)
     assert {name for names in installed for name in names.split(",")} <= set(extras)
+
+
+FOUND = re.findall(r"^([a-z-]+) +([A-Z]+-\d) +(.+)$", TEXT, re.MULTILINE)
+
+
+@pytest.mark.parametrize(("name", "check", "measured"), FOUND, ids=[name for name, _, _ in FOUND])
+def test_a_fault_is_found_as_it_is_shown(name: str, check: str, measured: str, tmp_path: Path) -> None:
+    ended = subprocess.run(
+        [sys.executable, "-m", "drivegate", "check", f"faulty:{name}", "--only", check, "--effort", "quick"],
+        cwd=tmp_path,
+        check=False,
+        capture_output=True,
+        text=True,
+    )
+    assert f"  measured {measured}" in ended.stdout, ended.stdout + ended.stderr
+
+
+def test_the_numbers_of_what_to_trust_are_those_of_the_tests() -> None:
+    faults = re.search(r"catches (\d+) of (\d+) planted faults on `pm-ac-interior`", TEXT)
+    assert faults is not None
+    assert set(faults.groups()) == {str(len(DUTY_FAULTS))}, "drivegate selftest --drive pm-ac-interior"
+    agreements = {
+        folder: re.search(
+            r"^AGREEMENT = (\S+)$",
+            (ROOT / "tests" / "models" / folder / "plant" / "test_independent_solver.py").read_text(),
+            re.MULTILINE,
+        )
+        for folder in ("pm_ac", "half_bridge", "star")
+    }
+    told = re.search(r"within\s+(\S+) \(PM AC\), (\S+) \(decoupled phases\) and (\S+) \(star\)", TEXT)
+    assert told is not None
+    assert list(told.groups()) == [found[1] for found in agreements.values() if found]
 
 
 @pytest.mark.parametrize("words", OWN, ids=" ".join)

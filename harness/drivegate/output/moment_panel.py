@@ -21,7 +21,7 @@ _LIMIT_INK: Final = "#A34700"
 _DASHED: Final = (0, (4, 3))
 _MOST_TREADS: Final = 150
 _SECONDS_FROM: Final = 5.0
-_WITH_LABELS: Final = 1.28
+_WITH_LABELS: Final = 1.32
 _LABELS_AT: Final = 1.012
 
 
@@ -80,7 +80,7 @@ def draw_moment(axes: Axes, moment: Moment, columns: Columns, panels: tuple[Pane
 
 
 def _label(axes: Axes, axis: MomentTime, moment: Moment) -> None:
-    lines = [(level.value, one_line(level.words)) for level in moment.levels]
+    lines = {level.value: one_line(level.words) for level in moment.levels}
     point = moment.point
     if point is not None:
         place = axis.of(point.time_s), point.value
@@ -89,10 +89,11 @@ def _label(axes: Axes, axis: MomentTime, moment: Moment) -> None:
         )
         leader = [place[0], axis.of(axis.end)]
         axes.plot(leader, [point.value] * 2, color=_LIMIT_INK, linewidth=0.8, linestyle=":")
-        lines.append((point.value, f"measured {one_line(point.words)}"))
+        words = f"measured {one_line(point.words)}"
+        lines[point.value] = f"{lines[point.value]}: {words}" if point.value in lines else words
     low, high = axes.get_ylim()
     gap, last = 0.1 * (high - low), -np.inf
-    for value, words in sorted(lines):
+    for value, words in sorted(lines.items()):
         last = max(value, last + gap)
         axes.text(axis.labels_at, last, words, color=_LIMIT_INK, fontsize=8.5, va="center")
     for instant in moment.instants:
