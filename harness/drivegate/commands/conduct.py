@@ -76,4 +76,6 @@ def _print(outcome: Outcome, as_json: bool) -> None:
 def _write_json(document: Mapping[str, Any]) -> None:
     from drivegate.results.result import finite
 
-    write_to(sys.stdout, json.dumps(finite(document), indent=2, allow_nan=False) + "\n")
+    # A CI server that reads the log must not obey what stands in a text.
+    text = json.dumps(finite(document), indent=2, allow_nan=False).replace("##", "#\\u0023")
+    write_to(sys.stdout, f"{text}\n")

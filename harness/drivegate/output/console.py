@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import os
-from typing import Final, TextIO
+from typing import Final, TextIO, cast
 
 from rich.box import SIMPLE
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from drivegate.output.streams import leave_unread
+from drivegate.output.streams import LogStream, leave_unread
 from drivegate_cases.documents.wording import one_line
 
 WIDTH_OF_A_FILE: Final = 160
@@ -47,7 +47,7 @@ def console_for(stream: TextIO) -> Console:
     has_width = stream.isatty() or "COLUMNS" in os.environ
     # Only tables are wrapped: a path or a command on more than one line could not be copied.
     return _ConsoleWithoutReader(
-        file=stream,
+        file=cast(TextIO, LogStream(stream)),
         markup=False,
         emoji=False,
         highlight=False,

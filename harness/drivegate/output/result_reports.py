@@ -17,6 +17,7 @@ from drivegate.output.report_writers import (
     write_reports,
 )
 from drivegate.output.result_file import write_result_files
+from drivegate.output.streams import without_commands
 from drivegate.results.result import STALE_WAIVERS, content_hash, counted_levels
 from drivegate_cases.documents.wording import nearest, one_line, shown_path
 from drivegate_models.errors import HarnessFault, InputError
@@ -67,9 +68,8 @@ def _level(check: dict[str, Any], counted: tuple[str, ...]) -> str:
 
 
 def _command(level: str, title: str, message: str) -> str:
-    return (
-        f"::{level} title={one_line(title).translate(_IN_TITLE)}::{one_line(message).translate(_IN_MESSAGE)}"
-    )
+    title, message = (without_commands(one_line(text)) for text in (title, message))
+    return f"::{level} title={title.translate(_IN_TITLE)}::{message.translate(_IN_MESSAGE)}"
 
 
 OWN_FORMATS: Final[Mapping[str, WriteReport]] = {

@@ -1,10 +1,37 @@
-"""Standard streams whose reader may go away at any time."""
+"""Standard streams whose reader may go away at any time, or take what it reads for a command.
+
+CI servers obey lines of a job's log: GitHub Actions those that begin with ``::`` or have ``##[`` in them, Azure
+Pipelines those with ``##vso[``. What a candidate calls itself, or raises, must not become one.
+"""
 
 from __future__ import annotations
 
 import os
+import re
 from contextlib import suppress
-from typing import IO, TextIO
+from typing import IO, Any, Final, TextIO
+
+_COMMAND: Final = re.compile(r"^(\s*):(?=:)|#(?=#(?:vso)?\[)", re.MULTILINE | re.IGNORECASE)
+
+
+def without_commands(text: str) -> str:
+    """Break up with a space what a CI server would obey."""
+    return _COMMAND.sub(lambda found: f"{found[1]}: " if found[0].endswith(":") else "# ", text)
+
+
+class LogStream:
+    """A stream for text in which nothing is a command; otherwise the one that it writes to."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+
+    def write(self, text: str) -> int:
+        """Write a text, and return the number of characters written."""
+        return self._stream.write(without_commands(text))
+
+    def __getattr__(self, name: str) -> Any:
+        """Return what the other stream has by a name."""
+        return getattr(self._stream, name)
 
 
 def write_to(stream: TextIO | None, text: str) -> None:
@@ -12,7 +39,7 @@ def write_to(stream: TextIO | None, text: str) -> None:
     if stream is None:
         return
     try:
-        stream.write(text)
+        stream.write(without_commands(text))
         stream.flush()
     except BrokenPipeError:
         leave_unread(stream)

@@ -1,5 +1,6 @@
 import json
 import os
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -70,6 +71,13 @@ def test_what_is_no_document_is_reported(
     message = refusal(read_mapping, written(tmp_path, name, content))
     assert reported in message
     assert name in message
+
+
+def test_a_repeated_key_among_very_many_is_found_at_once(tmp_path: Path, refusal: Callable[..., str]) -> None:
+    keys = ", ".join(f'"k{number}": 1' for number in [*range(100_000), 99_999])
+    began = time.process_time()
+    assert 'the key "k99999"' in refusal(read_mapping, written(tmp_path, "a.json", f"{{{keys}}}"))
+    assert time.process_time() - began < 5.0, "the time grows with the square of the number of keys"
 
 
 def test_a_missing_file_is_named(tmp_path: Path, refusal: Callable[..., str]) -> None:
