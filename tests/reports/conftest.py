@@ -23,8 +23,7 @@ from drivegate.contracts.duty.scenarios.building import torque_of, torque_scenar
 from drivegate.contracts.recorded_trace import thinned
 from drivegate.drives.envelope_document import envelope_of
 from drivegate.drives.running import run_scenario
-from drivegate.gate.behaviour import BehaviourPlan, run_behaviour
-from drivegate.gate.recording import RecordPlan, run_recorded
+from drivegate.gate.recording import BehaviourPlan, RecordPlan, run_behaviour, run_recorded
 from drivegate.output.result_reports import report_formats, write_result
 from drivegate.results.result import finite
 from drivegate.studies.campaign.manifest import MANIFEST

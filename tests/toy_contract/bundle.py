@@ -14,8 +14,7 @@ from tests.toy_contract.motor import COMMAND, DRIVE_FILE, SENSE, ToyRun, ToySens
 from drivegate.candidates.kinds import KINDS
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, at_most
-from drivegate.checks.record import Record
-from drivegate.checks.unseen import Unseen
+from drivegate.checks.record import Record, Unseen
 from drivegate.contracts.catalogue import CONTRACTS
 from drivegate.contracts.comparison import (
     POINTS,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
+from typing import Any, Protocol
 
 from drivegate.candidates.declaration import Declaration
 from drivegate_cases.scenario.scenario import Scenario
@@ -38,3 +38,17 @@ class Record:
     def drive(self) -> AnyDrive:
         """The plant that the run was made on."""
         return self.scenario.drive.plant(self.scenario.scales)
+
+
+class NotRun(Exception):
+    """Raised where something is read that only the run shows."""
+
+
+class Unseen:
+    """Stand-in for what a run shows: reading anything but what is already known raises `NotRun`."""
+
+    def __init__(self, **known: Any) -> None:
+        self.__dict__.update(known)
+
+    def __getattr__(self, name: str) -> Any:
+        raise NotRun(name)

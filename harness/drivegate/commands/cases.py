@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 @json_option
 def command() -> Outcome:
     """List the scenarios, operating points, sweeps, drive cycles and drives that come along."""
-    from drivegate.studies.cases.cases import cases_document, show_cases
+    from drivegate.studies.cases import cases_document, show_cases
 
     document = cases_document()
 

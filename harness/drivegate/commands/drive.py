@@ -80,7 +80,7 @@ def _fitted(chosen: DriveDocument, measured: Path, keep: tuple[str, ...], name: 
     document = fitted_drive(chosen, measured, keep)
 
     def show(console: Console) -> None:
-        from drivegate.studies.drive.fit_display import show_fit
+        from drivegate.studies.drive.display import show_fit
 
         show_fit(console, document, name)
 

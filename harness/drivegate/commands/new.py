@@ -47,7 +47,7 @@ def command(kind: str, name: str, output: Path | None, drive: str | None) -> Out
         return _new_drive(Path(name), output, drive)
 
     from drivegate.results.waivers import present_day
-    from drivegate.studies.new.write import KINDS, write_candidate
+    from drivegate.studies.new import KINDS, write_candidate
 
     folder = Path(name) if output is None else output
     named_drive(drive)
@@ -71,7 +71,7 @@ def _new_drive(file: Path, output: Path | None, start: str | None) -> Outcome:
         raise click.UsageError("--output goes with a candidate only; NAME is the file of a drive")
 
     from drivegate.drives.kinds import drive_for
-    from drivegate.studies.new.write import write_drive
+    from drivegate.studies.new import write_drive
 
     written = write_drive(file, drive_for(None, named_drive(start)))
     look = f"drivegate drive {quote(str(file))}"

@@ -46,7 +46,7 @@ def command(
     if cycles is not None and current_a is None:
         raise click.UsageError("--cycles goes with --current-a only")
     from drivegate.drives.kinds import require_angles
-    from drivegate.studies.point.point import point_document
+    from drivegate.studies.point import point_document
     from drivegate_cases.drive.drive_document import load_drive
 
     plant = require_angles(chosen_drive(drive, settings, lambda: load_drive(DEFAULT_DRIVE))).plant()
@@ -55,7 +55,7 @@ def command(
     )
 
     def show(console: Console) -> None:
-        from drivegate.studies.point.point import show_point
+        from drivegate.studies.point import show_point
 
         show_point(console, document, plant, torque_nm)
 

@@ -42,8 +42,7 @@ def command(file: Path, formats: tuple[str, ...], output: Path, sign: Path | Non
     chosen = report_formats(formats)
     result = read_result(file)
     if sign is not None:
-        from drivegate.results.signature import signed
-        from drivegate.results.signing_keys import read_private_key
+        from drivegate.results.signature import read_private_key, signed
 
         result = signed(result, read_private_key(sign))
     with ReportFolder(output) as folder:

@@ -64,14 +64,14 @@ def command(
     from drivegate.candidates.fault import Fault
     from drivegate.contracts.catalogue import contract_of
     from drivegate.output.trace_files import write_plot, write_trace
-    from drivegate.studies.simulate.simulate import document_of, simulated, trace_frame
+    from drivegate.studies.simulate import document_of, simulated, trace_frame
 
     ended = simulated(resolved, scenario)
     document = document_of(resolved, scenario, ended)
     if isinstance(ended, Fault):
 
         def show_failed(console: Console) -> None:
-            from drivegate.studies.simulate.simulate import show_fault
+            from drivegate.studies.simulate import show_fault
 
             show_fault(console, document)
 
@@ -87,7 +87,7 @@ def command(
     hint = "" if plot is not None else f"{again} --plot run.png"
 
     def show(console: Console) -> None:
-        from drivegate.studies.simulate.simulate import show_run
+        from drivegate.studies.simulate import show_run
 
         show_run(console, contract_of(scenario.drive), document, hint)
 

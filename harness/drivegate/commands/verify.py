@@ -29,7 +29,7 @@ def command(file: Path, key: Path | None) -> Outcome:
     The exit code is 0 when all of that holds, whatever the result's verdict, and 1 when the result was altered, its
     signature is invalid, or it is not signed by the key PUBLIC.
     """
-    from drivegate.studies.verify.verify import verification
+    from drivegate.studies.verify import verification
 
     document = verification(file, key)
     return Outcome(document, lambda console: _show(console, document), document["exit_code"])

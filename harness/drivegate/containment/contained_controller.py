@@ -11,8 +11,8 @@ from drivegate.containment.orders import CloseLoop, GiveSenses, Reset
 from drivegate.containment.serving import check_of
 from drivegate_models.contract.current.signals import Nameplate
 from drivegate_models.contract.duty.signals import DutyNameplate
-from drivegate_models.loop.command_playing import player_of, playing_step
 from drivegate_models.loop.exchange import COMPLETED
+from drivegate_models.loop.step_recording import player_of, playing_step
 
 
 class CommandPlayer:

@@ -20,7 +20,6 @@ from drivegate.containment.pool import WorkEnded, WorkerPool
 from drivegate.contracts.catalogue import CONTRACTS, all_checks, contract_of
 from drivegate.drives.kinds import drive_for
 from drivegate.drives.reach import refuse_unreachable
-from drivegate.gate.behaviour import behaviour_job
 from drivegate.gate.events import (
     CheckFinished,
     CheckPlan,
@@ -36,7 +35,7 @@ from drivegate.gate.events import (
 )
 from drivegate.gate.focus import WHOLE, Focus
 from drivegate.gate.plan import EXAMPLES, REPEATED, Origin, Work, planned_work
-from drivegate.gate.recording import recording_job, recording_plans, with_recordings
+from drivegate.gate.recording import behaviour_job, recording_job, recording_plans, with_recordings
 from drivegate.gate.repetition import repeated_elsewhere
 from drivegate.gate.same_drive import require_same_drive
 from drivegate.gate.shrinking import Shrunk, simplest_failures, with_simplest

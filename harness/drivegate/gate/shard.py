@@ -17,7 +17,7 @@ from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.fault import CandidateFault
 from drivegate.checks.judging import InfeasibleScenario, JudgedRun, ShardOutcome, judged
 from drivegate.checks.margin import Margin
-from drivegate.checks.unseen import NotRun
+from drivegate.checks.record import NotRun
 from drivegate.containment.messages import JudgedCandidate
 from drivegate.contracts.catalogue import all_checks, contract_of
 from drivegate.contracts.parting import room_for_commands

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from drivegate.contracts.catalogue import contract_of
-from drivegate.contracts.recorded_trace import recorded_trace
+from drivegate.contracts.recorded_trace import recorded_trace, trace_of_run
 from drivegate_cases.documents.wording import counted, one_line
+from drivegate_cases.scenario.scenario import Scenario
 
 _FEWEST_CHECKS: Final = 2
 """Failed checks from which on something counts as their common cause."""
@@ -128,3 +129,15 @@ def _urgency(check: Mapping[str, Any]) -> int:
     if check["verdict"] in ("waived", "inconclusive"):
         return 2
     return 0 if check["level"] == "required" else 1
+
+
+def account_of(document: Mapping[str, Any], check: Mapping[str, Any]) -> tuple[str, ...]:
+    """Describe the run that a result shows for a check; nothing where its signals were not recorded."""
+    trace = recorded_trace(document, check)
+    return () if trace is None else contract_of(trace.scenario.drive).account(trace)
+
+
+def account_of_run(scenario: Scenario, run: Any, judged_s: tuple[float, float]) -> tuple[str, ...]:
+    """Describe a finished run."""
+    trace = trace_of_run(scenario, run, judged_s)
+    return () if trace is None else contract_of(scenario.drive).account(trace)

@@ -109,7 +109,7 @@ def _causes(result: dict[str, Any]) -> list[str]:
 
 def _account(result: dict[str, Any], check: dict[str, Any]) -> list[str]:
     # It brings the oracle, which a result without failures does not need.
-    from drivegate.output.account import account_of
+    from drivegate.output.explanations import account_of
 
     return [f"  {escaped(sentence)}" for sentence in account_of(result, check)]
 

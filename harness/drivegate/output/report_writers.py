@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import redirect_stdout, suppress
 from dataclasses import dataclass
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, TypeAlias
+from threading import Thread
+from typing import Any, Final, TypeAlias
 
 from drivegate.candidates.fault import bounded_line
+from drivegate.gate.events import CheckStarted, Event, RunDone
 from drivegate_cases.documents.wording import one_line
+from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.errors import HarnessFault, InputError
-
-if TYPE_CHECKING:
-    from drivegate_cases.drive.drive_document import DriveDocument
 
 REPORT_GROUP: Final = "drivegate.reports"
 """Group of entry points, each a function of the result document and a folder that returns what it wrote."""
@@ -110,3 +110,35 @@ def reproduction_writer() -> Reproduce:
         f"no installed package offers the entry point '{PUBLICATION}' of the group '{REPRODUCTION_GROUP}'; "
         "install drivegate anew, which brings it"
     )
+
+
+class Preparation:
+    """Prepares reports on drives in threads, which leave the result and the pages unchanged."""
+
+    def __init__(self, writers: Mapping[str, LoadWriter]) -> None:
+        self._writers = writers
+        self._threads: dict[DriveDocument, Thread] = {}
+
+    def following(self, events: Iterable[Event]) -> Iterator[Event]:
+        """Pass the events of a check on, and begin at its first run, when all kernels are compiled."""
+        drive: DriveDocument | None = None
+        for event in events:
+            if isinstance(event, CheckStarted):
+                drive = None if event.plan is None else event.plan.drive
+            elif isinstance(event, RunDone) and drive is not None and drive not in self._threads:
+                self._threads[drive] = Thread(target=self._prepare, args=(drive,), daemon=True)
+                self._threads[drive].start()
+            yield event
+
+    def wait(self) -> None:
+        """Wait until everything is prepared."""
+        for thread in self._threads.values():
+            thread.join()
+
+    def _prepare(self, drive: DriveDocument) -> None:
+        for load in self._writers.values():
+            prepare = preparation(load)
+            # Whatever is wrong is reported when the page is written.
+            with suppress(Exception):
+                if prepare is not None:
+                    prepare(drive)

@@ -110,3 +110,18 @@ def require_kind(mapping: Mapping[str, Any], kind: str, path: str | Path) -> Non
     raise InputError(
         f"{shown_path(path)} {actual}, but must be a document with the key kind = '{one_line(kind)}'"
     )
+
+
+def read_corpus(folder: Path) -> tuple[Counterexample, ...]:
+    """Read every counterexample of a folder."""
+    try:
+        if not folder.is_dir():
+            problem = "is no folder" if folder.exists() else "does not exist"
+            raise InputError(f"--corpus {shown_path(folder)} {problem}; name a folder of counterexamples")
+        files = sorted(path for path in folder.iterdir() if path.name.endswith(".json"))
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(
+            f"--corpus {shown_path(folder)} cannot be read: {one_line(reason)}; name a readable folder"
+        ) from error
+    return tuple(read_counterexample(file) for file in files)

@@ -147,7 +147,7 @@ def _planned(requested: _Request) -> tuple[Candidate, Iterator[Event]]:
     """Plan a check; bad input is refused, none of the candidate's code runs."""
     from drivegate.candidates.resolution import resolve_candidate
     from drivegate.gate.engine import check_candidate
-    from drivegate.results.corpus import read_corpus
+    from drivegate.results.counterexample import read_corpus
     from drivegate.results.waivers import read_waivers
 
     candidate = resolve_candidate(requested.candidate)

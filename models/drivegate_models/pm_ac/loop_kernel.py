@@ -39,7 +39,6 @@ from drivegate_models.pm_ac.sensing import (
     show_shaft,
     turn_shaft_sensors,
 )
-from drivegate_models.pm_ac.shaft import speed_change
 
 _LEAST_SHARE: Final = 1e-6
 """Minimum throughput of a period in its balance, relative to the energy of link voltage times current limit (1)."""
@@ -230,7 +229,7 @@ def _run_from_initial_state(
             for leg in range(3):
                 room.last[leg] = low_side_ratio(room.ratios[0, leg], room.legs[0, leg])
         if load.kind != LOCKED and not is_locked:
-            change = speed_change(drive, inertia, speed, opposing, weight, period, length)
+            change = _speed_change(drive, inertia, speed, opposing, weight, period, length)
             speed += change
         if delay > 0:
             for leg in range(3):
@@ -297,3 +296,51 @@ def run_periods(
     return _run_from_initial_state(
         drive, phases, load, schedule, torque, exchange, timing, room, sensors, failure, records
     )
+
+
+@inlined
+def _speed_change(
+    drive: PmAcDrive,
+    inertia: float,
+    speed: float,
+    load: float,
+    weight: float,
+    period: NDArray[np.float64],
+    length: float,
+) -> float:
+    """Return the change of the shaft's speed in a control period.
+
+    Parameters
+    ----------
+    drive : PmAcDrive
+        Its friction constants are used.
+    inertia : float
+        Inertia of rotor and load (kg m2).
+    speed : float
+        Speed at the start of the period (rad/s).
+    load : float
+        Magnitude of the load's torque, which opposes the shaft's rotation (N m).
+    weight : float
+        Torque that turns the shaft backward, whichever way it turns (N m).
+    period : ndarray, shape (ledger.ENTRIES,)
+        Exact integrals over the period.
+    length : float
+        Length of the period (s).
+
+    Returns
+    -------
+    float
+        Change of speed (rad/s).
+    """
+    driving = (period[ledger.IMPULSE] - period[ledger.CORE_DRAG_IMPULSE]) / length
+    driving -= drive.viscous_friction * speed + weight
+    opposing = load + drive.friction
+    # Load and friction oppose a turning shaft and stop it; they never drive it.
+    mobility = length / inertia
+    forward = float((driving - opposing) * mobility)
+    backward = float((driving + opposing) * mobility)
+    if speed > 0.0:
+        return max(forward, -speed) if driving >= -opposing else forward
+    if speed < 0.0:
+        return min(backward, -speed) if driving <= opposing else backward
+    return max(forward, 0.0) + min(backward, 0.0)

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any, Final, Protocol
+from typing import Annotated, Any, Final, Protocol
 
-from pydantic import ValidationError
+from pydantic import Field, ValidationError
 
 from drivegate_cases.documents.rounding import rounded_to_digits
-from drivegate_cases.drive.provenance import Provenance
+from drivegate_cases.documents.wording import shown
 from drivegate_cases.drive.rating import FOLLOWING, Rating
 from drivegate_models.units import RADIANS_PER_RPM
 
+_Sentence = Annotated[str, Field(max_length=1000)]
+Provenance = dict[str, dict[str, _Sentence]]
+"""A sentence for each key of each table, written ``machine.phases = "stated: …"``."""
 USABLE_SHARE: Final = 0.92
 """Share of the greatest torque that a rating may use; the rest is reserved for the regulator (1)."""
 SPEEDS: Final = 21
@@ -132,3 +135,14 @@ def check_continuous_current(drive: SheetDrive) -> None:
             f"{rating.base_speed_rpm:g} rpm; state the peak value, 1.414 times the rms value of a "
             "data sheet, or leave rated_power_w out"
         )
+
+
+def check_provenance(provenance: Provenance, tables: Mapping[str, tuple[str, ...]]) -> Provenance:
+    """Check that sentences are of keys that there are."""
+    for table, sentences in provenance.items():
+        if table not in tables:
+            raise ValueError(f"{shown(table)} is no table of a drive, which are {', '.join(tables)}")
+        for key in sentences:
+            if key not in tables[table]:
+                raise ValueError(f"{shown(key)} is no key of the table '{table}'")
+    return provenance

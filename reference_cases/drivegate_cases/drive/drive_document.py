@@ -18,14 +18,19 @@ from drivegate_cases.documents.overrides import parse_overrides
 from drivegate_cases.documents.packaged import load_named, packaged_names
 from drivegate_cases.documents.wording import shown
 from drivegate_cases.drive.advance import Advance, advance_line
-from drivegate_cases.drive.data_sheet import check_continuous_current, completed, following
+from drivegate_cases.drive.data_sheet import (
+    Provenance,
+    check_continuous_current,
+    check_provenance,
+    completed,
+    following,
+)
 from drivegate_cases.drive.inverter import Inverter
 from drivegate_cases.drive.machine import OF_SHAPE, Machine
+from drivegate_cases.drive.plant_constants import NOMINAL, Scales
 from drivegate_cases.drive.position import Position
-from drivegate_cases.drive.provenance import Provenance, check_provenance
 from drivegate_cases.drive.rating import Rating
 from drivegate_cases.drive.requirements import NO_REQUIREMENTS, Requirements, check_points
-from drivegate_cases.drive.scales import NOMINAL, Scales
 from drivegate_models.units import RADIANS_PER_RPM
 
 if TYPE_CHECKING:

@@ -20,7 +20,7 @@ import yaml
 from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
 from cryptography.hazmat.primitives.serialization import Encoding, NoEncryption, PrivateFormat, PublicFormat
 
-from drivegate.studies.new.write import write_candidate
+from drivegate.studies.new import write_candidate
 from drivegate_models.compilation.kernels import cache_key
 
 ROOT = Path(__file__).parents[3]

@@ -22,7 +22,7 @@ from drivegate.results.counterexample import read_counterexample
 from drivegate.results.result import content_hash
 from drivegate.results.waivers import read_waivers
 from drivegate.studies.campaign.file import read_campaign
-from drivegate.studies.verify.verify import verification
+from drivegate.studies.verify import verification
 from drivegate_cases.documents.document import read_document
 from drivegate_cases.documents.wording import LONGEST_MESSAGE
 from drivegate_cases.drive.drive_document import load_drive

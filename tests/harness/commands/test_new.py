@@ -15,7 +15,7 @@ from drivegate.results.provenance import versions
 from drivegate.results.waivers import read_waivers
 from drivegate.studies.diff.diff import compared
 from drivegate.studies.diff.rule import Rule
-from drivegate.studies.new.write import KINDS, WAIVED, WHEELS, wheel_name, write_candidate
+from drivegate.studies.new import KINDS, WAIVED, WHEELS, wheel_name, write_candidate
 from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.errors import InputError
 

@@ -22,7 +22,7 @@ from drivegate.contracts.duty.scenarios.building import speed_scenario, torque_o
 from drivegate.drives.kinds import drive_for
 from drivegate.drives.running import recorded
 from drivegate.results.waivers import read_waivers
-from drivegate.studies.new.write import KINDS, write_candidate
+from drivegate.studies.new import KINDS, write_candidate
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.scenario import Scenario

@@ -160,7 +160,7 @@ def test_no_value_can_be_altered(
     # Of another kind there is nothing to verify.
     covered.remove(("kind",))
     assert len(covered) > 150, "there must be something to alter"
-    from drivegate.studies.verify.verify import verification
+    from drivegate.studies.verify import verification
 
     file = tmp_path / "altered.json"
     for place in covered:

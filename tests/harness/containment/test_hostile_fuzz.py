@@ -34,8 +34,8 @@ from drivegate.gate.shard import FixedRuns, run_fixed
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_models.contract.current.records import COMMAND
 from drivegate_models.errors import InputError
-from drivegate_models.loop.command_playing import player_of, playing_step
 from drivegate_models.loop.given_steps import senses_of
+from drivegate_models.loop.step_recording import player_of, playing_step
 
 HOSTILE = runpy.run_path(str(Path(__file__).with_name("hostile_actions.py")))
 SCENARIOS = fixed_scenarios(load_drive("paper-5-phase"))

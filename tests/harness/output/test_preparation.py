@@ -6,7 +6,7 @@ from types import ModuleType
 import pytest
 
 from drivegate.gate.events import CheckPlan, CheckStarted, Compiling, RunDone
-from drivegate.output.preparation import Preparation
+from drivegate.output.report_writers import Preparation
 from drivegate_cases.drive.drive_document import load_drive
 
 RUN = RunDone(1, 2, "a scenario", "")

@@ -7,8 +7,7 @@ from typing import Any
 
 import pytest
 
-from drivegate.results.corpus import read_corpus
-from drivegate.results.counterexample import Counterexample, read_counterexample
+from drivegate.results.counterexample import Counterexample, read_corpus, read_counterexample
 from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.errors import InputError
 

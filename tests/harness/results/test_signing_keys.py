@@ -19,8 +19,7 @@ from cryptography.hazmat.primitives.serialization import (
     PublicFormat,
 )
 
-from drivegate.results.signature import public_key_line
-from drivegate.results.signing_keys import read_private_key, read_public_key
+from drivegate.results.signature import public_key_line, read_private_key, read_public_key
 from drivegate_models.errors import InputError
 
 Written = Callable[[bytes], Path]

@@ -14,8 +14,8 @@ from drivegate_models.controllers.current.state import CONTROLLER_STATE
 from drivegate_models.half_bridge.closed_loop import prepared_loop
 from drivegate_models.loop import exchange
 from drivegate_models.loop.closed_loop import ClosedLoopRun
-from drivegate_models.loop.command_playing import player_of, playing_step
 from drivegate_models.loop.schedule import Course, Schedule, steady
+from drivegate_models.loop.step_recording import player_of, playing_step
 from drivegate_models.machine import ledger
 from drivegate_models.machine.load import (
     CONSTANT_POWER,

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE
-from drivegate_models.loop.command_playing import player_of, playing_step
 from drivegate_models.loop.duty_command import BAD_LEG
 from drivegate_models.loop.exchange import COMPLETED, NOT_FINITE, STOPPED
 from drivegate_models.loop.given_steps import MAKE_STEPS, given_senses
+from drivegate_models.loop.step_recording import player_of, playing_step
 
 STEP = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p)
 CURRENTS = np.arange(15.0).reshape(5, 3)

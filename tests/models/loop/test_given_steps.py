@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from drivegate_models.contract.current.records import COMMAND, SENSE, STOP
-from drivegate_models.loop.command_playing import player_of, playing_step
 from drivegate_models.loop.exchange import COMPLETED, NOT_FINITE, STOPPED
 from drivegate_models.loop.given_steps import MAKE_STEPS, given_senses, senses_of
+from drivegate_models.loop.step_recording import player_of, playing_step
 
 SCALARS = ("time", "speed_reference", "speed", "current_magnitude_sum", "half_supply_voltage")
 STEP = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p)

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from drivegate_models.machine.logarithm import GREATEST, logarithm_ratio
+from drivegate_models.machine.winding_current import GREATEST, logarithm_ratio
 
 
 def _error_in_last_place(x: float) -> float:

@@ -9,10 +9,9 @@ from functools import cached_property
 from typing import Any
 
 from drivegate.candidates.declaration import Declaration
-from drivegate.checks.record import Record
-from drivegate.checks.unseen import Unseen
+from drivegate.checks.record import Record, Unseen
 from drivegate.contracts.current.run import observed_windows
-from drivegate_cases.drive.scales import Scales
+from drivegate_cases.drive.plant_constants import Scales
 from drivegate_cases.scenario.circumstance import Circumstance, circumstance
 from drivegate_cases.scenario.load import LockedLoad
 from drivegate_cases.scenario.profile import Dwell, dwell_scales, dwell_torque, dwells, is_after_change

@@ -8,8 +8,8 @@ from random import Random
 from typing import Final
 
 from drivegate.drives.drawn.bounds import Bound, Values
+from drivegate_cases.drive.data_sheet import Provenance
 from drivegate_cases.drive.drive_document import DriveDocument
-from drivegate_cases.drive.provenance import Provenance
 from drivegate_models.errors import HarnessFault
 
 MOST_DRAWS: Final = 1000

@@ -13,7 +13,7 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.drives.kinds import DEFAULT_DRIVE
 from drivegate.results.waivers import present_day
 from drivegate.studies.bench.measurement import NotMeasured
-from drivegate.studies.new.write import write_candidate
+from drivegate.studies.new import write_candidate
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario, load_scenario
 from drivegate_models.errors import InputError

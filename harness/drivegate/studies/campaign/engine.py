@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+import hashlib
+import pickle
 from collections import deque
 from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, TypeAlias
 
+from drivegate.candidates.candidate import Candidate
+from drivegate.candidates.fault import Fault
 from drivegate.candidates.kinds import KINDS
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.backend import Backend, done_by
+from drivegate.containment.contained_runs import contained_runs
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.containment.pool import WorkerPool
@@ -17,11 +24,13 @@ from drivegate.contracts.catalogue import CONTRACTS
 from drivegate.gate.warm_up import compile_missing
 from drivegate.output.report_writers import CAMPAIGN_GROUP, report_points, write_reports
 from drivegate.output.resumed_folder import failures_refused
+from drivegate.results.provenance import versions
 from drivegate.studies.campaign.folder import CampaignFolder
-from drivegate.studies.campaign.plan import CampaignPlan
-from drivegate.studies.campaign.row import RowRequest, run_row
-from drivegate.studies.campaign.run import packed, run_chunk
+from drivegate.studies.campaign.plan import CampaignPlan, Chunk
+from drivegate.studies.campaign.row import CampaignRow, RowRequest, fault_row, run_row
 from drivegate.studies.campaign.table import table_bytes
+from drivegate_cases.documents.wording import one_line, shown_path
+from drivegate_models.errors import InputError
 
 ReportProgress: TypeAlias = Callable[[int, int], None]
 """Takes the number of runs that are kept so far, and how many of them were there before."""
@@ -92,3 +101,83 @@ def write_pages(document: dict[str, Any], folder: CampaignFolder) -> tuple[Path,
                 raise error
     written.require_all()
     return tuple(folder.place / page for page in written.pages.values())
+
+
+@dataclass(frozen=True)
+class ChunkResult:
+    """What the runs of one file came to."""
+
+    chunk: Chunk
+    """Which runs."""
+    rows: tuple[CampaignRow, ...]
+    """One for each of them."""
+
+
+def packed(plan: CampaignPlan) -> bytes:
+    """Make a plan ready to be sent to workers."""
+    sources = tuple(_fingerprint(candidate) for candidate in plan.candidates)
+    return pickle.dumps((plan, sources, _versions()), pickle.HIGHEST_PROTOCOL)
+
+
+def _fingerprint(candidate: Candidate) -> str:
+    """Hash what a candidate's files hold at this moment."""
+    digest = hashlib.sha256()
+    for source in candidate.sources:
+        try:
+            content = source.read_bytes()
+        except OSError as error:
+            raise InputError(
+                f"{shown_path(source)}, a file of the candidate '{one_line(candidate.name)}', cannot be read by a "
+                f"worker: {error.strerror}; every worker must see it at the same path"
+            ) from error
+        digest.update(hashlib.sha256(content).digest())
+    return digest.hexdigest()
+
+
+def run_chunk(package: bytes, chunk: Chunk) -> ChunkResult:
+    """Make the runs of one file."""
+    plan, fingerprints, required = _unpacked(package)
+    _require_versions(required)
+    candidate = plan.candidates[chunk.candidate]
+    _require_unchanged(candidate, fingerprints[chunk.candidate])
+    requests = (
+        RowRequest(plan.run(number).scenario, plan.checks)
+        for number in range(chunk.first, chunk.first + chunk.length)
+    )
+    endings = contained_runs(candidate, run_row, requests)
+    rows = tuple(fault_row(ending) if isinstance(ending, Fault) else ending for ending in endings)
+    _require_unchanged(candidate, fingerprints[chunk.candidate])
+    return ChunkResult(chunk, rows)
+
+
+@lru_cache(maxsize=2)
+def _unpacked(package: bytes) -> tuple[CampaignPlan, tuple[str, ...], dict[str, Any]]:
+    plan, fingerprints, required = pickle.loads(package)
+    return plan, fingerprints, required
+
+
+@lru_cache(maxsize=1)
+def _versions() -> dict[str, Any]:
+    return versions()
+
+
+def _require_versions(required: dict[str, Any]) -> None:
+    if required != _versions():
+        raise InputError(
+            f"a worker has other versions ({_in_words(_versions())}) than the campaign ({_in_words(required)}); "
+            "install the same everywhere, since results of two versions are not mixed"
+        )
+
+
+def _in_words(told: dict[str, Any]) -> str:
+    packages = ", ".join(f"{name} {number}" for name, number in told["packages"].items())
+    head = f"drivegate {told['drivegate']} ({told['sources']}), Python {told['python']} on {told['machine']}"
+    return one_line(f"{head}, {packages}")
+
+
+def _require_unchanged(candidate: Candidate, known: str) -> None:
+    if _fingerprint(candidate) != known:
+        raise InputError(
+            f"the candidate '{one_line(candidate.name)}' has been changed since the campaign began; put it back, or "
+            "begin again in a new folder"
+        )

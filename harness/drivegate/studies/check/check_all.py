@@ -18,10 +18,9 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.gate.events import Event, Running
 from drivegate.output.event_loop import finished
 from drivegate.output.pace import CheckPace
-from drivegate.output.preparation import Preparation
 from drivegate.output.progress import progress_on
 from drivegate.output.report_folder import ReportFolder
-from drivegate.output.report_writers import page_name, write_reports
+from drivegate.output.report_writers import Preparation, page_name, write_reports
 from drivegate.output.result_file import RESULT_FILE, as_json
 from drivegate.output.result_reports import own_formats, page_formats, write_result
 from drivegate.results.result import CheckResult
@@ -213,7 +212,7 @@ def _options(effort: Effort, records: Records, names: Sequence[str]) -> dict[str
         "contested": effort.contested,
     }
     if records.corpus is not None:
-        from drivegate.results.corpus import read_corpus
+        from drivegate.results.counterexample import read_corpus
 
         options["corpus"] = read_corpus(records.corpus)
     if records.waivers is not None:
@@ -231,8 +230,7 @@ def _finish(sign: Path | None) -> Callable[[CheckResult], dict[str, Any]]:
     """Give what makes a document of a result, signed if there is a key; it is read before any candidate is."""
     if sign is None:
         return CheckResult.document
-    from drivegate.results.signature import signed
-    from drivegate.results.signing_keys import read_private_key
+    from drivegate.results.signature import read_private_key, signed
 
     key = read_private_key(sign)
     return lambda result: signed(result.document(), key)

@@ -93,7 +93,7 @@ def _show_counterexample(
     console: Console, document: dict[str, Any], check: dict[str, Any], folder: Path | None
 ) -> None:
     # It brings the oracle, which a check without failures does not need.
-    from drivegate.output.account import account_of
+    from drivegate.output.explanations import account_of
 
     outcome = "fails" if check["verdict"] == "fail" else f"fails, {check['verdict']}"
     style = "bold" if check["level"] == "required" else STYLES[ADVISED]

@@ -15,7 +15,7 @@ from drivegate.output.result_file import COUNTEREXAMPLES
 from drivegate.output.trace_files import write_plot
 from drivegate.results.counterexample import Counterexample
 from drivegate.studies.replay.replay import FIXED, NOT_REPRODUCED, STILL_FAILS, Replay, marked_angle
-from drivegate.studies.simulate.simulate import trace_frame
+from drivegate.studies.simulate import trace_frame
 from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.documents.wording import counted, one_line
 from drivegate_cases.scenario.script import Script

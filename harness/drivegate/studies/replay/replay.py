@@ -27,13 +27,13 @@ from drivegate.contracts.recorded_trace import trace_of_run
 from drivegate.drives.running import recorded, with_repetitions
 from drivegate.gate.plan import REPEATED
 from drivegate.gate.repetition import Repetition, different_elsewhere, explanation_jobs, repetition_job
-from drivegate.output.account import account_of_run
 from drivegate.output.compiled_kernels import with_compiled_kernels
+from drivegate.output.explanations import account_of_run
 from drivegate.output.pace import tell_slow
 from drivegate.results.counterexample import Counterexample
 from drivegate.results.provenance import versions
 from drivegate.results.result import finite
-from drivegate.studies.simulate.simulate import MOST_ROWS
+from drivegate.studies.simulate import MOST_ROWS
 from drivegate_cases.documents.wording import one_line
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.scenario import Scenario

@@ -16,10 +16,8 @@ from numba.np.numpy_support import carray
 from drivegate_models.compilation.calling import step_signature
 from drivegate_models.compilation.kernels import KEEPS_CACHE, inlined
 from drivegate_models.contract.current.records import COMMAND, SENSE
-from drivegate_models.controllers.current.angle_line import initial_angle
 from drivegate_models.controllers.current.flowchart_search import decide_by_flowchart, decide_guarded
 from drivegate_models.controllers.current.protection import guard_regulation, rearm
-from drivegate_models.controllers.current.speed_regulator import regulate_speed
 from drivegate_models.controllers.current.state import CONTROLLER_STATE, FLOWCHART, GUARDED, NO_SEARCH
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -250,3 +248,34 @@ def reset_function() -> Any:
         reset_state(state[0], nameplate[0], search)
 
     return numba.njit(cache=KEEPS_CACHE)(reset)
+
+
+@inlined
+def regulate_speed(
+    error: float, integral: float, proportional: float, integral_step: float, limit: float
+) -> tuple[float, float]:
+    """Return the current reference, from 0 to `limit`, and the new integral (A): the PI regulator of Fig. 2.
+
+    `error` is speed reference minus speed (rad/s), `proportional` the gain, and `integral_step` the integral gain times
+    the control period (both A s/rad). The integral stays constant while the output is limited in the error's direction.
+    """
+    following = min(max(integral + integral_step * error, 0.0), limit)
+    reference = proportional * error + following
+    # At a limit the integral may only decrease in magnitude; otherwise the speed overshoots until it is unwound.
+    if reference > limit:
+        return limit, min(integral, following) if error > 0.0 else following
+    if reference < 0.0:
+        return 0.0, max(integral, following) if error < 0.0 else following
+    return reference, following
+
+
+@inlined
+def initial_angle(speed: float, base_speed: float, angle_at_base: float, slope: float) -> float:
+    """Return the initial advance angle (rad electrical), limited to 0 to 90 degrees.
+
+    Below `base_speed` (rad/s) it is zero. Above, it starts at `angle_at_base` (rad electrical; 0 in the paper's Fig. 3)
+    and rises by `slope` (rad electrical per rad/s).
+    """
+    if speed < base_speed:
+        return 0.0
+    return min(max(angle_at_base + slope * (speed - base_speed), 0.0), 1.5707963267948966)

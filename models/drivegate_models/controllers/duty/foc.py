@@ -29,7 +29,6 @@ from drivegate_models.controllers.duty.current_regulator import (
 )
 from drivegate_models.controllers.duty.flux_prediction import regulate_flux, reset_prediction
 from drivegate_models.controllers.duty.hall_observer import reset_observer
-from drivegate_models.controllers.duty.loss_model import least_loss_direct
 from drivegate_models.controllers.duty.loss_search import reset_search, restart_search, searched_offset
 from drivegate_models.controllers.duty.plausibility import (
     detect_fault,
@@ -47,6 +46,8 @@ from drivegate_models.controllers.duty.state import (
 )
 from drivegate_models.controllers.duty.torque_regulation import regulate_torque, reset_torque_regulation
 
+_NEWTON_STEPS: Final = 16
+_CONVERGED: Final = 1e-9
 VOLTAGE_SHARE: Final = 0.98
 """Share of the undistorted voltage for the reference currents; the rest is reserved for the current regulators."""
 
@@ -112,7 +113,7 @@ def _currents_for(
         voltage *= 1.0 - _BRAKING_ROOM * braking
     direct = least_current_direct(state, requested)
     if state.aim == MODELLED_LOSS:
-        direct = least_loss_direct(state, requested, electrical, direct)
+        direct = _least_loss_direct(state, requested, electrical, direct)
     if state.aim != UNWEAKENED:
         direct, requested = limited_by_voltage(state, requested, electrical, voltage, resistance, direct)
     if state.aim == SEARCHED_LOSS:
@@ -251,3 +252,32 @@ def reset_function() -> Any:
         reset_state(state[0], nameplate[0])
 
     return numba.njit(cache=KEEPS_CACHE)(reset)
+
+
+@inlined
+def _least_loss_direct(state: Any, torque: float, electrical: float, direct: float) -> float:
+    """Return the d-axis current (A) that provides a torque with minimum loss, limited to field weakening.
+
+    `torque` is at least 0 (N m), `electrical` the electrical speed (rad/s) and `direct` the initial value (A, at
+    most 0).
+
+    After Morimoto, Tong, Takeda and Hirasa, "Loss minimization control of permanent magnet synchronous motor
+    drives", IEEE Transactions on Industrial Electronics 41(5), 1994. With the q-axis current that produces the
+    torque, ``R (i_d**2 + i_q**2) + G w**2 (psi_d**2 + psi_q**2)`` is convex in ``i_d``, so its slope is zero at the
+    minimum.
+    """
+    saliency = state.direct_inductance - state.quadrature_inductance
+    core = state.core_loss_conductance * electrical * electrical
+    across = state.resistance + core * state.quadrature_inductance * state.quadrature_inductance
+    along = state.resistance + core * state.direct_inductance * state.direct_inductance
+    magnet = core * state.direct_inductance * state.magnet_flux
+    for _ in range(_NEWTON_STEPS):
+        per_ampere = torque_per_quadrature(state, direct)
+        quadrature = torque / per_ampere
+        change = -1.5 * state.pole_pairs * saliency * quadrature / per_ampere
+        slope = along * direct + magnet + across * quadrature * change
+        step = slope / (along + 3.0 * across * change * change)
+        direct = min(max(direct - step, state.deepest), 0.0)
+        if abs(step) <= _CONVERGED * state.current_limit:
+            break
+    return float(direct)

@@ -7,7 +7,7 @@ from typing import Any, Final
 
 from drivegate_models.compilation.calling import double_at
 from drivegate_models.compilation.kernels import inlined
-from drivegate_models.controllers.current.angle_line import initial_angle
+from drivegate_models.controllers.current.builtin import initial_angle
 from drivegate_models.controllers.current.state import HOLDING, SEARCHING
 from drivegate_models.faults.current import state as faults
 

@@ -17,7 +17,7 @@ from drivegate.containment.stall_watch import WorkerLimits
 from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.contracts.current.record import CurrentRecord
 from drivegate.drives.running import run_scenario
-from drivegate.studies.simulate.simulate import run_once
+from drivegate.studies.simulate import run_once
 from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.contract.current.signals import Nameplate
 from drivegate_models.errors import InputError

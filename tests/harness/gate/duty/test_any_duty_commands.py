@@ -22,9 +22,8 @@ from drivegate.containment.messages import JudgedCandidate
 from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.duty.run import DUTY_RATIOS, LEGS
 from drivegate.contracts.duty.scenarios.building import torque_of, torque_scenario
-from drivegate.gate.behaviour import behaviour_job
 from drivegate.gate.plan import NOTHING_DECLARED
-from drivegate.gate.recording import recording_job, recording_plans, with_recordings
+from drivegate.gate.recording import behaviour_job, recording_job, recording_plans, with_recordings
 from drivegate.gate.shard import FixedRuns, run_fixed
 from drivegate.output.result_reports import all_formats, read_result, write_result
 from drivegate.results.provenance import provenance
@@ -33,7 +32,7 @@ from drivegate.results.verdict import candidate_verdict, check_outcomes
 from drivegate_cases.drive.drive_document import drive_names, load_drive
 from drivegate_models.contract.duty.records import DUTY_COMMAND
 from drivegate_models.contract.duty.signals import LEG_HIGH, LEG_LOW, LEG_OFF, LEG_PWM
-from drivegate_models.loop.command_playing import player_of, playing_step
+from drivegate_models.loop.step_recording import player_of, playing_step
 
 DRIVES: Final = tuple(name for name in drive_names() if load_drive(name).kind == "pm-ac")
 MOST_STEPS: Final = 20_000

@@ -25,11 +25,11 @@ from drivegate.contracts.duty.scenarios.building import (
 from drivegate.contracts.duty.scenarios.feasibility import unfair_because
 from drivegate.drives.reach import refuse_unreachable
 from drivegate.drives.running import recorded
-from drivegate.gate.behaviour import behaviour_job
 from drivegate.gate.engine import check_candidate
 from drivegate.gate.events import CheckFinished
 from drivegate.gate.focus import Focus
 from drivegate.gate.plan import NOTHING_DECLARED, TimedSteps, time_steps
+from drivegate.gate.recording import behaviour_job
 from drivegate.gate.shard import DrawnRuns, FixedRuns, run_drawn, run_fixed
 from drivegate.results.verdict import check_outcomes
 from drivegate.scenarios.changes import with_scales

@@ -8,9 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drivegate_models.controllers.current.angle_line import initial_angle
+from drivegate_models.controllers.current.builtin import initial_angle, regulate_speed
 from drivegate_models.controllers.current.flowchart_search import decide_by_flowchart
-from drivegate_models.controllers.current.speed_regulator import regulate_speed
 from drivegate_models.controllers.current.state import CONTROLLER_STATE
 
 pytestmark = pytest.mark.kernel

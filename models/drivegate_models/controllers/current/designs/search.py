@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import inf
+from math import inf, radians
 from typing import Any, Final
 
 from drivegate_models.compilation.kernels import inlined
@@ -33,10 +33,10 @@ from drivegate_models.controllers.current.designs.rest import begin_watch, is_re
 from drivegate_models.controllers.current.designs.state import (
     ANGLE_TABLE,
     GOLDEN_SECTION,
+    LOWEST_ANGLE,
     QUADRATIC_INTERPOLATION,
     SWEEP,
 )
-from drivegate_models.controllers.current.designs.sweep import begin_sweep, continue_sweep
 from drivegate_models.controllers.current.designs.table import MOST_LOOKUPS, look_up
 from drivegate_models.controllers.current.forbidden_angle import MARGIN, forget_other_load
 from drivegate_models.controllers.current.protection import rearm
@@ -51,6 +51,11 @@ from drivegate_models.controllers.current.watch import (
     watch_search,
 )
 
+_COARSE = radians(2.0)
+_FINE = radians(0.5)
+_COARSE_RISE = 1.05
+_FINE_RISE = 1.01
+_AROUND = radians(1.25)
 LONGEST_SEARCH: Final = 40
 """Decisions after which a search falls back to the table."""
 MOST_DECISIONS: Final = 44
@@ -78,7 +83,7 @@ def first_probe(state: Any) -> float:
         return begin_golden_section(state)
     if state.design == QUADRATIC_INTERPOLATION:
         return begin_quadratic_interpolation(state)
-    return begin_sweep(state)
+    return _begin_sweep(state)
 
 
 @inlined
@@ -97,7 +102,7 @@ def next_probe(state: Any, current_sum: float) -> float:
     elif state.design == QUADRATIC_INTERPOLATION:
         probe = continue_quadratic_interpolation(state, current_sum)
     else:
-        probe = continue_sweep(state, current_sum)
+        probe = _continue_sweep(state, current_sum)
     # After a long search there is no time to confirm: it must come to rest.
     confirm = state.finished == 1 and state.decisions < _LATEST_TO_CONFIRM and is_worth_confirming(state)
     return begin_confirmation(state) if confirm else probe
@@ -296,3 +301,47 @@ def decide_design(state: Any) -> None:
         record_cheapest(state)
         set_target(state, next_probe(state, controller.last_power))
     approach(state)
+
+
+@inlined
+def _begin_sweep(state: Any) -> float:
+    """Sweep down from the starting angle, and return the first offset to probe (rad electrical).
+
+    `left` is the cheapest offset, `right` the last one, and `low` the end of the sweep.
+    """
+    state.left = state.home
+    state.left_power = state.home_power
+    state.low = LOWEST_ANGLE - state.line
+    state.right = state.home - _COARSE
+    probe: float = state.right
+    return probe
+
+
+@inlined
+def _continue_sweep(state: Any, current_sum: float) -> float:
+    """Continue down until the current sum rises or the torque is lost, then sweep finely around the minimum.
+
+    `stage` is 0 during the coarse sweep, 1 on the way back up and 2 during the fine sweep. `current_sum` is what
+    the last probe cost (A), infinite if the torque was lost. Return the next offset to probe (rad electrical).
+    """
+    # At the top of the fine sweep, replace the value that the coarse sweep measured there.
+    if state.stage == 1 or current_sum < state.left_power:
+        state.left = state.right
+        state.left_power = current_sum
+    # Ignore a small rise: at light load the current sum has local minima.
+    ended = current_sum > state.left_power * (_COARSE_RISE if state.stage == 0 else _FINE_RISE)
+    step = _COARSE if state.stage == 0 else _FINE
+    ended = ended or state.right - step < state.low
+    if state.stage == 0 and ended and is_worth_confirming(state):
+        state.stage = 1
+        state.low = max(state.low, state.left - _AROUND)
+        # Like the coarse sweep, the fine sweep descends from the side that provides the torque.
+        state.right = min(state.left + _AROUND, state.home)
+    elif ended:
+        state.best_offset = state.left
+        state.finished = 1
+    else:
+        state.stage = 2 if state.stage > 0 else 0
+        state.right -= step
+    probe: float = state.right
+    return probe

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from drivegate.contracts.duty.run import duty_sensors
 from drivegate.contracts.duty.scenarios.building import (
     load_step_scenario,
     speed_scenario,
@@ -18,7 +19,6 @@ from drivegate.contracts.duty.scenarios.drawn import drawn_scenarios
 from drivegate.contracts.duty.scenarios.feasibility import unfair_because
 from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios
 from drivegate.contracts.duty.scenarios.simplification import DUTY_SIMPLIFICATIONS
-from drivegate.contracts.duty.sensing import duty_sensors
 from drivegate.scenarios.simplification import simplified
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.drive.drive_document import load_drive

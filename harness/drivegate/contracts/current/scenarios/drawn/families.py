@@ -33,6 +33,7 @@ from drivegate.contracts.current.scenarios.drawn.steps import (
     steps_between,
 )
 from drivegate.contracts.current.scenarios.feasibility import coasted_rate
+from drivegate.scenarios.drawn_range import LIGHTEST_SHARE, NONE, DrawnRange, Interval
 from drivegate.scenarios.drive_scale import scale_of, tidy
 from drivegate.scenarios.speed_range import SpeedRange
 from drivegate_cases.drive.drive_document import DriveDocument
@@ -130,3 +131,14 @@ def drawn_scenarios(
     drawn = [family(drive, speed_range) for families in groups for family in families]
     filled = [strategy for strategy in drawn if not strategy.is_empty]
     return st.one_of(filled or [steady_scenarios(drive, speed_range)])
+
+
+def drawn_range(scenario: Scenario) -> DrawnRange:
+    """Return the range of loaded runs whose controller answers with a current reference and an angle."""
+    scale = scale_of(scenario.drive)
+    return DrawnRange(
+        loaded_rpm=Interval(scale.lowest_loaded_rpm, scale.highest_loaded_rpm),
+        idle_rpm=Interval(0.0, scale.highest_loaded_rpm),
+        driving_share=Interval(LIGHTEST_SHARE, 1.0),
+        braking_share=NONE,
+    )

@@ -8,8 +8,13 @@ from typing import Any, Final
 from drivegate.output.failure import ExitCode
 from drivegate.output.result_reports import check_result, read_unchecked_result
 from drivegate.results.result import content_hash
-from drivegate.results.signature import fingerprint, is_valid, public_key_line
-from drivegate.results.signing_keys import read_public_key, require_cryptography
+from drivegate.results.signature import (
+    fingerprint,
+    is_valid,
+    public_key_line,
+    read_public_key,
+    require_cryptography,
+)
 from drivegate_cases.documents.wording import shown_path
 from drivegate_models.errors import InputError
 

@@ -1,1 +1,0 @@
-"""What comes along to run controllers on."""

@@ -1,1 +1,0 @@
-"""Templates of candidates, written into a folder."""

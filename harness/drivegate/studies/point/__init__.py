@@ -1,1 +1,0 @@
-"""The steady state at one operating point."""

@@ -1,1 +1,0 @@
-"""Whether a kept result is unchanged, and who signed it."""
