@@ -26,7 +26,7 @@ from drivegate.drives.running import run_scenario
 from drivegate.gate.recording import BehaviourPlan, RecordPlan, run_behaviour, run_recorded
 from drivegate.output.result_reports import report_formats, write_result
 from drivegate.results.result import finite
-from drivegate.studies.campaign.manifest import MANIFEST
+from drivegate.studies.campaign.folder import MANIFEST
 from drivegate.studies.campaign.row import JUDGED_CHECKS
 from drivegate.studies.campaign.summary import SUMMARY
 from drivegate.studies.compare.compare import COMPARISON_FILE, write_comparison, write_tables

@@ -10,7 +10,7 @@ ASKS = re.compile(
 KNOWN = {
     "drivegate/commands/diff.py",
     "drivegate/scenarios/facts.py",
-    "drivegate_cases/drive/drive_document.py",
+    "drivegate_cases/drive/document.py",
 }
 """Modules that ask: two of the harness, and the document that declares what such a drive has."""
 
@@ -24,3 +24,9 @@ def test_nothing_else_asks_which_contract_or_kind_it_has() -> None:
     }
     own = ("drivegate/contracts/", "drivegate/drives/")
     assert {path for path in asking if not path.startswith(own)} <= KNOWN
+
+
+def test_documents_import_nothing_by_name() -> None:
+    files = (ROOT / "reference_cases").rglob("*.py")
+    hidden = [path.name for path in files if "import_module" in path.read_text(encoding="utf-8")]
+    assert not hidden, f"{hidden} hide an import, and with it perhaps a circle"

@@ -2,21 +2,49 @@
 
 from __future__ import annotations
 
+import io
 import sys
 import time
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drivegate.containment.backend import Backend
 from drivegate.gate.warm_up import compile_missing
 from drivegate.output.progress import progress_on, with_rate
-from drivegate.studies.map.files import write_figure, write_tables
 from drivegate.studies.map.map import OperatingMap, computed
-from drivegate.studies.map.plan import MapPlan
+from drivegate.studies.map.plan import ADVANCE, CURRENT, SPEED, TORQUE, MapPlan
+from drivegate_cases.documents.atomic_write import write_atomically
+from drivegate_cases.documents.wording import one_line
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_PANELS: Final = {
+    "points": (
+        ("torque_mean_nm", "torque (N·m)"),
+        ("current_sum_a", "Σ|i| (A)"),
+        ("torque_ripple_percent", "torque ripple (%)"),
+        ("input_power_w", "input power (W)"),
+    ),
+    "best": (
+        ("advance_deg", "angle of least Σ|i| (el. deg)"),
+        ("edge_deg", "smallest feasible angle (el. deg)"),
+        ("current_sum_a", "least Σ|i| (A)"),
+        ("efficiency", "efficiency (1)"),
+    ),
+    "loop": (
+        ("advance_deg", "advance angle (el. deg)"),
+        ("excess_percent", "Σ|i| above the least (%)"),
+        ("convergence_margin", "margin of convergence (1)"),
+        ("efficiency", "efficiency (1)"),
+    ),
+}
+_RIPPLE_SHOWN: Final = 50.0
+_NAMES: Final = {SPEED: "speed (rpm)", TORQUE: "torque (N·m)", ADVANCE: "advance angle (el. deg)"}
 _SCHEMA: Final = 1
 
 
@@ -31,9 +59,9 @@ def made_map(
         report_progress = with_rate(display, title, plan.axes.points, unit="points")
         made = computed(plan, Backend("local", workers), report_progress)
     seconds = time.monotonic() - began
-    write_tables(made, csv, parquet)
+    _write_tables(made, csv, parquet)
     if plot is not None:
-        write_figure(made, plot, title)
+        _write_figure(made, plot, title)
     written = [str(path) for path in (csv, parquet, plot) if path is not None]
     return _document_of(made, seconds, written), title
 
@@ -69,3 +97,78 @@ def _document_of(made: OperatingMap, seconds: float, files: Sequence[str]) -> di
     if plan.kind == "points":
         document["not_certified"] = int(np.count_nonzero(made.numbers[:, -1] == 0.0))
     return document | {"files": list(files), "timing": {"seconds": seconds}}
+
+
+def _write_tables(made: OperatingMap, csv: Path | None, parquet: Path | None) -> None:
+    """Write a map as the tables that are requested."""
+    if csv is None and parquet is None:
+        return
+    table = made.table()
+    if parquet is not None:
+        import pyarrow
+        from pyarrow import parquet as writer
+
+        buffer = io.BytesIO()
+        writer.write_table(pyarrow.table(table), buffer, compression="zstd", compression_level=3)
+        write_atomically(parquet, buffer.getvalue())
+    if csv is not None:
+        import pandas
+
+        write_atomically(csv, pandas.DataFrame(table).to_csv(index=False, lineterminator="\n"))
+
+
+def _write_figure(made: OperatingMap, plot: Path, title: str) -> None:
+    """Draw a map: four quantities over speed and torque, or over speed and angle."""
+    from matplotlib import rc_context
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    other = ADVANCE if made.plan.kind == "points" else TORQUE
+    chosen, fixed_values = _slice(made, other)
+    buffer = io.BytesIO()
+    with rc_context({"text.parse_math": False, "svg.hashsalt": "drivegate", "svg.fonttype": "none"}):
+        figure = Figure(figsize=(11.0, 8.0), layout="constrained")
+        FigureCanvasAgg(figure)
+        for axes, (column, label) in zip(figure.subplots(2, 2).flat, _PANELS[made.plan.kind], strict=True):
+            values = chosen[made.plan.columns.index(column)]
+            if column == "torque_ripple_percent":
+                # Beside no torque any ripple is endless, and would leave no colour for the rest.
+                values = np.where(values > _RIPPLE_SHOWN, np.nan, values)
+            _draw(axes, made, other, values, label)
+        figure.suptitle(one_line(f"{title}{fixed_values}"))
+        kind = plot.suffix.lower().removeprefix(".")
+        figure.savefig(buffer, format=kind, dpi=120, metadata={"Date": None} if kind == "svg" else None)
+    write_atomically(plot, buffer.getvalue())
+
+
+def _slice(made: OperatingMap, other: str) -> tuple[NDArray[np.float64], str]:
+    """Take the columns over speed and the other axis, at the greatest current and the first of other values."""
+    axes = made.plan.axes
+    cube = made.numbers.reshape(*axes.shape, -1)
+    places: list[Any] = []
+    fixed_values = ""
+    for name, values in zip(axes.names, axes.values, strict=True):
+        if name in (SPEED, other):
+            places.append(slice(None))
+            continue
+        place = len(values) - 1 if name == CURRENT else 0
+        places.append(place)
+        fixed_values += f", {name} = {values[place]:g}"
+    return np.moveaxis(cube[tuple(places)], -1, 0), fixed_values
+
+
+def _draw(axes: Axes, made: OperatingMap, other: str, values: NDArray[np.float64], label: str) -> None:
+    of = dict(zip(made.plan.axes.names, made.plan.axes.values, strict=True))
+    axes.set_title(label, fontsize="medium")
+    if len(of[SPEED]) == 1 or len(of[other]) == 1:
+        along = other if len(of[SPEED]) == 1 else SPEED
+        axes.plot(of[along], values.ravel(), marker=".", linewidth=1.0)
+        axes.set_xlabel(_NAMES[along])
+        axes.grid(visible=True, alpha=0.3)
+        return
+    shown = np.ma.masked_invalid(values.T)
+    mesh = axes.pcolormesh(of[SPEED], of[other], shown, shading="nearest", rasterized=True)
+    if axes.figure is not None:
+        axes.figure.colorbar(mesh, ax=axes)
+    axes.set_xlabel(_NAMES[SPEED])
+    axes.set_ylabel(_NAMES[other])

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 from pydantic import Field, field_validator
 
 from drivegate_cases.documents.document import Section
-from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.document import DriveDocument
 from drivegate_cases.drive.machine import (
     CoreLossConductance,
     Friction,

@@ -13,8 +13,7 @@ import pandas
 import pytest
 
 from drivegate.commands.command_line import main
-from drivegate.studies.campaign.folder import LOCK
-from drivegate.studies.campaign.manifest import MANIFEST
+from drivegate.studies.campaign.folder import LOCK, MANIFEST
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_reports.campaign.report import REPORT_FILE
 

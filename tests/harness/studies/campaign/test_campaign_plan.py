@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from drivegate.studies.campaign.file import NormalSpread, UniformSpread, read_campaign
-from drivegate.studies.campaign.parameters import drawn
-from drivegate.studies.campaign.plan import beside, planned
+from drivegate.studies.campaign.plan import beside, drawn, planned
 from drivegate_models.errors import InputError
 
 

@@ -18,7 +18,7 @@ from drivegate.contracts.duty.scenarios.simplification import DUTY_SIMPLIFICATIO
 from drivegate.contracts.duty.scenarios.windows import duty_windows
 from drivegate.contracts.traceability import family_name
 from drivegate.scenarios.simplification import simplified
-from drivegate.studies.campaign.parameters import with_parameters
+from drivegate.studies.campaign.plan import with_parameters
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
