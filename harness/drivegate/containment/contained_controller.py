@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegate.candidates.compiled_controller import CompiledController
 from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.containment.candidate_process import Answered, CandidateProcess
 from drivegate.containment.orders import CloseLoop, GiveSenses, Reset
@@ -15,23 +16,18 @@ from drivegate_models.loop.exchange import COMPLETED
 from drivegate_models.loop.step_recording import player_of, playing_step
 
 
-class CommandPlayer:
-    """A controller that answers with given commands, whatever it senses.
-
-    Attributes
-    ----------
-    step_address, state_address : int
-        Addresses of its step and of its state; valid as long as this object lives.
-    fault : Fault or None
-        What ended the answers, where that is known.
-    """
+class CommandPlayer(CompiledController):
+    """A controller that answers with given commands, whatever it senses."""
 
     def __init__(self, commands: NDArray[Any], fault: Fault | None = None) -> None:
-        self._step, self._commands = playing_step(), np.ascontiguousarray(commands)
-        self._state = player_of(self._commands)
-        self.step_address: int = self._step.address
-        self.state_address: int = self._state.ctypes.data
-        self.fault = fault
+        self._commands = np.ascontiguousarray(commands)
+        super().__init__(playing_step(), player_of(self._commands))
+        self._fault = fault
+
+    @property
+    def fault(self) -> Fault | None:
+        """What ended the answers, where that is known."""
+        return self._fault
 
     def reset(self, _nameplate: Nameplate | DutyNameplate) -> None:
         """Go on: the commands are those of the whole run, with its restarts."""

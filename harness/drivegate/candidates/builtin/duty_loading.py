@@ -3,11 +3,9 @@
 from collections.abc import Callable
 from typing import Any
 
-from numpy.typing import NDArray
-
 from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS, DutyFault
+from drivegate.candidates.compiled_controller import CompiledController
 from drivegate.candidates.contract import require_nameplate_of
-from drivegate.candidates.fault import Fault
 from drivegate.candidates.kinds import FAULTY_PREFIX
 from drivegate_models.contract.duty.records import duty_nameplate_record
 from drivegate_models.contract.duty.signals import DutyNameplate
@@ -16,29 +14,19 @@ from drivegate_models.controllers.duty.state import foc_state
 from drivegate_models.faults.duty.perturbed import perturbed_state, perturbed_step_function
 
 
-class DutyController:
-    """One instance of a controller of duty ratios: its state, and the compiled functions that it shares.
+class DutyController(CompiledController):
+    """One instance of a controller of duty ratios.
 
     Attributes
     ----------
-    step_address : int
-        Address of the compiled step.
-    state_address : int
-        Address of the state; valid as long as this object lives.
     state_size : int
         Size of the state (bytes).
-    fault : None
-        Always None: these controllers report no fault of their own.
     """
 
     def __init__(self, name: str = "foc", fault: DutyFault | None = None) -> None:
+        super().__init__(step_function(), foc_state(name))
         self._fault = fault
-        self._step = step_function()
-        self._state: NDArray[Any] = foc_state(name)
-        self.step_address: int = self._step.address
-        self.state_address: int = self._state.ctypes.data
         self.state_size: int = self._state.nbytes
-        self.fault: Fault | None = None
 
     def reset(self, nameplate: Any) -> None:
         """Write the constants and forget everything else; a nameplate of another contract is refused."""
@@ -50,18 +38,16 @@ class DutyController:
             fault.alter(self._state)
 
 
-class PerturbedController:
-    """A controller with perturbed Senses and commands, and the attributes of any other controller."""
+class PerturbedController(CompiledController):
+    """A controller with perturbed Senses and commands."""
 
     def __init__(self, inner: DutyController, perturbed: Callable[[DutyNameplate], dict[str, float]]) -> None:
+        super().__init__(
+            perturbed_step_function(), perturbed_state(inner.step_address, inner.state_address, {})
+        )
         self._inner = inner
         self._perturbed = perturbed
-        self._step = perturbed_step_function()
-        self._state = perturbed_state(inner.step_address, inner.state_address, {})
-        self.step_address: int = self._step.address
-        self.state_address: int = self._state.ctypes.data
         self.state_size: int = inner.state_size
-        self.fault: Fault | None = None
 
     def reset(self, nameplate: Any) -> None:
         """Reset the controller itself, and forget what it was shown."""

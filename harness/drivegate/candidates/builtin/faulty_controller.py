@@ -11,7 +11,7 @@ from drivegate.candidates.builtin.faults.catalogue import MUTATIONS
 from drivegate.candidates.builtin.faults.mutation import Mutation, number_on
 from drivegate.candidates.builtin.faults.oracle_sizes import nominal_table
 from drivegate.candidates.builtin.near import NEAR_DESIGNS
-from drivegate.candidates.fault import Fault
+from drivegate.candidates.compiled_controller import CompiledController
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.contract.current.records import nameplate_record
 from drivegate_models.contract.current.signals import Nameplate
@@ -37,28 +37,15 @@ def load_near_design(name: str) -> FaultyController:
     return FaultyController(NEAR_DESIGNS[name])
 
 
-class FaultyController:
-    """One instance of a faulty controller: its state, and the compiled functions that it shares.
-
-    Attributes
-    ----------
-    step_address : int
-        Address of the compiled `drivegate_step`.
-    state_address : int
-        Address of the state; valid as long as this object lives.
-    fault : None
-        Always None: a faulty controller answers every step.
-    """
+class FaultyController(CompiledController):
+    """One instance of a faulty controller."""
 
     def __init__(self, mutation: Mutation) -> None:
-        self._mutation = mutation
-        self._step = faulty_step_function()
-        self._state: NDArray[Any] = np.zeros(1, FAULTY_STATE)
+        state: NDArray[Any] = np.zeros(1, FAULTY_STATE)
         if mutation.shares:
-            self._state = _shared.setdefault(mutation.name, self._state)
-        self.step_address: int = self._step.address
-        self.state_address: int = self._state.ctypes.data
-        self.fault: Fault | None = None
+            state = _shared.setdefault(mutation.name, state)
+        super().__init__(faulty_step_function(), state)
+        self._mutation = mutation
         self._drive: DriveDocument | None = None
 
     def show_drive(self, drive: DriveDocument) -> None:

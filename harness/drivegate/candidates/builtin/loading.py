@@ -5,11 +5,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivegate.candidates.candidate import Candidate
+from drivegate.candidates.compiled_controller import CompiledController
 from drivegate.candidates.controller import Controller
-from drivegate.candidates.fault import Fault
 from drivegate.candidates.kinds import DESIGN_PREFIX, FAULTY_PREFIX, NEAR_PREFIX
 from drivegate_models.contract.current.records import nameplate_record
 from drivegate_models.contract.current.signals import Nameplate
@@ -79,30 +78,20 @@ def _design_controller(design: str) -> "DesignController":
     return DesignController(DESIGNS[design], code)
 
 
-class BuiltinController:
-    """One instance of a built-in controller: its state, and the compiled functions that it shares.
+class BuiltinController(CompiledController):
+    """One instance of a built-in controller.
 
     Attributes
     ----------
-    step_address : int
-        Address of the compiled `drivegate_step`.
-    state_address : int
-        Address of the state; valid as long as this object lives.
     state_size : int
         Size of the state (bytes).
-    fault : None
-        Always None: these controllers report no fault of their own.
     """
 
     def __init__(self, number: int, code: ControllerCode = SEARCHING) -> None:
+        super().__init__(code.step(), np.zeros(1, code.layout))
         self._number = number
         self._code = code
-        self._step = code.step()
-        self._state: NDArray[Any] = np.zeros(1, code.layout)
-        self.step_address: int = self._step.address
-        self.state_address: int = self._state.ctypes.data
         self.state_size: int = self._state.nbytes
-        self.fault: Fault | None = None
 
     def reset(self, nameplate: Nameplate) -> None:
         """Write the constants and forget everything else."""

@@ -8,9 +8,9 @@ from __future__ import annotations
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivegate.candidates.candidate import Candidate, Composition
+from drivegate.candidates.compiled_controller import CompiledController
 from drivegate.candidates.composed.blocks import BLOCK_STEPS, Exchanged
 from drivegate.candidates.controller import Controller
 from drivegate.candidates.fault import Fault
@@ -33,29 +33,18 @@ def load_controller(candidate: Candidate) -> Controller:
     return ComposedController(candidate.details.base, named)
 
 
-class ComposedController:
-    """One instance of a composed controller.
-
-    Attributes
-    ----------
-    step_address : int
-        Address of the compiled `drivegate_step`.
-    state_address : int
-        Address of the state; valid as long as this object lives.
-    """
+class ComposedController(CompiledController):
+    """One instance of a composed controller."""
 
     def __init__(self, base: str, blocks: dict[str, Any]) -> None:
+        super().__init__(composed_step_function(), np.zeros(1, COMPOSED_STATE))
         self._search = SEARCHES[base]
-        self._step = composed_step_function()
-        self._state: NDArray[Any] = np.zeros(1, COMPOSED_STATE)
         exchanged = Exchanged(
             self._state["line_speed"], self._state["current_reference"], self._state["integral"]
         )
         self._bridges = {
             name: PythonController(BLOCK_STEPS[name](found, exchanged)) for name, found in blocks.items()
         }
-        self.step_address: int = self._step.address
-        self.state_address: int = self._state.ctypes.data
 
     @property
     def fault(self) -> Fault | None:

@@ -5,11 +5,10 @@ This runs the candidate's code, so it belongs into a worker process.
 
 from __future__ import annotations
 
-from typing import Any, Final
-
-from numpy.typing import NDArray
+from typing import Final
 
 from drivegate.candidates.candidate import Candidate, OuterLoop
+from drivegate.candidates.compiled_controller import CompiledController
 from drivegate.candidates.contract import AnyNameplate, require_nameplate_of
 from drivegate.candidates.controller import Controller
 from drivegate.candidates.fault import Fault
@@ -28,23 +27,12 @@ OUTER_PERIOD_S: Final = 500e-6
 """Time from one step of the controller to the next, that of the paper's drive, as whole control periods allow (s)."""
 
 
-class InnerController:
-    """A controller of current references behind the loop of currents.
-
-    Attributes
-    ----------
-    step_address : int
-        Address of the loop's compiled step.
-    state_address : int
-        Address of the loop's state; valid as long as this object lives.
-    """
+class InnerController(CompiledController):
+    """A controller of current references behind the loop of currents."""
 
     def __init__(self, outer: Controller) -> None:
+        super().__init__(inner_step_function(), inner_state(0, 0, 1))
         self._outer = outer
-        self._step = inner_step_function()
-        self._state: NDArray[Any] = inner_state(0, 0, 1)
-        self.step_address: int = self._step.address
-        self.state_address: int = self._state.ctypes.data
 
     @property
     def fault(self) -> Fault | None:
