@@ -101,9 +101,9 @@ Column: TypeAlias = Figure | Words
 """A column of a table on a page."""
 
 
-def name_of(key: str, heading: str = "") -> Words:
+def name_of(key: str) -> Words:
     """Return the column of a key that has a name."""
-    return Words(heading or key, lambda row: str(row[key]), longest=80)
+    return Words(key, lambda row: str(row[key]), longest=80)
 
 
 def held_column() -> Words:

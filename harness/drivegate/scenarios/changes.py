@@ -38,9 +38,9 @@ def repeated(before: float, during: float, at_s: float, *, every_s: float, times
     return tuple(points)
 
 
-def moments(at_s: float, *, every_s: float, times: int = TWENTY) -> tuple[float, ...]:
+def moments(at_s: float, *, every_s: float) -> tuple[float, ...]:
     """List the times of something that happens again and again."""
-    return tuple(tidy(at_s + number * every_s) for number in range(times))
+    return tuple(tidy(at_s + number * every_s) for number in range(TWENTY))
 
 
 def with_load_shares(scenario: Scenario, *changes: tuple[float, float]) -> Scenario:

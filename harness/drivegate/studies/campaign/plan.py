@@ -105,10 +105,6 @@ class CampaignPlan:
             for part, first in enumerate(range(0, runs, length)):
                 yield Chunk(candidate, part, candidate * runs + first, min(length, runs - first))
 
-    def candidate_of(self, number: int) -> Candidate:
-        """Give the candidate of a run."""
-        return self.candidates[number // self.campaign.runs_per_candidate]
-
     def run(self, number: int) -> CampaignRun:
         """Give one run.
 

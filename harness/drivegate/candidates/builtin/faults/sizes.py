@@ -151,6 +151,6 @@ INTEGRAL_OF_K1: Final = Size(lambda drive: float(regulator(drive)["integral_step
 """What an error of k1 adds to the regulator's integral in a step."""
 
 
-def per_pace(number: float, unit: str = "", digits: int = 3) -> Size:
+def per_pace(number: float, unit: str = "") -> Size:
     """Make a time that is so long at the pace of the paper's drive, and shorter where the reference is faster."""
-    return Size(lambda drive: significant(number / _pace(drive), digits), unit)
+    return Size(lambda drive: significant(number / _pace(drive), 3), unit)

@@ -101,19 +101,13 @@ def script_margin(loaded: JudgedCandidate, script: Script) -> Margin | None:
     return judge_script(loaded.controller(), profile, script).margin
 
 
-def shortened(
-    controller: AnyController,
-    profile: FlowchartProfile,
-    script: Script,
-    *,
-    budget: int = SHORTENING_RUNS,
-) -> Script:
+def shortened(controller: AnyController, profile: FlowchartProfile, script: Script) -> Script:
     """Make a failing script shorter and rounder for as long as it fails."""
     verdict = judge_script(controller, profile, script)
     # What comes after the first departure has no part in it.
     simplest = script.replaced(rows=script.rows[: verdict.rows])
     waiting = _simpler(simplest)
-    for _ in range(budget):
+    for _ in range(SHORTENING_RUNS):
         simpler = next(waiting, None)
         if simpler is None:
             break
