@@ -1,13 +1,26 @@
-"""Shares and powers as the texts of checks write them."""
+"""Limits, shares and powers as the texts of checks write them."""
 
 from __future__ import annotations
 
 import math
-from typing import Final
+from dataclasses import asdict
+from typing import Any, Final
 
 from drivegate.scenarios.drive_scale import tidy
 
 _KILO: Final = 1000.0
+_UNITS: Final = {"_nm": " N·m", "_a": " A", "_s": " s", "_rpm": " rpm", "_deg": "°"}
+
+
+def limit_words(limits: Any) -> dict[str, str]:
+    """Write each number of a drive's limits, by its field without the unit that ends it; one without is a share."""
+    numbers = {name: value for name, value in asdict(limits).items() if isinstance(value, float)}
+    return dict(_limit_in_words(name, value) for name, value in numbers.items())
+
+
+def _limit_in_words(name: str, value: float) -> tuple[str, str]:
+    found = next((end for end in _UNITS if name.endswith(end)), "")
+    return name.removesuffix(found), f"{value:.4g}{_UNITS[found]}" if found else percent(value)
 
 
 def percent(share: float) -> str:

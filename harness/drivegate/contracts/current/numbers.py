@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from drivegate.checks.number_words import milliseconds, percent, power
+from drivegate.checks.number_words import limit_words, milliseconds, percent, power
 from drivegate.scenarios.drive_scale import scale_of, tidy
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import limits_of, mean_time
@@ -20,7 +20,7 @@ def numbers(drive: DriveDocument) -> dict[str, str]:
     """Write the numbers that checks tell, and what sensors the drive has, by the names that stand in their texts."""
     scale, limits, rating = scale_of(drive), limits_of(drive), drive.rating
     points = [f"{point.speed_rpm:g} rpm and {point.torque_n_m:g} N·m" for point in limits.points]
-    return {
+    return limit_words(limits) | {
         "base": f"{rating.base_speed_rpm:g} rpm",
         "lowest": f"{scale.lowest_loaded_rpm:g}",
         "highest": f"{rating.highest_speed_rpm:g} rpm",
@@ -34,8 +34,6 @@ def numbers(drive: DriveDocument) -> dict[str, str]:
         "stretch": f"{tidy(limits.settling_s + scale.shortest_window_s):g} s",
         "mean": milliseconds(mean_time(drive)),
         "optimum": percent(limits.optimum_tolerance),
-        "ripple": percent(limits.ripple),
-        "closed_loop_ripple": percent(limits.closed_loop_ripple),
         "points": " or ".join(points),
         "sensors": sensors_of(drive),
         **_disturbances(drive),

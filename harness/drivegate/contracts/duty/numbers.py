@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
-from typing import Final
-
-from drivegate.checks.number_words import milliseconds, percent
+from drivegate.checks.number_words import limit_words, milliseconds
 from drivegate.contracts.duty.document import duty_document
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.pm_ac.limits import DutyLimits, duty_limits_of
-
-_UNITS: Final = {"_nm": "N·m", "_a": "A", "_s": "s"}
 
 
 def numbers(drive: DriveDocument) -> dict[str, str]:
     """Write the numbers that checks of duty ratios tell, by the names that stand in their texts."""
     limits, rating = duty_limits_of(duty_document(drive)), drive.rating
-    return dict(_in_words(name, value) for name, value in asdict(limits).items()) | {
+    return limit_words(limits) | {
         "base": f"{rating.base_speed_rpm:g} rpm",
         "current": f"{rating.current_limit_a:g} A",
         "k1": f"{limits.speed_tolerance_rpm:g} rpm",
@@ -25,12 +20,6 @@ def numbers(drive: DriveDocument) -> dict[str, str]:
         "modulation_ripple": f"{limits.modulation_ripple:g}",
         "rise": f"90 % within {milliseconds(limits.rise_time_s)} and what the voltage takes",
     }
-
-
-def _in_words(name: str, value: float) -> tuple[str, str]:
-    """Return the name and the text of a limit; the end of its name in `DutyLimits` is its unit, and none is a share."""
-    found = next((end for end in _UNITS if name.endswith(end)), "")
-    return name.removesuffix(found), f"{value:.4g} {_UNITS[found]}" if found else percent(value)
 
 
 def _safe_time(limits: DutyLimits) -> str:
