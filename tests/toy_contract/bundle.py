@@ -67,7 +67,6 @@ CHECK = Check(
     id="TOY-1",
     requirement="The speed reaches its reference.",
     source="P1",
-    subject="candidate",
     level="required",
     limit="{error} rpm",
     scenarios="every run",

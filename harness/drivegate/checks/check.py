@@ -48,8 +48,6 @@ class Check:
     """The requirement in one sentence."""
     source: str
     """Facts of the publication that it rests on, such as ``P5``."""
-    subject: Literal["candidate", "plant"]
-    """Whose requirement it is; a failure of the plant is a fault of the harness."""
     level: Literal["required", "advisory"]
     """Whether a failure fails the candidate."""
     limit: str
@@ -60,6 +58,8 @@ class Check:
     """How the margin follows from what is measured."""
     why: str
     """Why the requirement is worth checking."""
+    subject: Literal["candidate", "plant"] = "candidate"
+    """Whose requirement it is; a failure of the plant is a fault of the harness."""
     every_run: bool = False
     """Whether it judges every run in the closed loop."""
     families: tuple[str, ...] = ()

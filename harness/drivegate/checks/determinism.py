@@ -22,7 +22,6 @@ DET_1 = Check(
     id="DET-1",
     requirement="The same scenario twice gives the same outputs, and reset forgets everything.",
     source="the contract",
-    subject="candidate",
     level="required",
     limit="bit for bit",
     scenarios="repeated runs: after another scenario on the same instance, on a new instance, and in another process",

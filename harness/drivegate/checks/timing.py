@@ -13,7 +13,6 @@ TIM_1 = Check(
     id="TIM-1",
     requirement="A step's compute time stays below 10 % of the control period, on the machine that checks.",
     source="the contract",
-    subject="candidate",
     level="advisory",
     limit="10 % of the control period",
     scenarios="steps on the Senses of a recorded run, timed in blocks",

@@ -223,7 +223,6 @@ CNV_1 = Check(
         "advance angle within {angle}; required up to {highest}, the range of constant power, advisory beyond."
     ),
     source="P6",
-    subject="candidate",
     level="required",
     limit="k1 = {k1}, k2 = {k2} of Σ|i|, {angle}",
     scenarios="every first loaded steady stretch of {stretch} or more above base speed, on the nominal drive",
@@ -244,7 +243,6 @@ CNV_2 = Check(
         "may lose it); required from half the torque of rated power upward and up to {highest}, else advisory."
     ),
     source="P6, P11, P12",
-    subject="candidate",
     level="required",
     limit="{optimum} above the least Σ|i|",
     scenarios="every loaded steady stretch of {stretch} or more above base speed, on the nominal drive",
@@ -261,7 +259,6 @@ CNV_3 = Check(
         "converges again as CNV-1 requires."
     ),
     source="P6",
-    subject="candidate",
     level="required",
     limit="k1 = {k1}, k2 = {k2} of Σ|i|, {angle}",
     scenarios="every loaded steady stretch of {stretch} or more above base speed after a change, on the nominal drive",

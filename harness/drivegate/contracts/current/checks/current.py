@@ -34,7 +34,6 @@ CUR_1 = Check(
     every_run=True,
     requirement="No phase current exceeds the limit plus the hysteresis band, diode overshoot included.",
     source="P3",
-    subject="candidate",
     level="advisory",
     limit="{current} + band",
     scenarios="every run",

@@ -71,7 +71,6 @@ PWR_2 = Check(
         "of that step alone or their mean over the time that the candidate declares."
     ),
     source="P4",
-    subject="candidate",
     level="required",
     limit="1e-9 relative, or one step of the converter",
     scenarios="every run of a candidate that estimates its input power",

@@ -22,7 +22,6 @@ FLO_1 = Check(
         "declares, for any sequence of speeds and powers."
     ),
     source="P6",
-    subject="candidate",
     level="required",
     limit="exact",
     scenarios="scripts of Senses, for candidates of the profile 'flowchart'",

@@ -105,7 +105,6 @@ RIP_1 = Check(
     families=("required point",),
     requirement="Torque ripple at {points}, ideal regulator, at the angle that the candidate converged to.",
     source="P8",
-    subject="candidate",
     level="required",
     limit="{ripple} peak to peak over mean",
     scenarios="steady stretches of {stretch} or more at {points}, on the nominal drive",
@@ -122,7 +121,6 @@ RIP_2 = Check(
         "candidate converged to."
     ),
     source="P8",
-    subject="candidate",
     level="advisory",
     limit="{ripple} peak to peak over mean",
     scenarios=(
@@ -141,7 +139,6 @@ RIP_3 = Check(
         "Torque ripple of the closed loop, with band and speed regulator, in the worst electrical period of 1 s."
     ),
     source="P8, P9",
-    subject="candidate",
     level="advisory",
     limit="{closed_loop_ripple} peak to peak over mean",
     scenarios=(

@@ -65,7 +65,6 @@ ROB_1 = Check(
         "and up to {friction} of friction added."
     ),
     source="P11",
-    subject="candidate",
     level="required",
     limit="k1 = {k1}, k2 = {k2} of Σ|i|, {angle}",
     scenarios=(
@@ -81,7 +80,6 @@ ROB_2 = Check(
     families=("sensor", "phase"),
     requirement="CNV-1 and CNV-3 hold through {sensors}.",
     source="P6, P11",
-    subject="candidate",
     level="required",
     limit="k1 = {k1}, k2 = {k2} of Σ|i| and what two steps of the speed measurement are worth, {angle}",
     scenarios="every loaded steady stretch of {stretch} or more above base speed, through sensors that are not ideal",
@@ -95,7 +93,6 @@ ROB_3 = Check(
     families=("phase", "fault"),
     requirement="CNV-1 and CNV-3 hold after {disturbed_sensors}, and with {disturbed_plant}.",
     source="P6, P11",
-    subject="candidate",
     level="required",
     limit="k1 = {k1}, k2 = {k2} of Σ|i| (through {speed_sensor} as ROB-2), {angle}",
     scenarios="every loaded steady stretch of {stretch} or more above base speed, in runs with such a disturbance",

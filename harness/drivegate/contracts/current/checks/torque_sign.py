@@ -39,7 +39,6 @@ TRQ_1 = Check(
     families=LOADED,
     requirement="The torque is never negative in the steady state under half of {power} and more.",
     source="P9",
-    subject="candidate",
     level="advisory",
     limit="above 0 N·m",
     scenarios=(

@@ -44,7 +44,6 @@ ACC_1 = Check(
     families=UNWEAKENED_FAMILIES,
     requirement="In steady state the mean torque or speed is the reference.",
     source="the contract",
-    subject="candidate",
     level="required",
     limit="torque {torque_error}, speed k1 = {k1}",
     scenarios="steady stretches of the nominal drive, torques up to {weakening} of the greatest possible",

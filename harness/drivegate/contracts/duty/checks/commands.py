@@ -48,7 +48,6 @@ DUT_1 = Check(
     every_run=True,
     requirement="Duty ratios stay within 0 to 1, and a control period that is asked for within 20 % of the drive's.",
     source="the contract",
-    subject="candidate",
     level="required",
     limit="0 to 1, and ± 20 %",
     scenarios="every run",

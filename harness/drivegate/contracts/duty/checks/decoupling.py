@@ -106,7 +106,6 @@ DEC_1 = Check(
     families=("torque step",),
     requirement="A step of the torque moves the d current hardly beyond where it was and where it goes.",
     source="the contract",
-    subject="candidate",
     level="required",
     limit="{coupling} of the step of the q current",
     scenarios="steps of 10 % of rated torque and more on the nominal drive, so small that no voltage is limited",

@@ -136,7 +136,6 @@ SAF_1 = Check(
         "torque goes hardly beyond the reference until then; behind an edge that is lost it may also go on."
     ),
     source="the contract",
-    subject="candidate",
     level="required",
     limit="{safe_time}, and torque {failure_torque} until then and from then on, or always where it goes on",
     scenarios=(

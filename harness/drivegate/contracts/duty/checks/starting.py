@@ -87,7 +87,6 @@ STA_1 = Check(
     families=("start",),
     requirement="From any angle of the rotor the shaft starts under its load, and does not turn back far.",
     source="the contract",
-    subject="candidate",
     level="required",
     limit="95 % of the speed, 60° electrical backward",
     scenarios="starts of the nominal drive from standstill, from 24 angles of the rotor",

@@ -194,7 +194,6 @@ STP_1 = Check(
     families=("torque step",),
     requirement="A step of the torque reference is followed without much overshoot, and in time.",
     source="the contract",
-    subject="candidate",
     level="required",
     limit="overshoot {overshoot}, {rise}",
     scenarios="steps of 10 % of rated torque and more on the nominal drive, that take 80 % of the voltage at most",

@@ -41,7 +41,6 @@ SYM_1 = Check(
     families=("torque step", "weakening"),
     requirement="A run backward gives the mirror image of the run forward.",
     source="the contract",
-    subject="candidate",
     level="advisory",
     limit="2 % of rated torque, and of the current limit",
     scenarios="steady torques backward on the nominal drive, run with speed, torque and initial angle negated as well",
