@@ -60,7 +60,20 @@ NOT_VARIED: Final[Mapping[str, str]] = {
         _PUBLISHED,
     ),
     **dict.fromkeys(
-        ("sensors.shunts", "sensors.settling_s", "sensors.position", "sensors.encoder_error_deg"), _DUTY
+        (
+            "sensors.shunts",
+            "sensors.settling_s",
+            "sensors.position",
+            "sensors.encoder_error_deg",
+            "sensors.eccentricity_deg",
+            "sensors.eccentric_from_deg",
+            "sensors.sine_offset",
+            "sensors.cosine_offset",
+            "sensors.track_gain",
+            "sensors.track_phase_deg",
+            "sensors.latency_s",
+        ),
+        _DUTY,
     ),
     **dict.fromkeys(
         (
@@ -68,6 +81,7 @@ NOT_VARIED: Final[Mapping[str, str]] = {
             "failure.kind",
             "failure.time_s",
             "failure.phase",
+            "failure.slip_deg",
             "scales.inertia",
         ),
         _DUTY,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Final
 
 from drivegate.scenarios.drive_scale import scale_of, tidy, whole_tenths
 from drivegate.scenarios.title import titled
@@ -13,6 +13,8 @@ from drivegate_cases.scenario.piecewise import Profile
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import real_sensors
 
+CLOCKS_S: Final = (0.0, 60.0, 2145.0, 4290.0, 86400.0, 2147480.0, 4294960.0)
+"""Where the clock is drawn to begin: also just before 2³¹ and 2³² µs and ms have passed (s)."""
 TWENTY = 20
 """Number of times that something happens that is repeated (1)."""
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_cases.scenario.control_periods import seen_at_s
+from drivegate_cases.scenario.disturbance import Dropout
 from drivegate_cases.scenario.load import (
     GRAVITY,
     ConstantPowerLoad,
@@ -23,6 +24,7 @@ from drivegate_cases.scenario.profile import profile_arrays
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import HallSensors, Mcs96Sensors, ShuntSensors
 from drivegate_models.loop.schedule import Course, Schedule
+from drivegate_models.loop.sensing import sensors
 from drivegate_models.loop.sensing.converters import Converters, real_converters
 from drivegate_models.loop.sensing.encoder import Encoder, turning_encoder
 from drivegate_models.loop.sensing.hall import EDGES, Hall, turning_hall
@@ -30,6 +32,7 @@ from drivegate_models.machine import load
 from drivegate_models.units import RADIANS_PER_RPM
 
 _PERCENT = 0.01
+_SIGNALS = {"speed": sensors.SPEED, "currents": sensors.CURRENTS, "supply": sensors.SUPPLY}
 
 
 def plant_load(scenario: Scenario) -> load.Load:
@@ -97,6 +100,18 @@ def plant_converters(
         voltage_noise=sources * _stated(given.voltage_noise_v),
         converter_bits=given.converter_bits,
     )
+
+
+def plant_dropouts(scenario: Scenario) -> NDArray[np.float64]:
+    """Give signal, start and end (s) of every dropout of a scenario, shape (d, 3)."""
+    seen = partial(seen_at_s, control_period_s=scenario.control_period_s)
+    rows = [(_signal(lost), seen(lost.start_s), seen(lost.end_s)) for lost in scenario.dropouts]
+    return np.array(rows, np.float64).reshape(-1, 3)
+
+
+def _signal(lost: Dropout) -> int:
+    """Number the signal that is lost."""
+    return _SIGNALS[lost.signal] if lost.phase is None else sensors.FIRST_PHASE + lost.phase - 1
 
 
 def plant_encoder(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,34 @@ def no_restarts() -> Restarts:
 
 
 @inlined
+def restart_if_due(exchange: Any, restarts: Restarts, done: int, step: int) -> tuple[bool, int]:
+    """Reset the controller before a step for which a restart is due.
+
+    Parameters
+    ----------
+    exchange : Exchange or DutyExchange
+        The records between loop and controller; its command is overwritten if the reset fails.
+    restarts : Restarts
+        All restarts of the run.
+    done : int
+        Number of restarts done before this step.
+    step : int
+        Number of the step in the run, from 0.
+
+    Returns
+    -------
+    has_failed : bool
+        True if the reset failed.
+    done : int
+        Number of restarts done, including one before this step.
+    """
+    if done >= restarts.steps.size or restarts.steps[done] > step:
+        return False, done
+    call_step(restarts.address, exchange.state_address, exchange.sense_address, exchange.command_address)
+    return bool(exchange.command[0].struct_size < 0), done + 1
+
+
+@inlined
 def step_or_restart(exchange: Exchange, restarts: Restarts, done: int, step: int) -> tuple[int, int]:
     """Call the controller's step, after a reset if one is due.
 
@@ -48,11 +76,9 @@ def step_or_restart(exchange: Exchange, restarts: Restarts, done: int, step: int
     done : int
         Number of restarts done, including one before this step.
     """
-    if done < restarts.steps.size and restarts.steps[done] <= step:
-        done += 1
-        call_step(restarts.address, exchange.state_address, exchange.sense_address, exchange.command_address)
-        if exchange.command[0].struct_size < 0:
-            return STOPPED, done
+    has_failed, done = restart_if_due(exchange, restarts, done, step)
+    if has_failed:
+        return STOPPED, done
     return step_controller(exchange, step), done
 
 

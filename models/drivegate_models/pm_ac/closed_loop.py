@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from drivegate_models.contract.duty.signals import LEG_OFF
 from drivegate_models.loop.exchange import COMPLETED
+from drivegate_models.loop.restarting import Restarts, no_restarts
 from drivegate_models.loop.schedule import Course, Schedule, steady
 from drivegate_models.machine import ledger
 from drivegate_models.machine.load import Load
@@ -75,6 +76,7 @@ def prepared_duty_loop(
     torque_reference: Course | None = None,
     sensors: DutySensors | None = None,
     failure: Failure | None = None,
+    restarts: Restarts | None = None,
     progress: NDArray[np.int64] | None = None,
     kept: NDArray[Any] | None = None,
 ) -> PreparedDutyLoop:
@@ -106,6 +108,8 @@ def prepared_duty_loop(
         Sensors between plant and controller; ideal by default.
     failure : Failure, optional
         A failure during the run; none by default.
+    restarts : Restarts, optional
+        Resets of the controller during the run; none by default.
     progress : ndarray of int64, shape (1,), optional
         Receives the number of steps begun.
     kept : ndarray of DUTY_COMMAND, shape (n,), optional
@@ -138,7 +142,21 @@ def prepared_duty_loop(
     torque = steady(0.0) if torque_reference is None else torque_reference
     shown = ideal_duty_sensors() if sensors is None else sensors
     fails = make_failure() if failure is None else failure
-    arguments = (drive, make_phases(), load, schedule, torque, exchange, timing, room, shown, fails, records)
+    resets = no_restarts() if restarts is None else restarts
+    arguments = (
+        drive,
+        make_phases(),
+        load,
+        schedule,
+        torque,
+        exchange,
+        timing,
+        room,
+        shown,
+        fails,
+        resets,
+        records,
+    )
     return PreparedDutyLoop(run_periods, arguments, exchange, records)
 
 

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.contract.duty.signals import LEG_OFF
+from drivegate_models.loop.shaft import shown_angle
 
 NOTHING: Final = 0
 """Nothing fails."""
@@ -22,6 +23,8 @@ LOCKED_ROTOR: Final = 4
 """The shaft is locked at standstill."""
 LOST_EDGE: Final = 5
 """The next edge of encoder or Hall switches is missing; later edges appear."""
+SLIP: Final = 6
+"""The magnet of the position sensor has turned on the shaft; angle and edges go on from there."""
 
 _ANGLE, _SPEED = range(2)
 
@@ -30,7 +33,7 @@ class Failure(NamedTuple):
     """A failure, and the last measured values; the arrays are updated in place."""
 
     kind: int
-    """`NOTHING`, `OPEN_PHASE`, `STUCK_CURRENT`, `LOST_POSITION`, `LOCKED_ROTOR` or `LOST_EDGE`."""
+    """`NOTHING`, `OPEN_PHASE`, `STUCK_CURRENT`, `LOST_POSITION`, `LOCKED_ROTOR`, `LOST_EDGE` or `SLIP`."""
     step: int
     """First control period with the failure."""
     leg: int
@@ -39,26 +42,30 @@ class Failure(NamedTuple):
     """Last measured current of the phase, shape (1,) (A)."""
     shaft: NDArray[np.float64]
     """Last measured angle (rad) and speed (rad/s) of the shaft, shape (2,)."""
+    slipped: float
+    """Angle of the shaft by which the magnet has turned (rad)."""
 
 
-def make_failure(kind: int = NOTHING, step: int = 0, leg: int = 0) -> Failure:
+def make_failure(kind: int = NOTHING, step: int = 0, leg: int = 0, slipped: float = 0.0) -> Failure:
     """Return a failure at a later control period.
 
     Parameters
     ----------
     kind : int
-        `NOTHING`, `OPEN_PHASE`, `STUCK_CURRENT`, `LOST_POSITION`, `LOCKED_ROTOR` or `LOST_EDGE`.
+        `NOTHING`, `OPEN_PHASE`, `STUCK_CURRENT`, `LOST_POSITION`, `LOCKED_ROTOR`, `LOST_EDGE` or `SLIP`.
     step : int
         First control period with the failure.
     leg : int
         Index of the leg or phase, from 0.
+    slipped : float
+        Angle of the shaft by which the magnet turns (rad).
 
     Returns
     -------
     Failure
         With 0 for all last measured values.
     """
-    return Failure(int(kind), int(step), int(leg), np.zeros(1), np.zeros(2))
+    return Failure(int(kind), int(step), int(leg), np.zeros(1), np.zeros(2), float(slipped))
 
 
 @inlined
@@ -88,7 +95,7 @@ def show_failed(
     currents : ndarray, shape (3,)
         Measured phase currents (A), replaced.
     sense : record of DUTY_SENSE
-        Its angle and speed are replaced if the position is lost.
+        Its angle is replaced if the magnet slips, angle and speed if the position is lost.
     is_exact : bool
         True if angle and speed are measured without error. A sensor with edges handles missing edges itself.
     """
@@ -99,6 +106,8 @@ def show_failed(
         if has_failed(failure, LOST_POSITION, step):
             sense.angle = failure.shaft[_ANGLE]
             sense.speed = failure.shaft[_SPEED]
+        if has_failed(failure, SLIP, step):
+            sense.angle = shown_angle(sense.angle + failure.slipped)
         failure.shaft[_ANGLE] = sense.angle
         failure.shaft[_SPEED] = sense.speed
 

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import inlined, unallocating
-from drivegate_models.loop.exchange import COMPLETED
+from drivegate_models.loop.exchange import COMPLETED, STOPPED
 from drivegate_models.loop.loop_kernel import PLANT_FAULT
+from drivegate_models.loop.restarting import Restarts, restart_if_due
 from drivegate_models.loop.schedule import Course, Schedule, conditions_at, follow
 from drivegate_models.loop.shaft import held_speed, shown_angle, whole_turns, within_a_turn
 from drivegate_models.machine import ledger
@@ -33,6 +34,7 @@ from drivegate_models.pm_ac.rectifying import settle_rectifying
 from drivegate_models.pm_ac.sensing import (
     EXACT,
     DutySensors,
+    drop_signals,
     lose_next_edge,
     low_side_ratio,
     show_phase_currents,
@@ -118,6 +120,19 @@ def _turn_sensors(sensors: DutySensors, failure: Failure, step: int, length: flo
 
 
 @inlined
+def _command(
+    exchange: DutyExchange, restarts: Restarts, restarted: int, step: int, room: DutyRoom, delay: int
+) -> tuple[int, int]:
+    """Step the controller, after a reset if one is due; return the command's status and the number of resets."""
+    has_failed, restarted = restart_if_due(exchange, restarts, restarted, step)
+    if has_failed:
+        exchange.kept[step] = exchange.command[0]
+        return STOPPED, restarted
+    step_controller(exchange, step)
+    return copy_command(exchange, room.ratios, room.legs, delay), restarted
+
+
+@inlined
 def _settle_before_start(
     drive: PmAcDrive, phases: PmAcPhases, load: Load, schedule: Schedule, timing: DutyTiming, room: DutyRoom
 ) -> int:
@@ -151,6 +166,7 @@ def _run_from_initial_state(
     room: DutyRoom,
     sensors: DutySensors,
     failure: Failure,
+    restarts: Restarts,
     records: DutyRecords,
 ) -> tuple[int, int]:
     """Run the control periods of a run whose machine is in its initial state; see `run_periods`."""
@@ -163,6 +179,7 @@ def _run_from_initial_state(
     # Whole electrical turns of the shaft's present turn.
     turns = 0
     change = 0.0
+    restarted = 0
     stored = stored_energy(drive, phases)
     observed = records.run
     for k in range(timing.steps):
@@ -187,8 +204,8 @@ def _run_from_initial_state(
             show_shaft(sensors, exchange.sense[0], k * length)
         is_exact = sensors.ideal or sensors.position == EXACT
         show_failed(failure, k, exchange.sensed_currents, exchange.sense[0], is_exact)
-        step_controller(exchange, k)
-        status = copy_command(exchange, room.ratios, room.legs, delay)
+        drop_signals(sensors, k * length, exchange.sensed_currents, exchange.sense[0])
+        status, restarted = _command(exchange, restarts, restarted, k, room, delay)
         if status != COMPLETED:
             return status, k
         fail_legs(failure, k, room.legs[0])
@@ -252,6 +269,7 @@ def run_periods(
     room: DutyRoom,
     sensors: DutySensors,
     failure: Failure,
+    restarts: Restarts,
     records: DutyRecords,
 ) -> tuple[int, int]:
     """Run a controller against the plant.
@@ -278,6 +296,8 @@ def run_periods(
         Sensors between plant and controller; updated.
     failure : Failure
         A failure during the run.
+    restarts : Restarts
+        Resets of the controller during the run.
     records : DutyRecords
         Overwritten with trace, integrals and balance.
 
@@ -294,7 +314,7 @@ def run_periods(
     if _settle_before_start(drive, phases, load, schedule, timing, room):
         return PLANT_FAULT, 0
     return _run_from_initial_state(
-        drive, phases, load, schedule, torque, exchange, timing, room, sensors, failure, records
+        drive, phases, load, schedule, torque, exchange, timing, room, sensors, failure, restarts, records
     )
 
 

@@ -37,7 +37,9 @@ from drivegate_models.loop.sensing.hall import (
     no_hall,
     turn_hall,
 )
+from drivegate_models.loop.sensing.sensors import CURRENTS, FIRST_PHASE, SPEED, SUPPLY, dropped
 from drivegate_models.loop.shaft import shown_angle
+from drivegate_models.machine.sine import cosine_sine
 from drivegate_models.pm_ac.plant.drive import CENTRED, FALLING
 
 IN_LINE: Final = 0
@@ -66,6 +68,31 @@ class Shunts(NamedTuple):
     """Last measured currents, shape (3,) (A)."""
 
 
+class ShaftErrors(NamedTuple):
+    """Errors of a sensor with one sine and one cosine track a turn, as a resolver or a magnet at the shaft's end."""
+
+    present: bool
+    """True if there is any."""
+    eccentricity: float
+    """Amplitude of the angle's error by an eccentric sensor (rad of the shaft)."""
+    eccentric_from: float
+    """Angle of the shaft at which that error is 0 and rises (rad)."""
+    sine_offset: float
+    cosine_offset: float
+    """Offsets of the tracks over their amplitude (1)."""
+    gain: float
+    """Amplitude of the sine track over that of the cosine track, less 1 (1)."""
+    phase: float
+    """Angle by which the tracks are closer together than a right angle (rad)."""
+    latency: float
+    """Age of what is shown (s)."""
+
+
+def no_shaft_errors() -> ShaftErrors:
+    """Return the errors of a sensor without any."""
+    return ShaftErrors(False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
 class DutySensors(NamedTuple):
     """Constants and state of the sensors; the arrays are updated in place."""
 
@@ -79,10 +106,14 @@ class DutySensors(NamedTuple):
     encoder: Encoder
     """The encoder; its count is zero at angle zero."""
     hall: Hall
+    errors: ShaftErrors
+    """Errors of angle and speed if `position` is `EXACT`."""
+    dropouts: NDArray[np.float64]
+    """Signal, start and end (s) of each dropout, shape (d, 3), with the signals of `loop.sensing.sensors`."""
 
 
-def ideal_duty_sensors() -> DutySensors:
-    """Return sensors that measure exact values at all times."""
+def ideal_duty_sensors(dropouts: NDArray[np.float64] | None = None) -> DutySensors:
+    """Return sensors that measure exact values at all times, except during dropouts."""
     return DutySensors(
         True,
         exact_converters(np.ones(3), np.zeros(3)),
@@ -90,6 +121,8 @@ def ideal_duty_sensors() -> DutySensors:
         EXACT,
         no_encoder(),
         no_hall(),
+        no_shaft_errors(),
+        np.zeros((0, 3)) if dropouts is None else dropouts,
     )
 
 
@@ -100,6 +133,8 @@ def real_duty_sensors(
     window: float = 0.0,
     encoder: Encoder | None = None,
     hall: Hall | None = None,
+    errors: ShaftErrors | None = None,
+    dropouts: NDArray[np.float64] | None = None,
 ) -> DutySensors:
     """Return sensors with errors.
 
@@ -114,7 +149,11 @@ def real_duty_sensors(
     encoder : Encoder, optional
         Measures angle and speed.
     hall : Hall, optional
-        Measures angle and speed instead of an encoder. Without both, they are measured without error.
+        Measures angle and speed instead of an encoder.
+    errors : ShaftErrors, optional
+        Errors of angle and speed without encoder and Hall switches; none by default.
+    dropouts : ndarray, shape (d, 3), optional
+        Signal, start and end (s) of each dropout.
 
     Returns
     -------
@@ -129,6 +168,8 @@ def real_duty_sensors(
         position,
         no_encoder() if encoder is None else encoder,
         no_hall() if hall is None else hall,
+        no_shaft_errors() if errors is None else errors,
+        np.zeros((0, 3)) if dropouts is None else dropouts,
     )
 
 
@@ -221,6 +262,43 @@ def show_phase_currents(
 
 
 @inlined
+def _show_erroneous(errors: ShaftErrors, sense: Any) -> None:
+    """Replace angle and speed in a Sense by those of a sensor with errors.
+
+    With tracks ``(1 + g) sin(x + d) + o_s`` and ``cos x + o_c``, the angle is off by ``o_s cos x - o_c sin x +
+    (g/2) sin 2x + (d/2)(1 + cos 2x)`` to the first order. The mean of the phase's error is alignment, which is not
+    part of it. The speed is the derivative of the shown angle.
+    """
+    speed = sense.speed
+    # As it was when it was sampled.
+    angle = sense.angle - speed * errors.latency
+    cosine, sine = cosine_sine(angle)
+    around, turned = cosine_sine(angle - errors.eccentric_from)
+    double_cosine, double_sine = cosine * cosine - sine * sine, 2.0 * sine * cosine
+    error = errors.eccentricity * turned + errors.sine_offset * cosine - errors.cosine_offset * sine
+    error += 0.5 * (errors.gain * double_sine + errors.phase * double_cosine)
+    slope = errors.eccentricity * around - errors.sine_offset * sine - errors.cosine_offset * cosine
+    slope += errors.gain * double_cosine - errors.phase * double_sine
+    sense.angle = shown_angle(angle + error)
+    sense.speed = speed * (1.0 + slope)
+
+
+@inlined
+def drop_signals(sensors: DutySensors, time: float, currents: NDArray[np.float64], sense: Any) -> None:
+    """Replace the signals in a Sense that are lost at a time (s) by 0, as loose contacts do."""
+    if sensors.dropouts.shape[0] == 0:
+        return
+    if dropped(sensors.dropouts, SPEED, time):
+        sense.speed = 0.0
+    if dropped(sensors.dropouts, SUPPLY, time):
+        sense.supply_voltage = 0.0
+    every = dropped(sensors.dropouts, CURRENTS, time)
+    for leg in range(3):
+        if every or dropped(sensors.dropouts, FIRST_PHASE + leg, time):
+            currents[leg] = 0.0
+
+
+@inlined
 def show_shaft(sensors: DutySensors, sense: Any, now: float) -> None:
     """Replace link voltage, angle and speed in a Sense by their measured values.
 
@@ -244,6 +322,8 @@ def show_shaft(sensors: DutySensors, sense: Any, now: float) -> None:
         sense.hall = hall_bits(sensors.hall)
         sense.angle = shown_angle(hall_shaft_angle(sensors.hall, now))
         sense.speed = hall_speed(sensors.hall)
+    elif sensors.errors.present:
+        _show_erroneous(sensors.errors, sense)
 
 
 @inlined

@@ -7,9 +7,11 @@ from pydantic import Field, model_validator
 from drivegate_cases.documents.document import Section
 from drivegate_cases.scenario.control_periods import first_period_from
 
-FailureKind: TypeAlias = Literal["open-phase", "stuck-current", "lost-position", "locked-rotor", "lost-edge"]
-"""A leg whose switches both stay off, a current sensor or the shaft's position that stays, a shaft that stands, or one
-edge of the position that does not come."""
+FailureKind: TypeAlias = Literal[
+    "open-phase", "stuck-current", "lost-position", "locked-rotor", "lost-edge", "slip"
+]
+"""A leg whose switches both stay off, a current sensor or the shaft's position that stays, a shaft that stands, one
+edge of the position that does not come, or a magnet of the position's sensor that turns on the shaft."""
 FAILURE_KINDS: Final[tuple[FailureKind, ...]] = get_args(FailureKind)
 """All of them."""
 PHASED: Final[frozenset[FailureKind]] = frozenset({"open-phase", "stuck-current"})
@@ -24,11 +26,19 @@ class Failure(Section):
     kind: FailureKind = Field(
         description="what fails: 'open-phase', a leg whose switches both stay off; 'stuck-current', a current sensor "
         "whose reading stays; 'lost-position', the edges of encoder or Hall switches; 'locked-rotor', the shaft; "
-        "'lost-edge', the next edge of encoder or Hall switches alone"
+        "'lost-edge', the next edge of encoder or Hall switches alone; 'slip', the magnet of the sensor of an exact "
+        "position, which turns on the shaft"
     )
     time_s: float = Field(ge=0.0, le=86400.0, description="time from which on it has failed, in seconds")
     phase: int = Field(
         default=1, ge=1, le=3, description="number of the phase, from 1, where the failure is that of one"
+    )
+
+    slip_deg: float | None = Field(
+        default=None,
+        ge=-180.0,
+        le=180.0,
+        description="angle by which the magnet turns where it slips, in electrical degrees",
     )
 
     def first_period(self, control_period_s: float) -> int:
@@ -39,4 +49,6 @@ class Failure(Section):
     def _only_a_phase_has_a_number(self) -> Self:
         if self.kind not in PHASED and self.phase != 1:
             raise ValueError(f"must not give 'phase' for the kind '{self.kind}', which is no phase's")
+        if (self.kind == "slip") is (self.slip_deg is None):
+            raise ValueError("must give 'slip_deg' for the kind 'slip', and for no other")
         return self

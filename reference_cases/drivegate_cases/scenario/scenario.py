@@ -28,6 +28,7 @@ from drivegate_cases.scenario.sensors import (
     fitted,
     has_edges,
     has_encoder,
+    position_of,
     refusal,
     unfitted,
 )
@@ -190,10 +191,11 @@ class Scenario(Document):
         self._check_kind()
         if (unfit := refusal(self.sensors, self.drive)) is not None:
             raise ValueError(f"the key 'sensors' does not fit the drive: {unfit}")
-        if self.glitches and not has_encoder(self.sensors):
+        if self.glitches and not has_encoder(self.sensors, self.drive):
             described = "ideal ones" if self.sensors.kind == "ideal" else f"'{self.sensors.kind}'"
             raise ValueError(
-                f"the key 'glitches' needs the sensors 'mcs96', since {described} have no encoder"
+                f"the key 'glitches' needs the sensors 'mcs96', or an encoder on a PM AC drive, since {described} "
+                "have no encoder"
             )
         return self
 
@@ -203,6 +205,7 @@ class Scenario(Document):
         if (others := self.drive.excluded_loads.get(self.load.kind)) is not None:
             raise ValueError(f"the load '{self.load.kind}' is {others}, {own}")
         self._check_sense()
+        self._check_slip()
         for key, others in self.drive.excluded.items():
             if getattr(self, key):
                 raise ValueError(f"the key '{key}' is {others}, {own}; leave it out")
@@ -214,6 +217,18 @@ class Scenario(Document):
             raise ValueError(
                 "the failure 'lost-edge' needs the sensors 'shunts' with the position 'encoder' or 'hall', or a drive "
                 "whose [sensing] states one of them, since an exact position has no edges"
+            )
+
+    def _check_slip(self) -> None:
+        """Refuse a magnet that slips where the shaft is not shown by one."""
+        if (
+            self.failure is not None
+            and self.failure.kind == "slip"
+            and position_of(self.sensors, self.drive) != "exact"
+        ):
+            raise ValueError(
+                "the failure 'slip' needs the position 'exact', the sensor of a magnet on the shaft, of the drive's "
+                "[sensing] and of the sensors"
             )
 
     def _check_sense(self) -> None:

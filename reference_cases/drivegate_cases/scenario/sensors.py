@@ -13,6 +13,8 @@ from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import nearest_step
 from drivegate_cases.drive.position import Position
 
+EDGES_A_LINE: Final = 4
+"""Edges of a line of an encoder (1)."""
 _CURRENT_RANGE = 1.54
 _CURRENT_OFFSET = 0.0019
 _CURRENT_NOISE = 0.00077
@@ -42,6 +44,8 @@ Hysteresis = Annotated[
     ),
 ]
 """Hysteresis of Hall switches."""
+TrackOffset = Annotated[float, Field(ge=-0.2, le=0.2, description="offset of the track over its amplitude")]
+"""Offset of the sine or the cosine that a position sensor has one period of in a turn."""
 ClockResolution = Annotated[
     float, Field(gt=0.0, le=1e-3, description="resolution of the edges' times, in seconds")
 ]
@@ -152,6 +156,18 @@ _ACTS_WITH: Final[Mapping[str, tuple[str, tuple[str, ...]]]] = {
     **dict.fromkeys(("encoder_lines", "encoder_error_deg", "speed_window_s"), ("position", ("encoder",))),
     **dict.fromkeys(("placement_error_deg", "hysteresis_deg"), ("position", ("hall",))),
     "clock_s": ("position", ("encoder", "hall")),
+    **dict.fromkeys(
+        (
+            "eccentricity_deg",
+            "eccentric_from_deg",
+            "sine_offset",
+            "cosine_offset",
+            "track_gain",
+            "track_phase_deg",
+            "latency_s",
+        ),
+        ("position", ("exact",)),
+    ),
 }
 """Keys of shunts that act only with some values of another key."""
 
@@ -189,6 +205,35 @@ class ShuntSensors(Section):
     speed_window_s: SpeedWindow = 0.002
     placement_error_deg: PlacementError = 1.5
     hysteresis_deg: Hysteresis = 1.0
+    eccentricity_deg: float = Field(
+        default=0.0,
+        ge=0.0,
+        le=5.0,
+        description="greatest error of the angle by an eccentric sensor, once a turn, in degrees of the shaft",
+    )
+    eccentric_from_deg: float = Field(
+        default=0.0,
+        ge=0.0,
+        lt=360.0,
+        description="angle of the shaft at which that error is 0 and rises, in degrees",
+    )
+    sine_offset: TrackOffset = 0.0
+    cosine_offset: TrackOffset = 0.0
+    track_gain: float = Field(
+        default=0.0,
+        ge=-0.2,
+        le=0.2,
+        description="amplitude of the sine track over that of the cosine track, less 1",
+    )
+    track_phase_deg: float = Field(
+        default=0.0,
+        ge=-10.0,
+        le=10.0,
+        description="angle by which the sine track is ahead of its place, in degrees of the shaft",
+    )
+    latency_s: float = Field(
+        default=0.0, ge=0.0, le=1e-3, description="age of the angle and the speed that are shown, in seconds"
+    )
     clock_s: ClockResolution = 1e-7
     current_range_a: CurrentRange = None
     current_gain_spread: CurrentGainSpread = 0.005
@@ -245,16 +290,16 @@ def real_sensors(drive: DriveDocument) -> Sensors:
     return PLAIN[drive.real_sensors]
 
 
-def has_encoder(sensors: Sensors) -> bool:
-    """Tell whether the speed comes from an encoder, whose counter may see false edges."""
-    return isinstance(sensors, Mcs96Sensors)
-
-
 def position_of(sensors: Sensors, drive: DriveDocument) -> Position:
     """Return what shows the shaft to a controller of duty ratios."""
     if not isinstance(sensors, ShuntSensors):
         return drive.position
     return sensors.position or ("encoder" if drive.position == "exact" else drive.position)
+
+
+def has_encoder(sensors: Sensors, drive: DriveDocument) -> bool:
+    """Return True if the speed comes from an encoder, whose counter may see false edges."""
+    return isinstance(sensors, Mcs96Sensors) or position_of(sensors, drive) == "encoder"
 
 
 def has_edges(sensors: Sensors, drive: DriveDocument) -> bool:

@@ -119,7 +119,7 @@ RAMP = [[0, 0], [0.2, 1]]
         ),
         (
             {"drive": "star-3-phase", "sensors": "hall", "glitches": [{"time_s": 0.1, "counts": 3}]},
-            "the key 'glitches' needs the sensors 'mcs96', since 'hall' have no encoder",
+            "the key 'glitches' needs the sensors 'mcs96', or an encoder on a PM AC drive, since 'hall' have no ",
         ),
         ({"initial_speed_rpm": -1}, "the key 'initial_speed_rpm' is -1"),
         ({"speed_rpm": 1500}, "the key 'speed_rpm' is 1500, but must be a list"),

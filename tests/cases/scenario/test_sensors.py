@@ -39,12 +39,12 @@ BY_HALL = EXACT.with_overrides(["sensing.position=hall"])
 @pytest.mark.parametrize("name", ["paper-5-phase", "fan-3-phase", "traction-7-phase"])
 def test_decoupled_phases_have_the_published_implementation_s_encoder(name: str) -> None:
     assert real_sensors(load_drive(name)) == MCS96
-    assert has_encoder(MCS96)
+    assert has_encoder(MCS96, load_drive(name))
 
 
 def test_a_star_of_three_phases_has_hall_switches_and_no_encoder() -> None:
     assert real_sensors(STAR) == HALL
-    assert not has_encoder(HALL)
+    assert not has_encoder(HALL, STAR)
     # Three switches do not tell where the windows of five phases lie.
     five = STAR.replaced(phases=5)
     assert real_sensors(five) == MCS96

@@ -108,10 +108,12 @@ def every_key() -> list[str]:
 
 
 _HALL_EDGES = {"sensors.position": "hall"}
+_RESOLVED = {"sensors.position": "exact"}
 _LOW_SIDE = {"sensors.shunts": "low-side"}
 _FAILS = {"failure": {"kind": "stuck-current", "time_s": 0.01}}
 _DROPPED = {"dropouts": [{"signal": "currents", "phase": 1, "start_s": 0.01, "duration_s": 0.005}]}
 _GLITCHED = {"sensors": {"kind": "mcs96"}, "glitches": [{"time_s": 0.01, "counts": 9}]}
+_GLITCHED_SHUNTS = {**_GLITCHED, "sensors": {"kind": "shunts"}}
 _ERRS = {"current_errors": [{"phase": 1, "gain": 0.5, "offset_a": 0.1}]}
 _POINT = {"drive.requirements.point": [{"speed_rpm": 5000.0, "torque_n_m": 0.1}]}
 _TABLE = [[0.0, 0.0], [60.0, 1.0], [180.0, 0.0]]
@@ -169,6 +171,13 @@ _SCENARIO: Final[dict[str, Effect]] = {
     "sensors[shunts].encoder_lines": Runs(64),
     "sensors[shunts].encoder_error_deg": Runs(9.0),
     "sensors[shunts].speed_window_s": Runs(0.005),
+    "sensors[shunts].eccentricity_deg": Runs(1.0, _RESOLVED),
+    "sensors[shunts].eccentric_from_deg": Runs(90.0, {**_RESOLVED, "sensors.eccentricity_deg": 1.0}),
+    "sensors[shunts].sine_offset": Runs(0.05, _RESOLVED),
+    "sensors[shunts].cosine_offset": Runs(0.05, _RESOLVED),
+    "sensors[shunts].track_gain": Runs(0.05, _RESOLVED),
+    "sensors[shunts].track_phase_deg": Runs(3.0, _RESOLVED),
+    "sensors[shunts].latency_s": Runs(1e-4, _RESOLVED),
     "sensors[shunts].placement_error_deg": Runs(9.0, _HALL_EDGES),
     "sensors[shunts].hysteresis_deg": Runs(9.0, _HALL_EDGES),
     **{
@@ -202,6 +211,7 @@ _SCENARIO: Final[dict[str, Effect]] = {
     "failure.kind": Runs("open-phase", _FAILS),
     "failure.time_s": Runs(0.005, _FAILS),
     "failure.phase": Runs(2, _FAILS),
+    "failure.slip_deg": Runs(90.0, {"failure": {"kind": "slip", "time_s": 0.01, "slip_deg": 45.0}}),
     # Every other kind of load or sensors is another run than the first one's.
     **{
         f"load[{kind}].kind": Runs(kind)
@@ -298,6 +308,8 @@ _EXCEPT: Final[dict[str, dict[str, Effect]]] = {
     "pm-ac": {
         "control_period_s": Refused(5e-4, ("control_period_s", "0.0001")),
         "imbalance": Refused([[0.0, 0.2]], ("imbalance", '"pm-ac"', "split supply")),
+        "glitches.time_s": Runs(0.005, _GLITCHED_SHUNTS),
+        "glitches.counts": Runs(-9, _GLITCHED_SHUNTS),
         "seed": Runs(1, {"sensors": {"kind": "shunts"}}),
         "sensors[ideal].kind": Runs("ideal", {"sensors": {"kind": "shunts"}}),
         "drive.requirements.settling_s": Plans(0.5),
@@ -320,10 +332,7 @@ _REFUSED_TABLES: Final[dict[str, dict[str, tuple[str, ...]]]] = {
         "sensors[mcs96]": ("sensors", "'mcs96'", '"pm-ac"', "shunts"),
         "sensors[hall]": ("sensors", "'hall'", '"pm-ac"', "shunts"),
         "drive.advance": ("advance", "no advance angle"),
-        **{
-            key: (key, '"pm-ac"', "other kinds")
-            for key in ("restarts_s", "current_errors", "dropouts", "glitches")
-        },
+        **{key: (key, '"pm-ac"', "other kinds") for key in ("current_errors",)},
     },
 }
 """Tables and keys that a kind of drive refuses as a whole, with what the sentence names."""

@@ -324,6 +324,21 @@ DUTY_FAULTS: Final = {
             TORQUE_REFERENCE, "ahead", lambda plate: (plate.update_delay + 0.5) * plate.control_period
         ),
     ),
+    "microseconds-signed": DutyFault(
+        "ACC-1",
+        "Ramps its reference up by a clock of microseconds with a sign, which is negative after 36 minutes.",
+        perturbed=lambda plate: {"ramp": 100.0 * plate.control_period},
+    ),
+    "offsets-under-current": DutyFault(
+        "RIP-4",
+        "Takes the currents of its first step below base speed for offsets, also where it restarts under current.",
+        perturbed=lambda plate: {"calibrates_below": plate.base_speed},
+    ),
+    "undervoltage-at-once": DutyFault(
+        "ROB-5",
+        "Turns its bridge off for good at the first sample of the link's voltage below half of it.",
+        perturbed=lambda plate: {"least_voltage": 0.5 * plate.supply_voltage},
+    ),
     "hall-edge-awaited": DutyFault(
         "SAF-1",
         "Holds its angle at the sector's end and takes its speed for falling where a Hall edge does not come.",

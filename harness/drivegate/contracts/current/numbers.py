@@ -48,7 +48,7 @@ def sensors_of(drive: DriveDocument) -> str:
 
 def _disturbances(drive: DriveDocument) -> dict[str, str]:
     """Name what can disturb the sensors and the plant that a drive has."""
-    encoder = has_encoder(real_sensors(drive))
+    encoder = has_encoder(real_sensors(drive), drive)
     return {
         "speed_sensor": "an encoder" if encoder else "Hall switches",
         "disturbed_sensors": "sensor dropouts and encoder glitches" if encoder else "sensor dropouts",

@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import math
 from collections.abc import Callable
-from functools import partial
 from math import degrees, floor, pi
 from typing import Any, TypeAlias
 
@@ -23,14 +22,13 @@ from drivegate.contracts.recorded_steps import RecordingController
 from drivegate.scenarios.drive_scale import scale_of
 from drivegate.scenarios.plant_inputs import (
     plant_converters,
+    plant_dropouts,
     plant_encoder,
     plant_hall,
     plant_load,
     plant_schedule,
 )
 from drivegate_cases.drive.limits import mean_time
-from drivegate_cases.scenario.control_periods import seen_at_s
-from drivegate_cases.scenario.disturbance import Dropout
 from drivegate_cases.scenario.profile import dwells
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import HallSensors, IdealSensors, ShuntSensors
@@ -45,15 +43,10 @@ from drivegate_models.units import RADIANS_PER_RPM, RPM
 PrepareLoop: TypeAlias = Callable[..., PreparedLoop]
 """Makes a run of a controller, already reset, against the plant of one kind of drive ready to begin."""
 
-_SIGNALS = {"speed": sensors.SPEED, "currents": sensors.CURRENTS, "supply": sensors.SUPPLY}
-
 
 def plant_sensors(scenario: Scenario) -> sensors.Sensors:
     """Make the sensors of a scenario, as at its start."""
-    seen = partial(seen_at_s, control_period_s=scenario.control_period_s)
-    dropouts = np.array(
-        [(_signal(lost), seen(lost.start_s), seen(lost.end_s)) for lost in scenario.dropouts], np.float64
-    ).reshape(-1, 3)
+    dropouts = plant_dropouts(scenario)
     gains, offsets = np.ones(scenario.drive.machine.phases), np.zeros(scenario.drive.machine.phases)
     for error in scenario.current_errors:
         gains[error.phase - 1], offsets[error.phase - 1] = error.gain, error.offset_a
@@ -66,11 +59,6 @@ def plant_sensors(scenario: Scenario) -> sensors.Sensors:
     if isinstance(given, HallSensors):
         return sensors.real_sensors(converters, dropouts, hall=plant_hall(scenario, given, generator))
     return sensors.real_sensors(converters, dropouts, encoder=plant_encoder(scenario, given))
-
-
-def _signal(lost: Dropout) -> int:
-    """Number the signal that is lost."""
-    return _SIGNALS[lost.signal] if lost.phase is None else sensors.FIRST_PHASE + lost.phase - 1
 
 
 def run_in_closed_loop(

@@ -101,7 +101,8 @@ class DutyRecord(Record):
     @property
     def is_sensed(self) -> bool:
         """Whether the controller sees the plant through sensors with errors."""
-        return not isinstance(self.scenario.sensors, IdealSensors)
+        disturbed = self.scenario.dropouts or self.scenario.glitches
+        return bool(disturbed) or not isinstance(self.scenario.sensors, IdealSensors)
 
     @cached_property
     def steady(self) -> tuple[DutyWindow, ...]:

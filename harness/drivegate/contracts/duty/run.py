@@ -19,10 +19,12 @@ from drivegate.containment.contained_controller import CommandPlayer
 from drivegate.containment.messages import AnyController
 from drivegate.containment.orders import CloseLoop
 from drivegate.containment.playback import Wrap, require_same_plant, stepped_here
+from drivegate.containment.restarting import Restarter
 from drivegate.contracts.duty.document import duty_document
 from drivegate.scenarios.plant_inputs import (
     plant_converters,
     plant_course,
+    plant_dropouts,
     plant_encoder,
     plant_hall,
     plant_load,
@@ -47,7 +49,9 @@ from drivegate_models.pm_ac.sensing import (
     IN_LINE,
     LOW_SIDE,
     DutySensors,
+    ShaftErrors,
     ideal_duty_sensors,
+    no_shaft_errors,
     real_duty_sensors,
 )
 from drivegate_models.units import RADIANS_PER_RPM, RPM
@@ -58,6 +62,7 @@ _FAILURES = {
     "lost-position": failure.LOST_POSITION,
     "locked-rotor": failure.LOCKED_ROTOR,
     "lost-edge": failure.LOST_EDGE,
+    "slip": failure.SLIP,
 }
 _SHUNTS = {"in-line": IN_LINE, "low-side": LOW_SIDE, "link": DC_LINK}
 PrepareDutyLoop: TypeAlias = Callable[..., Any]
@@ -131,13 +136,22 @@ def run_duty(
     options = {**_options(scenario, sensors), "failure": failure}
     nameplate: Any = duty_nameplate(scenario)
     controller.reset(nameplate)
-    order = CloseLoop(prepare, plant, options, commands=DUTY_COMMAND)
+    restarts = [round(time / scenario.control_period_s) for time in scenario.restarts_s]
+    order = CloseLoop(prepare, plant, options, restarts, commands=DUTY_COMMAND)
     by_address = stepped_here(controller, order, scenario.control_periods)
     stepped = by_address if wrap is None else wrap(by_address)
+    restarter = Restarter(stepped, nameplate)
     prepared = prepare(
-        *plant, **options, step_address=stepped.step_address, state_address=stepped.state_address
+        *plant,
+        **options,
+        step_address=stepped.step_address,
+        state_address=stepped.state_address,
+        restarts=restarter.restarts(restarts),
     )
     run = prepared.run()
+    if restarter.failures:
+        # Taken out, since what is raised keeps this frame, and with it the restarter.
+        raise restarter.failures.pop()
     if run.status != COMPLETED:
         _raise_ending(run, prepared.exchange, by_address)
     require_same_plant(by_address, prepared.records)
@@ -239,19 +253,39 @@ def duty_sensors(scenario: Scenario) -> DutySensors:
         window=given.settling_s,
         encoder=_encoder(scenario, given) if given.position == "encoder" else None,
         hall=plant_hall(scenario, given, generator) if given.position == "hall" else None,
+        errors=_shaft_errors(given),
+        dropouts=plant_dropouts(scenario),
     )
+
+
+def _shaft_errors(given: ShuntSensors) -> ShaftErrors:
+    """Make the errors of a sensor of the shaft that has neither lines nor edges."""
+    errors = ShaftErrors(
+        True,
+        math.radians(given.eccentricity_deg),
+        math.radians(given.eccentric_from_deg),
+        given.sine_offset,
+        given.cosine_offset,
+        given.track_gain,
+        math.radians(given.track_phase_deg),
+        given.latency_s,
+    )
+    return errors if any(errors[1:]) else no_shaft_errors()
 
 
 def _ideal_sensors(scenario: Scenario) -> DutySensors:
     """Make sensors without errors; edges of the shaft that the drive states come in their places."""
     position = position_of(scenario.sensors, scenario.drive)
     if position == "exact":
-        return ideal_duty_sensors()
+        return ideal_duty_sensors(plant_dropouts(scenario))
     converters = exact_converters(np.ones(3), np.zeros(3))
     in_place = SHUNTS.model_copy(update={"placement_error_deg": 0.0, "hysteresis_deg": 0.0})
     if position == "encoder":
-        return real_duty_sensors(converters, encoder=_encoder(scenario, in_place))
-    return real_duty_sensors(converters, hall=plant_hall(scenario, in_place, np.random.default_rng(0)))
+        return real_duty_sensors(
+            converters, encoder=_encoder(scenario, in_place), dropouts=plant_dropouts(scenario)
+        )
+    hall = plant_hall(scenario, in_place, np.random.default_rng(0))
+    return real_duty_sensors(converters, hall=hall, dropouts=plant_dropouts(scenario))
 
 
 def _encoder(scenario: Scenario, given: ShuntSensors) -> Encoder:
@@ -265,6 +299,6 @@ def _duty_failure(scenario: Scenario) -> failure.Failure:
     given = scenario.failure
     if given is None:
         return failure.make_failure()
-    return failure.make_failure(
-        _FAILURES[given.kind], given.first_period(scenario.control_period_s), given.phase - 1
-    )
+    slipped = math.radians(given.slip_deg or 0.0) / scenario.drive.machine.pole_pairs
+    first = given.first_period(scenario.control_period_s)
+    return failure.make_failure(_FAILURES[given.kind], first, given.phase - 1, slipped)

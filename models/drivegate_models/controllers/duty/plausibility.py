@@ -76,6 +76,7 @@ def reset_plausibility(state: Any, nameplate: Any) -> None:
     state.is_watching = 0
     state.angle_before = 0.0
     state.angle_drift = 0.0
+    state.farthest_drift = _FARTHEST
     state.hall_watched = -1
     state.speed_seen = 0.0
     state.sum_count = 0
@@ -109,7 +110,7 @@ def _is_shaft_wrong(state: Any, sense: Any, turned: float, shows_speed: bool) ->
     drift = max(1.0 - abs(expected) / _FORGOTTEN, 0.0) * state.angle_drift + turned - expected
     state.angle_drift = drift
     # Hall switches have steps of 60 degrees before they measure a speed.
-    if sense.hall < 0 and abs(drift) > _FARTHEST:
+    if sense.hall < 0 and abs(drift) > state.farthest_drift:
         return True
     speed = abs(sense.speed)
     # Follow a rising speed at once, and a falling speed as fast as the shaft can stop.

@@ -157,6 +157,7 @@ FOC_STATE: Final = np.dtype(
         ("is_watching", np.int64),
         ("angle_before", np.float64),
         ("angle_drift", np.float64),
+        ("farthest_drift", np.float64),
         ("hall_watched", np.int64),
         ("speed_seen", np.float64),
         ("sum_count", np.int64),

@@ -14,10 +14,13 @@ from numpy.typing import NDArray
 from drivegate_models.compilation.calling import call_step, double_at, step_signature
 from drivegate_models.compilation.kernels import KEEPS_CACHE, inlined
 from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE, duty_command_record
+from drivegate_models.contract.duty.signals import LEG_OFF
 from drivegate_models.machine.rotor_frame import RotorFrame, phase_current
 from drivegate_models.machine.sine import cosine_sine
 
 _TURN = 2.0 * pi
+# Range of a clock of microseconds in 32 bits (s).
+_SIGNED = 2.0**32 * 1e-6
 # Sectors of an electrical cycle, by the states of the Hall switches as bits; -1 for invalid states.
 _SECTORS = (-1, 0, 2, 1, 4, 5, 3, -1)
 
@@ -59,6 +62,15 @@ PERTURBED_STATE: Final = np.dtype(
         # Maximum backward reference (rad/s or N m), and link voltage above which there is none (V).
         ("backward_limit", np.float64),
         ("braking_voltage", np.float64),
+        # Time over which a reference is ramped up by a clock of signed microseconds in 32 bits (s), 0 for none.
+        ("ramp", np.float64),
+        # Link voltage below which the bridge is turned off for good (V), and 1 once it is.
+        ("least_voltage", np.float64),
+        ("is_off", np.int64),
+        # Speed below which the first step's currents are taken for offsets (rad/s), 1 after that step, and these (A).
+        ("calibrates_below", np.float64),
+        ("is_calibrated", np.int64),
+        ("offsets", np.float64, (3,)),
         # 1 if the third current is computed from the other two, as with two sensors; 1 if the currents are those of the
         # preceding step.
         ("computes_third", np.int64),
@@ -126,8 +138,17 @@ def _stretched(state: Any, ratio: float) -> float:
 
 
 @inlined
+def _ramp_share(state: Any, time: float) -> float:
+    """Return the share of a reference that a clock of signed microseconds in 32 bits leaves (1)."""
+    shown = time - _SIGNED * floor(time / _SIGNED + 0.5)
+    return float(min(max(shown / state.ramp, 0.0), 1.0))
+
+
+@inlined
 def _perturbed_reference(state: Any, sense: Any) -> float:
     """Return the reference of speed or torque that the controller sees (rad/s or N m)."""
+    if state.ramp > 0.0:
+        return float(_ramp_share(state, sense.time) * sense.reference)
     if sense.reference > 0.0:
         return float(max(sense.reference, state.least_reference))
     limit = 0.0 if sense.supply_voltage > state.braking_voltage else state.backward_limit
@@ -143,8 +164,12 @@ def _write_sense(state: Any, sense: Any) -> None:
         measured = state.current_factor * double_at(sense.phase_currents, phase) + phase_current(added, phase)
         if phase == 0:
             measured += state.current_added
+        if state.is_calibrated == 0 and abs(sense.speed) < state.calibrates_below:
+            state.offsets[phase] = measured
+        measured -= state.offsets[phase]
         state.currents[phase] = state.before[phase] if state.is_late == 1 else measured
         state.before[phase] = measured
+    state.is_calibrated = 1
     if state.computes_third == 1:
         state.currents[2] = -state.currents[0] - state.currents[1]
     state.sense = sense
@@ -181,6 +206,12 @@ def _write_command(state: Any, command: Any) -> None:
     command.speed = controller_command.speed
     command.input_power = controller_command.input_power
     command.fault = controller_command.fault
+    if state.sense.supply_voltage < state.least_voltage:
+        state.is_off = 1
+    if state.is_off == 1:
+        command.first_leg = LEG_OFF
+        command.second_leg = LEG_OFF
+        command.third_leg = LEG_OFF
 
 
 @inlined

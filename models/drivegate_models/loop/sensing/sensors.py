@@ -136,13 +136,13 @@ def showing_the_plant(sensors: Sensors) -> Sensors:
 
 
 @inlined
-def dropped(sensors: Sensors, signal: int, time: float) -> bool:
+def dropped(dropouts: NDArray[np.float64], signal: int, time: float) -> bool:
     """Return True if a signal is lost at a time.
 
     Parameters
     ----------
-    sensors : Sensors
-        Their `dropouts` are searched.
+    dropouts : ndarray, shape (d, 3)
+        Signal, start and end (s) of each dropout.
     signal : int
         `SPEED`, `CURRENTS`, `SUPPLY`, or `FIRST_PHASE` plus the index of a phase.
     time : float
@@ -154,7 +154,6 @@ def dropped(sensors: Sensors, signal: int, time: float) -> bool:
         True from the start of a dropout until just before its end.
     """
     lost = False
-    dropouts = sensors.dropouts
     for row in range(dropouts.shape[0]):
         if dropouts[row, 0] == signal and dropouts[row, 1] <= time < dropouts[row, 2]:
             lost = True
@@ -179,7 +178,7 @@ def shown_speed(sensors: Sensors, time: float, speed: float) -> float:
     float
         Measured speed (rad/s), 0 in a dropout.
     """
-    if dropped(sensors, SPEED, time):
+    if dropped(sensors.dropouts, SPEED, time):
         return 0.0
     if sensors.ideal:
         return speed
@@ -204,7 +203,7 @@ def shown_supply(sensors: Sensors, time: float, supply: float) -> float:
     float
         Measured voltage (V), 0 in a dropout.
     """
-    if dropped(sensors, SUPPLY, time):
+    if dropped(sensors.dropouts, SUPPLY, time):
         return 0.0
     if sensors.ideal:
         return supply
@@ -246,9 +245,9 @@ def show_currents(
         Measured sum of the magnitudes (A).
     """
     total = 0.0
-    lost = dropped(sensors, CURRENTS, time)
+    lost = dropped(sensors.dropouts, CURRENTS, time)
     for phase in range(currents.size):
-        if lost or dropped(sensors, FIRST_PHASE + phase, time):
+        if lost or dropped(sensors.dropouts, FIRST_PHASE + phase, time):
             shown[phase] = 0.0
             continue
         current = currents[phase]

@@ -94,9 +94,7 @@ class PmAcDocument(DriveDocument):
 
     contract: ClassVar[str] = "duty"
     sensor_kinds: ClassVar[tuple[str, ...]] = ("ideal", "shunts")
-    excluded: ClassVar[Mapping[str, str]] = dict.fromkeys(
-        ("restarts_s", "current_errors", "dropouts", "glitches"), "for other kinds of drives"
-    )
+    excluded: ClassVar[Mapping[str, str]] = {"current_errors": "for other kinds of drives"}
     excluded_loads: ClassVar[Mapping[str, str]] = {}
     usual_values_are_known: ClassVar[bool] = False
 

@@ -16,11 +16,13 @@ from drivegate.contracts.catalogue import CONTRACTS, contract_of
 from drivegate.contracts.duty.scenarios.building import (
     failing,
     load_step_scenario,
+    restarted,
     speed_scenario,
     supply_step_scenario,
     torque_of,
     torque_scenario,
     with_edges,
+    with_lost_samples,
 )
 from drivegate.contracts.duty.scenarios.feasibility import unfair_because
 from drivegate.drives.reach import refuse_unreachable
@@ -76,7 +78,11 @@ def rarer_runs() -> dict[str, Scenario]:
         for factor in (0.3, 2.0)
     )
     backward = mirrored(torque_scenario(INTERIOR, 1.5 * base, (0.5 * rated,)))
+    held = torque_scenario(INTERIOR, 0.5 * base, (0.5 * rated,))
     return {
+        "microseconds-signed": restarted(held, (), 2147.4),
+        "offsets-under-current": restarted(held, (0.5,)),
+        "undervoltage-at-once": with_lost_samples(held, ("supply",), (0.1,)),
         "backward-refused": speed_scenario(INTERIOR, (0.3 * base, -0.3 * base), torque_nm=0.3 * rated),
         "one-way-prediction": backward,
         "weak-braking": torque_scenario(INTERIOR, base, (0.0, -rated)),

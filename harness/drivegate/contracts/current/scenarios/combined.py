@@ -224,7 +224,7 @@ def _is_possible_on(drive: DriveDocument, level: str) -> bool:
         case "unequal halves":
             return drive.has_split_supply
         case "false edges":
-            return has_encoder(real_sensors(drive))
+            return has_encoder(real_sensors(drive), drive)
     return True
 
 

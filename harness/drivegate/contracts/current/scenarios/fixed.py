@@ -175,7 +175,7 @@ def _faults(drive: DriveDocument) -> list[Scenario]:
         with_dropout(_torque(drive, 1.0, 0.8), "speed", at, tidy(10 * scale.dropout_step_s)),
         *(
             [with_glitch(with_real_sensors(_torque(drive, 0.5, 0.8), seed=4), 20, at)]
-            if has_encoder(real_sensors(drive))
+            if has_encoder(real_sensors(drive), drive)
             else []
         ),
         *(

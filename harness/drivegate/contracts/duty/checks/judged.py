@@ -23,6 +23,7 @@ UNWEAKENED_FAMILIES: Final = (
     "hoist",
     "low speed",
     "start",
+    "restart",
     "supply step",
     "torque supply step",
 )

@@ -190,7 +190,7 @@ def _over(
 
 RIP_4 = Check(
     id="RIP-4",
-    families=("torque step", "speed step", "load step", "start"),
+    families=("torque step", "speed step", "load step", "start", "restart"),
     requirement="In steady state the torque ripple is hardly more than that of ideal space-vector modulation.",
     source="the contract",
     level="required",

@@ -85,12 +85,14 @@ ROB_4 = Check(
 
 ROB_5 = Check(
     id="ROB-5",
-    families=("sensor",),
-    requirement="Through shunts, converters and an encoder or Hall switches the reference is held.",
+    families=("sensor", "lost sample", "false edge"),
+    requirement="Through shunts, converters and an encoder or Hall switches the reference is held, also after lost "
+    "samples and false edges.",
     source="the contract",
     level="required",
     limit="torque 2 × {torque_error}, speed error 2 k1",
-    scenarios="steady stretches of runs with the sensors 'shunts', torques up to {weakening} of the greatest possible",
+    scenarios="steady stretches of runs with the sensors 'shunts', single samples that are lost, or false edges, "
+    "torques up to {weakening} of the greatest possible",
     formula="1 - |mean - reference| / twice the limit of ACC-1",
     why="Firmware sees the currents through amplifiers with offsets, and the shaft in edges.",
     evaluate=through_sensors,

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import Final
 
+from drivegate.contracts.duty.document import duty_document
 from drivegate.contracts.duty.scenarios.drawn_range import slow_load_share
 from drivegate.contracts.duty.scenarios.windows import WINDOW_SHARE, run_up_s
 from drivegate.scenarios.drive_scale import rated_torque_at, tidy
@@ -17,14 +18,19 @@ from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.limits import duty_limits_of
 from drivegate_cases.drive.position import Position
 from drivegate_cases.scenario.control_periods import first_period_from, period_start_s
+from drivegate_cases.scenario.disturbance import Dropout, Glitch
 from drivegate_cases.scenario.failure import FailureKind
 from drivegate_cases.scenario.load import ConstantTorqueLoad, DynamometerLoad, HoistLoad
 from drivegate_cases.scenario.piecewise import Profile
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_cases.scenario.sensors import SHUNTS
+from drivegate_cases.scenario.sensors import EDGES_A_LINE, SHUNTS
 
 TORQUE_DIGITS: Final = 4
 """Digits that torques are rounded to."""
+FALSE_ANGLE_DEG: Final = 3.0
+"""Angle that false edges of an encoder may turn the rotor's frame by (electrical degrees)."""
+LOST_APART: Final = 20
+"""Control periods from the lost sample of one signal to that of the next (1)."""
 PERIODS_AT_A_TIME: Final = 10
 """Control periods that the lengths of stretches are whole numbers of (1)."""
 
@@ -138,11 +144,66 @@ def hoist_scenario(
     return titled(run.replaced(load=load))
 
 
-def failing(run: Scenario, kind: FailureKind, time_s: float, phase: int = 1) -> Scenario:
+def restarted(run: Scenario, shares: Sequence[float], clock_start_s: float = 0.0) -> Scenario:
+    """Reset the controller at shares of a run's length, and let its clock begin anywhere."""
+    times = _times_s(run, shares)
+    return _settling_after(times, run.replaced(restarts_s=times, clock_start_s=clock_start_s))
+
+
+def with_lost_samples(
+    run: Scenario, signals: Sequence[str], shares: Sequence[float], phase: int | None = None
+) -> Scenario:
+    """Lose single samples of signals, one after the other, at shares of a run's length."""
+    times, period = _times_s(run, shares), run.control_period_s
+    lost = [
+        {
+            "signal": signal,
+            "phase": phase,
+            "start_s": time + number * LOST_APART * period,
+            "duration_s": period,
+        }
+        for time in times
+        for number, signal in enumerate(signals)
+    ]
+    dropouts = tuple(map(Dropout.model_validate, lost))
+    return _settling_after([one.end_s for one in dropouts], run.replaced(dropouts=dropouts))
+
+
+def with_false_edges(run: Scenario, counts: int, share: float, seed: int) -> Scenario:
+    """See the shaft of a run by an encoder that counts false edges at a share of its length."""
+    times = _times_s(run, (share,))
+    glitches = tuple(Glitch(time_s=time, counts=counts) for time in times)
+    return _settling_after(times, with_edges(run, "encoder", seed).replaced(glitches=glitches))
+
+
+def _times_s(run: Scenario, shares: Sequence[float]) -> tuple[float, ...]:
+    """Return the starts of the control periods at shares of a run's length (s)."""
+    period = run.control_period_s
+    return tuple(
+        period_start_s(first_period_from(share * run.duration_s, period), period) for share in shares
+    )
+
+
+def _settling_after(times_s: Sequence[float], run: Scenario) -> Scenario:
+    """Go on with a run for as long as it takes to settle after the last of some times."""
+    drive = duty_document(run.drive)
+    periods = round(max(times_s, default=0.0) / run.control_period_s) + dwell_periods(drive)
+    return titled(run.replaced(duration_s=max(run.duration_s, start_s(drive, periods))))
+
+
+def most_false_edges(drive: PmAcDocument) -> int:
+    """Return the false edges of an encoder that no controller without an index has to notice."""
+    electrical = 360.0 * drive.machine.pole_pairs / (EDGES_A_LINE * SHUNTS.encoder_lines)
+    return int(FALSE_ANGLE_DEG / electrical)
+
+
+def failing(
+    run: Scenario, kind: FailureKind, time_s: float, phase: int = 1, slip_deg: float | None = None
+) -> Scenario:
     """Make something fail in a run, at the start of the first control period from a time on."""
     period = run.control_period_s
     time = period_start_s(first_period_from(time_s, period), period)
-    return titled(run.replaced(failure={"kind": kind, "time_s": time, "phase": phase}))
+    return titled(run.replaced(failure={"kind": kind, "time_s": time, "phase": phase, "slip_deg": slip_deg}))
 
 
 def edge_positions(drive: PmAcDocument) -> tuple[Position, ...]:

@@ -13,12 +13,16 @@ from drivegate.contracts.duty.scenarios.building import (
     failing,
     hoist_scenario,
     load_step_scenario,
+    most_false_edges,
+    restarted,
     slow_torque,
     speed_scenario,
     supply_step_scenario,
     torque_of,
     torque_scenario,
     with_edges,
+    with_false_edges,
+    with_lost_samples,
 )
 from drivegate.contracts.duty.scenarios.drawn_range import (
     BEYOND_SHARE,
@@ -30,7 +34,7 @@ from drivegate.contracts.duty.scenarios.drawn_range import (
     TURNING_SHARE,
 )
 from drivegate.contracts.duty.scenarios.failures import FAILURE_TORQUE_SHARE
-from drivegate.scenarios.changes import with_real_sensors, with_scales
+from drivegate.scenarios.changes import CLOCKS_S, with_real_sensors, with_scales
 from drivegate.scenarios.drive_scale import tidy
 from drivegate.scenarios.rotation import goes_backward, is_mirrored, mirrored
 from drivegate.scenarios.title import titled
@@ -38,7 +42,7 @@ from drivegate_cases.drive.limits import nearest_step
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.limits import FAILURE_SPEED_SHARE
 from drivegate_cases.scenario.failure import FAILURE_KINDS, PHASED, FailureKind
-from drivegate_cases.scenario.reference import Reference
+from drivegate_cases.scenario.reference import Reference, reference_of
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import SHUNTS, position_of
 
@@ -47,6 +51,8 @@ Family: TypeAlias = Callable[[PmAcDocument], st.SearchStrategy[Scenario]]
 
 _SEEDS: Final = 10_000
 _PART: Final = 0.005
+SLIPS_DEG: Final = (-120.0, -60.0, 45.0, 90.0, 180.0)
+"""Angles that a magnet slips by (electrical degrees): less than 45 costs little torque, and may go unnoticed."""
 
 
 def _speeds(drive: PmAcDocument, lowest: float, highest: float) -> st.SearchStrategy[float]:
@@ -287,6 +293,61 @@ def sensor_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
     )
 
 
+def _held_or_loaded(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
+    """Draw runs at one operating point up to base speed, of a torque or of a speed."""
+
+    def made(share: float, speed: float, gives_torque: bool) -> Scenario:
+        torque = torque_of(drive, speed, share)
+        if gives_torque:
+            return torque_scenario(drive, speed, (torque,))
+        return speed_scenario(drive, (speed,), torque_nm=torque)
+
+    base = drive.rating.base_speed_rpm
+    return st.builds(made, _shares(0.1, 0.7), _speeds(drive, TURNING_SHARE * base, base), st.booleans())
+
+
+def restart_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
+    """Draw resets of the controller while the drive runs, one or five, and clocks that do not begin at 0."""
+    resets = st.sampled_from(((0.5,), (0.3, 0.35, 0.4, 0.45, 0.5)))
+    beginnings = st.one_of(
+        st.tuples(resets, st.sampled_from(CLOCKS_S)),
+        st.tuples(st.just(()), st.sampled_from(CLOCKS_S[1:])),
+    )
+    return st.builds(lambda run, beginning: restarted(run, *beginning), _held_or_loaded(drive), beginnings)
+
+
+def lost_sample_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
+    """Draw single samples of currents, speed or link voltage that read 0, one or five of them."""
+    signals = (
+        ("currents", None),
+        ("currents", 1),
+        ("currents", 2),
+        ("currents", 3),
+        ("speed", None),
+        ("supply", None),
+    )
+    return st.builds(
+        lambda run, signal, shares: with_lost_samples(run, signal[:1], shares, signal[1]),
+        _held_or_loaded(drive),
+        st.sampled_from(signals),
+        st.sampled_from(((0.2,), (0.1, 0.12, 0.14, 0.16, 0.18))),
+    )
+
+
+def false_edge_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
+    """Draw false edges of an encoder that turn the rotor's frame by up to 3 electrical degrees."""
+    most = most_false_edges(drive)
+    if most == 0 or drive.position == "hall":
+        return st.nothing()
+    return st.builds(
+        with_false_edges,
+        _held_or_loaded(drive),
+        st.integers(-most, most).filter(bool),
+        st.just(0.1),
+        st.integers(1, _SEEDS),
+    )
+
+
 def failure_scenarios(
     drive: PmAcDocument,
     detected: Collection[FailureKind] = FAILURE_KINDS,
@@ -299,7 +360,13 @@ def failure_scenarios(
     base = drive.rating.base_speed_rpm
 
     def made(
-        which: tuple[FailureKind, Reference], share: float, speed: float, part: int, phase: int, seed: int
+        which: tuple[FailureKind, Reference],
+        share: float,
+        speed: float,
+        part: int,
+        phase: int,
+        seed: int,
+        slip_deg: float,
     ) -> Scenario:
         kind, reference = which
         torque = torque_of(drive, speed, share)
@@ -308,19 +375,23 @@ def failure_scenarios(
         if kind == "lost-edge":
             # The number of a phase, which an edge has none of, tells whose edge it is.
             seen = with_edges(run, edge_positions(drive)[0 if phase == 1 else -1], seed)
+        elif kind == "slip":
+            seen = run
         else:
             seen = with_real_sensors(run, seed) if seed else run
         time = (0.5 + _PART * part) * run.duration_s
-        return failing(seen, kind, time, phase if kind in PHASED else 1)
+        slipped = slip_deg if kind == "slip" else None
+        return failing(seen, kind, time, phase if kind in PHASED else 1, slipped)
 
     return st.builds(
         made,
-        st.sampled_from(_that_can_fail(detected, references)),
+        st.sampled_from(_that_can_fail(drive, detected, references)),
         _shares(FAILURE_TORQUE_SHARE, HEAVIEST_FAILURE_SHARE),
         _speeds(drive, FAILURE_SPEED_SHARE * base, base),
         st.integers(0, 20),
         st.integers(1, 3),
         st.sampled_from((0, 1, 2)),
+        st.sampled_from(SLIPS_DEG),
     )
 
 
@@ -328,7 +399,7 @@ _UNSEEN: Final = frozenset({("locked-rotor", "torque"), ("lost-edge", "speed")})
 
 
 def _that_can_fail(
-    detected: Collection[FailureKind], references: Collection[Reference]
+    drive: PmAcDocument, detected: Collection[FailureKind], references: Collection[Reference]
 ) -> list[tuple[FailureKind, Reference]]:
     """List what may fail under which reference.
 
@@ -338,7 +409,10 @@ def _that_can_fail(
         (kind, reference)
         for kind in FAILURE_KINDS
         for reference in ("speed", "torque")
-        if kind in detected and reference in references and (kind, reference) not in _UNSEEN
+        if (kind != "slip" or drive.position == "exact")
+        and kind in detected
+        and reference in references
+        and (kind, reference) not in _UNSEEN
     ]
 
 
@@ -353,9 +427,15 @@ FAMILY_GROUPS: Final[tuple[tuple[Family, ...], ...]] = (
     (weakening_scenarios,),
     (speed_step_scenarios, reversal_scenarios),
     (load_step_scenarios, low_speed_scenarios, hoist_scenarios),
-    (start_scenarios, torque_step_scenarios, failure_scenarios),
+    (start_scenarios, torque_step_scenarios, failure_scenarios, restart_scenarios),
     (parameter_scenarios,),
-    (supply_step_scenarios, torque_supply_step_scenarios, sensor_scenarios),
+    (
+        supply_step_scenarios,
+        torque_supply_step_scenarios,
+        sensor_scenarios,
+        lost_sample_scenarios,
+        false_edge_scenarios,
+    ),
     (weakening_scenarios, parameter_scenarios),
 )
 """Families of scenarios that a shard of the search draws from; shards take turns at them."""
@@ -364,6 +444,7 @@ FAMILY_GROUPS: Final[tuple[tuple[Family, ...], ...]] = (
 _OF_BOTH_SENSES: Final = frozenset({reversal_scenarios, hoist_scenarios})
 _BACKWARD_SHARE: Final = 4
 """One run in so many is drawn backward."""
+_OF_EITHER: Final = frozenset({restart_scenarios, lost_sample_scenarios, false_edge_scenarios})
 _OF_TORQUE: Final = frozenset({torque_step_scenarios, torque_supply_step_scenarios, weakening_scenarios})
 
 
@@ -381,13 +462,13 @@ def drawn_scenarios(
     """
     reverses = reverses and drive.one_way_because is None
     failures = partial(failure_scenarios, detected=detected, references=references)
-    can_fail = bool(_that_can_fail(detected, references))
+    can_fail = bool(_that_can_fail(drive, detected, references))
     followed = [
         [
-            failures if family is failure_scenarios else family
+            failures if family is failure_scenarios else partial(_following, family, references)
             for family in families
             if (reverses or family not in _OF_BOTH_SENSES)
-            and (can_fail if family is failure_scenarios else _reference(family) in references)
+            and (can_fail if family is failure_scenarios else _reference(family) in (*references, None))
         ]
         for families in FAMILY_GROUPS
     ]
@@ -405,5 +486,16 @@ def _turned(run: Scenario, backward: bool) -> Scenario:
     return mirrored(run) if backward and is_mirrored(run) and not goes_backward(run) else run
 
 
-def _reference(family: Family) -> Reference:
+def _reference(family: Family) -> Reference | None:
+    """Return the reference of a family's runs; None where they have either."""
+    if family in _OF_EITHER:
+        return None
     return "torque" if family in _OF_TORQUE else "speed"
+
+
+def _following(
+    family: Family, references: Collection[Reference], drive: PmAcDocument
+) -> st.SearchStrategy[Scenario]:
+    """Draw the runs of a family that have one of the references."""
+    drawn = family(drive)
+    return drawn.filter(lambda run: reference_of(run) in references) if family in _OF_EITHER else drawn

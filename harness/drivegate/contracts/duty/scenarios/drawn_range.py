@@ -34,7 +34,7 @@ BEYOND_SHARE: Final = 3.0
 
 
 def drawn_range(scenario: Scenario) -> DrawnRange:
-    """Return the range of the family that a scenario belongs to: one of a failure, a torque, a start, or a speed."""
+    """Return the range of the family that a scenario belongs to: of a failure, a disturbance, a torque, or a speed."""
     rating, sensors = scenario.drive.rating, scenario.sensors
     base, highest = rating.base_speed_rpm, rating.highest_speed_rpm
     if isinstance(sensors, ShuntSensors) and sensors.shunts == "low-side":
@@ -43,6 +43,9 @@ def drawn_range(scenario: Scenario) -> DrawnRange:
     if scenario.failure is not None:
         speeds = Interval(FAILURE_SPEED_SHARE * base, base)
         return DrawnRange(speeds, speeds, Interval(FAILURE_TORQUE_SHARE, HEAVIEST_FAILURE_SHARE), NONE)
+    if scenario.restarts_s or scenario.dropouts or scenario.glitches or scenario.clock_start_s:
+        speeds = Interval(TURNING_SHARE * base, base)
+        return DrawnRange(speeds, speeds, Interval(SHARE_STEP, HEAVIEST_SHARE), NONE)
     if isinstance(scenario.load, DynamometerLoad):
         beyond = _is_beyond(scenario)
         speeds = Interval(base if beyond else 0.0, highest)

@@ -19,6 +19,7 @@ from drivegate_cases.drive.pm_ac.limits import duty_limits_of
 from drivegate_cases.scenario.load import DynamometerLoad, LockedLoad, VehicleLoad
 from drivegate_cases.scenario.piecewise import value_from
 from drivegate_cases.scenario.scenario import Scenario
+from drivegate_cases.scenario.sensors import EDGES_A_LINE, SHUNTS, ShuntSensors
 from drivegate_models.contract.duty.signals import LEG_OFF
 from drivegate_models.loop.sensing.hall import SECTOR
 from drivegate_models.machine import ledger
@@ -28,6 +29,8 @@ from drivegate_models.pm_ac.plant.drive import PmAcDrive
 from drivegate_models.pm_ac.rectifying import settle_rectifying
 from drivegate_models.units import RADIANS_PER_RPM
 
+FALSE_SHARE: Final = 0.25
+"""Greatest share of false edges in a speed window of an encoder (1)."""
 IN_HAND: Final = USABLE_SHARE
 """Share of the greatest torque that a speed's load may take; the rest is for regulation (1)."""
 _KEPT: Final = 20_000
@@ -44,6 +47,8 @@ def unfair_because(scenario: Scenario) -> str | None:
         return unnoticed
     if _rectified_current(scenario) > duty_limits_of(duty_document(scenario.drive)).peak_a:
         return "it begins so fast that the current through the diodes alone exceeds the limit of OVC-1"
+    if _shows_a_failure(scenario):
+        return "its false edges are so many of an encoder's speed window that they look like a failure of the encoder"
     if _rests_by_hall_switches(scenario):
         return "Hall switches show the angle of a shaft at rest no closer than 30 electrical degrees"
     if isinstance(scenario.load, LockedLoad):
@@ -57,6 +62,14 @@ def unfair_because(scenario: Scenario) -> str | None:
     if not all(_is_driven(scenario, dwell) for dwell in duty_dwells(scenario)):
         return "at one of its operating points no currents within the limits give the torque"
     return None
+
+
+def _shows_a_failure(scenario: Scenario) -> bool:
+    """Return True if false edges are a great part of those that show the speed."""
+    sensors = scenario.sensors if isinstance(scenario.sensors, ShuntSensors) else SHUNTS
+    slowest = min(abs(speed) for _, speed in scenario.speed_rpm)
+    edges = EDGES_A_LINE * sensors.encoder_lines * slowest / 60.0 * sensors.speed_window_s
+    return any(abs(glitch.counts) > FALSE_SHARE * edges for glitch in scenario.glitches)
 
 
 def _rests_by_hall_switches(scenario: Scenario) -> bool:

@@ -10,12 +10,16 @@ from drivegate.contracts.duty.scenarios.building import (
     failing,
     hoist_scenario,
     load_step_scenario,
+    most_false_edges,
+    restarted,
     slow_torque,
     speed_scenario,
     supply_step_scenario,
     torque_of,
     torque_scenario,
     with_edges,
+    with_false_edges,
+    with_lost_samples,
 )
 from drivegate.contracts.duty.scenarios.drawn_range import BEYOND_SHARE, SLOW_SHARE
 from drivegate.scenarios.changes import with_real_sensors, with_scales
@@ -30,6 +34,8 @@ from drivegate_cases.scenario.scenario import Scenario
 
 START_ANGLES_DEG: Final = tuple(15.0 * number for number in range(24))
 """Angles of the rotor that a start is tried from (electrical degrees)."""
+LATE_CLOCK_S: Final = 2147.4
+"""Time that the controller's clock shows at first, just before 2³¹ µs have passed (s)."""
 START_SPEED_SHARE: Final = 0.2
 """Speed of a start over base speed (1)."""
 START_TORQUE_SHARE: Final = 0.5
@@ -59,6 +65,7 @@ def fixed_scenarios(
         *_starts(drive),
         *_other_plants(drive),
         *_sensed(drive),
+        *_disturbed(drive),
         *(_backward(drive) if reverses and drive.one_way_because is None else ()),
         *(run for run in _failures(drive) if run.failure is not None and run.failure.kind in detected),
     )
@@ -155,6 +162,22 @@ def _slow_speeds(drive: PmAcDocument) -> list[Scenario]:
         load_step_scenario(drive, slowest, slow_torque(drive, slowest), (0.0, 1.0)),
         speed_scenario(drive, (slow,), torque_nm=slow_torque(drive, slow), initial_speed_rpm=0.0),
         speed_scenario(drive, (speed_of(drive, -0.5), 0.0, slow)),
+    ]
+
+
+def _disturbed(drive: PmAcDocument) -> list[Scenario]:
+    """Make the runs in which the controller restarts, its clock passes 31 bits, or samples and edges are wrong."""
+    slow, fast = speed_of(drive, -0.5), speed_of(drive, 0.3)
+    torque = torque_scenario(drive, slow, (torque_of(drive, slow, 0.6),))
+    speed = speed_scenario(drive, (fast,), torque_nm=torque_of(drive, fast, 0.5))
+    edges = most_false_edges(drive)
+    by_encoder = drive.position != "hall" and edges > 0
+    return [
+        restarted(torque, (0.5,)),
+        restarted(speed, (0.5,)),
+        restarted(torque, (), LATE_CLOCK_S),
+        with_lost_samples(torque, ("currents", "speed", "supply"), (0.1,)),
+        *([with_false_edges(torque, edges, 0.1, 1)] if by_encoder else []),
     ]
 
 

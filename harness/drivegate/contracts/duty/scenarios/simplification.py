@@ -53,6 +53,16 @@ def _nominal(scenario: Scenario) -> Iterator[Fields]:
     yield {"clock_start_s": 0.0}
 
 
+def _fewer_events(scenario: Scenario) -> Iterator[Fields]:
+    """Take restarts, lost samples and false edges away, all or all but the first."""
+    for key in ("restarts_s", "dropouts", "glitches"):
+        events = getattr(scenario, key)
+        if events:
+            yield {key: ()}
+        if len(events) > 1:
+            yield {key: events[:1]}
+
+
 def _plainer_sensors(scenario: Scenario) -> Iterator[Fields]:
     """See the plant as it is, through sensors with their defaults, or through those of the first seed."""
     yield {"sensors": IDEAL, "seed": 0}
@@ -137,6 +147,7 @@ def _rounder_torque(scenario: Scenario) -> Iterator[Fields]:
 
 DUTY_SIMPLIFICATIONS: Final[tuple[Simplification, ...]] = (
     _nominal,
+    _fewer_events,
     _plainer_sensors,
     _forward,
     _fewer_torques,

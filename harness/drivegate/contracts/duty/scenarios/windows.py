@@ -52,12 +52,15 @@ def duty_dwells(scenario: Scenario) -> tuple[DutyDwell, ...]:
         scenario.emf_profile,
     )
     torque_is_reference = isinstance(scenario.load, DynamometerLoad)
+    events_s = _events_s(scenario)
     found: list[tuple[float, float, list[float]]] = []
-    for start, end in pairwise(breakpoints(profiles, scenario.duration_s)):
+    for start, end in pairwise(
+        breakpoints((*profiles, tuple((time, 0.0) for time in events_s)), scenario.duration_s)
+    ):
         constant = [value_from(points, start) for points in profiles]
         if constant != [value_until(points, end) for points in profiles]:
             continue
-        if found and found[-1][1:] == (start, constant):
+        if found and found[-1][1:] == (start, constant) and start not in events_s:
             found[-1] = (found[-1][0], end, constant)
         else:
             found.append((start, end, constant))
@@ -65,6 +68,12 @@ def duty_dwells(scenario: Scenario) -> tuple[DutyDwell, ...]:
         DutyDwell(start, end, speed, torque if torque_is_reference else None, *others)
         for start, end, (speed, torque, *others) in found
     )
+
+
+def _events_s(scenario: Scenario) -> frozenset[float]:
+    """List the times from which on a controller has to settle again: restarts, and the end of what is lost (s)."""
+    ends = [lost.end_s for lost in scenario.dropouts] + [glitch.time_s for glitch in scenario.glitches]
+    return frozenset((*scenario.restarts_s, *ends))
 
 
 def run_up_s(drive: PmAcDocument, speed_change_rpm: float, inertia_factor: float = 1.0) -> float:

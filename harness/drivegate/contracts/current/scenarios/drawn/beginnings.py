@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from drivegate.contracts.current.scenarios.drawn.changes import load_step_scenarios
 from drivegate.contracts.current.scenarios.drawn.steps import change_times, nonzero, steady_runs
 from drivegate.scenarios.changes import (
+    CLOCKS_S,
     moments,
     with_beginning,
     with_current_error,
@@ -22,8 +23,6 @@ from drivegate_cases.scenario.scenario import Scenario
 
 PERIODS_US: Final = (500, 400, 250, 200, 160, 125, 100, 80, 50)
 """Control periods that are drawn, of which a tenth of a second is a whole number (µs)."""
-CLOCKS_S: Final = (0.0, 60.0, 2145.0, 4290.0, 86400.0, 2147480.0, 4294960.0)
-"""Where the clock is drawn to begin: also just before 2³¹ and 2³² µs and ms have passed (s)."""
 ROTOR_STEP_DEG: Final = 12
 """Step of the rotor's angle at the start (electrical degrees)."""
 _ANGLES: Final = 360 // ROTOR_STEP_DEG

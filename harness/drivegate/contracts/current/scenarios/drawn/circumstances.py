@@ -82,7 +82,7 @@ def fault_scenarios(
     false_edges = st.builds(
         lambda at, counts, run: with_glitch(run, counts, at), change_times(drive), nonzero(50), _seen(runs)
     )
-    encoders = (false_edges,) if has_encoder(real_sensors(drive)) else ()
+    encoders = (false_edges,) if has_encoder(real_sensors(drive), drive) else ()
     unequal = st.builds(
         lambda at, percent, run: with_imbalance(run, stepped(0.0, percent / 100.0, at)),
         change_times(drive),
