@@ -11,6 +11,8 @@ import pytest
 from playwright.sync_api import Browser, Page
 
 pytestmark = pytest.mark.needs("browser")
+MOST_HEIGHT = 12_000
+"""Height of a report in a window of a desktop, 1280 wide (CSS pixels)."""
 A4_WIDTH = 703
 """Width between the margins of a printed page (CSS pixels)."""
 MISSING = """() => [...document.querySelectorAll('a[href]')]
@@ -60,9 +62,28 @@ def test_every_anchor_and_file_resolves(opened: Open, pages: dict[str, Path], na
     for file in page.evaluate(FILES):
         assert (pages[name].parent / file).is_file(), f"the page refers to {file}, which is not beside it"
     assert page.evaluate("[...document.images].every(image => image.naturalWidth > 0)")
+    page.evaluate("document.querySelectorAll('details').forEach(part => part.open = true)")
     drawings = page.locator("figure svg")
     assert drawings.count() > 1, "the page has no figures"
     assert all((box := drawing.bounding_box()) and box["height"] > 100 for drawing in drawings.all())
+
+
+@pytest.mark.parametrize("name", ["conformance", "duty"])
+def test_a_report_is_short_until_it_is_unfolded(opened: Open, name: str) -> None:
+    page = opened(name)
+    assert page.evaluate("document.documentElement.scrollHeight") <= MOST_HEIGHT
+    link = page.locator("table[data-name=checks] tbody th a").last
+    folded = page.locator(f"details{link.get_attribute('href')}")
+    if folded.count():
+        link.click()
+        assert folded.evaluate("part => part.open"), "a link into what is folded opens it"
+
+
+def test_the_table_of_checks_fits_a_phone(opened: Open) -> None:
+    page = opened("conformance", width=390)
+    heads = page.locator("table[data-name=checks] thead th:visible")
+    assert [text.split()[0] for text in heads.all_inner_texts()] == ["check", "verdict", "margin"]
+    assert page.locator("table[data-name=checks]").evaluate("table => table.offsetWidth") <= 390
 
 
 @EACH

@@ -20,9 +20,9 @@ from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_reports.conformance.report import write
 
 pytestmark = pytest.mark.needs("browser")
-# Of the page with every check, each of which takes about two thirds of a sheet.
-MOST_SHEETS = 18
-"""A pass is to be read in fewer sheets."""
+MOST_SHEETS = {"whole": 10, "conformance": 10, "duty": 10}
+"""A pass is to be read in so many sheets."""
+MOST_SHEETS_OF_ANY = 17
 LEAST_FILLED = 0.5
 """How far down every sheet but the last is filled (share of its height)."""
 FOOT = 43.0
@@ -106,7 +106,7 @@ def test_paper_shows_it_as_a_review_would_want(
     browser: Browser, pages: dict[str, Path], whole_pass: Path, name: str, paper: str
 ) -> None:
     measured = printed(browser, whole_pass if name == "whole" else pages[name], paper)
-    assert len(measured.filled) < MOST_SHEETS, f"{len(measured.filled)} sheets"
+    assert len(measured.filled) <= MOST_SHEETS.get(name, MOST_SHEETS_OF_ANY), f"{len(measured.filled)} sheets"
     empty = [place + 1 for place, share in enumerate(measured.filled[:-1]) if share < LEAST_FILLED]
     assert not empty, f"sheets {empty} are half empty: {measured.filled}"
     assert measured.broken == set(), "broken within the word"

@@ -14,6 +14,7 @@ from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.publication.facts import facts
 from drivegate_reports.page.printable import clean
 from drivegate_reports.paper.catalogue import FIGURES
+from drivegate_reports.paper.drive import is_of_paper
 
 FEW_RUNS: Final = 3
 """Number of runs below which a check's evidence is called thin."""
@@ -86,8 +87,8 @@ def fact_rows() -> tuple[FactRow, ...]:
 def coverage_gaps(document: Mapping[str, Any]) -> tuple[str, ...]:
     """List what a result leaves unjudged."""
     judged = {str(check["id"]): check for check in document["checks"]}
-    checks = contract_of(drive_of(document)).checks()
-    names = [check.id for check in checks]
+    drive = drive_of(document)
+    names = [check.id for check in contract_of(drive).checks()]
     gaps = [f"{name} is not in this result." for name in names if name not in judged]
     for name, check in judged.items():
         runs = int(check["runs"])
@@ -95,8 +96,7 @@ def coverage_gaps(document: Mapping[str, Any]) -> tuple[str, ...]:
             gaps.append(f"{clean(name)} was judged on no run: {clean(check['message'])}.")
         elif runs < FEW_RUNS and name not in _SPECIAL:
             gaps.append(f"{clean(name)} rests on {runs} {'run' if runs == 1 else 'runs'} only.")
-    # Only a contract of the publication rests on its facts.
-    for row in fact_rows() if any(map(facts_of, checks)) else ():
+    for row in fact_rows() if is_of_paper(drive) else ():
         if not row.checks:
             held = f"{row.properties} tests of the plant" if row.properties else "nothing"
             gaps.append(f"{row.id}, {row.title}, is held by no check of candidates, but by {held}.")

@@ -30,14 +30,14 @@ def prepare(drive: DriveDocument) -> None:
     from drivegate_reports.conformance import behaviour, runs, view  # noqa: F401  (loaded early)
     from drivegate_reports.conformance.drive import shown_drive
     from drivegate_reports.page.page import environment
-    from drivegate_reports.paper.drive import reference_drive
+    from drivegate_reports.paper.drive import is_of_paper
     from drivegate_reports.paper.facts import comparisons
     from drivegate_reports.paper.findings import recomputed_findings
 
     behaviour.prepare_behaviour(drive)
     shown_drive({"envelope": envelope_of(drive)}, drive)
     environment().get_template(TEMPLATE)
-    if drive.kind == reference_drive().kind:
+    if is_of_paper(drive):
         comparisons()
         recomputed_findings(of_paper_drive_only=True)
 
@@ -51,15 +51,15 @@ def page(document: Mapping[str, Any]) -> str:
     from drivegate_reports.conformance.runs import margin_figure, shown_runs
     from drivegate_reports.conformance.view import view_of
     from drivegate_reports.page.page import page_text
-    from drivegate_reports.paper.drive import reference_drive
+    from drivegate_reports.paper.drive import is_of_paper
     from drivegate_reports.paper.facts import comparisons
-    from drivegate_reports.paper.findings import recomputed_findings, told_findings
+    from drivegate_reports.paper.findings import recomputed_findings
     from drivegate_reports.paper.verdicts import verdict_counts
 
     view, drive = view_of(document), drive_of(document)
-    # For a drive of another kind, the paper's plant would be compiled beside its own for these numbers alone.
-    is_of_paper_kind = drive.kind == reference_drive().kind
-    compared = comparisons() if is_of_paper_kind else ()
+    # What the paper states is of no use to who checks another drive.
+    is_of_paper_drive = is_of_paper(drive)
+    compared = comparisons() if is_of_paper_drive else ()
     return page_text(
         TEMPLATE,
         result=view,
@@ -69,11 +69,11 @@ def page(document: Mapping[str, Any]) -> str:
         margins=margin_figure(document),
         evidence={row.id: evidence_of(row.id, drive) for row in view.checks},
         gaps=coverage_gaps(document),
-        fact_rows=fact_rows(),
-        is_of_paper_kind=is_of_paper_kind,
+        fact_rows=fact_rows() if is_of_paper_drive else (),
+        is_of_paper_drive=is_of_paper_drive,
         counts=verdict_counts(compared),
         facts=[(fact, [row for row in compared if row.fact == fact.id]) for fact in facts()],
-        findings=recomputed_findings(of_paper_drive_only=True) if is_of_paper_kind else told_findings(),
-        assumptions=open_assumptions() if is_of_paper_kind else (),
-        stated_values=() if is_of_paper_kind else stated_values(drive),
+        findings=recomputed_findings(of_paper_drive_only=True) if is_of_paper_drive else (),
+        assumptions=open_assumptions() if is_of_paper_drive else (),
+        stated_values=() if is_of_paper_drive else stated_values(drive),
     )

@@ -193,8 +193,7 @@ def _rests_on(document: Mapping[str, Any], checks: Sequence[CheckRow]) -> tuple[
         f"{document['seed']}."
     )
     sentences.append(
-        f"{document['set_aside']} drawn scenarios were set aside: no controller could have done what they demand, "
-        "since no angle gives the torque there, or the shaft would have to be braked."
+        f"{document['set_aside']} drawn scenarios were set aside: no controller can do what they require."
     )
     if document.get("judged_by") == "playback":
         sentences.append(

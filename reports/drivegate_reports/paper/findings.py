@@ -53,11 +53,6 @@ def recomputed_findings(*, of_paper_drive_only: bool = False) -> tuple[Recompute
     )
 
 
-def told_findings() -> tuple[RecomputedFinding, ...]:
-    """Give every finding without numbers, which takes no plant."""
-    return tuple(RecomputedFinding(finding, ()) for finding in findings())
-
-
 _Numbers = list[tuple[str, str]]
 
 

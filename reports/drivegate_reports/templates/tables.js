@@ -1,6 +1,13 @@
 // Tables that people sort and filter. A page reads the same without this.
 (() => {
   "use strict";
+  // A link into what is folded opens it.
+  const unfold = () => {
+    let part = document.getElementById(location.hash.slice(1));
+    for (; part; part = part.parentElement) if (part.tagName === "DETAILS") part.open = true;
+  };
+  addEventListener("hashchange", unfold);
+  unfold();
   const number = (text) => {
     const found = /^(?:at (?:least|most) |± ?)?([+−-]?\d+(?:[.,]\d+)?(?:e[+-]?\d+)?)/i.exec(text.trim());
     return found ? Number(found[1].replace("−", "-").replace(",", ".")) : NaN;
