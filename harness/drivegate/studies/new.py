@@ -22,6 +22,7 @@ from drivegate.candidates.contract import ANSWERS, ContractName
 from drivegate.drives.kinds import DEFAULT_DRIVE, DEFAULT_DRIVES
 from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.documents.wording import one_line, shown_path
+from drivegate_cases.drive.data_sheet import copied
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.drive_file import drive_toml
 from drivegate_models.errors import InputError
@@ -240,10 +241,14 @@ def write_drive(file: Path, start: DriveDocument) -> DriveDocument:
 
 
 def _not_stated(start: DriveDocument) -> dict[str, dict[str, str]]:
-    """Say of each value that nobody has said where it is from, which stays true when it is changed."""
-    sentence = f"not stated; as in {start.name} until it is changed"[:200]
+    """Say of each value that nobody has said where it is from, and whose it is until it is changed."""
+    values = start.to_mapping()
     return {
-        table: {key: sentence for key in sentences if key not in _FOLLOWING}
+        table: {
+            key: copied(start.name[:200], values[table].get(key))
+            for key in sentences
+            if key not in _FOLLOWING
+        }
         for table, sentences in start.provenance.items()
         if table != "advance"
     }

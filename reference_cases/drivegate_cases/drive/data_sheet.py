@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from typing import Annotated, Any, Final, Protocol
 
@@ -13,6 +14,8 @@ from drivegate_cases.drive.rating import FOLLOWING, Rating
 from drivegate_models.units import RADIANS_PER_RPM
 
 _Sentence = Annotated[str, Field(max_length=1000)]
+_COPIED: Final = re.compile(r"not stated; as in .*(, which has (?P<value>.*)| until it is changed)")
+_LONGEST_COPY: Final = 500
 Provenance = dict[str, dict[str, _Sentence]]
 """A sentence for each key of each table, written ``machine.phases = "stated: …"``."""
 USABLE_SHARE: Final = 0.92
@@ -135,6 +138,20 @@ def check_continuous_current(drive: SheetDrive) -> None:
             f"{rating.base_speed_rpm:g} rpm; state the peak value, 1.414 times the rms value of a "
             "data sheet, or leave rated_power_w out"
         )
+
+
+def copied(name: str, value: object) -> str:
+    """State that a value is that of another drive, and which value that is, so that a change of it shows."""
+    text = str(value)
+    return f"not stated; as in {name}, which has {text}" if len(text) <= _LONGEST_COPY else "not stated"
+
+
+def origin(sentence: str, value: object) -> str:
+    """Return what a drive says of a value, without what a change has made untrue."""
+    found = _COPIED.fullmatch(sentence)
+    if found is None or found["value"] == str(value):
+        return sentence
+    return "not stated"
 
 
 def check_provenance(provenance: Provenance, tables: Mapping[str, tuple[str, ...]]) -> Provenance:

@@ -11,6 +11,7 @@ from typing import Any, Final
 from drivegate.drives.abilities import ability_of
 from drivegate.drives.kinds import kind_of
 from drivegate.results.result import finite
+from drivegate_cases.drive.data_sheet import origin
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import limits_of
 from drivegate_reports.conformance.figures import drive_envelope, duty_envelope, rotor_plane
@@ -72,10 +73,10 @@ def stated_values(drive: DriveDocument) -> tuple[StatedValue, ...]:
     """List the values of which a drive's document says where they come from."""
     tables = drive.to_mapping()
     return tuple(
-        StatedValue(f"{table}.{key}", clean(str(tables[table][key])), clean(sentence))
+        StatedValue(f"{table}.{key}", clean(str(value)), clean(origin(sentence, value)))
         for table, sentences in drive.provenance.items()
         for key, sentence in sentences.items()
-        if tables[table].get(key) is not None
+        if (value := tables[table].get(key)) is not None
     )
 
 

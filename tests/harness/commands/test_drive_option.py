@@ -4,6 +4,7 @@ import pytest
 
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.limits import limits_of
+from drivegate_reports.conformance.drive import stated_values
 
 POINT = ["--speed-rpm", "700", "--advance-deg", "30", "--current-a", "10"]
 COMMANDS = {
@@ -74,8 +75,7 @@ def test_a_new_drive_is_written_with_a_comment_for_each_key_and_taken_as_it_is(c
         paper.rating,
     )
     assert limits_of(written) == limits_of(paper)
-    (sentence,) = set(written.provenance["machine"].values())
-    assert sentence == "not stated; as in paper-5-phase until it is changed"
+    assert written.provenance["machine"]["phases"] == "not stated; as in paper-5-phase, which has 5"
     again = command("new", "drive", "other.toml", "--drive", "my-drive.toml", "--json").document
     assert again["drive"] == load_drive(tmp_path / "other.toml").identity()
 
@@ -93,6 +93,9 @@ def test_a_new_drive_keeps_no_number_that_follows_from_those_that_are_to_be_chan
     assert mine.advance is None
     assert limits_of(mine).speed_tolerance_rpm == 30.0
     assert [point.speed_rpm for point in limits_of(mine).points] == [6000.0]
+    shown = {value.key: value.source for value in stated_values(mine)}
+    assert shown["rating.base_speed_rpm"] == "not stated", "the value is no longer that of another drive"
+    assert shown["machine.phases"] == "not stated; as in paper-5-phase, which has 5"
 
 
 @pytest.mark.parametrize(
