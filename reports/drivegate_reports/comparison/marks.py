@@ -22,6 +22,11 @@ Row = Mapping[str, Any]
 
 _DASHED: Final = (0, (4, 3))
 _APART: Final = 0.7
+_MOST_TICKS: Final = 60
+"""Loads that are named below the panels, which are legible beside each other."""
+_MOST_LEVEL_TICKS: Final = 12
+_MOST_LEVEL: Final = 6
+"""Speeds that have room above the panels without being turned."""
 
 
 def marked_rows(document: Row, drawing: RowMarks) -> list[Row]:
@@ -60,8 +65,11 @@ def draw_marks(document: Row, drawing: RowMarks, inks: Mapping[str, Ink]) -> Fig
     _name_speeds(axes[0], places)
     for axis in axes[:-1]:
         axis.tick_params(labelbottom=False)
-    turned = 90 if len(places) > 16 else 0
-    axes[-1].set_xticks(range(len(places)), [f"{value:.3g}" for _, value in places], rotation=turned)
+    turned = 90 if len(places) > _MOST_LEVEL_TICKS else 0
+    every = -(-len(places) // _MOST_TICKS)
+    shown = range(0, len(places), every)
+    size = 7.5 if turned else 9.0
+    axes[-1].set_xticks(shown, [f"{places[x][1]:.3g}" for x in shown], rotation=turned, fontsize=size)
     axes[-1].set_xlabel(drawing.load_label)
     handles, labels = axes[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=4, frameon=False, fontsize=9.0)
@@ -87,12 +95,17 @@ def _mark_speeds(axis: Axes, places: Sequence[tuple[float, float]]) -> None:
 
 
 def _name_speeds(axis: Axes, places: Sequence[tuple[float, float]]) -> None:
-    for speed, begin, end in _groups(places):
+    """Name each speed above its places; where they are narrow, turned and with one unit for all."""
+    groups = _groups(places)
+    is_narrow = len(groups) > _MOST_LEVEL
+    for number, (speed, begin, end) in enumerate(groups):
         axis.annotate(
-            f"{speed:g} rpm",
+            f"{speed:g}{'' if is_narrow and number else ' rpm'}",
             (0.5 * (begin + end), 1.03),
             xycoords=("data", "axes fraction"),
-            ha="center",
+            ha="left" if is_narrow else "center",
+            va="bottom",
+            rotation=60 if is_narrow else 0,
             fontsize=9.0,
         )
 

@@ -135,13 +135,13 @@ def _sections(document: Mapping[str, Any], comparison: Comparison) -> Iterator[P
 
 
 def _headline(document: Mapping[str, Any]) -> str:
-    first = [name(row["candidate"]) for row in document["tables"]["ranking"] if row["rank"] == 1]
-    on = f"on {name(document['drive']['name'])}"
+    rows = [row for row in document["tables"]["ranking"] if row["rank"] == 1]
+    first, on = [name(row["candidate"]) for row in rows], f"on {name(document['drive']['name'])}"
     if not first:
         return f"No candidate could be compared {on}"
-    return (
-        f"{first[0]} ranks first {on}" if len(first) == 1 else f"{joined(first)} share the first place {on}"
-    )
+    words = f"{first[0]} ranks first" if len(first) == 1 else f"{joined(first)} share the first place"
+    unjudged = any(row["required_failed"] is None for row in rows)
+    return f"{words} {on}{', but the checks were not run' if unjudged else ''}"
 
 
 def _sentences(document: Mapping[str, Any], comparison: Comparison) -> Iterator[tuple[str, str]]:

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import copy
+from itertools import pairwise
 from typing import Any
 
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
+from drivegate.contracts.comparison import POINTS
 from drivegate.contracts.duty.comparison.page import STEADY_MARKS, STEP_MARKS
 from drivegate_models.errors import InputError
 from drivegate_reports.comparison.figures import drawn
-from drivegate_reports.comparison.inks import inks_of
+from drivegate_reports.comparison.inks import Ink, inks_of
+from drivegate_reports.comparison.marks import draw_marks
 from drivegate_reports.comparison.report import page
 from drivegate_reports.comparison.view import view_of
 from drivegate_reports.page.figure import PageFigure
+from drivegate_reports.page.style import BLUE, house_style
 
 Document = dict[str, Any]
 
@@ -26,13 +31,43 @@ def _figures(document: Document) -> list[PageFigure]:
 
 def test_the_page_decides_and_shows_everything(duty_comparison: Document) -> None:
     text = page(duty_comparison)
-    assert "<h1>foc ranks first on pm-ac-surface</h1>" in text
+    assert "<h1>foc ranks first on pm-ac-surface, but the checks were not run</h1>" in text
     for name in ("figure-points", "figure-steps"):
         assert text.count(f'<figure class="card" id="{name}"') == 1, name
     for table in ("ranking", "operating points", "steps"):
         assert f'data-name="{table}"' in text
     assert 'id="checks"' not in text, "no checks were made"
     assert page(copy.deepcopy(duty_comparison)) == text
+
+
+def test_labels_of_many_speeds_and_loads_do_not_overlap() -> None:
+    rows = [
+        {
+            "candidate": "foc",
+            "speed_rpm": 520.0 * speed,
+            "reference_nm": 0.1234 * load * speed,
+            "held": True,
+            "loss_above_least_percent": 1.0,
+            "current_above_least_percent": 1.0,
+            "ripple_percent": 1.0,
+        }
+        for speed in range(1, 10)
+        for load in range(1, 6)
+    ]
+    with house_style():
+        figure = draw_marks({"tables": {POINTS: rows}}, STEADY_MARKS, {"foc": Ink("foc", BLUE, "-", "o")})
+        FigureCanvasAgg(figure).draw()
+    speeds = figure.axes[0].texts
+    assert [text.get_text() for text in speeds[:2]] == ["520 rpm", "1040"]
+    for texts in (speeds, [text for text in figure.axes[-1].get_xticklabels() if text.get_text()]):
+        upright = [text for text in texts if text.get_rotation() == 90]
+        boxes = [text.get_window_extent() for text in upright or texts]
+        # A turned text takes its height in width, however long it is.
+        widths = [
+            box.width if upright else text.get_fontsize() for box, text in zip(boxes, texts, strict=True)
+        ]
+        for (one, other), width in zip(pairwise(boxes), widths, strict=False):
+            assert other.x0 - one.x0 >= 0.9 * width, "labels overlap"
 
 
 def test_points_that_are_not_held_are_told_and_not_drawn(duty_comparison: Document) -> None:
