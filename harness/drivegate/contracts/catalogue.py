@@ -7,15 +7,15 @@ from dataclasses import replace
 from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Final
 
-from drivegate.checks.check import Check
 from drivegate.contracts.current.bundle import CURRENT
 from drivegate.contracts.duty.bundle import DUTY
-from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
+    from drivegate.checks.check import Check
     from drivegate.contracts.comparison import Comparison
     from drivegate.contracts.contract import Contract
+    from drivegate_cases.drive.drive_document import DriveDocument
 
 TEXTS: Final = ("requirement", "limit", "scenarios", "formula", "why")
 """Texts of a check that name a drive's numbers."""

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from drivegate.scenarios.title import stated_supply
-from drivegate_cases.drive.plant_constants import FACTOR_SYMBOLS
+from drivegate_cases.drive.scales import FACTOR_SYMBOLS
 
 
 def scenario_in_short(scenario: dict[str, Any]) -> str:

@@ -8,16 +8,16 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from drivegate.checks.moment import Moment
 from drivegate.contracts.panels import TIME, Panel, panels_for
 from drivegate.output.legend import legend_beside
-from drivegate.output.moment_panel import draw_moment
 from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
     import pandas
+
+    from drivegate.checks.moment import Moment
 
 PLOT_SUFFIXES: Final = (".png", ".svg")
 
@@ -88,6 +88,8 @@ def write_plot(
     from matplotlib import rc_context
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure, FigureBase
+
+    from drivegate.output.moment_panel import draw_moment
 
     thinned = frame.iloc[:: -(-len(frame) // _MOST_POINTS)]
     buffer = io.BytesIO()

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from shlex import quote
-from types import MappingProxyType
 from typing import Any, Final
 
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.fault import Fault
 from drivegate.checks.check import Check
 from drivegate.checks.judging import JudgedRun
-from drivegate.checks.margin import Margin, margin_in_words
+from drivegate.checks.margin import Margin
 from drivegate.contracts.catalogue import all_checks, contract_of, on_drive
 from drivegate.results.result import (
     MOST_MARGINS,
@@ -25,9 +23,6 @@ from drivegate_cases.documents.rounding import significant
 from drivegate_cases.documents.wording import counted
 from drivegate_cases.drive.drive_document import DriveDocument
 
-_INCOMPLETE: Final = MappingProxyType(
-    {"interrupted": "incomplete, interrupted after ", "max time": "incomplete, --max-time reached after "}
-)
 _NAMED: Final = 4
 _DIGITS: Final = 6
 
@@ -157,26 +152,3 @@ def candidate_verdict(
         if verdict in found:
             return verdict, 1
     return next((verdict for verdict in ("contested", "waived") if verdict in found), "pass"), 0
-
-
-def printed_margin(document: dict[str, Any], check: dict[str, Any]) -> str:
-    """Write the margin of a check for people, also of one that depends on the machine."""
-    timed = document["timing"].get("checks", {}).get(check["id"], {})
-    margin = timed.get("margin") if check["margin"] is None else check["margin"]
-    return "–" if margin is None else margin_in_words(margin)
-
-
-def drive_option(document: Mapping[str, Any]) -> str:
-    """Write the option that names the drive of a result again, with the space before it."""
-    named = (document.get("drive") or {}).get("specification")
-    return "" if named is None else f" --drive {quote(str(named))}"
-
-
-def runs_in_short(result: dict[str, Any]) -> str:
-    """Tell how many runs a result rests on."""
-    corpus = f", {result['corpus_runs']} of them from the corpus" if result["corpus_runs"] else ""
-    focus = result.get("focus") or {}
-    only = f"only {', '.join(focus['only'])}, " if focus.get("only") else ""
-    early = "ended at the first failure after " if focus.get("stopped_at_first") else ""
-    early = _INCOMPLETE.get(str(result.get("incomplete")), early)
-    return f"{only}{early}{counted(result['runs'], 'run')}{corpus}, {result['set_aside']} set aside as infeasible"

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from drivegate.scenarios.facts import COURSES, facts_of
-from drivegate_cases.drive.plant_constants import NOMINAL
+from drivegate_cases.drive.scales import NOMINAL
 from drivegate_cases.scenario.scenario import LONGEST_CONTROL_PERIOD_S
 from drivegate_cases.scenario.sensors import IDEAL, PLAIN
 

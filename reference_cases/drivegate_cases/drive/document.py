@@ -24,10 +24,10 @@ from drivegate_cases.drive.data_sheet import (
 )
 from drivegate_cases.drive.inverter import Inverter
 from drivegate_cases.drive.machine import OF_SHAPE, Machine
-from drivegate_cases.drive.plant_constants import NOMINAL, Scales
 from drivegate_cases.drive.position import Position
 from drivegate_cases.drive.rating import Rating
 from drivegate_cases.drive.requirements import NO_REQUIREMENTS, Requirements, check_points
+from drivegate_cases.drive.scales import NOMINAL, Scales
 from drivegate_models.units import RADIANS_PER_RPM
 
 if TYPE_CHECKING:

@@ -6,9 +6,6 @@ import math
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, Final
 
-from pydantic import Field
-
-from drivegate_cases.documents.document import Section
 from drivegate_models.machine.emf import sine_corners, table_corners, trapezoid_corners
 
 if TYPE_CHECKING:
@@ -17,6 +14,7 @@ if TYPE_CHECKING:
 
     from drivegate_cases.drive.inverter import Inverter
     from drivegate_cases.drive.machine import Machine
+    from drivegate_cases.drive.scales import Scales
     from drivegate_models.steady.plant import AnyDrive
 
 
@@ -75,20 +73,3 @@ def _star(inverter: Inverter, **constants: Any) -> AnyDrive:
 
 
 _MAKE: Final[Mapping[str, Callable[..., AnyDrive]]] = {"half-bridge": _half_bridge, "star": _star}
-
-
-class Scales(Section):
-    """Factors on nominal parameters of a drive; a controller's nameplate keeps the nominal values."""
-
-    resistance: float = Field(default=1.0, ge=0.0, le=100.0, description="factor on the phase resistance")
-    inductance: float = Field(default=1.0, ge=0.01, le=100.0, description="factor on the phase inductance")
-    emf_constant: float = Field(default=1.0, ge=0.01, le=100.0, description="factor on the EMF constant")
-    inertia: float = Field(default=1.0, ge=0.01, le=1000.0, description="factor on the inertia of the drive")
-    friction_added_n_m: float = Field(
-        default=0.0, ge=0.0, le=1e5, description="friction torque added to the drive's own, in newton metres"
-    )
-
-
-FACTOR_SYMBOLS: Final = {"resistance": "R", "inductance": "L", "emf_constant": "ke", "inertia": "J"}
-"""What people call the keys that are factors."""
-NOMINAL = Scales()

@@ -9,12 +9,13 @@ from dataclasses import dataclass
 from shlex import quote
 from typing import Any, Final
 
-from drivegate.output.explanations import causes_of, first_to_mend, unjudged_in_words
+from drivegate.output.causes import causes_of, first_to_mend
+from drivegate.output.explanations import unjudged_in_words
 from drivegate.output.result_file import counterexample_name
 from drivegate.results.result import RESULT_SCHEMA, counted_levels
 from drivegate.results.signature import fingerprint
-from drivegate.results.verdict import drive_option
 from drivegate.results.waivers import DAY_VARIABLE, present_day
+from drivegate.results.wording import drive_option
 from drivegate_reports.conformance.rows import (
     TONES,
     CheckRow,

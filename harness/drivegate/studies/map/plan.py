@@ -14,7 +14,7 @@ from drivegate.drives.kinds import kind_of
 from drivegate.scenarios.parameters import DRIVE_KEYS, SCALES
 from drivegate.studies.map.axes import MapAxes
 from drivegate_cases.drive.drive_document import DriveDocument
-from drivegate_cases.drive.plant_constants import Scales
+from drivegate_cases.drive.scales import Scales
 
 SPEED: Final = "speed_rpm"
 TORQUE: Final = "torque_nm"

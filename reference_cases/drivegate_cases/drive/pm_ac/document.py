@@ -18,11 +18,11 @@ from drivegate_cases.drive.machine import (
     Resistance,
     ViscousFriction,
 )
-from drivegate_cases.drive.plant_constants import NOMINAL, Scales
 from drivegate_cases.drive.pm_ac.inverter import UPDATES, PmAcInverter
 from drivegate_cases.drive.pm_ac.requirements import NO_PM_AC_REQUIREMENTS, PmAcRequirements
 from drivegate_cases.drive.position import Position
 from drivegate_cases.drive.rating import Rating
+from drivegate_cases.drive.scales import NOMINAL, Scales
 from drivegate_models.units import RADIANS_PER_RPM
 
 if TYPE_CHECKING:

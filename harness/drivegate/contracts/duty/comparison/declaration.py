@@ -28,7 +28,7 @@ from drivegate.contracts.comparison import (
 from drivegate.contracts.duty.checks.judged import duty_record
 from drivegate.contracts.duty.comparison.page import SECTIONS, method, rise_percent, shown_facts
 from drivegate.contracts.duty.document import duty_document
-from drivegate.contracts.duty.efficiency import steady_points, step_rows
+from drivegate.contracts.duty.points import steady_points, step_rows
 from drivegate.contracts.duty.scenarios.building import speed_scenario, torque_of, torque_scenario
 from drivegate.contracts.duty.scenarios.fixed import speed_of
 from drivegate.scenarios.title import titled

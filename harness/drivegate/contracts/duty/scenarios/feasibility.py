@@ -14,8 +14,8 @@ from drivegate.contracts.duty.scenarios.failures import unnoticed_because
 from drivegate.contracts.duty.scenarios.windows import DutyDwell, duty_dwells
 from drivegate.scenarios.drive_scale import rated_torque_at
 from drivegate_cases.drive.data_sheet import USABLE_SHARE
-from drivegate_cases.drive.plant_constants import NOMINAL
 from drivegate_cases.drive.pm_ac.limits import duty_limits_of
+from drivegate_cases.drive.scales import NOMINAL
 from drivegate_cases.scenario.load import DynamometerLoad, LockedLoad, VehicleLoad
 from drivegate_cases.scenario.piecewise import value_from
 from drivegate_cases.scenario.scenario import Scenario

@@ -18,7 +18,7 @@ from drivegate.scenarios.changes import (
 from drivegate.scenarios.drive_scale import scale_of, tidy
 from drivegate.scenarios.speed_range import SpeedRange
 from drivegate_cases.drive.drive_document import DriveDocument
-from drivegate_cases.drive.plant_constants import NOMINAL
+from drivegate_cases.drive.scales import NOMINAL
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import has_encoder, real_sensors
 

@@ -1,0 +1,38 @@
+"""Parts of a result document in words, the same on every output."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from shlex import quote
+from types import MappingProxyType
+from typing import Any, Final
+
+from drivegate.checks.margin import margin_in_words
+from drivegate_cases.documents.wording import counted
+
+_INCOMPLETE: Final = MappingProxyType(
+    {"interrupted": "incomplete, interrupted after ", "max time": "incomplete, --max-time reached after "}
+)
+
+
+def printed_margin(document: dict[str, Any], check: dict[str, Any]) -> str:
+    """Write the margin of a check for people, also of one that depends on the machine."""
+    timed = document["timing"].get("checks", {}).get(check["id"], {})
+    margin = timed.get("margin") if check["margin"] is None else check["margin"]
+    return "–" if margin is None else margin_in_words(margin)
+
+
+def drive_option(document: Mapping[str, Any]) -> str:
+    """Write the option that names the drive of a result again, with the space before it."""
+    named = (document.get("drive") or {}).get("specification")
+    return "" if named is None else f" --drive {quote(str(named))}"
+
+
+def runs_in_short(result: dict[str, Any]) -> str:
+    """Tell how many runs a result rests on."""
+    corpus = f", {result['corpus_runs']} of them from the corpus" if result["corpus_runs"] else ""
+    focus = result.get("focus") or {}
+    only = f"only {', '.join(focus['only'])}, " if focus.get("only") else ""
+    early = "ended at the first failure after " if focus.get("stopped_at_first") else ""
+    early = _INCOMPLETE.get(str(result.get("incomplete")), early)
+    return f"{only}{early}{counted(result['runs'], 'run')}{corpus}, {result['set_aside']} set aside as infeasible"
