@@ -111,8 +111,8 @@ class Manifest(Document):
     detects: tuple[FailureKind, ...] = Field(
         default=(),
         description="failures that a candidate that answers with duty ratios brings its drive into a safe state for: "
-        "'open-phase', 'stuck-current', 'lost-position', 'locked-rotor', and 'lost-edge', behind which it may also "
-        "keep the torque",
+        "'open-phase', 'stuck-current', 'lost-position', 'locked-rotor', 'slip', and 'lost-edge', behind which it may "
+        "also keep the torque",
     )
 
     reverses: bool = Field(

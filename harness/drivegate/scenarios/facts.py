@@ -152,6 +152,7 @@ def _glitches(scenario: Mapping[str, Any]) -> Iterator[str]:
 def _failure(scenario: Mapping[str, Any]) -> Iterator[str]:
     if failure := scenario["failure"]:
         phase = f" {failure['phase']}" if failure["kind"] in PHASED else ""
+        phase += f" by {failure['slip_deg']:g}°" if failure.get("slip_deg") is not None else ""
         yield f"{failure['kind']}{phase} at {failure['time_s']:g} s"
 
 

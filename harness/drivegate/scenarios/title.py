@@ -175,6 +175,8 @@ def _sensors(scenario: Scenario) -> list[_Trait]:
         return []
     if isinstance(scenario.sensors, ShuntSensors) and scenario.sensors.position == "hall":
         return [_Trait(f"{kind}-hall", f"{kind} sensors with Hall switches, seed {scenario.seed}")]
+    if isinstance(scenario.sensors, ShuntSensors) and scenario.sensors.position == "exact":
+        return [_Trait(f"{kind}-magnet", f"{kind} sensors and a magnet's on the shaft, seed {scenario.seed}")]
     return [_Trait(kind, f"{kind} sensors, seed {scenario.seed}")]
 
 
@@ -231,6 +233,8 @@ def _failure(scenario: Scenario) -> list[_Trait]:
     if (failure := scenario.failure) is None:
         return []
     phase = f"-{failure.phase}" if failure.kind in PHASED else ""
+    if failure.slip_deg is not None:
+        phase = f"-{failure.slip_deg:g}deg"
     return [_Trait(f"{failure.kind}{phase}", f"{failure.kind}{phase} from {failure.time_s:.4g} s on")]
 
 

@@ -49,6 +49,7 @@ DUTY_RANGES = {
     "low speed": ((0.0, TOP / BASE), (0.0, 0.2)),
     "start": ((0.1, 1.0), (0.0, 0.85)),
     "restart": ((0.1, 1.0), (0.0, 1.0)),
+    "position error": ((0.1, 1.0), (0.0, 1.0)),
     "lost sample": ((0.1, 1.0), (0.0, 1.0)),
     "false edge": ((0.1, 1.0), (0.0, 1.0)),
     "parameter": ((0.1, TOP / BASE), (0.0, 0.85)),

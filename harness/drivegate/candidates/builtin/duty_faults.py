@@ -339,6 +339,11 @@ DUTY_FAULTS: Final = {
         "Turns its bridge off for good at the first sample of the link's voltage below half of it.",
         perturbed=lambda plate: {"least_voltage": 0.5 * plate.supply_voltage},
     ),
+    "jump-of-angle-believed": DutyFault(
+        "SAF-1",
+        "Takes a jump of the angle for a turn, and does not notice a magnet that slips on the shaft.",
+        alter=_scaled(1000.0, "farthest_drift"),
+    ),
     "hall-edge-awaited": DutyFault(
         "SAF-1",
         "Holds its angle at the sector's end and takes its speed for falling where a Hall edge does not come.",

@@ -133,6 +133,7 @@ DUTY: Final = Contract(
         "supply step",
         "torque supply step",
         "sensor",
+        "position error",
         "lost sample",
         "false edge",
         "failure",

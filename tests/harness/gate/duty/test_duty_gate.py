@@ -80,6 +80,7 @@ def rarer_runs() -> dict[str, Scenario]:
     backward = mirrored(torque_scenario(INTERIOR, 1.5 * base, (0.5 * rated,)))
     held = torque_scenario(INTERIOR, 0.5 * base, (0.5 * rated,))
     return {
+        "jump-of-angle-believed": failing(held, "slip", 0.5 * held.duration_s, slip_deg=60.0),
         "microseconds-signed": restarted(held, (), 2147.4),
         "offsets-under-current": restarted(held, (0.5,)),
         "undervoltage-at-once": with_lost_samples(held, ("supply",), (0.1,)),

@@ -25,8 +25,13 @@ def steady_reference(record: Record) -> Margin | None:
     return worst(margin for margin in margins if margin is not None)
 
 
-def reference_error(check: str, record: DutyRecord, window: DutyWindow, factor: float) -> Margin | None:
-    """Judge the mean of the referenced quantity in a window, by a multiple of its limit; None out of reach."""
+def reference_error(
+    check: str, record: DutyRecord, window: DutyWindow, factor: float, lost_share: float = 0.0
+) -> Margin | None:
+    """Judge the mean of the referenced quantity in a window, by a multiple of its limit; None out of reach.
+
+    `lost_share` is the share of a torque that its controller cannot know to be lost.
+    """
     limits, wanted = record.limits, window.torque_reference
     if wanted is None:
         error = abs(window.speed - window.speed_reference) / RADIANS_PER_RPM
@@ -35,7 +40,7 @@ def reference_error(check: str, record: DutyRecord, window: DutyWindow, factor: 
     if not is_within_reach(record, window.speed, window.link, wanted):
         return None
     error = abs(window.torque - wanted)
-    margin = at_most(error, factor * limits.torque_error_nm)
+    margin = at_most(error, factor * limits.torque_error_nm + lost_share * abs(wanted))
     return Margin(check, margin, f"torque off by {error:.4g} N·m from {wanted:.4g} N·m {at(window)}")
 
 

@@ -139,8 +139,8 @@ SAF_1 = Check(
     level="required",
     limit="{safe_time}, and torque {failure_torque} until then and from then on, or always where it goes on",
     scenarios=(
-        "runs of the nominal drive in which a phase, a current sensor, the position or the shaft fails, or an edge of "
-        "the position is lost"
+        "runs of the nominal drive in which a phase, a current sensor, the position or the shaft fails, an edge of the "
+        "position is lost, or its magnet slips by 45 electrical degrees or more"
     ),
     formula=(
         "the lesser of 1 - time / {safe_time} and 1 - torque beyond 0 to the reference / {failure_torque}; of a drive "

@@ -12,6 +12,7 @@ from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.accuracy import reference_error
 from drivegate.contracts.duty.checks.judged import at, duty_record, worst
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
+from drivegate.contracts.duty.scenarios.position_errors import lost_torque_share
 from drivegate_models.units import RADIANS_PER_RPM
 
 ERROR_FACTOR = 2.0
@@ -66,7 +67,8 @@ def through_sensors(record: Record) -> Margin | None:
     judged = duty_record(record)
     if not judged.is_sensed or not judged.has_nominal_plant or judged.fails:
         return None
-    errors = (reference_error("ROB-5", judged, window, ERROR_FACTOR) for window in judged.steady)
+    lost = lost_torque_share(judged.scenario)
+    errors = (reference_error("ROB-5", judged, window, ERROR_FACTOR, lost) for window in judged.steady)
     return worst(error for error in errors if error is not None)
 
 
@@ -85,12 +87,12 @@ ROB_4 = Check(
 
 ROB_5 = Check(
     id="ROB-5",
-    families=("sensor", "lost sample", "false edge"),
+    families=("sensor", "position error", "lost sample", "false edge"),
     requirement="Through shunts, converters and an encoder or Hall switches the reference is held, also after lost "
     "samples and false edges.",
     source="the contract",
     level="required",
-    limit="torque 2 × {torque_error}, speed error 2 k1",
+    limit="torque 2 × {torque_error} and what an error of the angle costs, speed error 2 k1",
     scenarios="steady stretches of runs with the sensors 'shunts', single samples that are lost, or false edges, "
     "torques up to {weakening} of the greatest possible",
     formula="1 - |mean - reference| / twice the limit of ACC-1",

@@ -176,6 +176,11 @@ def with_false_edges(run: Scenario, counts: int, share: float, seed: int) -> Sce
     return _settling_after(times, with_edges(run, "encoder", seed).replaced(glitches=glitches))
 
 
+def with_position_errors(run: Scenario, seed: int, **errors: float) -> Scenario:
+    """See the shaft of a run by a sensor without edges that has errors."""
+    return titled(run.replaced(sensors=SHUNTS.model_copy(update={"position": "exact", **errors}), seed=seed))
+
+
 def _times_s(run: Scenario, shares: Sequence[float]) -> tuple[float, ...]:
     """Return the starts of the control periods at shares of a run's length (s)."""
     period = run.control_period_s

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection
 from functools import partial
 from typing import Final, TypeAlias
@@ -23,6 +24,7 @@ from drivegate.contracts.duty.scenarios.building import (
     with_edges,
     with_false_edges,
     with_lost_samples,
+    with_position_errors,
 )
 from drivegate.contracts.duty.scenarios.drawn_range import (
     BEYOND_SHARE,
@@ -45,12 +47,17 @@ from drivegate_cases.scenario.failure import FAILURE_KINDS, PHASED, FailureKind
 from drivegate_cases.scenario.reference import Reference, reference_of
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import SHUNTS, position_of
+from drivegate_models.units import RADIANS_PER_RPM
 
 Family: TypeAlias = Callable[[PmAcDocument], st.SearchStrategy[Scenario]]
 """From a drive to scenarios of one kind."""
 
 _SEEDS: Final = 10_000
 _PART: Final = 0.005
+MOST_PARTS: Final = 9
+"""Most electrical degrees that the errors of a position sensor add up to."""
+LATEST_S: Final = 1e-3
+"""Greatest latency of a position sensor (s)."""
 SLIPS_DEG: Final = (-120.0, -60.0, 45.0, 90.0, 180.0)
 """Angles that a magnet slips by (electrical degrees): less than 45 costs little torque, and may go unnoticed."""
 
@@ -316,6 +323,38 @@ def restart_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
     return st.builds(lambda run, beginning: restarted(run, *beginning), _held_or_loaded(drive), beginnings)
 
 
+def position_error_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
+    """Draw a position sensor without edges: eccentric, with unequal tracks, and late, of up to 9 electrical degrees."""
+    if drive.position != "exact":
+        return st.nothing()
+    pairs = drive.machine.pole_pairs
+    base = drive.rating.base_speed_rpm * RADIANS_PER_RPM
+    degrees = st.integers(-3, 3)
+
+    def made(run: Scenario, parts: tuple[int, ...], turn: float, seed: int) -> Scenario:
+        eccentric, sine, cosine, gain, phase, late = parts
+        return with_position_errors(
+            run,
+            seed,
+            eccentricity_deg=tidy(abs(eccentric) / pairs),
+            eccentric_from_deg=turn if eccentric else 0.0,
+            sine_offset=round(0.5 * math.radians(sine) / pairs, 5),
+            cosine_offset=round(0.5 * math.radians(cosine) / pairs, 5),
+            track_gain=round(math.radians(gain) / pairs, 5),
+            track_phase_deg=tidy(phase / pairs),
+            latency_s=min(round(math.radians(abs(late)) / (pairs * base), 7), LATEST_S),
+        )
+
+    parts = st.tuples(*[degrees] * 6).filter(lambda each: 0 < sum(map(abs, each)) <= MOST_PARTS)
+    return st.builds(
+        made,
+        _held_or_loaded(drive),
+        parts,
+        st.integers(0, 7).map(lambda eighth: 45.0 * eighth),
+        st.integers(1, _SEEDS),
+    )
+
+
 def lost_sample_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
     """Draw single samples of currents, speed or link voltage that read 0, one or five of them."""
     signals = (
@@ -433,6 +472,7 @@ FAMILY_GROUPS: Final[tuple[tuple[Family, ...], ...]] = (
         supply_step_scenarios,
         torque_supply_step_scenarios,
         sensor_scenarios,
+        position_error_scenarios,
         lost_sample_scenarios,
         false_edge_scenarios,
     ),
@@ -444,7 +484,9 @@ FAMILY_GROUPS: Final[tuple[tuple[Family, ...], ...]] = (
 _OF_BOTH_SENSES: Final = frozenset({reversal_scenarios, hoist_scenarios})
 _BACKWARD_SHARE: Final = 4
 """One run in so many is drawn backward."""
-_OF_EITHER: Final = frozenset({restart_scenarios, lost_sample_scenarios, false_edge_scenarios})
+_OF_EITHER: Final = frozenset(
+    {restart_scenarios, position_error_scenarios, lost_sample_scenarios, false_edge_scenarios}
+)
 _OF_TORQUE: Final = frozenset({torque_step_scenarios, torque_supply_step_scenarios, weakening_scenarios})
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from drivegate.contracts.duty.scenarios.failures import FAILURE_TORQUE_SHARE
+from drivegate.contracts.duty.scenarios.position_errors import greatest_angle_error
 from drivegate.scenarios.drawn_range import NONE, DrawnRange, Interval
 from drivegate.scenarios.drive_scale import rated_torque_at
 from drivegate.scenarios.rotation import sense_of
@@ -43,7 +44,8 @@ def drawn_range(scenario: Scenario) -> DrawnRange:
     if scenario.failure is not None:
         speeds = Interval(FAILURE_SPEED_SHARE * base, base)
         return DrawnRange(speeds, speeds, Interval(FAILURE_TORQUE_SHARE, HEAVIEST_FAILURE_SHARE), NONE)
-    if scenario.restarts_s or scenario.dropouts or scenario.glitches or scenario.clock_start_s:
+    is_disturbed = scenario.restarts_s or scenario.dropouts or scenario.glitches or scenario.clock_start_s
+    if is_disturbed or greatest_angle_error(scenario) > 0.0:
         speeds = Interval(TURNING_SHARE * base, base)
         return DrawnRange(speeds, speeds, Interval(SHARE_STEP, HEAVIEST_SHARE), NONE)
     if isinstance(scenario.load, DynamometerLoad):

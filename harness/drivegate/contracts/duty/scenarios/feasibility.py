@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import lru_cache
 from math import isfinite
 from typing import Final
@@ -11,6 +12,7 @@ import numpy as np
 from drivegate.contracts.duty.document import duty_document
 from drivegate.contracts.duty.scenarios.drawn_range import TURNING_SHARE, is_slow, slow_load_share
 from drivegate.contracts.duty.scenarios.failures import unnoticed_because
+from drivegate.contracts.duty.scenarios.position_errors import GREATEST_ANGLE_DEG, greatest_angle_error
 from drivegate.contracts.duty.scenarios.windows import DutyDwell, duty_dwells
 from drivegate.scenarios.drive_scale import rated_torque_at
 from drivegate_cases.drive.data_sheet import USABLE_SHARE
@@ -49,6 +51,8 @@ def unfair_because(scenario: Scenario) -> str | None:
         return "it begins so fast that the current through the diodes alone exceeds the limit of OVC-1"
     if _shows_a_failure(scenario):
         return "its false edges are so many of an encoder's speed window that they look like a failure of the encoder"
+    if greatest_angle_error(scenario) > math.radians(GREATEST_ANGLE_DEG):
+        return f"its position is more than {GREATEST_ANGLE_DEG:g} electrical degrees off, which costs too much torque"
     if _rests_by_hall_switches(scenario):
         return "Hall switches show the angle of a shaft at rest no closer than 30 electrical degrees"
     if isinstance(scenario.load, LockedLoad):

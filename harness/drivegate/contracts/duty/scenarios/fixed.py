@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection
 from typing import Final
 
@@ -20,6 +21,7 @@ from drivegate.contracts.duty.scenarios.building import (
     with_edges,
     with_false_edges,
     with_lost_samples,
+    with_position_errors,
 )
 from drivegate.contracts.duty.scenarios.drawn_range import BEYOND_SHARE, SLOW_SHARE
 from drivegate.scenarios.changes import with_real_sensors, with_scales
@@ -94,6 +96,11 @@ def _failures(drive: PmAcDocument) -> list[Scenario]:
         *(failing(run, kind, FAILURE_TIME_SHARE * run.duration_s) for kind in kinds for run in sensed),
         failing(turning, "locked-rotor", FAILURE_TIME_SHARE * turning.duration_s),
         failing(start, "locked-rotor", 0.0),
+        *(
+            failing(run, "slip", FAILURE_TIME_SHARE * run.duration_s, slip_deg=slip)
+            for run, slip in zip(torques, (60.0, -60.0), strict=True)
+            if drive.position == "exact"
+        ),
         *(failing(run, "lost-edge", FAILURE_TIME_SHARE * run.duration_s) for run in by_edges),
     ]
 
@@ -170,13 +177,22 @@ def _disturbed(drive: PmAcDocument) -> list[Scenario]:
     slow, fast = speed_of(drive, -0.5), speed_of(drive, 0.3)
     torque = torque_scenario(drive, slow, (torque_of(drive, slow, 0.6),))
     speed = speed_scenario(drive, (fast,), torque_nm=torque_of(drive, fast, 0.5))
+    base = speed_of(drive, 0.0)
+    speed_at_base = speed_scenario(drive, (base,), torque_nm=torque_of(drive, base, 0.5))
     edges = most_false_edges(drive)
+    # Of 3 electrical degrees each.
+    part_deg, part = 3.0 / drive.machine.pole_pairs, math.radians(3.0) / drive.machine.pole_pairs
+    off = (
+        with_position_errors(torque, 1, eccentricity_deg=tidy(part_deg), sine_offset=round(part, 4)),
+        with_position_errors(speed_at_base, 1, track_gain=round(part, 4), track_phase_deg=tidy(part_deg)),
+    )
     by_encoder = drive.position != "hall" and edges > 0
     return [
         restarted(torque, (0.5,)),
         restarted(speed, (0.5,)),
         restarted(torque, (), LATE_CLOCK_S),
         with_lost_samples(torque, ("currents", "speed", "supply"), (0.1,)),
+        *(off if drive.position == "exact" else ()),
         *([with_false_edges(torque, edges, 0.1, 1)] if by_encoder else []),
     ]
 

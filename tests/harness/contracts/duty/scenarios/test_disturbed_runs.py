@@ -8,11 +8,13 @@ import pytest
 from tests.harness.contracts.key_effects import seen
 
 from drivegate.contracts.duty.scenarios.building import (
+    failing,
     most_false_edges,
     restarted,
     torque_scenario,
     with_false_edges,
     with_lost_samples,
+    with_position_errors,
 )
 from drivegate.contracts.duty.scenarios.feasibility import unfair_because
 from drivegate.contracts.duty.scenarios.windows import duty_windows
@@ -71,6 +73,66 @@ def test_false_edges_turn_the_angle_and_too_many_of_them_are_set_aside() -> None
     assert unfair_because(run) is None
     slow = with_false_edges(torque_scenario(DRIVE, 100.0, (0.5,)), most, 0.5, 1)
     assert "false edges" in (unfair_because(slow) or "")
+
+
+ERRORS = {
+    "eccentricity_deg": 0.4,
+    "eccentric_from_deg": 30.0,
+    "sine_offset": 0.003,
+    "cosine_offset": -0.002,
+    "track_gain": 0.004,
+    "track_phase_deg": 0.3,
+}
+
+
+def test_the_angle_of_a_sensor_with_tracks_is_that_of_its_sine_and_cosine() -> None:
+    held = torque_scenario(DRIVE, 1500.0, (0.5,))
+    plain = seen(with_position_errors(held, 1))
+    shown = seen(with_position_errors(held, 1, **ERRORS))
+    for sense, true in list(zip(shown.senses, plain.senses, strict=True))[::50]:
+        angle = true.angle
+        sine = 1.004 * math.sin(angle + math.radians(0.3)) + 0.003
+        tracks = math.atan2(sine, math.cos(angle) - 0.002)
+        expected = tracks + math.radians(0.4) * math.sin(angle - math.radians(30.0))
+        # The mean of the phase's error is alignment.
+        off = math.remainder(sense.angle - expected + math.radians(0.15), 2.0 * math.pi)
+        assert abs(off) < 1e-4, f"the angle is off by {off:g} rad at {angle:g} rad"
+
+
+def test_the_speed_of_a_sensor_with_errors_is_the_slope_of_its_angle() -> None:
+    held = torque_scenario(DRIVE, 1500.0, (0.5,))
+    senses = seen(with_position_errors(held, 1, latency_s=2e-5, **ERRORS)).senses
+    for before, now, after in zip(senses[10:-2:50], senses[11:-1:50], senses[12::50], strict=True):
+        slope = math.remainder(after.angle - before.angle, 2.0 * math.pi) / (2.0 * PERIOD)
+        assert now.speed == pytest.approx(slope, rel=1e-5)
+
+
+def test_what_is_late_shows_the_angle_of_some_time_ago() -> None:
+    held = torque_scenario(DRIVE, 1500.0, (0.5,))
+    late, plain = (seen(with_position_errors(held, 1, **own)) for own in ({"latency_s": PERIOD}, {}))
+    for sense, true in list(zip(late.senses[1:], plain.senses[:-1], strict=True))[::50]:
+        assert math.remainder(sense.angle - true.angle, 2.0 * math.pi) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_position_that_is_too_far_off_is_set_aside() -> None:
+    pairs = DRIVE.machine.pole_pairs
+    for electrical_deg, is_fair in ((11.0, True), (13.0, False)):
+        phase_deg = electrical_deg / pairs - 4.0
+        run = with_position_errors(HELD, 1, eccentricity_deg=4.0, track_phase_deg=phase_deg)
+        assert (unfair_because(run) is None) is is_fair
+
+
+def test_a_magnet_that_slips_turns_the_angle_for_good() -> None:
+    run = failing(HELD, "slip", 0.5 * HELD.duration_s, slip_deg=60.0)
+    slipped, plain = seen(run), seen(HELD)
+    turned = [
+        math.degrees(math.remainder(one.angle - other.angle, 2.0 * math.pi)) * DRIVE.machine.pole_pairs
+        for one, other in zip(slipped.senses, plain.senses, strict=True)
+    ]
+    half = math.ceil(0.5 * HELD.control_periods)
+    assert turned == pytest.approx([0.0] * half + [60.0] * (len(turned) - half), abs=1e-6)
+    with pytest.raises(InputError, match="needs the position 'exact'"):
+        run.replaced(sensors="shunts")
 
 
 def test_no_false_edges_without_an_encoder() -> None:
