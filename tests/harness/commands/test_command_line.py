@@ -72,6 +72,25 @@ def test_help_loads_nothing_heavy(words):
     assert ended.stdout.splitlines()[-1].strip() == "LOADED", "help must not load what only the work needs"
 
 
+def test_what_is_refused_at_once_loads_no_arrays(tmp_path):
+    missing = str(tmp_path / "missing.json")
+    refused = [
+        ["verify", missing],
+        ["report", missing],
+        ["replay", missing],
+        ["drive", missing],
+        ["diff", "--bad"],
+    ]
+    program = (
+        "import sys\nfrom drivegate.commands.command_line import main\n"
+        f"for words in {refused}:\n"
+        "    try: main(words)\n"
+        "    except SystemExit as ended: assert ended.code == 2, words\n"
+        "    assert not {'numba', 'numpy'} & set(sys.modules), words"
+    )
+    subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+
+
 def test_help_lists_every_command_and_the_version_is_reported(command):
     text = command("--help").out
     assert all(name in text for name in COMMANDS)
