@@ -10,6 +10,7 @@ import pytest
 
 from drivegate.candidates.builtin.loading import BuiltinController
 from drivegate.candidates.fault import Fault
+from drivegate.isolation.layers import ISOLATION_VARIABLE
 from drivegate_models.contract.current.records import COMMAND, SENSE
 from drivegate_models.contract.current.signals import Nameplate
 from drivegate_models.controllers.current.builtin import SEARCHES
@@ -62,3 +63,9 @@ def _descends_from(processes: list[psutil.Process], process: psutil.Process) -> 
         return any(parent in processes for parent in process.parents())
     except psutil.NoSuchProcess:
         return True
+
+
+@pytest.fixture
+def not_isolated(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let candidates reach the machine, so that a test sees what they do there."""
+    monkeypatch.setenv(ISOLATION_VARIABLE, "none")

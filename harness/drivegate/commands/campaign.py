@@ -10,7 +10,14 @@ from typing import TYPE_CHECKING
 import click
 
 from drivegate.commands.conduct import Outcome
-from drivegate.commands.options import bounded, drive_option, json_option, looked_at, named_drive
+from drivegate.commands.options import (
+    bounded,
+    drive_option,
+    isolation_option,
+    json_option,
+    looked_at,
+    named_drive,
+)
 from drivegate.output.failure import ExitCode
 
 if TYPE_CHECKING:
@@ -49,6 +56,7 @@ if TYPE_CHECKING:
     show_default=True,
     help="Confidence of the intervals of probabilities.",
 )
+@isolation_option
 @json_option
 def command(
     file: str,

@@ -14,6 +14,7 @@ from drivegate.commands.options import (
     drive_option,
     effort_option,
     folder_option,
+    isolation_option,
     json_flag,
     named_drive,
     sign_option,
@@ -36,6 +37,7 @@ DEFAULT_OUTPUT = "drivegate-report"
     "--seed", type=click.IntRange(0, 2**63 - 1), default=0, show_default=True, help="Seed of the search."
 )
 @workers_option
+@isolation_option
 @click.option(
     "--max-time",
     type=bounded(0.0, above=True),

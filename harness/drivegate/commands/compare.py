@@ -12,6 +12,7 @@ from drivegate.commands.options import (
     drives_option,
     effort_option,
     folder_option,
+    isolation_option,
     json_option,
     named_drive,
     workers_option,
@@ -36,6 +37,7 @@ DEFAULT_OUTPUT = "drivegate-comparison"
     help="Seed of noise, of drawn plants, and of the checks' search.",
 )
 @workers_option
+@isolation_option
 @click.option(
     "--checks/--no-checks",
     default=True,

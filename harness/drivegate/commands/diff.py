@@ -9,7 +9,14 @@ from typing import TYPE_CHECKING
 import click
 
 from drivegate.commands.conduct import Outcome
-from drivegate.commands.options import bounded, chosen_scenario, drive_options, drive_words, json_option
+from drivegate.commands.options import (
+    bounded,
+    chosen_scenario,
+    drive_options,
+    drive_words,
+    isolation_option,
+    json_option,
+)
 from drivegate.contracts.catalogue import CONTRACTS, contract_of
 
 if TYPE_CHECKING:
@@ -59,6 +66,7 @@ _AROUND_IN_FIGURE = 100
     help="Draw both commands around the first difference; the name ends in .png or .svg.",
 )
 @drive_options
+@isolation_option
 @json_option
 def command(
     first: str,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable
 from math import inf, isfinite, nan
@@ -42,6 +43,33 @@ workers_option = click.option(
     "--workers", type=click.IntRange(1, 1024), help="Processes; by default as many as there are processors."
 )
 """The option that sets the number of processes."""
+
+
+def _request_isolation(context: click.Context, _option: click.Parameter, value: str | None) -> None:
+    """Set what isolates candidates for as long as the command runs."""
+    from drivegate.isolation.layers import ISOLATION_VARIABLE
+
+    if value is None:
+        return
+    before = os.environ.get(ISOLATION_VARIABLE)
+    os.environ[ISOLATION_VARIABLE] = value
+    context.call_on_close(
+        lambda: (
+            os.environ.pop(ISOLATION_VARIABLE)
+            if before is None
+            else os.environ.__setitem__(ISOLATION_VARIABLE, before)
+        )
+    )
+
+
+isolation_option = click.option(
+    "--isolation",
+    type=click.Choice(["auto", "strict", "none"]),
+    expose_value=False,
+    callback=_request_isolation,
+    help="Isolate the candidate by all that this machine has, refuse to run without all of it, or do not isolate it.",
+)
+"""The option that sets how candidates are isolated; by default, `DRIVEGATE_ISOLATION` does, else it is ``auto``."""
 
 
 def folder_option(default: str, help_text: str) -> Callable[[_Function], _Function]:

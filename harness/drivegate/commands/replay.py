@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from drivegate.commands.conduct import Outcome
-from drivegate.commands.options import json_option
+from drivegate.commands.options import isolation_option, json_option
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     metavar="FILE",
     help="Write a figure; the name ends in .png or .svg.",
 )
+@isolation_option
 @json_option
 def command(file: Path, candidate: str | None, plot: Path | None) -> Outcome:
     """Run the counterexample in FILE again, and tell whether its check STILL FAILS or is FIXED.

@@ -9,7 +9,13 @@ from typing import TYPE_CHECKING
 import click
 
 from drivegate.commands.conduct import Outcome
-from drivegate.commands.options import chosen_scenario, drive_options, drive_words, json_option
+from drivegate.commands.options import (
+    chosen_scenario,
+    drive_options,
+    drive_words,
+    isolation_option,
+    json_option,
+)
 from drivegate.output.failure import ExitCode
 
 if TYPE_CHECKING:
@@ -38,6 +44,7 @@ if TYPE_CHECKING:
     "--plot", type=click.Path(path_type=Path), help="Write a figure; the name ends in .png or .svg."
 )
 @drive_options
+@isolation_option
 @json_option
 def command(
     candidate: str,

@@ -8,20 +8,23 @@ import time
 import weakref
 from contextlib import suppress
 from io import FileIO
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import psutil
 from numpy.typing import NDArray
 
+from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import LONGEST_TRACEBACK
+from drivegate.containment.candidate_isolation import readable_places
 from drivegate.containment.kept_process import KeptProcess, Role
+from drivegate.containment.memory_watch import memory_of_descendants
 from drivegate.containment.orders import PACKET, WORD, Order
 from drivegate.containment.reply import LONGEST_REPLY, Reply, UnreadableReply, unpacked
 from drivegate.containment.serving import STACK_SIGNAL
 from drivegate.containment.shared_memory import SharedMemory
 from drivegate.containment.shared_progress import SharedProgress
+from drivegate.isolation.layers import Layer
 
 _MOST_READS = 16
 _PATIENCE = 2.0
@@ -39,7 +42,7 @@ class CandidateHandle:
         Memory that tells what the process is doing.
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, candidate: Candidate, layers: tuple[Layer, ...]) -> None:
         self.progress = SharedProgress.create()
         self._memory: SharedMemory | None = None
         ours, theirs = socket.socketpair(socket.AF_UNIX, _PACKETS)
@@ -52,7 +55,14 @@ class CandidateHandle:
         os.set_blocking(reader, False)
         try:
             descriptors = (theirs.fileno(), self.progress.descriptor)
-            self._kept = KeptProcess(Role.CANDIDATE, folder, descriptors, output=writer)
+            self._kept = KeptProcess(
+                Role.CANDIDATE,
+                candidate.folder,
+                descriptors,
+                output=writer,
+                layers=layers,
+                readable=readable_places(candidate) if layers else (),
+            )
         finally:
             theirs.close()
             os.close(writer)
@@ -125,6 +135,10 @@ class CandidateHandle:
         except psutil.NoSuchProcess:
             return 0.0
         return float(times.user + times.system)
+
+    def used_memory(self) -> int:
+        """Measure the memory of all processes of the candidate, shared memory included (bytes)."""
+        return memory_of_descendants(self._kept.keeper_id)
 
     def drain_output(self) -> None:
         """Read what the process has printed, so that it never waits for a reader; only the end is kept."""

@@ -15,12 +15,14 @@ from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind, bounded_text, ending_in_words
 from drivegate.candidates.kinds import KINDS
 from drivegate.containment.candidate_handle import CandidateHandle
+from drivegate.containment.memory_watch import MemoryWatch
 from drivegate.containment.orders import MakeInstance, Order, RunOrder, Setup
 from drivegate.containment.pace_watch import PaceWatch, SlowRun
 from drivegate.containment.reply import CHECK_BYTES, Ending, Reply, UnreadableReply, fault_of
 from drivegate.containment.serving import LOST_CONNECTION
 from drivegate.containment.shared_progress import Activity
 from drivegate.containment.stall_watch import StallWatch, WorkerLimits
+from drivegate.isolation.layers import Layer, layers_in_words
 from drivegate_cases.documents.wording import counted
 from drivegate_models.errors import HarnessFault, InputError
 from drivegate_models.loop.exchange import COMPLETED, STOPPED
@@ -28,6 +30,8 @@ from drivegate_models.loop.exchange import COMPLETED, STOPPED
 LOOK_EVERY: Final = 0.05
 """Time between two looks at a process that tells nothing by itself (s)."""
 
+# What isolation makes of an attempt to use a file, a device or the network.
+_OF_ISOLATION = ("PermissionError", "FileNotFoundError", "OSError", "ConnectionRefusedError")
 _NOT_ITS_OWN = "a candidate must leave alone what it has not opened"
 _CONNECTION_CLOSED = f"the process closed its connection to the harness; {_NOT_ITS_OWN}"
 _CONNECTION_GARBLED = f"the process wrote into its connection to the harness; {_NOT_ITS_OWN}"
@@ -56,11 +60,14 @@ class CandidateProcess:
         candidate: Candidate,
         limits: WorkerLimits | None = None,
         on_slow: Callable[[SlowRun], None] | None = None,
+        layers: tuple[Layer, ...] = (),
     ) -> None:
         self.candidate = candidate
+        self._layers = layers
         self._limits = limits or WorkerLimits()
         self._on_slow = on_slow
         self._handle: CandidateHandle | None = None
+        self._memory_watch: MemoryWatch | None = None
         self.generation = 0
         self._is_set_up = False
         self._has_instance = False
@@ -130,11 +137,13 @@ class CandidateProcess:
         return self._handle is not None and not self._handle.has_ended()
 
     def _start(self) -> None:
-        self._handle = CandidateHandle(self.candidate.folder)
+        self._handle = CandidateHandle(self.candidate, self._layers)
         self.generation += 1
         # Only before this can anything but the candidate be at fault, whatever the process tells later.
         self._is_set_up = False
+        self._memory_watch = None
         self._replied(Setup(self.candidate, self._limits.memory_bytes), 0)
+        self._memory_watch = MemoryWatch(self._limits.memory_bytes, self._handle.used_memory())
         self._is_set_up = True
 
     def _replied(self, order: Order, steps: int) -> Reply:
@@ -155,7 +164,7 @@ class CandidateProcess:
                 raise CandidateFault(self._garbled(handle)) from None
             if reply is not None:
                 return self._settled(reply)
-            fault = self._crash(handle) if ended else self._hang(handle, watch)
+            fault = self._crash(handle) if ended else self._hang(handle, watch) or self._excess(handle)
             if fault is not None:
                 raise CandidateFault(fault)
 
@@ -193,6 +202,9 @@ class CandidateProcess:
         if fault.error == MemoryError.__name__:
             limit = f"{self._limits.memory_bytes / 2**30:g} GiB"
             fault = replace(fault, message=f"{fault.message} (a candidate may allocate {limit})")
+        if self._layers and fault.error in _OF_ISOLATION:
+            hint = f"the candidate is {layers_in_words(self._layers)}, see --isolation and DRIVEGATE_READ"
+            fault = replace(fault, message=f"{fault.message} ({hint})")
         if fault.phase == "step" and fault.step is None:
             fault = replace(fault, step=max(int(handle.progress.steps[0]) - 1, 0))
         return fault
@@ -226,6 +238,18 @@ class CandidateProcess:
             self.kill()
             raise HarnessFault(f"{why}, outside the candidate: {stack}")
         return replace(fault, traceback=stack)
+
+    def _excess(self, handle: CandidateHandle) -> Fault | None:
+        """End a process that uses too much memory, together with those that it has started."""
+        watch = self._memory_watch
+        if watch is None or not watch.is_due(time.monotonic()):
+            return None
+        why = watch.excess(handle.used_memory())
+        if why is None:
+            return None
+        fault = self._located(handle, Fault(FaultKind.CRASH, why, "loading", error=MemoryError.__name__))
+        handle.end()
+        return fault
 
     def _located(self, handle: CandidateHandle, fault: Fault) -> Fault:
         """Add to a fault what the shared memory tells of the step in which it happened."""

@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Final
 
+from drivegate_models.compilation.cache_folder import KERNELS_VARIABLE, NUMBA_VARIABLE
+
 PASSED: Final = frozenset(
     {
         "PATH",
@@ -30,26 +32,25 @@ PASSED: Final = frozenset(
 """Names of variables that are passed on."""
 PASSED_PREFIXES: Final = ("LC_", "NUMBA_", "OMP_", "OPENBLAS_", "MKL_", "JOBLIB_")
 """Beginnings of names that are passed on: the language, and what decides how numbers are computed."""
-FOLDERS: Final = ("DRIVEGATE_CACHE", "NUMBA_CACHE_DIR", "XDG_CACHE_HOME")
-"""Variables that are passed on and name folders; made absolute, since a process starts in another folder."""
 PASS_VARIABLE: Final = "DRIVEGATE_PASS"
 """Environment variable with further names to pass on, separated by commas."""
 TEMPORARY_VARIABLES: Final = ("TMPDIR", "TMP", "TEMP")
 """Variables that name the folder for temporary files."""
 
 
-def worker_environment(inherited: Mapping[str, str], temporary: Path) -> dict[str, str]:
-    """Choose the environment of a candidate's process."""
+def worker_environment(inherited: Mapping[str, str], temporary: Path, kernels: Path | None) -> dict[str, str]:
+    """Choose the environment of a candidate's process, which reads compiled kernels from a folder."""
     further = {name.strip() for name in inherited.get(PASS_VARIABLE, "").split(",")}
     passed = {
         name: value
         for name, value in inherited.items()
         if name in PASSED or name in further or name.startswith(PASSED_PREFIXES)
     }
-    folders = {name: str(Path(inherited[name]).absolute()) for name in FOLDERS if inherited.get(name)}
     return {
         "PYTHONHASHSEED": "0",
         **passed,
-        **folders,
+        # Code that the candidate itself compiles goes with its process.
+        NUMBA_VARIABLE: str(temporary / "numba"),
+        **({} if kernels is None else {KERNELS_VARIABLE: str(kernels)}),
         **dict.fromkeys(TEMPORARY_VARIABLES, str(temporary)),
     }

@@ -13,9 +13,11 @@ from typing import Any, Self
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind
 from drivegate.candidates.kinds import KINDS, load_controller
+from drivegate.containment.candidate_isolation import isolating_layers
 from drivegate.containment.messages import AnyController, Job, JudgedCandidate, ResultT
 from drivegate.containment.pace_watch import SlowRun
 from drivegate.containment.stall_watch import WorkerLimits
+from drivegate.isolation.layers import Layer
 
 
 def own_candidate(candidate: Candidate) -> JudgedCandidate:
@@ -26,7 +28,8 @@ def own_candidate(candidate: Candidate) -> JudgedCandidate:
 class Judge:
     """Does jobs with one candidate, one after another; on Linux the candidate's process ends with this one.
 
-    `on_slow` is called with the first run that will take long, while it runs.
+    `on_slow` is called with the first run that will take long, while it runs. `layers` isolate the candidate's process;
+    by default, those that the user requests.
     """
 
     def __init__(
@@ -35,8 +38,10 @@ class Judge:
         *,
         limits: WorkerLimits | None = None,
         on_slow: Callable[[SlowRun], None] | None = None,
+        layers: tuple[Layer, ...] | None = None,
     ) -> None:
         self._candidate = candidate
+        self._layers = layers
         self._limits = limits
         self._on_slow = on_slow
         self._process: Any = None
@@ -64,7 +69,8 @@ class Judge:
         from drivegate.containment.contained_controller import ContainedController
 
         if self._process is None:
-            self._process = CandidateProcess(self._candidate, self._limits, self._on_slow)
+            layers = isolating_layers(self._candidate) if self._layers is None else self._layers
+            self._process = CandidateProcess(self._candidate, self._limits, self._on_slow, layers or ())
         return ContainedController(self._process)
 
     def kill(self) -> None:

@@ -3,6 +3,7 @@
 import os
 import pickle
 import tempfile
+import time
 import traceback
 import weakref
 from collections.abc import Callable
@@ -14,16 +15,20 @@ from typing import Any
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.candidates.kinds import KINDS
+from drivegate.containment.candidate_isolation import isolating_layers
 from drivegate.containment.judge import Judge
 from drivegate.containment.kept_process import KeptProcess, Role
 from drivegate.containment.messages import Broken, Faulted, Finished, Job, Outcome, Refused
 from drivegate.containment.pace_watch import SlowRun
 from drivegate.containment.parent_death import end_with_parent
 from drivegate.containment.stall_watch import WorkerLimits
+from drivegate.isolation.layers import refuse_inspection
 from drivegate_cases.documents.system_failure import refusal_by_system
 from drivegate_models.errors import HarnessFault, InputError
 
 _KILLED = "a process of the harness that watched the candidate was killed"
+_STOPPED = "a process of the harness that watched the candidate was stopped"
+_STOPPED_SECONDS = 10.0
 
 
 class JudgeProcess:
@@ -41,6 +46,7 @@ class JudgeProcess:
         self._kept: KeptProcess | None = None
         self._connection: Connection[Any, Any] | None = None
         self._busy = False
+        self._stopped_since: float | None = None
 
     def start(self, job: Job[Any]) -> None:
         """Begin a job; `poll` tells its end."""
@@ -52,6 +58,9 @@ class JudgeProcess:
             self._connection.send(job)
 
     def _begin(self) -> None:
+        layers = isolating_layers(self._candidate)
+        if layers:
+            refuse_inspection()
         ours, theirs = Pipe()
         try:
             self._kept = KeptProcess(Role.JUDGE, None, (theirs.fileno(),))
@@ -59,7 +68,7 @@ class JudgeProcess:
             theirs.close()
         self._connection = ours
         self.end = weakref.finalize(self, _end, self._kept, ours)
-        ours.send((self._candidate, self._limits))
+        ours.send((self._candidate, self._limits, layers))
 
     @property
     def waitables(self) -> list[Any]:
@@ -73,7 +82,7 @@ class JudgeProcess:
             raise HarnessFault("a judge without a job was polled for its end")
         try:
             if not connection.poll():
-                return None
+                return self._stopped()
             outcome: Outcome | SlowRun = connection.recv()
         except (EOFError, ConnectionResetError):
             return self._died()
@@ -87,6 +96,19 @@ class JudgeProcess:
         if isinstance(outcome, Broken):
             raise HarnessFault(f"the harness failed in a judge's process: {outcome.traceback}")
         return outcome
+
+    def _stopped(self) -> Faulted | None:
+        """Look whether the process has been stopped for some time, which a candidate may have done; end it then."""
+        kept = self._kept
+        if kept is None or KINDS[self._candidate.kind].comes_along or not kept.is_stopped():
+            self._stopped_since = None
+            return None
+        now = time.monotonic()
+        self._stopped_since = self._stopped_since or now
+        if now - self._stopped_since < _STOPPED_SECONDS:
+            return None
+        self.kill()
+        return Faulted(Fault(FaultKind.CRASH, _STOPPED, "step"))
 
     def _died(self) -> Faulted:
         self.kill()
@@ -124,12 +146,14 @@ def judge_jobs(connection: int, temporary: str, parent: int) -> None:
     os.set_inheritable(connection, False)
     channel: Connection[Any, Any] = Connection(connection)
     try:
-        candidate, limits = channel.recv()
+        candidate, limits, layers = channel.recv()
+        if layers:
+            refuse_inspection()
 
         def tell(run: SlowRun) -> None:
             channel.send_bytes(_written(run))
 
-        with Judge(candidate, limits=limits, on_slow=tell) as judge:
+        with Judge(candidate, limits=limits, on_slow=tell, layers=layers) as judge:
             while True:
                 channel.send_bytes(_written(_outcome(judge, channel.recv())))
     except (EOFError, BrokenPipeError, ConnectionResetError):

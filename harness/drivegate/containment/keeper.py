@@ -9,6 +9,7 @@ It imports little, so that it is small and starts at once.
 """
 
 import ctypes
+import json
 import os
 import shutil
 import signal
@@ -18,25 +19,29 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
-from drivegate.containment.private_memory import keep_shared_memory_private
+from drivegate.isolation.layers import Layer, Places, isolate
+from drivegate.isolation.namespaces import enter_process_namespace
 
 _PR_SET_CHILD_SUBREAPER = 36
 _PATIENCE = 10.0
 _BLOCK = 4096
 
 
-def keep(role: str, temporary: str, *descriptors: str) -> None:
+def keep(role: str, isolation: str, temporary: str, *descriptors: str) -> None:
     """Start a worker process, and see to it that nothing of it is left once standard input ends.
 
     In the keeper this does not return; in the worker it returns when its parent has hung up. The keeper reports
     on its standard output the worker's process id, and at the end its exit status, negative for a signal.
     """
     _adopt_orphans()
-    if role == "candidate":
-        keep_shared_memory_private()
+    layers, readable, writable = json.loads(isolation)
+    if Layer.NAMESPACES in layers:
+        enter_process_namespace()
     keeper = os.getpid()
     worker = os.fork()
     if worker == 0:
+        os.setsid()
+        isolate(tuple(map(Layer, layers)), Places(tuple(readable), tuple(writable)))
         _become_worker(role, temporary, [int(descriptor) for descriptor in descriptors], keeper)
         return
     status = None
@@ -62,7 +67,6 @@ def _adopt_orphans() -> None:
 
 def _become_worker(role: str, temporary: str, descriptors: list[int], keeper: int) -> None:
     """Leave the keeper's streams: nothing to read, and what is printed goes to the harness."""
-    os.setsid()
     nothing = os.open(os.devnull, os.O_RDONLY)
     os.dup2(nothing, 0)
     os.close(nothing)

@@ -14,6 +14,8 @@ import psutil
 
 from drivegate.containment.environment import worker_environment
 from drivegate.containment.temporary_folder import TemporaryFolder
+from drivegate.isolation.layers import Layer
+from drivegate_models.compilation.kernels import choose_cache_folder
 
 _BOOTSTRAP = (
     "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
@@ -37,15 +39,25 @@ class KeptProcess:
     """
 
     def __init__(
-        self, role: Role, folder: Path | None, descriptors: tuple[int, ...], *, output: int | None = None
+        self,
+        role: Role,
+        folder: Path | None,
+        descriptors: tuple[int, ...],
+        *,
+        output: int | None = None,
+        layers: tuple[Layer, ...] = (),
+        readable: tuple[str, ...] = (),
     ) -> None:
         self._owner = os.getpid()
         self._temporary = TemporaryFolder()
         self._reported = b""
         # The import path is that of the harness, whatever the folder holds.
         paths = json.dumps([str(Path(place).absolute()) for place in sys.path])
-        arguments = [role.value, str(self._temporary.path), *map(str, descriptors)]
-        contained = role is Role.CANDIDATE
+        isolation = json.dumps([layers, readable, [str(self._temporary.path)]])
+        arguments = [role.value, isolation, str(self._temporary.path), *map(str, descriptors)]
+        environment = None
+        if role is Role.CANDIDATE:
+            environment = worker_environment(os.environ, self._temporary.path, choose_cache_folder())
         try:
             self._keeper = subprocess.Popen(
                 [sys.executable, "-P", "-c", _BOOTSTRAP, paths, *arguments],
@@ -55,7 +67,7 @@ class KeptProcess:
                 pass_fds=descriptors,
                 start_new_session=True,
                 cwd=folder if folder is not None and folder.is_dir() else None,
-                env=worker_environment(os.environ, self._temporary.path) if contained else None,
+                env=environment,
                 bufsize=0,
             )
         except BaseException:
@@ -70,6 +82,19 @@ class KeptProcess:
         if b"\n" not in self._reported:
             self._listen()
         return int(self._reported.split()[0]) if b"\n" in self._reported else None
+
+    @property
+    def keeper_id(self) -> int:
+        """Process id of the keeper."""
+        return self._keeper.pid
+
+    def is_stopped(self) -> bool:
+        """Return True if the worker or its keeper is stopped, by a signal or by a debugger."""
+        stopped = (psutil.STATUS_STOPPED, psutil.STATUS_TRACING_STOP)
+        with suppress(psutil.NoSuchProcess):
+            numbers = (self.process_id, self._keeper.pid)
+            return any(psutil.Process(number).status() in stopped for number in numbers if number is not None)
+        return False
 
     def keeper_has_ended(self) -> bool:
         """Tell whether the keeper has ended by itself, which it does when it was killed."""
@@ -98,15 +123,29 @@ class KeptProcess:
         if os.getpid() != self._owner or self._keeper.stdin is None or self._keeper.stdin.closed:
             return
         self._keeper.stdin.close()
+        # A candidate may have stopped the keeper, once or again and again.
+        self._keeper.send_signal(signal.SIGCONT)
         try:
             self._keeper.wait(_KEEPER_PATIENCE)
         except subprocess.TimeoutExpired:
+            self._kill_descendants()
             self._keeper.kill()
             self._keeper.wait()
         self._listen()
         if self._keeper.stdout is not None:
             self._keeper.stdout.close()
         self._temporary.remove()
+
+    def _kill_descendants(self) -> None:
+        """Kill what a keeper that does not answer keeps; all of it is below the keeper as long as that lives."""
+        with suppress(psutil.NoSuchProcess):
+            keeper = psutil.Process(self._keeper.pid)
+            while kept := [
+                each for each in keeper.children(recursive=True) if each.status() != psutil.STATUS_ZOMBIE
+            ]:
+                for each in kept:
+                    with suppress(psutil.NoSuchProcess):
+                        each.kill()
 
     def _listen(self) -> None:
         with suppress(OSError, ValueError):

@@ -14,6 +14,7 @@ from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.checks.judging import InfeasibleScenario, JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin, margin_in_words
+from drivegate.containment.candidate_isolation import isolating_layers
 from drivegate.containment.messages import Job
 from drivegate.containment.pace_watch import SlowRun
 from drivegate.containment.pool import WorkEnded, WorkerPool
@@ -147,6 +148,7 @@ def check_candidate(
     # What a candidate does not declare is known before anything is compiled or run.
     focus.require_judged(check_outcomes((), candidate.declaration, judged_on, complete=False))
     refuse_unreachable(judged_on)
+    isolation = isolating_layers(candidate)
     today = present_day() if waivers else None
     started = datetime.now(UTC)
     began = time.monotonic()
@@ -161,7 +163,7 @@ def check_candidate(
         baseline=baseline,
         focus=focus,
     )
-    how = CheckPlan(judged_on, _drive_from(candidate, drive), effort, seed, count)
+    how = CheckPlan(judged_on, _drive_from(candidate, drive), effort, seed, count, isolation)
     yield CheckStarted(candidate.name, sum(item.runs for item in work), how)
     kinds = uncompiled_kinds([judged_on])
     if kinds:
@@ -226,7 +228,7 @@ def check_candidate(
         candidate, judged_on, effort, seed, outcomes, comparisons, traces, progress, timing, fail_on
     )
     result = replace(result, behaviour=behaviour, contested=contested)
-    yield CheckFinished(replace(result, drive_named=drive_named))
+    yield CheckFinished(replace(result, drive_named=drive_named, isolation=isolation))
 
 
 def _drive_from(candidate: Candidate, named: DriveDocument | None) -> DriveFrom:

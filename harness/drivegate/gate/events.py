@@ -26,6 +26,8 @@ class CheckPlan:
     """Seed of the search."""
     workers: int
     """Number of processes."""
+    isolation: tuple[str, ...] | None = None
+    """The layers that isolate the candidate's processes; None for a built-in controller, which has none."""
 
 
 @dataclass(frozen=True)

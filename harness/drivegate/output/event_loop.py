@@ -17,6 +17,7 @@ from drivegate.gate.events import (
     Shrinking,
     WitnessesHeard,
 )
+from drivegate.isolation.layers import layers_in_words
 from drivegate.output.compiled_kernels import compiling_in_words
 from drivegate.output.pace import CheckPace
 from drivegate.output.progress import Display
@@ -81,7 +82,8 @@ def _headline(name: str, plan: CheckPlan) -> str:
         "manifest": " (from its manifest)",
         "default": f" (default for {contract_of(plan.drive).candidates})",
     }
+    isolated = "" if plan.isolation is None else f", {layers_in_words(plan.isolation)}"
     return (
         f"{name} on {plan.drive.name}{chosen[plan.drive_from]}, contract {plan.drive.contract}, "
-        f"effort {plan.effort}, seed {plan.seed}"
+        f"effort {plan.effort}, seed {plan.seed}{isolated}"
     )

@@ -238,6 +238,11 @@ class ResultDocument(Document):
         description="'playback' where the candidate's commands were played back in a process that never loaded it, "
         "'own code' where the candidate comes along with drivegate and ran beside what judges it",
     )
+    isolation: tuple[Literal["Landlock", "namespaces", "seccomp"], ...] | None = Field(
+        default=None,
+        description="what isolated the candidate's processes from the machine, empty for nothing; null for a built-in "
+        "controller, which has no process of its own, and in results of earlier versions",
+    )
     fail_on: Literal["required", "advisory"] = Field(
         default="required", description="'advisory' where advisory checks count like required ones"
     )

@@ -197,6 +197,8 @@ class CheckResult:
     check ended with the first failure; None for a whole check."""
     incomplete: str | None = None
     """``interrupted`` or ``max time`` where the check ended before all of it was done; None for a check to its end."""
+    isolation: tuple[str, ...] | None = None
+    """The layers that isolated the candidate's processes; None for a built-in controller, which has none."""
     drive_named: str | None = None
     """The string that named the drive; None where the candidate's manifest or nothing did."""
 
@@ -227,6 +229,7 @@ class CheckResult:
             "seed": self.seed,
             "effort": self.effort,
             "judged_by": "own code" if KINDS[candidate.kind].comes_along else "playback",
+            "isolation": None if self.isolation is None else list(self.isolation),
             "fail_on": self.fail_on,
             "contested": self.contested,
             "focus": self.focus,

@@ -17,6 +17,8 @@ CACHE_VARIABLE: Final = "DRIVEGATE_CACHE"
 """Environment variable that overrides the folder for compiled kernels."""
 NUMBA_VARIABLE: Final = "NUMBA_CACHE_DIR"
 """numba's own variable; drivegate sets it for the processes that it starts."""
+KERNELS_VARIABLE: Final = "DRIVEGATE_KERNELS"
+"""Environment variable with the folder from which a candidate's process reads compiled kernels; it writes none."""
 KEY: Final = re.compile("[0-9a-f]{16}")
 """Name of a folder of compiled code: a key of the sources and of the compiler's versions."""
 

@@ -26,7 +26,13 @@ from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
-from drivegate_models.compilation.cache_folder import CACHE_VARIABLE, KEY, NUMBA_VARIABLE, choose_folder
+from drivegate_models.compilation.cache_folder import (
+    CACHE_VARIABLE,
+    KERNELS_VARIABLE,
+    KEY,
+    NUMBA_VARIABLE,
+    choose_folder,
+)
 from drivegate_models.compilation.target import adopt_target, choose_target, requested_target
 from drivegate_models.errors import InputError
 
@@ -85,15 +91,18 @@ def refused_cache_folders() -> tuple[str, ...]:
     return choose_folder(cache_key()).refusals
 
 
-def _configure() -> bool:
-    """Configure numba's cache folder; return True if compiled kernels can be cached."""
+def _configure() -> str | None:
+    """Configure numba's cache folder, and return the folder of compiled kernels, if there is one."""
+    for_reading = os.environ.get(KERNELS_VARIABLE)
+    if for_reading:
+        return for_reading
     folder = choose_cache_folder()
     if folder is None:
         os.environ.pop(NUMBA_VARIABLE, None)
-        return False
+        return None
     os.environ[NUMBA_VARIABLE] = str(folder)
     _prune(folder)
-    return True
+    return str(folder)
 
 
 def _prune(used: Path) -> None:
@@ -107,7 +116,9 @@ def _prune(used: Path) -> None:
 
 
 choose_target()
-KEEPS_CACHE = _configure()
+_ONLY_READS = KERNELS_VARIABLE in os.environ
+_FOLDER = _configure()
+KEEPS_CACHE = _FOLDER is not None
 """True if compiled kernels are cached between processes."""
 
 import numba  # noqa: E402  (target and cache folder must be known before numba is imported)
@@ -132,7 +143,12 @@ class _LocatedByModule(caching.UserProvidedCacheLocator):
     def __init__(self, function: Any, file: str) -> None:
         super().__init__(function, file)
         package = function.__module__.rpartition(".")[0]
-        self._cache_path = str(Path(vars(numba.config)["CACHE_DIR"]) / package)
+        self._cache_path = str(Path(_FOLDER or vars(numba.config)["CACHE_DIR"]) / package)
+
+    def ensure_cache_path(self) -> None:
+        """Make the folder, unless this process only reads."""
+        if not _ONLY_READS:
+            super().ensure_cache_path()
 
     def get_source_stamp(self) -> Any:
         """Identify the source by its content, and the functions that it calls by the content of all kernels."""
@@ -145,6 +161,14 @@ def _is_own(function: Any) -> bool:
 
 # This also applies to functions called by address, which numba's own decorator caches.
 caching.CacheImpl._locator_classes.insert(0, _LocatedByModule)
+if _ONLY_READS:
+    _save = caching.IndexDataCacheFile.save
+
+    def _save_where_possible(file: Any, key: Any, data: Any) -> None:
+        with contextlib.suppress(OSError):
+            _save(file, key, data)
+
+    caching.IndexDataCacheFile.save = _save_where_possible  # type: ignore[method-assign]
 
 
 class _FilesNamedByContent(caching.IndexDataCacheFile):
@@ -154,8 +178,9 @@ class _FilesNamedByContent(caching.IndexDataCacheFile):
         """Save compiled code, and enter it in the index."""
         digest = hashlib.sha256(repr(key).encode()).digest()
         name = self._data_name(int.from_bytes(digest[:8]))
-        self._save_data(name, data)
-        self._save_index({**self._load_index(), key: name})
+        with contextlib.suppress(OSError) if _ONLY_READS else contextlib.nullcontext():
+            self._save_data(name, data)
+            self._save_index({**self._load_index(), key: name})
 
 
 class _KernelCache(caching.FunctionCache):

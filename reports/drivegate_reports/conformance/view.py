@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from shlex import quote
 from typing import Any, Final
 
+from drivegate.isolation.layers import layers_in_words
 from drivegate.output.causes import causes_of, first_to_mend
 from drivegate.output.explanations import unjudged_in_words
 from drivegate.output.result_file import counterexample_name
@@ -201,6 +202,9 @@ def _rests_on(document: Mapping[str, Any], checks: Sequence[CheckRow]) -> tuple[
             "Judged by playback: the candidate's process gave commands and nothing else, and every margin comes from "
             "giving them to the plant again in a process that never loaded the candidate."
         )
+    if document.get("isolation") is not None:
+        isolated = layers_in_words(document["isolation"])
+        sentences.append(f"The candidate's process was {isolated}.")
     if document["faults"]:
         sentences.append(f"{len(document['faults'])} faults of the candidate, which no waiver covers.")
     waived = [row.id for row in checks if row.waiver]
@@ -242,5 +246,7 @@ def _provenance(document: Mapping[str, Any], times: Mapping[str, Any]) -> tuple[
             entries += [(f"{key} {name}".strip().replace("_", " "), item) for name, item in items]
     if document.get("signature"):
         signer = fingerprint(document["signature"]["public_key"])
-        entries.append(("signature", f"by the key {signer}; drivegate verify tells whether it is valid"))
+        entries.append(("signature", f"by the key {signer}; drivegate verify reports whether it is valid"))
+        covered = "all but times, tracebacks and steps' times, which the machine decides"
+        entries.append(("the signature covers", covered))
     return tuple((clean(name), clean(value)) for name, value in entries)

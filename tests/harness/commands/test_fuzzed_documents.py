@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import _ctypes
 import json
 import os
 import random
@@ -13,6 +14,7 @@ from typing import Any, Final
 import pytest
 
 from drivegate.candidates.manifest import Manifest
+from drivegate.candidates.resolution import resolve_candidate
 from drivegate.output.failure import ExitCode, Failure, failure_of
 from drivegate.output.report_writers import LoadWriter
 from drivegate.output.result_file import counterexamples
@@ -22,6 +24,7 @@ from drivegate.results.counterexample import read_counterexample
 from drivegate.results.result import content_hash
 from drivegate.results.waivers import read_waivers
 from drivegate.studies.campaign.file import read_campaign
+from drivegate.studies.drive.measured import read_measured
 from drivegate.studies.verify import verification
 from drivegate_cases.documents.document import read_document
 from drivegate_cases.documents.wording import LONGEST_MESSAGE
@@ -212,3 +215,33 @@ def test_a_damaged_counterexample_is_read_or_refused_in_a_short_sentence(
     result: Tree, tmp_path: Path
 ) -> None:
     fuzz(counterexamples(result)[0], read_counterexample, tmp_path)
+
+
+def damaged_bytes(content: bytes, source: random.Random) -> bytes:
+    """Cut, overwrite, repeat and insert bytes at random."""
+    for _ in range(source.choice((1, 1, 2, 8))):
+        place = source.randrange(len(content) + 1)
+        length = source.choice((1, 4, 64, len(content)))
+        inserted = source.choice(
+            (b"", source.randbytes(length), b"\xff" * 8, b"\0" * 8, b"," * 3000, content)
+        )
+        content = content[:place] + inserted + content[place + source.choice((0, len(inserted), length)) :]
+    return content
+
+
+MEASURED: Final = b"speed_rpm,current_a,advance_deg,torque_nm\n500,10,0,8.5\n1500,12,30,9.1\n1500,,45,7.0\n"
+
+
+@pytest.mark.parametrize("name", ["measured.csv", "library.so"])
+def test_damaged_bytes_are_read_or_refused_in_a_short_sentence(name: str, tmp_path: Path) -> None:
+    content, read = {
+        "measured.csv": (MEASURED, read_measured),
+        "library.so": (Path(_ctypes.__file__).read_bytes(), lambda path: resolve_candidate(str(path))),
+    }[name]
+    path = tmp_path / name
+    for seed in range(DRAWS):
+        path.write_bytes(damaged_bytes(content, random.Random(seed)))
+        failure = ended(read, path)
+        assert failure.exit_code in (ExitCode.PASSED, ExitCode.REFUSED), (seed, failure)
+        assert len(failure.message) <= LONGEST_MESSAGE, (seed, failure)
+        assert failure.message.isprintable() or not failure.message, (seed, failure)

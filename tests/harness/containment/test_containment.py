@@ -15,6 +15,7 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.environment import PASS_VARIABLE, worker_environment
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job
+from drivegate.isolation.layers import ISOLATION_VARIABLE
 
 HERE = Path(__file__).parents[1]
 MINE = """
@@ -63,13 +64,14 @@ def test_a_variable_is_passed_on_where_the_user_says_so(answer, monkeypatch):
     assert answer("float(os.environ['LICENCE_SERVER'])") == 7.5
 
 
-def test_the_environment_is_a_short_list_and_its_folders_are_absolute():
+def test_the_environment_is_a_short_list_and_names_folders_of_its_own():
     inherited = {"PATH": "/bin", "LC_ALL": "C", "AWS_SECRET_ACCESS_KEY": "x", "DRIVEGATE_CACHE": "kernels"}
-    given = worker_environment(inherited, Path("/scratch"))
+    given = worker_environment(inherited, Path("/scratch"), Path("/kernels"))
     assert given == {
         "PATH": "/bin",
         "LC_ALL": "C",
-        "DRIVEGATE_CACHE": str(Path.cwd() / "kernels"),
+        "DRIVEGATE_KERNELS": "/kernels",
+        "NUMBA_CACHE_DIR": "/scratch/numba",
         "PYTHONHASHSEED": "0",
         "TMPDIR": "/scratch",
         "TMP": "/scratch",
@@ -105,30 +107,44 @@ import worker_jobs
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job
+from drivegate.isolation.layers import ISOLATION_VARIABLE
 with Judge(resolve_candidate({specification!r})) as worker:
     worker.run(Job(worker_jobs.drive, 7))
 """
 
 
-@pytest.mark.parametrize("ending", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
-def test_nothing_is_left_when_the_harness_is_ended(scratch, tmp_path, ending):
-    file, begun = tmp_path / "mine.py", tmp_path / "begun"
-    reset = f"{DAEMON}; Path({str(begun)!r}).touch(); time.sleep(1000)"
+@pytest.mark.parametrize(
+    ("ending", "isolation"),
+    [(signal.SIGKILL, "auto"), (signal.SIGTERM, "auto"), (signal.SIGINT, "auto"), (signal.SIGKILL, "none")],
+)
+def test_nothing_is_left_when_the_harness_is_ended(scratch, tmp_path, ending, isolation):
+    file = tmp_path / "mine.py"
+    reset = f"{DAEMON}; time.sleep(1000)"
     file.write_text(MINE.format(reset=reset, answer="1.0"), encoding="utf-8")
     paths = os.pathsep.join([str(HERE), *sys.path])
     harness = subprocess.Popen(
         [sys.executable, "-c", HARNESS.format(specification=f"{file}:Mine")],
-        env={**os.environ, "PYTHONPATH": paths, "TMPDIR": str(scratch)},
+        env={**os.environ, "PYTHONPATH": paths, "TMPDIR": str(scratch), ISOLATION_VARIABLE: isolation},
         stderr=subprocess.DEVNULL,
     )
-    wait_until(begun.exists, "the candidate did not begin")
-    below = psutil.Process(harness.pid).children(recursive=True)
-    assert any("65432" in process.cmdline() for process in below), "the daemon is not a descendant"
+    wait_until(
+        lambda: any("65432" in process.cmdline() for process in below(harness)), "the daemon did not begin"
+    )
+    kept = below(harness)
     harness.send_signal(ending)
     harness.wait(30)
-    _, alive = psutil.wait_procs(below, timeout=15)
+    _, alive = psutil.wait_procs(kept, timeout=15)
     assert alive == [], "processes outlived the harness"
     wait_until(lambda: list(scratch.iterdir()) == [], "a temporary folder outlived the harness")
+
+
+def below(harness):
+    """List the processes that came from the harness, but those that have just ended."""
+    return [
+        each
+        for each in psutil.Process(harness.pid).children(recursive=True)
+        if each.is_running() and each.status() != psutil.STATUS_ZOMBIE
+    ]
 
 
 def wait_until(condition, otherwise):

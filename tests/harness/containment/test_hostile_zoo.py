@@ -550,7 +550,7 @@ UNSTEADY = {
 
 
 @pytest.mark.parametrize("source", UNSTEADY)
-def test_an_answer_that_depends_on_anything_else_is_non_deterministic(tmp_path, source):
+def test_an_answer_that_depends_on_anything_else_is_non_deterministic(tmp_path, source, not_isolated):
     file = tmp_path / "mine.py"
     file.write_text(
         "import os, random, time\nfrom drivegate import Command\n"

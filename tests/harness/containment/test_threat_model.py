@@ -329,7 +329,7 @@ def test_a_profiler_does_not_see_an_order_taken_apart(attempt):
     assert fault.message == "LookupError: found []", fault.message
 
 
-def test_whoever_kills_the_judge_does_not_pass(tmp_path):
+def test_whoever_kills_the_judge_does_not_pass(tmp_path, not_isolated):
     from drivegate.containment.pool import WorkerPool
 
     kill = """

@@ -143,7 +143,7 @@ def test_the_provenance_tells_who_signed(make_document):
     line = "ssh-ed25519 AAAAC3NzaC1lZDI1NTE5AAAAIAOhB7/zzhC+HXDdGOdLwJln5NYwm6UNXx3chmQSVTG4"
     text = page(make_document(signature={"public_key": line, "value": "00"}))
     assert (
-        "SHA256:lbmsoA0yIEcEiVDRnMWuzm+nV+3ZEEpVIURqFoeSspg; drivegate verify tells whether it is valid"
+        "SHA256:lbmsoA0yIEcEiVDRnMWuzm+nV+3ZEEpVIURqFoeSspg; drivegate verify reports whether it is valid"
         in text
     )
     assert "drivegate verify" not in page(make_document()), "nobody signed"

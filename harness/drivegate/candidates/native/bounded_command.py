@@ -22,6 +22,12 @@ _LIMITED: Final = (
 )
 
 
+# What decides where a compiler finds its parts, headers and libraries; no secret of a CI job is among them.
+_PASSED: Final = frozenset(
+    ("PATH", "HOME", "CPATH", "C_INCLUDE_PATH", "LIBRARY_PATH", "LD_LIBRARY_PATH", "COMPILER_PATH", "SDKROOT")
+)
+
+
 @dataclass(frozen=True)
 class Bounds:
     """What a tool may use."""
@@ -64,7 +70,10 @@ def run_bounded(
     process = subprocess.Popen(
         ["/bin/sh", "-c", _LIMITED, "sh", *limits, *words],
         cwd=folder,
-        env={**os.environ, **environment},
+        env={
+            **{name: value for name, value in os.environ.items() if name in _PASSED},
+            **environment,
+        },
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,

@@ -16,6 +16,7 @@ from typing import Final
 
 from drivegate.candidates.fault import bounded_line
 from drivegate.candidates.native.bounded_command import COMPILATION, Bounds, Ended, run_bounded
+from drivegate.isolation.layers import Places, isolated_command, requested_layers
 from drivegate_cases.documents.wording import one_line
 from drivegate_models import contract
 from drivegate_models.errors import InputError
@@ -162,10 +163,21 @@ def _named(sources: Sequence[str]) -> list[str]:
 
 def _run(command: Sequence[str], plan: Compilation, scratch: Path) -> str:
     environment = {"LC_ALL": "C", "TMPDIR": str(scratch)}
-    ended = run_bounded(command, folder=plan.folder, environment=environment, bounds=plan.bounds)
+    # Flags and sources may start programs, or take in any file.
+    isolated = isolated_command(command, requested_layers(), _places(command[0], plan, scratch))
+    ended = run_bounded(isolated, folder=plan.folder, environment=environment, bounds=plan.bounds)
     if ended.status != 0:
         raise CompilationError(_sentence(ended, plan, Path(command[0]).name), ended.output)
     return ended.output
+
+
+def _places(compiler: str, plan: Compilation, scratch: Path) -> Places:
+    """Return what a compiler may read: itself, and the folders of sources and headers; it writes into one folder."""
+    sources = [(plan.folder / source).parent for source in plan.sources]
+    headers = [plan.folder / folder for folder in plan.include]
+    own = [Path(compiler).parent, *Path(compiler).resolve().parents[:2], include_folder()]
+    readable = (plan.folder, *sources, *headers, *own)
+    return Places(tuple(str(place.resolve()) for place in readable), (str(scratch),))
 
 
 def _sentence(ended: Ended, plan: Compilation, compiler: str) -> str:

@@ -1,0 +1,35 @@
+"""What isolates a candidate's process, and the files that it may read all the same."""
+
+from pathlib import Path
+
+from drivegate.candidates.candidate import Candidate, NativeBuild, OuterLoop, Program
+from drivegate.candidates.kinds import KINDS
+from drivegate.isolation.layers import Layer, requested_layers, system_places
+from drivegate_models.compilation.kernels import choose_cache_folder
+
+
+def isolating_layers(candidate: Candidate) -> tuple[Layer, ...] | None:
+    """Return what isolates a candidate's process; None for a built-in controller, which has no process."""
+    return None if KINDS[candidate.kind].comes_along else requested_layers()
+
+
+def readable_places(candidate: Candidate) -> tuple[str, ...]:
+    """Return the files and folders that a candidate's process may read."""
+    kernels = choose_cache_folder()
+    own = [str(place.absolute()) for place in _own_places(candidate)]
+    return (*system_places(), *own, *([] if kernels is None else [str(kernels)]))
+
+
+def _own_places(candidate: Candidate) -> list[Path]:
+    """List what a candidate consists of, with what a program of an installation needs."""
+    places = [candidate.folder, *candidate.sources]
+    details = candidate.details
+    if isinstance(details, NativeBuild):
+        places.append(details.library)
+    elif isinstance(details, Program):
+        program = details.executable.resolve()
+        # An interpreter brings its libraries in the folder that has its `bin`.
+        places += [details.executable, program.parents[1] if program.parent.name == "bin" else program]
+    elif isinstance(details, OuterLoop):
+        places += _own_places(details.outer)
+    return places

@@ -1,0 +1,1 @@
+"""What the kernel enforces on a process that runs code of strangers; knows nothing of candidates."""

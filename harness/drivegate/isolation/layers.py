@@ -1,0 +1,232 @@
+"""What isolates a candidate's process from the machine: layers, each of which the kernel enforces.
+
+The strongest that the machine has are used. A result states which.
+"""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from functools import cache
+from pathlib import Path
+from typing import Final
+
+from drivegate.isolation.landlock import restrict_to
+from drivegate.isolation.namespaces import (
+    DEVICES,
+    SCRATCH,
+    drop_privileges,
+    enter_file_system,
+    enter_process_namespace,
+)
+from drivegate.isolation.refused_calls import refuse_calls
+from drivegate.isolation.system_calls import control_process
+from drivegate_cases.documents.wording import shown
+from drivegate_models.errors import InputError
+
+ISOLATION_VARIABLE: Final = "DRIVEGATE_ISOLATION"
+"""Environment variable with the requested isolation; the option ``--isolation`` sets it."""
+READ_VARIABLE: Final = "DRIVEGATE_READ"
+"""Environment variable with further files and folders that candidates may read, separated by colons."""
+
+# What programs need of the system: libraries, interpreters, time zones and certificates.
+_SYSTEM: Final = (
+    "/usr",
+    "/bin",
+    "/sbin",
+    "/lib",
+    "/lib32",
+    "/lib64",
+    "/libx32",
+    "/opt",
+    "/nix",
+    "/gnu",
+    "/etc/alternatives",
+    "/etc/fonts",
+    "/etc/group",
+    "/etc/hosts",
+    "/etc/ld.so.cache",
+    "/etc/ld.so.conf",
+    "/etc/ld.so.conf.d",
+    "/etc/localtime",
+    "/etc/nsswitch.conf",
+    "/etc/passwd",
+    "/etc/ssl/certs",
+    "/etc/timezone",
+    "/sys/devices/system/cpu",
+)
+
+
+class Isolation(StrEnum):
+    """What a user requests."""
+
+    AUTO = "auto"
+    STRICT = "strict"
+    NONE = "none"
+
+
+class Layer(StrEnum):
+    """One thing that isolates a process."""
+
+    LANDLOCK = "Landlock"
+    NAMESPACES = "namespaces"
+    REFUSED_CALLS = "seccomp"
+
+
+_PATIENCE: Final = 20.0
+_SET_DUMPABLE: Final = 4
+_BECOME: Final = (
+    "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
+    "from drivegate.isolation.layers import become_isolated; become_isolated(sys.argv[2], sys.argv[3:])"
+)
+
+
+@dataclass(frozen=True)
+class Places:
+    """The files and folders that a process can use."""
+
+    readable: tuple[str, ...]
+    """Those that it may read and execute."""
+    writable: tuple[str, ...]
+    """Those that it may also change."""
+
+
+def system_places() -> tuple[str, ...]:
+    """Return what every program may read, with this Python and its packages."""
+    finders = [vars(sys.modules[name]).get("MAPPING") for name in list(sys.modules) if "__editable__" in name]
+    packages = [place for mapping in finders if isinstance(mapping, dict) for place in mapping.values()]
+    python = (sys.prefix, sys.base_prefix, sys.exec_prefix, sys.base_exec_prefix, *sys.path, *packages)
+    further = os.environ.get(READ_VARIABLE, "").split(os.pathsep)
+    return (*_SYSTEM, *(str(Path(place).absolute()) for place in (*python, *further) if place))
+
+
+def requested_layers() -> tuple[Layer, ...]:
+    """Return the layers that isolate candidates: all that this machine has, unless the user wants none.
+
+    Raises
+    ------
+    InputError
+        If ``strict`` is requested, and the machine lacks a layer.
+    """
+    requested = os.environ.get(ISOLATION_VARIABLE, Isolation.AUTO)
+    if requested not in set(Isolation):
+        raise InputError(
+            f"the environment variable {ISOLATION_VARIABLE} is {shown(requested)}, but must be "
+            "auto, strict or none"
+        )
+    if requested == Isolation.NONE:
+        return ()
+    available = available_layers()
+    missing = [layer for layer in Layer if layer not in available]
+    if requested == Isolation.STRICT and missing:
+        raise InputError(
+            f"--isolation strict needs {' and '.join(missing)}, which this machine does not allow; on Ubuntu 24.04 "
+            "and on GitHub's runners run 'sudo sysctl -w kernel.apparmor_restrict_unprivileged_userns=0', in Docker "
+            "add the options --security-opt seccomp=unconfined --security-opt apparmor=unconfined --security-opt "
+            "systempaths=unconfined, or take --isolation auto"
+        )
+    return available
+
+
+def layers_in_words(layers: Sequence[str]) -> str:
+    """Describe what isolates a process."""
+    *others, last = layers or [""]
+    listed = " and ".join(filter(None, (", ".join(others), last)))
+    return f"isolated by {listed}" if layers else "not isolated"
+
+
+@cache
+def available_layers() -> tuple[Layer, ...]:
+    """Find the layers that this machine allows, by trying each in a process that ends at once."""
+    if not sys.platform.startswith("linux"):
+        return ()
+    return tuple(layer for layer in Layer if _works(layer))
+
+
+def _works(layer: Layer) -> bool:
+    words = isolated_command(["true"], (layer,), Places((), ()))
+    try:
+        ended = subprocess.run(
+            words, stdin=subprocess.DEVNULL, capture_output=True, timeout=_PATIENCE, check=False
+        )
+    except (OSError, subprocess.TimeoutExpired):
+        return False
+    return ended.returncode == 0
+
+
+def isolated_command(words: Sequence[str], layers: Sequence[Layer], places: Places) -> list[str]:
+    """Return the command that isolates itself and then becomes the given one.
+
+    Parameters
+    ----------
+    words : sequence of str
+        The program, found along ``PATH``, and its arguments.
+    layers : sequence of Layer
+        What isolates it. With namespaces, the process that becomes isolated is a child of the command.
+    places : Places
+        What it can use, next to what every program may read.
+    """
+    paths = json.dumps([str(Path(place).absolute()) for place in sys.path])
+    readable = (*system_places(), *places.readable)
+    order = json.dumps([list(layers), readable, places.writable])
+    return [sys.executable, "-P", "-c", _BECOME, paths, order, *words]
+
+
+def become_isolated(order: str, words: list[str]) -> None:
+    """Isolate this process, and execute a program in its place; this is the inside of `isolated_command`."""
+    layers, readable, writable = json.loads(order)
+    layers = tuple(map(Layer, layers))
+    if Layer.NAMESPACES in layers:
+        enter_process_namespace()
+        program = os.fork()
+        if program:
+            # A shell reports the end by a signal in the same way.
+            status = os.waitstatus_to_exitcode(os.waitpid(program, 0)[1])
+            os._exit(status if status >= 0 else 128 - status)
+    isolate(layers, Places(tuple(readable), tuple(writable)))
+    # Python ignores these, and the program would too.
+    for ignored in (signal.SIGPIPE, signal.SIGXFSZ):
+        signal.signal(ignored, signal.SIG_DFL)
+    os.execvp(words[0], words)
+
+
+def refuse_inspection() -> None:
+    """Let no other process without privileges trace this one, or read its memory and environment, where Linux can."""
+    if sys.platform.startswith("linux"):
+        control_process(_SET_DUMPABLE, 0)
+
+
+def isolate(layers: Sequence[Layer], places: Places) -> None:
+    """Isolate this process, for good and with all that it starts.
+
+    Parameters
+    ----------
+    layers : sequence of Layer
+        What isolates it; nothing is done without any.
+    places : Places
+        What it can use.
+
+    Raises
+    ------
+    OSError
+        If the machine does not allow a layer.
+    """
+    if not layers:
+        return
+    has_own_system = Layer.NAMESPACES in layers
+    if has_own_system:
+        enter_file_system(places.readable, places.writable)
+    drop_privileges()
+    if Layer.LANDLOCK in layers:
+        scratch = SCRATCH if has_own_system else ()
+        restrict_to(
+            (*places.readable, "/proc", "/dev"),
+            (*places.writable, *DEVICES, *scratch),
+            without_tcp=not has_own_system,
+        )
+    if Layer.REFUSED_CALLS in layers:
+        refuse_calls(without_sockets=not has_own_system)

@@ -1,0 +1,109 @@
+"""Linux system calls that Python and the C library do not offer, or offer only from a later version on."""
+
+import ctypes
+import os
+import platform
+from typing import Final
+
+# Numbers by architecture; those from 424 on are the same everywhere.
+_NUMBERS: Final = {
+    "x86_64": {
+        "shmget": 29,
+        "socket": 41,
+        "clone": 56,
+        "semget": 64,
+        "msgget": 68,
+        "ptrace": 101,
+        "pivot_root": 155,
+        "mount": 165,
+        "umount2": 166,
+        "add_key": 248,
+        "request_key": 249,
+        "keyctl": 250,
+        "unshare": 272,
+        "perf_event_open": 298,
+        "prlimit64": 302,
+        "open_by_handle_at": 304,
+        "setns": 308,
+        "process_vm_readv": 310,
+        "process_vm_writev": 311,
+        "kcmp": 312,
+        "memfd_create": 319,
+        "bpf": 321,
+        "userfaultfd": 323,
+    },
+    "aarch64": {
+        "umount2": 39,
+        "mount": 40,
+        "pivot_root": 41,
+        "unshare": 97,
+        "ptrace": 117,
+        "msgget": 186,
+        "semget": 190,
+        "shmget": 194,
+        "socket": 198,
+        "add_key": 217,
+        "request_key": 218,
+        "keyctl": 219,
+        "clone": 220,
+        "perf_event_open": 241,
+        "prlimit64": 261,
+        "open_by_handle_at": 265,
+        "setns": 268,
+        "process_vm_readv": 270,
+        "process_vm_writev": 271,
+        "kcmp": 272,
+        "memfd_create": 279,
+        "bpf": 280,
+        "userfaultfd": 282,
+    },
+}
+_COMMON: Final = {
+    "io_uring_setup": 425,
+    "io_uring_enter": 426,
+    "io_uring_register": 427,
+    "open_tree": 428,
+    "move_mount": 429,
+    "fsopen": 430,
+    "clone3": 435,
+    "pidfd_getfd": 438,
+    "process_madvise": 440,
+    "mount_setattr": 442,
+    "landlock_create_ruleset": 444,
+    "landlock_add_rule": 445,
+    "landlock_restrict_self": 446,
+    "memfd_secret": 447,
+}
+
+NUMBERS: Final = {**_COMMON, **_NUMBERS.get(platform.machine(), {})}
+"""Number of each system call on this machine; without most of them on an architecture that is not listed."""
+
+SYSTEM: Final = ctypes.CDLL(None, use_errno=True)
+"""The C library, whose functions set `errno`."""
+
+
+def system_call(name: str, *arguments: int | bytes | None) -> int:
+    """Make a system call, and return its result.
+
+    Raises
+    ------
+    OSError
+        If the call fails.
+    """
+    given = [ctypes.c_long(a) if isinstance(a, int) else ctypes.c_char_p(a) for a in arguments]
+    SYSTEM.syscall.restype = ctypes.c_long
+    return succeeded(SYSTEM.syscall(ctypes.c_long(NUMBERS[name]), *given), name)
+
+
+def succeeded(result: int, name: str) -> int:
+    """Return the result of a C function, or raise an `OSError` if it is negative."""
+    if result < 0:
+        number = ctypes.get_errno()
+        raise OSError(number, os.strerror(number), name)
+    return int(result)
+
+
+def control_process(option: int, *arguments: int) -> int:
+    """Call `prctl`."""
+    four = (*arguments, 0, 0, 0, 0)[:4]
+    return succeeded(SYSTEM.prctl(option, *map(ctypes.c_ulong, four)), "prctl")

@@ -1,0 +1,172 @@
+"""The wall around a candidate: what it holds against, what it lets through, and how it is requested."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import psutil
+import pytest
+from tests.harness.containment.attacks import ATTACKS, LEVELS, outcomes, read_table
+
+from drivegate.candidates.fault import Fault, FaultKind
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.containment import judge_process, kept_process
+from drivegate.containment.judge import Judge
+from drivegate.containment.messages import Job
+from drivegate.containment.pool import WorkerPool
+from drivegate.containment.stall_watch import WorkerLimits
+from drivegate.isolation import layers
+from drivegate.isolation.layers import Layer, available_layers, layers_in_words, requested_layers
+from drivegate_models.errors import InputError
+
+PAGE = Path(__file__).parents[3] / "docs" / "containment.md"
+MINE = """
+import ctypes, json, mmap, os, subprocess, sys, time
+from pathlib import Path
+from drivegate import Command
+class Mine:
+    def reset(self, nameplate):
+        pass
+    def step(self, sense):
+        {step}
+        return Command(1.0, 0.5)
+"""
+
+
+@pytest.fixture
+def ending(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., object]:
+    """Return how a job with a candidate ends that does something in a step."""
+    monkeypatch.syspath_prepend(Path(__file__).parents[1])
+    import worker_jobs
+
+    def ended(step: str, **options: object) -> object:
+        file = tmp_path / "mine.py"
+        file.write_text(MINE.format(step=step), encoding="utf-8")
+        with Judge(resolve_candidate(f"{file}:Mine"), **options) as judge:
+            return judge.once(Job(worker_jobs.drive, 2))
+
+    return ended
+
+
+def can_be_tried(level: str) -> bool:
+    # Without the rights of root, many attacks fail on their own.
+    return set(LEVELS[level]) <= set(available_layers()) and (level != "none" or os.getuid() == 0)
+
+
+@pytest.mark.parametrize("level", [level for level in LEVELS if can_be_tried(level)])
+def test_what_the_page_says_of_each_attack_is_so(level: str, no_process_left: None) -> None:
+    stated = read_table(PAGE.read_text(encoding="utf-8"))
+    assert set(stated) == {attack.name for attack in ATTACKS}
+    found = {name: "neither" if done else "prevented" for name, done in outcomes(LEVELS[level]).items()}
+    assert found == {name: row[level] for name, row in stated.items()}
+
+
+def test_a_candidate_reads_its_own_folder_and_what_the_user_names(
+    ending: Callable[..., object],
+    tmp_path: Path,
+    tmp_path_factory: pytest.TempPathFactory,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    other = tmp_path_factory.mktemp("other")
+    for folder in (tmp_path, other):
+        (folder / "table.txt").write_text("1.5", encoding="utf-8")
+    both = f"[Path('table.txt'), Path({str(other / 'table.txt')!r})]"
+    step = f"return Command(sum(float(each.read_text()) for each in {both}), 0.5)"
+    refused = ending(step)
+    assert isinstance(refused, Fault)
+    assert refused.error in ("FileNotFoundError", "PermissionError")
+    assert "see --isolation and DRIVEGATE_READ" in refused.message
+    monkeypatch.setenv(layers.READ_VARIABLE, str(other))
+    assert ending(step) == 6.0
+
+
+def test_processes_of_a_candidate_reach_each_other_by_a_local_port(ending: Callable[..., object]) -> None:
+    step = (
+        "import socket; server = socket.create_server(('127.0.0.1', 0)); "
+        "socket.create_connection(server.getsockname()).send(b'x'); assert server.accept()[0].recv(1) == b'x'"
+    )
+    assert Layer.NAMESPACES not in available_layers() or ending(step) == 2.0
+
+
+def test_strict_refuses_where_a_layer_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(layers, "available_layers", lambda: (Layer.LANDLOCK, Layer.REFUSED_CALLS))
+    monkeypatch.setenv(layers.ISOLATION_VARIABLE, "strict")
+    with pytest.raises(InputError, match="needs namespaces, which this machine does not allow"):
+        requested_layers()
+    monkeypatch.setenv(layers.ISOLATION_VARIABLE, "auto")
+    assert layers_in_words(requested_layers()) == "isolated by Landlock and seccomp"
+    monkeypatch.setenv(layers.ISOLATION_VARIABLE, "none")
+    assert layers_in_words(requested_layers()) == "not isolated"
+    monkeypatch.setenv(layers.ISOLATION_VARIABLE, "some")
+    with pytest.raises(InputError, match='is "some", but must be auto, strict or none'):
+        requested_layers()
+
+
+def test_a_source_in_c_takes_in_no_file_of_the_machine(
+    tmp_path: Path, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    secret = tmp_path_factory.mktemp("other") / "secret.h"
+    secret.write_text("the secret\n", encoding="utf-8")
+    source = tmp_path / "mine.c"
+    source.write_text(f'#include "{secret}"\n', encoding="utf-8")
+    with pytest.raises(InputError, match=r"mine\.c, line 1: ") as refused:
+        resolve_candidate(str(source))
+    assert "the secret" not in str(refused.value)
+
+
+@pytest.mark.parametrize("level", ["auto", "none"])
+def test_shared_memory_counts_as_memory(
+    ending: Callable[..., object], monkeypatch: pytest.MonkeyPatch, level: str
+) -> None:
+    monkeypatch.setenv(layers.ISOLATION_VARIABLE, level)
+    step = (
+        "self.kept = [mmap.mmap(-1, 2**28) for _ in range(6)]; "
+        "[each.write(b'x' * 2**28) for each in self.kept]; time.sleep(30)"
+    )
+    fault = ending(step, limits=WorkerLimits(memory_bytes=2**30))
+    assert isinstance(fault, Fault)
+    assert fault.kind is FaultKind.CRASH
+    assert fault.message.startswith("the candidate's processes used more than 1 GiB of memory"), fault.message
+
+
+def test_a_stopped_judge_is_a_fault_with_a_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, no_process_left: None
+) -> None:
+    monkeypatch.syspath_prepend(Path(__file__).parents[1])
+    monkeypatch.setattr(judge_process, "_STOPPED_SECONDS", 0.5)
+    import worker_jobs
+
+    file = tmp_path / "mine.py"
+    file.write_text(MINE.format(step="time.sleep(0.05)"), encoding="utf-8")
+    with WorkerPool(resolve_candidate(f"{file}:Mine"), workers=1) as pool:
+        ended = pool.map([Job(worker_jobs.drive, 2), Job(worker_jobs.drive, 10**6)])
+        assert next(ended) == 2.0
+        for process in psutil.Process().children(recursive=True):
+            if "judge" in process.cmdline():
+                process.send_signal(signal.SIGSTOP)
+        began = time.monotonic()
+        (fault,) = ended
+    assert isinstance(fault, Fault)
+    assert fault.message == "a process of the harness that watched the candidate was stopped"
+    assert time.monotonic() - began < 30.0
+
+
+def test_what_a_stopped_keeper_keeps_ends_with_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, not_isolated: None, no_process_left: None
+) -> None:
+    monkeypatch.syspath_prepend(Path(__file__).parents[1])
+    monkeypatch.setattr(kept_process, "_KEEPER_PATIENCE", 0.5)
+    import worker_jobs
+
+    # The daemon stops its keeper again and again.
+    daemon = "import os, signal, sys, time\nwhile True:\n os.kill(int(sys.argv[1]), signal.SIGSTOP)\n time.sleep(0.001)"
+    step = f"subprocess.Popen([sys.executable, '-c', {daemon!r}, str(os.getppid())], start_new_session=True)"
+    file = tmp_path / "mine.py"
+    file.write_text(MINE.format(step=step), encoding="utf-8")
+    with Judge(resolve_candidate(f"{file}:Mine")) as judge:
+        assert judge.once(Job(worker_jobs.drive, 1)) == 1.0
+        time.sleep(0.5)
