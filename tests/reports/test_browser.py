@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator
 from importlib.resources import files
 from pathlib import Path
@@ -63,6 +64,7 @@ def test_every_anchor_and_file_resolves(opened: Open, pages: dict[str, Path], na
         assert (pages[name].parent / file).is_file(), f"the page refers to {file}, which is not beside it"
     assert page.evaluate("[...document.images].every(image => image.naturalWidth > 0)")
     page.evaluate("document.querySelectorAll('details').forEach(part => part.open = true)")
+    page.emulate_media(media="print")
     drawings = page.locator("figure svg")
     assert drawings.count() > 1, "the page has no figures"
     assert all((box := drawing.bounding_box()) and box["height"] > 100 for drawing in drawings.all())
@@ -119,6 +121,23 @@ def test_the_policy_lets_no_other_script_in(browser: Browser, pages: dict[str, P
     )
     assert page.evaluate("window.ran") is None
     page.close()
+
+
+def test_a_trace_is_zoomed_and_read_off(opened: Open) -> None:
+    page = opened("conformance")
+    box = page.locator(".trace:visible").first
+    assert box.locator("canvas").count() == 4, "a plot for each panel"
+    plot = box.locator(".u-over").first
+    plot.hover(position={"x": 300, "y": 40})
+    first = box.locator(".readout").all_inner_texts()
+    assert all(re.match(r"[\d.]+ s: .+ [−\d.-]+", text) for text in first), first
+    assert len({text.split(" s:")[0] for text in first}) == 1, "all panels are read at the same time"
+    box.get_by_role("button", name="Closer").click()
+    plot.hover(position={"x": 300, "y": 40})
+    assert box.locator(".readout").first.inner_text() != first[0]
+    page.emulate_media(media="print")
+    assert not box.is_visible()
+    assert page.locator(".traced figure svg").first.is_visible(), "paper has the drawn figure"
 
 
 def test_tables_sort_by_number_and_by_text(opened: Open) -> None:

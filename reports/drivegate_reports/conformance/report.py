@@ -62,6 +62,7 @@ def page(document: Mapping[str, Any]) -> str:
     compared = comparisons() if is_of_paper_drive else ()
     return page_text(
         TEMPLATE,
+        traces=True,
         result=view,
         drive=shown_drive(document, drive),
         behaviour=shown_behaviour(document, drive),

@@ -8,9 +8,10 @@ from typing import Any, Final
 
 import numpy as np
 
+from drivegate.checks.moment import Moment
 from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.closeup import recorded_closeup
-from drivegate.contracts.contract import Contract, RecordedTrace
+from drivegate.contracts.contract import Columns, Contract, RecordedTrace
 from drivegate.contracts.current.words.run_signals import run_signals
 from drivegate.contracts.duty.words import duty_signals
 from drivegate.contracts.recorded_trace import recorded_trace
@@ -28,6 +29,7 @@ from drivegate_reports.conformance.figures import (
 from drivegate_reports.conformance.figures import script as script_figure
 from drivegate_reports.conformance.figures.run_panels import reused_run_panels
 from drivegate_reports.conformance.ripple import ripple_of
+from drivegate_reports.conformance.traces import trace_data
 from drivegate_reports.page.figure import PageFigure, page_figure
 from drivegate_reports.page.printable import clean
 
@@ -46,6 +48,8 @@ class ShownRun:
     """The torque over one electrical period, where a check of the ripple fails."""
     closeup: PageFigure | None = None
     """The moment that decides, where the check fails."""
+    data: str = ""
+    """The signals as JSON, where they do not stand with an earlier check."""
 
 
 @reused_run_panels()
@@ -70,18 +74,22 @@ def shown_runs(document: Mapping[str, Any]) -> dict[str, ShownRun]:
         if not known:
             drawn[key] = drawing.run(trace, f"run-{len(drawn) + 1}")
         words = tuple(map(clean, contract.account(trace)))
+        near = recorded_closeup(check, contract.recorded_names)
         shown[str(check["id"])] = ShownRun(
-            words, drawn[key], known, drawing.ripple(check, trace), _closeup(check, contract)
+            words,
+            drawn[key],
+            known,
+            drawing.ripple(check, trace),
+            None if near is None else _closeup(check, contract, *near),
+            "" if known and near is None else trace_data(trace, near, contract.panels),
         )
     return shown
 
 
-def _closeup(check: Mapping[str, Any], contract: Contract) -> PageFigure | None:
-    """Draw the moment that decides a counterexample; None in a result of earlier versions."""
-    read = recorded_closeup(check, contract.recorded_names)
-    if read is None:
-        return None
-    moment, columns = read
+def _closeup(
+    check: Mapping[str, Any], contract: Contract, moment: Moment, columns: Columns
+) -> PageFigure | None:
+    """Draw the moment that decides a counterexample; None where its column is not there."""
     if moment.column and moment.column not in columns:
         return None
     return page_figure(

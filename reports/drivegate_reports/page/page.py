@@ -15,11 +15,18 @@ STYLE_SHEET: Final = "house.css"
 """Style sheet of every page, among the templates."""
 SCRIPT: Final = "tables.js"
 """Script of every page: it lets tables be sorted and filtered; without it they read as they are."""
+TRACE_STYLES: Final = ("uplot/uPlot.min.css",)
+TRACE_SCRIPTS: Final = ("uplot/uPlot.iife.min.js", "traces.js")
+TRACE_LICENCE: Final = "uplot/LICENSE"
+"""What a page with traces has besides."""
 
 
-def page_text(template: str, **values: Any) -> str:
-    """Make a page."""
-    style, script = _part(STYLE_SHEET), _part(SCRIPT)
+def page_text(template: str, *, traces: bool = False, **values: Any) -> str:
+    """Make a page, with or without what draws traces."""
+    style = "".join(map(_part, (*(TRACE_STYLES if traces else ()), STYLE_SHEET)))
+    script = "\n".join(map(_part, (*(TRACE_SCRIPTS if traces else ()), SCRIPT)))
+    if traces:
+        script = f"/* {_part(TRACE_LICENCE)} */\n{script}"
     return (
         environment()
         .get_template(template)
