@@ -12,10 +12,14 @@ from hypothesis.strategies import SearchStrategy
 from drivegate.contracts.current.scenarios.combined import combined_scenarios
 from drivegate.contracts.current.scenarios.drawn.families import FAMILY_GROUPS
 from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
+from drivegate.contracts.duty.scenarios import drawn as duty
+from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios as fixed_duty_scenarios
 from drivegate.contracts.traceability import FIXED, family_name
 from drivegate.scenarios.isolation import from_the_seed_alone
 from drivegate_cases.documents.document import Section
 from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.scenario.failure import FAILURE_KINDS
 from drivegate_cases.scenario.scenario import Scenario
 
 JOINT: Final = "joint"
@@ -168,12 +172,20 @@ def _sections(annotation: Any) -> list[type[Section]]:
 
 def drawn_by_family(drive: DriveDocument) -> dict[str, list[Scenario]]:
     """Draw scenarios of every family, always the same."""
+    if isinstance(drive, PmAcDocument):
+        return _drawn_of_pm_ac(drive)
     found = {FIXED: list(fixed_scenarios(drive))}
     for group in FAMILY_GROUPS:
         for family in group:
             found[family_name(family.__name__)] = _draws(family(drive, None))
     found[JOINT] = list(combined_scenarios(drive, None, 0))
     return found
+
+
+def _drawn_of_pm_ac(drive: PmAcDocument) -> dict[str, list[Scenario]]:
+    families = dict.fromkeys(family for group in duty.FAMILY_GROUPS for family in group)
+    drawn = {family_name(family.__name__): _draws(family(drive)) for family in families}
+    return {FIXED: list(fixed_duty_scenarios(drive, detected=FAILURE_KINDS)), **drawn}
 
 
 def _draws(strategy: SearchStrategy[Scenario]) -> list[Scenario]:
