@@ -20,7 +20,7 @@ from drivegate_cases.drive.scales import Scales
 from drivegate_cases.scenario.control_periods import first_period_from, period_start_s
 from drivegate_cases.scenario.disturbance import Dropout, Glitch
 from drivegate_cases.scenario.failure import FailureKind
-from drivegate_cases.scenario.load import ConstantTorqueLoad, DynamometerLoad, HoistLoad
+from drivegate_cases.scenario.load import ConstantTorqueLoad, DynamometerLoad, FanLoad, HoistLoad
 from drivegate_cases.scenario.piecewise import Profile
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import EDGES_A_LINE, SHUNTS
@@ -130,6 +130,44 @@ def load_step_scenario(
     )
     load = ConstantTorqueLoad(kind="constant_torque", torque_nm=torque_nm, factor=factor)
     return titled(steady.replaced(duration_s=start_s(drive, end), load=load))
+
+
+def stop_scenario(drive: PmAcDocument, fast_rpm: float, wait_s: float, slow_rpm: float) -> Scenario:
+    """Make a run that stops, waits at standstill, and goes on slowly."""
+    stops = dwell_periods(drive)
+    waited = math.ceil(round((run_up_s(drive, fast_rpm) + wait_s) / drive.control_period_s, 6))
+    goes_on = stops + waited
+    at, again = start_s(drive, stops), start_s(drive, goes_on)
+    profile = ((0.0, fast_rpm), (at, fast_rpm), (at, 0.0), (again, 0.0), (again, slow_rpm))
+    end = goes_on + dwell_periods(drive, slow_rpm)
+    return titled(
+        speed_scenario(drive, (fast_rpm,)).replaced(duration_s=start_s(drive, end), speed_rpm=profile)
+    )
+
+
+def vanishing_load_scenario(
+    drive: PmAcDocument, speed_rpm: float, torque_nm: float, gone_s: float
+) -> Scenario:
+    """Make a run at one speed reference whose load vanishes for a moment."""
+    begin = start_s(drive, dwell_periods(drive))
+    gone = period_start_s(first_period_from(begin + gone_s, drive.control_period_s), drive.control_period_s)
+    factor = ((0.0, 1.0), (begin, 1.0), (begin, 0.0), (gone, 0.0), (gone, 1.0))
+    steady = speed_scenario(drive, (speed_rpm,), torque_nm=torque_nm, factor=factor[:1])
+    load = ConstantTorqueLoad(kind="constant_torque", torque_nm=torque_nm, factor=factor)
+    end = round(gone / drive.control_period_s) + dwell_periods(drive)
+    return titled(steady.replaced(duration_s=start_s(drive, end), load=load))
+
+
+def with_fan(run: Scenario) -> Scenario:
+    """Replace a constant torque by a fan that demands it at the greatest speed of the run, and at base speed at least.
+
+    A fan that is loaded at low speed damps the shaft so much that a regulator of its speed takes long.
+    """
+    load = run.load
+    assert isinstance(load, ConstantTorqueLoad), "a fan replaces a constant torque"
+    fastest = max(run.drive.rating.base_speed_rpm, *(abs(speed) for _, speed in run.speed_rpm))
+    fan = FanLoad(kind="fan", torque_nm=load.torque_nm, speed_rpm=fastest, factor=load.factor)
+    return titled(run.replaced(load=fan))
 
 
 def hoist_scenario(

@@ -18,11 +18,14 @@ from drivegate.contracts.duty.scenarios.building import (
     restarted,
     slow_torque,
     speed_scenario,
+    stop_scenario,
     supply_step_scenario,
     torque_of,
     torque_scenario,
+    vanishing_load_scenario,
     with_edges,
     with_false_edges,
+    with_fan,
     with_lost_samples,
     with_position_errors,
 )
@@ -152,15 +155,14 @@ def speed_step_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
 
 
 def reversal_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
-    """Draw steps from a speed forward to one backward, under a constant torque of up to 70 % of the rated one."""
-    return st.builds(
-        lambda share, first, second: speed_scenario(
-            drive, (first, -second), torque_nm=torque_of(drive, max(first, second), share)
-        ),
-        _shares(0.0, 0.7),
-        _turning(drive),
-        _turning(drive),
-    )
+    """Draw steps from a speed forward to one backward, under a torque or a fan of up to 70 % of rated torque."""
+
+    def made(share: float, first: float, second: float, is_fan: bool) -> Scenario:
+        torque = torque_of(drive, max(first, second), share)
+        run = speed_scenario(drive, (first, -second), torque_nm=torque)
+        return with_fan(run) if is_fan else run
+
+    return st.builds(made, _shares(0.0, 0.7), _turning(drive), _turning(drive), st.booleans())
 
 
 def hoist_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
@@ -179,12 +181,21 @@ def hoist_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
 
 
 def load_step_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
-    """Draw steps of the load between shares of up to 85 % of rated torque, at one speed reference."""
-    return st.builds(
+    """Draw steps of the load between shares of up to 85 % of rated torque, or a load that vanishes for a moment."""
+    steps = st.builds(
         lambda shares, speed: load_step_scenario(drive, speed, torque_of(drive, speed, 1.0), shares),
         st.tuples(_shares(0.0, HEAVIEST_SHARE), _shares(0.0, HEAVIEST_SHARE)),
         _turning(drive),
     )
+    moments = st.builds(
+        lambda share, speed, gone: vanishing_load_scenario(
+            drive, speed, torque_of(drive, speed, share), gone
+        ),
+        _shares(0.1, HEAVIEST_SHARE),
+        _turning(drive),
+        st.sampled_from((0.001, 0.01, 0.05, 0.2)),
+    )
+    return st.one_of(steps, steps, moments)
 
 
 def start_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
@@ -253,19 +264,21 @@ def torque_supply_step_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scena
 
 
 def low_speed_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
-    """Draw runs that end at 1 to 10 % of base speed: from standstill, from a higher speed, or after a stop.
+    """Draw runs that end at 1 to 10 % of base speed: from standstill, a higher speed, or a stop of 0.1 to 3 s.
 
     The load is up to 20 % of rated torque at the end of this range, and less in proportion to the speed below it.
     """
     base = drive.rating.base_speed_rpm
 
-    def made(share: float, slow: float, fast: float, how: str) -> Scenario:
+    def made(share: float, slow: float, fast: float, how: str, wait: float) -> Scenario:
         torque = slow_torque(drive, slow, share)
         if how == "load":
             return load_step_scenario(drive, slow, torque, (0.0, 1.0))
         if how == "start":
             return speed_scenario(drive, (slow,), torque_nm=torque, initial_speed_rpm=0.0)
-        return speed_scenario(drive, (fast, 0.0, slow) if how == "stop" else (fast, slow))
+        if how == "stop":
+            return stop_scenario(drive, fast, wait, slow)
+        return speed_scenario(drive, (fast, slow))
 
     return st.builds(
         made,
@@ -273,6 +286,7 @@ def low_speed_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
         st.integers(1, 9).map(lambda percent: tidy(percent * SLOW_SHARE * base)),
         _turning(drive),
         st.sampled_from(("load", "start", "fall", "stop")),
+        st.sampled_from((0.1, 0.5, 1.0, 3.0)),
     )
 
 

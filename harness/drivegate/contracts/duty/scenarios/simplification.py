@@ -13,7 +13,7 @@ from drivegate.scenarios.rotation import is_mirrored, mirrored, sense_of
 from drivegate.scenarios.simplification import Fields, Simplification
 from drivegate_cases.drive.limits import nearest_step, rounded
 from drivegate_cases.drive.scales import NOMINAL
-from drivegate_cases.scenario.load import ConstantTorqueLoad, DynamometerLoad, HoistLoad
+from drivegate_cases.scenario.load import ConstantTorqueLoad, DynamometerLoad, FanLoad, HoistLoad
 from drivegate_cases.scenario.piecewise import Profile
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import IDEAL, SHUNTS, ShuntSensors
@@ -139,7 +139,7 @@ def _rounder_torque(scenario: Scenario) -> Iterator[Fields]:
                 (time, round(round(torque / grain) * grain, 9)) for time, torque in load.torque_reference_nm
             )
             yield {"load": load.model_copy(update={"torque_reference_nm": rounder})}
-        elif isinstance(load, (ConstantTorqueLoad, HoistLoad)):
+        elif isinstance(load, (ConstantTorqueLoad, FanLoad, HoistLoad)):
             yield {
                 "load": load.model_copy(update={"torque_nm": round(round(load.torque_nm / grain) * grain, 9)})
             }
