@@ -143,7 +143,7 @@ def test_a_scenario_carries_the_whole_drive_and_its_control_period() -> None:
             "only with 'encoder' or 'hall'",
         ),
         ({"sensors": "mcs96"}, 'one of the kind "pm-ac" has ideal or shunts'),
-        ({"dropouts": [{"signal": "speed", "start_s": 0.1, "duration_s": 0.01}]}, "'dropouts' is for other"),
+        ({"current_errors": [{"phase": 1, "gain": 1.1}]}, "'current_errors' is for other"),
         ({"drive": "paper-5-phase"}, "the load 'dynamometer' is for drives of the kind"),
         ({"failure": {"kind": "lost-edge", "time_s": 0.1}}, "an exact position has no edges"),
         (
