@@ -11,7 +11,7 @@ from drivegate import Command, DutyCommand
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.python.bridge import PythonController
 from drivegate.contracts.catalogue import CONTRACTS, TEXTS, contract_of, on_drive
-from drivegate.contracts.duty.run import duty_run
+from drivegate.contracts.duty.plant_run import duty_run
 from drivegate.drives.duty_ability import duty_envelope
 from drivegate.drives.kinds import DRIVE_KINDS
 from drivegate.drives.running import run_scenario

@@ -74,8 +74,8 @@ def _record(
     trace_every: int = 0,  # noqa: ARG001  (every run of this contract keeps its whole trace)
     kept: NDArray[Any] | None = None,
 ) -> DutyRecord:
+    from drivegate.contracts.duty.plant_run import duty_run
     from drivegate.contracts.duty.record import DutyRecord
-    from drivegate.contracts.duty.run import duty_run
     from drivegate.contracts.duty.scenarios.compared import mirror_image, with_other_dead_time
 
     run = duty_run(prepare, scenario, controller)
@@ -155,9 +155,9 @@ DUTY: Final = Contract(
     outputs=OUTPUTS,
     plotted=PLOTTED,
     nameplate=Later("drivegate.contracts.duty.run", "duty_nameplate"),
-    run=Later("drivegate.contracts.duty.run", "duty_run"),
+    run=Later("drivegate.contracts.duty.plant_run", "duty_run"),
     given_steps=Later("drivegate.contracts.duty.timed_steps", "given_duty_steps"),
-    plant_state=Later("drivegate.contracts.duty.run", "plant_state"),
+    plant_state=Later("drivegate.contracts.duty.plant_run", "plant_state"),
     signals=Later("drivegate.contracts.duty.figures", "signals"),
     recorded_signals=Later("drivegate.contracts.duty.figures", "signals"),
     recorded_names=RECORDED_NAMES,

@@ -144,6 +144,7 @@ def test_a_scenario_carries_the_whole_drive_and_its_control_period() -> None:
         ),
         ({"sensors": "mcs96"}, 'one of the kind "pm-ac" has ideal or shunts'),
         ({"current_errors": [{"phase": 1, "gain": 1.1}]}, "'current_errors' is for other"),
+        ({"failure": {"kind": "slip", "time_s": 0.1}}, "must give 'slip_deg' for the kind 'slip'"),
         ({"drive": "paper-5-phase"}, "the load 'dynamometer' is for drives of the kind"),
         ({"failure": {"kind": "lost-edge", "time_s": 0.1}}, "an exact position has no edges"),
         (

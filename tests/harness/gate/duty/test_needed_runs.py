@@ -85,7 +85,9 @@ def test_a_shard_is_made_as_in_a_whole_check_or_not_at_all() -> None:
 
 @pytest.fixture
 def few_runs(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("drivegate.contracts.duty.scenarios.fixed.fixed_scenarios", lambda *_: short_runs())
+    monkeypatch.setattr(
+        "drivegate.contracts.duty.scenarios.fixed.fixed_scenarios", lambda *_, **__: short_runs()
+    )
     monkeypatch.setattr("drivegate.gate.plan.SHARDS", 2)
     monkeypatch.setattr("drivegate.gate.plan.EXAMPLES", {"quick": 2})
 

@@ -180,21 +180,27 @@ def _disturbed(drive: PmAcDocument) -> list[Scenario]:
     base = speed_of(drive, 0.0)
     speed_at_base = speed_scenario(drive, (base,), torque_nm=torque_of(drive, base, 0.5))
     edges = most_false_edges(drive)
-    # Of 3 electrical degrees each.
-    part_deg, part = 3.0 / drive.machine.pole_pairs, math.radians(3.0) / drive.machine.pole_pairs
-    off = (
-        with_position_errors(torque, 1, eccentricity_deg=tidy(part_deg), sine_offset=round(part, 4)),
-        with_position_errors(speed_at_base, 1, track_gain=round(part, 4), track_phase_deg=tidy(part_deg)),
-    )
     by_encoder = drive.position != "hall" and edges > 0
     return [
         restarted(torque, (0.5,)),
         restarted(speed, (0.5,)),
         restarted(torque, (), LATE_CLOCK_S),
         with_lost_samples(torque, ("currents", "speed", "supply"), (0.1,)),
-        *(off if drive.position == "exact" else ()),
+        *(_off_position(drive, torque, speed_at_base) if drive.position == "exact" else ()),
         *([with_false_edges(torque, edges, 0.1, 1)] if by_encoder else []),
     ]
+
+
+def _off_position(drive: PmAcDocument, torque: Scenario, speed: Scenario) -> tuple[Scenario, Scenario]:
+    """See the shaft of two runs by a position sensor with errors of 3 electrical degrees each."""
+    part_deg, part = (
+        tidy(3.0 / drive.machine.pole_pairs),
+        round(math.radians(3.0) / drive.machine.pole_pairs, 4),
+    )
+    return (
+        with_position_errors(torque, 1, eccentricity_deg=part_deg, sine_offset=part),
+        with_position_errors(speed, 1, track_gain=part, track_phase_deg=part_deg),
+    )
 
 
 def _backward(drive: PmAcDocument) -> list[Scenario]:

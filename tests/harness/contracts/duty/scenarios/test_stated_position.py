@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivegate.contracts.duty.run import duty_sensors
+from drivegate.contracts.duty.plant_run import duty_sensors
 from drivegate.contracts.duty.scenarios.building import (
     load_step_scenario,
     speed_scenario,
