@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -160,6 +160,8 @@ class Contract:
     """Name of a built-in controller that fails checks: running it compiles what only failures need."""
     comparison: Callable[[], Comparison]
     """Return how controllers are compared."""
+    likely_causes: Callable[[Sequence[Mapping[str, Any]]], tuple[str, ...]] = lambda _: ()
+    """Return the likely causes of failed checks, each with what would confirm it, in one clause."""
     panels: tuple[Panel, ...] = ()
     """How figures show the recorded columns; without any, each has a panel."""
     behaviour: (

@@ -40,6 +40,15 @@ def causes_of(document: Mapping[str, Any]) -> tuple[Cause, ...]:
     return tuple(sorted(causes, key=lambda cause: -len(cause.checks)))
 
 
+def likely_causes_of(document: Mapping[str, Any]) -> tuple[str, ...]:
+    """Name the likely causes of the failed checks of a result, the likeliest first."""
+    failed = [check for check in document["checks"] if check["verdict"] in _TO_BE_MET]
+    traces = (recorded_trace(document, check) for check in failed)
+    drive = next((trace.scenario.drive for trace in traces if trace is not None), None)
+    causes = () if drive is None else contract_of(drive).likely_causes(failed)
+    return tuple(f"likely cause {place} of {len(causes)}: {words}" for place, words in enumerate(causes, 1))
+
+
 def first_to_mend(document: Mapping[str, Any]) -> Mapping[str, Any] | None:
     """Choose the failed required check to begin with: of a fault, of the largest cause, else the first one."""
     failed = [

@@ -10,7 +10,7 @@ from shlex import quote
 from typing import Any, Final
 
 from drivegate.isolation.layers import layers_in_words
-from drivegate.output.causes import causes_of, first_to_mend
+from drivegate.output.causes import causes_of, first_to_mend, likely_causes_of
 from drivegate.output.explanations import unjudged_in_words
 from drivegate.output.result_file import counterexample_name
 from drivegate.results.result import RESULT_SCHEMA, counted_levels
@@ -176,7 +176,8 @@ def _meaning(verdict: str, failing: Sequence[str]) -> str:
 
 
 def _causes(document: Mapping[str, Any]) -> list[str]:
-    clauses = [clean(clause) for clause in (*map(str, causes_of(document)), unjudged_in_words(document))]
+    known = (*map(str, causes_of(document)), *likely_causes_of(document), unjudged_in_words(document))
+    clauses = [clean(clause) for clause in known]
     return [f"{clause[0].upper()}{clause[1:]}." for clause in clauses if clause]
 
 

@@ -133,3 +133,17 @@ def test_the_plane_of_a_drive_alone_has_one_panel(duty_result: Document) -> None
     assert isinstance(drive, PmAcDocument)
     with house_style():
         assert len(rotor_plane.draw(trajectories(drive), 26.0, ()).axes) == 1
+
+
+def test_a_typical_failure_names_its_likely_causes(duty_result: Document, text: str) -> None:
+    assert "ikely cause" not in text, "nothing fails"
+    failed = copy.deepcopy(duty_result)
+    check = failed["checks"][0]
+    check |= {
+        "verdict": "fail",
+        "counterexample": check["scenario"],
+        "measured": "overshoot 14.9 % from 0 to 1 N·m",
+    }
+    assert "Likely cause 1 of 2: the gains of the current regulator are too high; STP-1 confirms" in page(
+        failed
+    )

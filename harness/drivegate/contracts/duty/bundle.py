@@ -161,6 +161,7 @@ DUTY: Final = Contract(
     signals=Later("drivegate.contracts.duty.figures", "signals"),
     recorded_signals=Later("drivegate.contracts.duty.figures", "signals"),
     recorded_names=RECORDED_NAMES,
+    likely_causes=Later("drivegate.contracts.duty.likely_causes", "likely_causes_in_words"),
     panels=PANELS,
     account=_account,
     marked_angle=_nothing,

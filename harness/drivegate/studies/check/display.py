@@ -7,7 +7,7 @@ from pathlib import Path
 from shlex import quote
 from typing import TYPE_CHECKING, Any
 
-from drivegate.output.causes import by_urgency, causes_of, first_to_mend
+from drivegate.output.causes import by_urgency, causes_of, first_to_mend, likely_causes_of
 from drivegate.output.console import ADVISED, STYLES, plain, table, verdict_text
 from drivegate.output.explanations import distinct_faults, in_runs, unjudged_in_words
 from drivegate.output.result_file import counterexample_name
@@ -66,6 +66,8 @@ def _show_causes(console: Console, document: dict[str, Any]) -> None:
         return
     for cause in causes_of(document):
         console.print(plain(str(cause), "bold red"))
+    for words in likely_causes_of(document):
+        console.print(plain(words, "bold"))
 
 
 def _show_contested(console: Console, document: dict[str, Any]) -> None:

@@ -1,0 +1,222 @@
+"""The likely causes of failed checks: a table of faults of field-oriented control and of what each one shows.
+
+The self-test's faults validate it: `python benchmarks/likely_causes.py` counts how often the seeded cause is named.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, Final
+
+MOST_NAMED: Final = 2
+"""Causes that are named at most."""
+_LEAST_ALIKE: Final = 0.3
+"""Least agreement of failed checks with those of a cause that is named (1)."""
+
+
+@dataclass(frozen=True)
+class LikelyCause:
+    """A cause, and the signs of it."""
+
+    words: str
+    """What is wrong, in one clause."""
+    signs: frozenset[str]
+    """What fails: checks, each with what its measured value shows where that tells causes apart."""
+    confirmed_by: str
+    """What confirms it, in one clause."""
+    faults: tuple[str, ...]
+    """Faulty controllers with this cause."""
+
+
+def _cause(words: str, signs: str, confirmed_by: str, *faults: str) -> LikelyCause:
+    return LikelyCause(words, frozenset(signs.split()), confirmed_by, faults)
+
+
+LIKELY_CAUSES: Final = (
+    _cause(
+        "the order of the phases, the pole pairs or the sign of currents or angle is wrong",
+        "ACC-1 ACC-1:torque DEC-1 EFF-1 FWK-1 FWK-3 FWK-3:braking OVC-1 OVC-2 ROB-4 ROB-4:error ROB-5 SAF-1 STA-1 "
+        "STP-1 STP-1:late",
+        "STA-1 confirms it: the shaft does not start, or turns backward",
+        "wrong-pole-pairs",
+        "swapped-phases",
+        "reversed-currents",
+        "swapped-hall-switches",
+        "short-encoder-counter",
+    ),
+    _cause(
+        "a current sensor has an offset",
+        "ACC-1 EFF-1 FWK-1 OVC-2 RIP-4 ROB-4 ROB-5 STP-1",
+        "RIP-4 confirms it: the torque swings once a cycle",
+        "current-sensor-offset",
+        "small-current-offset",
+        "offsets-under-current",
+    ),
+    _cause(
+        "currents or torque are scaled wrong, by a sensor's gain or the magnet's flux",
+        "ACC-1 ACC-1:torque ROB-5 STP-1 STP-1:late",
+        "ACC-1 confirms it: the torque is off in proportion to its reference",
+        "current-sensor-gain",
+        "weak-magnets-assumed",
+    ),
+    _cause(
+        "the angle of the shaft has an offset",
+        "ACC-1 ACC-1:torque FWK-1 FWK-2 FWK-2:negative SYM-1",
+        "SYM-1 confirms it: a run backward is not the mirror image",
+        "angle-offset",
+    ),
+    _cause(
+        "the inductances of d and q are swapped or taken for equal, or the d current has the wrong sign",
+        "ACC-1 EFF-1 FWK-2 FWK-2:positive MTP-1 OVC-1 OVC-2 STP-1 STP-1:late",
+        "MTP-1 confirms it: the torque takes more than its least current",
+        "saliency-ignored",
+        "swapped-axes",
+        "direct-inductance-doubled",
+        "field-strengthened",
+    ),
+    _cause(
+        "weakening stays on where the voltage is free",
+        "ACC-1 EFF-1 FWK-2 FWK-2:negative MTP-1 OVC-2 STP-1 STP-1:late",
+        "FWK-2 confirms it: there is d current at standstill",
+        "stuck-weakening",
+        "strong-magnets-assumed",
+    ),
+    _cause(
+        "the current regulator is too slow, or its voltage is limited too early",
+        "DEC-1 STP-1 STP-1:late",
+        "STP-1 confirms it: the torque rises late",
+        "slow-currents",
+        "clamped-phases",
+    ),
+    _cause(
+        "the gains of the current regulator are too high",
+        "DEC-1 STP-1 STP-1:overshoot",
+        "STP-1 confirms it: the torque overshoots",
+        "nervous-currents",
+        "eager-integrals",
+    ),
+    _cause(
+        "the delay of a control period is not compensated, or by the wrong angle",
+        "DEC-1 FWK-3 FWK-3:braking",
+        "DEC-1 confirms it: a step of the torque moves the d current",
+        "delay-turned-back",
+        "delay-overcompensated",
+        "late-samples",
+        "one-way-prediction",
+    ),
+    _cause(
+        "the speed or its regulator is wrong, in scale or integral part",
+        "ACC-1 ACC-1:speed ROB-4 ROB-4:error ROB-5",
+        "ROB-4 confirms it: the speed is off",
+        "speed-misread",
+        "no-speed-integral",
+        "slow-torque",
+    ),
+    _cause(
+        "the speed regulator assumes another inertia",
+        "ROB-4 ROB-4:overshoot",
+        "ROB-4 confirms it: the speed overshoots with another inertia",
+        "light-rotor-assumed",
+        "heavy-rotor-assumed",
+    ),
+    _cause(
+        "less voltage or current is used than there is",
+        "FWK-1 FWK-2 FWK-2:negative",
+        "FWK-1 confirms it: torque is missing above base speed",
+        "supply-underestimated",
+        "resistance-overestimated",
+        "shallow-weakening",
+        "shrunken-ratios",
+        "shy-current-limit",
+    ),
+    _cause(
+        "the current limit is taken too high",
+        "FWK-3 FWK-3:current OVC-1 OVC-2",
+        "OVC-2 confirms it: the steady current exceeds the limit",
+        "generous-current-limit",
+        "lenient-current-limit",
+    ),
+    _cause(
+        "commands are not limited to what the bridge can do",
+        "DUT-1",
+        "DUT-1 confirms it: duty ratios or control period leave their range",
+        "unclamped-ratios",
+        "long-period",
+    ),
+    _cause(
+        "dead time is not compensated, or too much",
+        "DTM-1",
+        "DTM-1 confirms it: torque ripple at low speed vanishes without dead time",
+        "dead-time-times-ten",
+    ),
+    _cause(
+        "a failure is detected late, not at all, or where there is none",
+        "SAF-1",
+        "SAF-1 confirms it: the drive is not safe in time",
+        "third-current-computed",
+        "patient-stall-watch",
+        "hall-edges-counted",
+        "hall-edge-awaited",
+        "jump-of-angle-believed",
+        "undervoltage-at-once",
+    ),
+    _cause(
+        "part of the range of references is refused or limited",
+        "ACC-1",
+        "ACC-1 confirms it: only some speeds or signs of torque are off",
+        "weak-braking",
+        "braking-cut-off",
+        "slow-shaft-unseen",
+        "idle-speed-forced",
+        "backward-refused",
+        "microseconds-signed",
+    ),
+)
+"""All of them."""
+_SHOWN: Final = (
+    ("STP-1", re.compile(r"overshoot"), "overshoot"),
+    ("STP-1", re.compile(r".* to 90 %|90 % is not"), "late"),
+    ("ACC-1", re.compile(r"torque"), "torque"),
+    ("ACC-1", re.compile(r"speed"), "speed"),
+    ("FWK-3", re.compile(r"braking"), "braking"),
+    ("FWK-3", re.compile(r"\S+ A "), "current"),
+    ("ROB-4", re.compile(r"speed overshoots"), "overshoot"),
+    ("ROB-4", re.compile(r"speed off"), "error"),
+)
+_DIRECT: Final = re.compile(r"d current (\S+) A, (\S+) A is best")
+
+
+def signs_of(checks: Iterable[Mapping[str, Any]]) -> frozenset[str]:
+    """Return the signs of failed checks."""
+    return frozenset(sign for check in checks for sign in _signs(str(check["id"]), str(check["measured"])))
+
+
+def _signs(check: str, measured: str) -> Iterator[str]:
+    yield check
+    for name, pattern, shown in _SHOWN:
+        if name == check and pattern.match(measured):
+            yield f"{check}:{shown}"
+    found = _DIRECT.match(measured)
+    if found is not None:
+        # Against the magnet, or along it.
+        yield f"{check}:{'negative' if float(found[1]) < float(found[2]) else 'positive'}"
+
+
+def likely_causes(checks: Iterable[Mapping[str, Any]]) -> tuple[LikelyCause, ...]:
+    """Return the causes whose signs agree best with those of failed checks, the likeliest first."""
+    shown = signs_of(checks)
+    alike = [(_agreement(cause.signs, shown), cause) for cause in LIKELY_CAUSES]
+    known = sorted((pair for pair in alike if pair[0] >= _LEAST_ALIKE), key=lambda pair: -pair[0])
+    return tuple(cause for _, cause in known[:MOST_NAMED])
+
+
+def likely_causes_in_words(checks: Iterable[Mapping[str, Any]]) -> tuple[str, ...]:
+    """Name the likely causes of failed checks, each with what would confirm it."""
+    return tuple(f"{cause.words}; {cause.confirmed_by}" for cause in likely_causes(checks))
+
+
+def _agreement(signs: frozenset[str], shown: frozenset[str]) -> float:
+    """Return the share of signs that two sets have in common (1)."""
+    return 2.0 * len(signs & shown) / (len(signs) + len(shown)) if shown else 0.0

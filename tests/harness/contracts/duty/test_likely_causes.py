@@ -1,0 +1,53 @@
+"""The likely causes of failed checks: every known fault has one cause, and typical failures name it."""
+
+from __future__ import annotations
+
+import pytest
+
+from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS
+from drivegate.contracts.catalogue import CONTRACTS
+from drivegate.contracts.duty.likely_causes import (
+    LIKELY_CAUSES,
+    MOST_NAMED,
+    likely_causes,
+    likely_causes_in_words,
+)
+
+CHECKS = {check.id for check in CONTRACTS["duty"].checks()}
+
+
+def test_every_known_fault_has_one_cause() -> None:
+    listed = [name for cause in LIKELY_CAUSES for name in cause.faults]
+    assert sorted(listed) == sorted(DUTY_FAULTS)
+
+
+def test_signs_and_what_confirms_a_cause_name_checks_that_there_are() -> None:
+    for cause in LIKELY_CAUSES:
+        assert {sign.partition(":")[0] for sign in cause.signs} <= CHECKS, cause.words
+        assert any(check in cause.confirmed_by for check in CHECKS), cause.words
+
+
+@pytest.mark.parametrize(
+    ("failed", "fault"),
+    [
+        (
+            {"STP-1": "5.1 ms to 90 %, 2.252 ms are allowed", "DEC-1": "d current moved by 0.1 A"},
+            "slow-currents",
+        ),
+        ({"STP-1": "overshoot 14.9 % from 0.5 to 1 N·m"}, "nervous-currents"),
+        ({"OVC-1": "9.9323 A", "OVC-2": "9.89 A, the limit is 7.07 A"}, "generous-current-limit"),
+        ({"DTM-1": "torque swings by 0.07 N·m, 20 times"}, "dead-time-times-ten"),
+        ({"FWK-3": "braking with 0.2978 N·m, 13.1 %"}, "delay-turned-back"),
+        ({"SAF-1": "torque 72.82 N·m beyond its reference"}, "third-current-computed"),
+    ],
+)
+def test_typical_failures_name_the_cause(failed: dict[str, str], fault: str) -> None:
+    checks = [{"id": check, "measured": measured} for check, measured in failed.items()]
+    named = likely_causes(checks)
+    assert 1 <= len(named) <= MOST_NAMED
+    assert any(fault in cause.faults for cause in named)
+    assert len(likely_causes_in_words(checks)) == len(named)
+
+
+def test_nothing_is_named_where_nothing_fails() -> None:
+    assert likely_causes([]) == ()
