@@ -41,6 +41,16 @@ class Program:
 
 
 @dataclass(frozen=True)
+class Target:
+    """How an image for a microcontroller is run."""
+
+    start: str | None = None
+    """Function that is called before each reset, such as one that runs constructors; None for none."""
+    ram: tuple[tuple[int, int], ...] = ()
+    """Address and size of further memory, such as where peripherals are (bytes)."""
+
+
+@dataclass(frozen=True)
 class Composition:
     """What a composed controller consists of."""
 
@@ -58,7 +68,7 @@ class OuterLoop:
     """The controller, of any kind."""
 
 
-Details: TypeAlias = NativeBuild | Program | Composition | OuterLoop
+Details: TypeAlias = NativeBuild | Program | Target | Composition | OuterLoop
 """What only one kind needs."""
 
 

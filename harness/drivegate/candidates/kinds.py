@@ -86,6 +86,14 @@ _ALL: Final = (
     Kind("builtin", "builtin", prefixes=(FAULTY_PREFIX, DESIGN_PREFIX, NEAR_PREFIX), comes_along=True),
     Kind("c", "native", ways=("file.c",), suffix=".c", manifest_keys=("include", "flags")),
     Kind("so", "native", ways=("file.so",), suffix=".so"),
+    Kind(
+        "elf",
+        "elf",
+        ways=("file.elf",),
+        suffix=".elf",
+        manifest_keys=("start", "ram"),
+        way_of_running="an emulated target",
+    ),
     Kind("fmu", "fmu", ways=("file.fmu",), suffix=".fmu", way_of_running="FMU"),
     Kind(
         "exec",

@@ -31,6 +31,8 @@ _KEYS_OF_OTHERS = {
 
 Text = Annotated[str, Field(min_length=1)]
 Positive = Annotated[float, Field(gt=0)]
+Address = Annotated[int, Field(ge=0, lt=2**32)]
+Size = Annotated[int, Field(gt=0, le=2**24)]
 NotNegative = Annotated[float, Field(ge=0)]
 
 
@@ -127,6 +129,14 @@ class Manifest(Document):
 
     step_deadline_s: Positive | None = Field(
         default=None, le=30.0, description="time that a program has for each step, in seconds"
+    )
+
+    start: Text | None = Field(
+        default=None, description="function of an image that is called before each reset"
+    )
+
+    ram: tuple[tuple[Address, Size], ...] = Field(
+        default=(), max_length=64, description="address and size of further memory of an image, in bytes"
     )
 
     blocks: Blocks | None = Field(default=None, description="blocks of its own, of the kind 'compose'")

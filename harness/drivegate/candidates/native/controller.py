@@ -94,10 +94,10 @@ class NativeController:
             raise CandidateFault(self._fault)
 
     def _why_not_reset(self, status: int) -> Fault | None:
-        if status == 0:
-            return None
-        return Fault(
-            FaultKind.EXCEPTION,
-            f"{RESETS[self.contract]} returned {status}, which refuses the run; 0 is success",
-            "reset",
-        )
+        return None if status == 0 else refused_by_reset(self.contract, status)
+
+
+def refused_by_reset(contract: ContractName, status: int) -> Fault:
+    """Return the fault of a controller whose reset returned another status than 0."""
+    message = f"{RESETS[contract]} returned {status}, which refuses the run; 0 is success"
+    return Fault(FaultKind.EXCEPTION, message, "reset")

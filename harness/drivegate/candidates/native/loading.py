@@ -35,12 +35,7 @@ def _instance_of(library: Path, name: str) -> NativeController:
     functions, contract = _loaded(library, name)
     with same_arithmetic():
         version, size = functions.drivegate_abi_version(), functions.drivegate_state_size()
-    major, minor = divmod(version, _VERSIONS_IN_ONE)
-    if major != ABI_MAJOR:
-        raise InputError(
-            f"{name} was built for version {major}.{minor} of the contract, but this drivegate has version "
-            f"{ABI_MAJOR}.{ABI_MINOR}; compile it again with the drivegate.h of `drivegate include-dir`"
-        )
+    require_version(version, name)
     if not 0 <= size <= LARGEST_STATE:
         raise InputError(
             f"{name}: drivegate_state_size returned {size}, but must return the size of the state in bytes, "
@@ -49,6 +44,16 @@ def _instance_of(library: Path, name: str) -> NativeController:
     return (
         _new_instance(functions, contract, size) if size else _single_instance(library, functions, contract)
     )
+
+
+def require_version(version: int, name: str) -> None:
+    """Refuse a controller that was built for another major version of the contract."""
+    major, minor = divmod(version, _VERSIONS_IN_ONE)
+    if major != ABI_MAJOR:
+        raise InputError(
+            f"{name} was built for version {major}.{minor} of the contract, but this drivegate has version "
+            f"{ABI_MAJOR}.{ABI_MINOR}; compile it again with the drivegate.h of `drivegate include-dir`"
+        )
 
 
 @cache

@@ -52,6 +52,13 @@ extern "C" {
 #define DRIVEGATE_ASSERT(condition, message) _Static_assert(condition, message)
 #endif
 
+/* Records have the same layout on targets with pointers of 32 bits, which are little-endian. */
+#if UINTPTR_MAX == 0xffffffffu
+#define DRIVEGATE_POINTER_PADDING(name) uint32_t name##_padding;
+#else
+#define DRIVEGATE_POINTER_PADDING(name)
+#endif
+
 /* Kinds of drive. */
 #define DRIVEGATE_HALF_BRIDGE 1 /* decoupled phases, each on a half-bridge leg at a split supply */
 #define DRIVEGATE_STAR 2        /* star connection with an isolated neutral, trapezoidal EMF */
@@ -90,6 +97,7 @@ typedef struct drivegate_sense {
     double speed;                 /* measured shaft speed, rad/s */
     int64_t phase_count;          /* number of phase currents that follow */
     const double *phase_currents; /* measured phase currents at this instant, A; valid during the step only */
+    DRIVEGATE_POINTER_PADDING(phase_currents)
     double current_magnitude_sum; /* sum of |phase current|, mean over the control period just ended, A */
     double half_supply_voltage;   /* measured voltage of one half of the split supply, V */
 } drivegate_sense;
@@ -103,7 +111,7 @@ typedef struct drivegate_command {
     double input_power;       /* the controller's own estimate of its input power, W; leave NaN if it has none */
 } drivegate_command;
 
-DRIVEGATE_ASSERT(sizeof(double) == 8 && sizeof(void *) == 8, "drivegate needs 64-bit numbers and pointers");
+DRIVEGATE_ASSERT(sizeof(double) == 8, "drivegate needs 64-bit numbers");
 DRIVEGATE_ASSERT(sizeof(drivegate_nameplate) == 152, "drivegate_nameplate must not be padded");
 DRIVEGATE_ASSERT(sizeof(drivegate_sense) == 64, "drivegate_sense must not be padded");
 DRIVEGATE_ASSERT(sizeof(drivegate_command) == 32, "drivegate_command must not be padded");

@@ -88,6 +88,7 @@ typedef struct drivegate_duty_sense {
     double reference;             /* demanded speed or torque, as the nameplate states, rad/s or N m */
     const double *phase_currents; /* three measured phase currents at this instant, positive into the machine, A;
                                    * valid during the step only */
+    DRIVEGATE_POINTER_PADDING(phase_currents)
     double supply_voltage;        /* measured voltage of the whole dc link at this instant, V */
     double supply_current;        /* mean current taken from the link in the period just ended, A; < 0 in braking */
     double angle;                 /* angle of the shaft at this instant, 0 <= angle < 2 pi, rad; Hall switches show it

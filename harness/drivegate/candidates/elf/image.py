@@ -1,0 +1,162 @@
+"""What an ELF image consists of: segments of memory, functions, and the lines of its sources."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any, Final
+
+from elftools.common.exceptions import DWARFError, ELFError
+from elftools.elf.elffile import ELFFile
+
+from drivegate_cases.documents.wording import short_line, shown_path
+from drivegate_models.errors import InputError
+
+LARGEST_IMAGE: Final = 64 * 2**20
+"""Greatest size of all segments of an image in memory (bytes)."""
+
+# Values of Tag_CPU_arch and Tag_FP_arch (Addenda to the ABI for the Arm architecture, "Build attributes").
+_CORES: Final = {
+    10: "CORTEX_M3",
+    11: "CORTEX_M0",
+    12: "CORTEX_M0",
+    13: "CORTEX_M4",
+    16: "CORTEX_M33",
+    17: "CORTEX_M33",
+}
+_WITH_DOUBLES: Final = (7, 8)
+
+
+@dataclass(frozen=True)
+class Segment:
+    """A piece of memory."""
+
+    address: int
+    """Where the code expects it."""
+    content: bytes
+    """What is in it after loading; zeros follow."""
+    size: int
+    """Number of bytes."""
+    is_writable: bool
+    """True for data."""
+    is_executable: bool
+    """True for code."""
+
+
+@dataclass(frozen=True)
+class Image:
+    """An image."""
+
+    file: Path
+    """Its file."""
+    segments: tuple[Segment, ...]
+    """Its memory, at the addresses at which the code runs; initial values need not be copied."""
+    functions: Mapping[str, int]
+    """Address of each function by its name."""
+    core: str
+    """Name of the processor core that it is built for, as the emulator has it."""
+
+
+@cache
+def read_image(file: Path) -> Image:
+    """Read an image.
+
+    Raises
+    ------
+    InputError
+        If it is damaged, too large, or for another kind of processor.
+    """
+    try:
+        with file.open("rb") as stream:
+            elf = ELFFile(stream)
+            image = Image(file, _segments(elf, file), _functions(elf), _core(elf, file))
+    except (ELFError, OSError, ValueError, KeyError, IndexError, OverflowError) as error:
+        raise InputError(
+            f"{shown_path(file)} cannot be read as an ELF image: {short_line(str(error)) or type(error).__name__}; "
+            "link it again"
+        ) from error
+    return image
+
+
+def place_of(image: Image, address: int) -> str:
+    """Name the function and, where the image tells, the line of the source at an address."""
+    inside = [(start, name) for name, start in image.functions.items() if start <= address]
+    function = f"in {short_line(max(inside)[1])}" if inside else "in no function"
+    line = _line_of(image.file, address)
+    return f"{function}{f' ({short_line(line)})' if line else ''}, at 0x{address:08x}"
+
+
+def _segments(elf: Any, file: Path) -> tuple[Segment, ...]:
+    loaded = [each for each in elf.iter_segments() if each["p_type"] == "PT_LOAD" and each["p_memsz"]]
+    if sum(each["p_memsz"] for each in loaded) > LARGEST_IMAGE:
+        raise InputError(
+            f"{shown_path(file)} takes more than {LARGEST_IMAGE // 2**20} MiB of memory; an image may take no more"
+        )
+    return tuple(
+        Segment(
+            each["p_vaddr"],
+            each.data()[: each["p_memsz"]],
+            each["p_memsz"],
+            bool(each["p_flags"] & 2),
+            bool(each["p_flags"] & 1),
+        )
+        for each in loaded
+    )
+
+
+def _functions(elf: Any) -> dict[str, int]:
+    table = elf.get_section_by_name(".symtab")
+    symbols = () if table is None else table.iter_symbols()
+    # The lowest bit of an address marks Thumb code.
+    return {
+        symbol.name: symbol["st_value"] & ~1
+        for symbol in symbols
+        if symbol["st_info"]["type"] == "STT_FUNC" and symbol["st_shndx"] != "SHN_UNDEF"
+    }
+
+
+def _core(elf: Any, file: Path) -> str:
+    stated: dict[str, Any] = {}
+    section = elf.get_section_by_name(".ARM.attributes")
+    for part in () if section is None else section.iter_subsections("aeabi"):
+        for each in part.iter_subsubsections(scope="TAG_FILE"):
+            stated |= {found.tag: found.value for found in each.iter_attributes()}
+    core = _CORES.get(stated.get("TAG_CPU_ARCH", 13))
+    if core is None or stated.get("TAG_CPU_ARCH_PROFILE", 77) not in (0, 77):
+        raise InputError(
+            f"{shown_path(file)} is not built for a Cortex-M; build it with -mcpu=cortex-m4, for example"
+        )
+    return "CORTEX_M7" if core == "CORTEX_M4" and stated.get("TAG_FP_ARCH") in _WITH_DOUBLES else core
+
+
+def _line_of(file: Path, address: int) -> str:
+    """Look a line of a source up; empty where the image has none."""
+    try:
+        with file.open("rb") as stream:
+            elf = ELFFile(stream)
+            if not elf.has_dwarf_info():
+                return ""
+            dwarf = elf.get_dwarf_info()
+            for unit in dwarf.iter_CUs():
+                found = _line_in(dwarf.line_program_for_CU(unit), address)
+                if found:
+                    return found
+    except (DWARFError, ELFError, KeyError, IndexError, ValueError, OSError):
+        return ""
+    return ""
+
+
+def _line_in(program: Any, address: int) -> str:
+    before = None
+    for entry in () if program is None else program.get_entries():
+        state = entry.state
+        if state is None:
+            continue
+        if before is not None and before.address <= address < state.address:
+            files = program["file_entry"]
+            first = 0 if program["version"] >= 5 else 1
+            return f"{files[before.file - first].name.decode(errors='replace')} line {before.line}"
+        before = None if state.end_sequence else state
+    return ""

@@ -1,0 +1,220 @@
+"""A Cortex-M processor with its memory, emulated by Unicorn, and a C function that steps a controller on it.
+
+The emulator calls nothing of Python while it runs. The compiled function copies the records of a step into the
+memory of the target, sets the registers as a call does, and lets the emulator run to the return address.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from functools import cache
+from importlib import import_module
+from typing import Any, Final
+
+import numba
+import numpy as np
+from numba import types
+from numba.np.numpy_support import carray
+from numpy.typing import NDArray
+
+from drivegate.candidates.elf.image import Image, place_of
+from drivegate_models.compilation.calling import copy_bytes
+from drivegate_models.contract.current.records import STOP
+
+# The package has types for a part of its functions only.
+unicorn: Any = import_module("unicorn")
+arm_const: Any = import_module("unicorn.arm_const")
+binding: Any = import_module("unicorn.unicorn_py3.unicorn")
+
+PAGE: Final = 4096
+STACK_BYTES: Final = 64 * 1024
+"""Size of the stack (bytes)."""
+_REGION: Final = 0x1000_0000
+"""Records, stack and return address are in a region of this size that the image does not use (bytes)."""
+_MAIL, _STACK, _RETURN = 0x0000_0000, 0x0100_0000, 0x0200_0000
+_TRANSLATIONS: Final = 32 * 2**20
+
+# Words of the state that the C function gets.
+ENGINE, BEGIN, UNTIL, SELF, ERROR, STOP_WORD, SCRATCH = range(7)
+HOST_SENSE, SENSE_BYTES, CURRENTS_OFFSET, HOST_CURRENTS, GUEST_CURRENTS, CURRENTS_BYTES = range(7, 13)
+HOST_COMMAND, COMMAND_BYTES, ARGUMENTS = range(13, 16)
+WORDS: Final = ARGUMENTS + 5
+
+_REGISTERS: Final = (
+    arm_const.UC_ARM_REG_R0,
+    arm_const.UC_ARM_REG_R1,
+    arm_const.UC_ARM_REG_R2,
+    arm_const.UC_ARM_REG_SP,
+    arm_const.UC_ARM_REG_LR,
+)
+_R0, _R1, _R2, _SP, _LR = _REGISTERS
+_FLOATING_POINT_ON: Final = 0x40000000
+_VERBS: Final = {
+    unicorn.UC_MEM_READ_UNMAPPED: "reads",
+    unicorn.UC_MEM_WRITE_UNMAPPED: "writes to",
+    unicorn.UC_MEM_FETCH_UNMAPPED: "jumps to",
+    unicorn.UC_MEM_WRITE_PROT: "writes to the read-only",
+    unicorn.UC_MEM_READ_PROT: "reads the unreadable",
+    unicorn.UC_MEM_FETCH_PROT: "executes the data at",
+}
+
+
+class TargetFault(Exception):
+    """The code on the target did what its processor or its memory does not allow; its text is a sentence."""
+
+
+class CortexM:
+    """A processor with the memory of an image."""
+
+    def __init__(self, image: Image, ram: tuple[tuple[int, int], ...]) -> None:
+        self.image = image
+        self._engine = unicorn.Uc(unicorn.UC_ARCH_ARM, unicorn.UC_MODE_THUMB | unicorn.UC_MODE_MCLASS)
+        self._engine.ctl_set_cpu_model(getattr(arm_const, f"UC_CPU_ARM_{image.core}"))
+        self._engine.ctl_set_tcg_buffer_size(_TRANSLATIONS)
+        self._engine.reg_write(arm_const.UC_ARM_REG_FPEXC, _FLOATING_POINT_ON)
+        self._pages: dict[int, NDArray[np.uint8]] = {}
+        self._initial: list[tuple[NDArray[np.uint8], bytes]] = []
+        for segment in image.segments:
+            self._map(segment.address, segment.size, segment.is_writable, segment.is_executable)
+            memory = self.memory(segment.address, segment.size)
+            self._initial.append((memory, segment.content.ljust(segment.size, b"\0")))
+        for address, size in ram:
+            self._map(address, size, True, False)
+            self._initial.append((self.memory(address, size), bytes(size)))
+        taken = list(self._pages)
+        self._base = next(
+            base
+            for base in range(0x6000_0000, 0xFFFF_FFFF, _REGION)
+            if not any(base <= address < base + _REGION for address in taken)
+        )
+        self._map(self._base + _STACK, STACK_BYTES, True, False)
+        self._map(self._base + _RETURN, PAGE, False, True)
+        self._refused: tuple[int, int] | None = None
+        self._engine.hook_add(unicorn.UC_HOOK_MEM_INVALID, self._note_refused)
+        self.power_on()
+
+    @property
+    def mail(self) -> int:
+        """Address of the memory that records are exchanged in, once `map_mail` has made it."""
+        return self._base + _MAIL
+
+    def map_mail(self, size: int) -> NDArray[np.uint8]:
+        """Make the memory that records are exchanged in."""
+        self._map(self.mail, size, True, False)
+        return self.memory(self.mail, size)
+
+    def power_on(self) -> None:
+        """Load the image again, so that all of its variables have their initial values."""
+        for memory, content in self._initial:
+            memory[:] = np.frombuffer(content, np.uint8)
+
+    def memory(self, address: int, size: int) -> NDArray[np.uint8]:
+        """Return memory of the target, which changes with it."""
+        for base, page in self._pages.items():
+            if base <= address and address + size <= base + page.size:
+                return page[address - base : address - base + size]
+        raise KeyError(address)
+
+    def call(self, function: int, *arguments: int) -> int:
+        """Call a function, and return its result.
+
+        Raises
+        ------
+        TargetFault
+            If it does what the processor or the memory does not allow.
+        """
+        for register, value in zip(_REGISTERS, self.call_registers(*arguments), strict=True):
+            self._engine.reg_write(register, value)
+        self._refused = None
+        try:
+            self._engine.emu_start(function | 1, self._base + _RETURN)
+        except unicorn.UcError as error:
+            raise TargetFault(self.describe(error.errno)) from None
+        return int(self._engine.reg_read(_R0))
+
+    def call_registers(self, *arguments: int) -> tuple[int, ...]:
+        """Return the registers of a call: three arguments, stack pointer and link register."""
+        three = (*arguments, 0, 0, 0)[:3]
+        return (*three, self._base + _STACK + STACK_BYTES - 16, (self._base + _RETURN) | 1)
+
+    def describe(self, error: int) -> str:
+        """Describe what ended a call."""
+        place = place_of(self.image, int(self._engine.reg_read(arm_const.UC_ARM_REG_PC)))
+        if self._refused is not None:
+            access, address = self._refused
+            if self._base + _STACK - STACK_BYTES <= address < self._base + _STACK:
+                return f"uses more than {STACK_BYTES // 1024} KiB of stack {place}"
+            verb = _VERBS.get(access, "uses")
+            ending = "" if "the " in verb else ", where the target has no memory,"
+            return f"{verb} address 0x{address:08x}{ending} {place}"
+        if error == unicorn.UC_ERR_INSN_INVALID:
+            return f"executes what is no instruction of this processor {place}"
+        return f"raises an exception of the processor {place} ({unicorn.UcError(error)})"
+
+    def words_for_step(self, step: int) -> NDArray[np.int64]:
+        """Return the state of the C function, with all that is the same in each step."""
+        words = np.zeros(WORDS, np.int64)
+        words[ENGINE] = self._engine._uch.value
+        words[BEGIN], words[UNTIL] = step | 1, self._base + _RETURN
+        words[SELF] = words.ctypes.data
+        words[STOP_WORD] = STOP
+        return words
+
+    def forget_refused(self) -> None:
+        """Forget an access that was refused before."""
+        self._refused = None
+
+    def _note_refused(
+        self, _engine: Any, access: int, address: int, _size: int, _value: int, _data: Any
+    ) -> bool:
+        self._refused = access, address
+        return False
+
+    def _map(self, address: int, size: int, is_writable: bool, is_executable: bool) -> None:
+        """Map memory of the host, in whole pages; parts that are mapped already stay."""
+        begin, end = address & -PAGE, -(-(address + size) // PAGE) * PAGE
+        if any(base < end and begin < base + page.size for base, page in self._pages.items()):
+            raise TargetFault(
+                f"has two pieces of memory in the page at 0x{begin:08x}; link them {PAGE} bytes apart"
+            )
+        room = np.zeros(end - begin + PAGE, np.uint8)
+        page = room[-room.ctypes.data % PAGE :][: end - begin]
+        rights = unicorn.UC_PROT_READ
+        rights |= unicorn.UC_PROT_WRITE if is_writable else 0
+        rights |= unicorn.UC_PROT_EXEC if is_executable else 0
+        self._engine.mem_map_ptr(begin, end - begin, rights, page.ctypes.data)
+        self._pages[begin] = page
+
+
+@cache
+def step_function() -> Any:
+    """Compile the C function that steps a controller on a target; one serves all."""
+    write_register = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_size_t, ctypes.c_int, ctypes.c_size_t)(
+        ("uc_reg_write", binding.uclib)
+    )
+    start = ctypes.CFUNCTYPE(
+        ctypes.c_int, ctypes.c_size_t, ctypes.c_uint64, ctypes.c_uint64, ctypes.c_uint64, ctypes.c_size_t
+    )(("uc_emu_start", binding.uclib))
+
+    def step_on_target(state: Any, sense: int, command: int) -> None:
+        words = carray(state, WORDS)
+        own = words[SELF]
+        copy_bytes(sense, words[HOST_SENSE], words[SENSE_BYTES])
+        copy_bytes(sense + words[CURRENTS_OFFSET], own + 8 * SCRATCH, 8)
+        copy_bytes(words[SCRATCH], words[HOST_CURRENTS], words[CURRENTS_BYTES])
+        copy_bytes(own + 8 * GUEST_CURRENTS, words[HOST_SENSE] + words[CURRENTS_OFFSET], 8)
+        copy_bytes(command, words[HOST_COMMAND], words[COMMAND_BYTES])
+        write_register(words[ENGINE], _R0, own + 8 * ARGUMENTS)
+        write_register(words[ENGINE], _R1, own + 8 * (ARGUMENTS + 1))
+        write_register(words[ENGINE], _R2, own + 8 * (ARGUMENTS + 2))
+        write_register(words[ENGINE], _SP, own + 8 * (ARGUMENTS + 3))
+        write_register(words[ENGINE], _LR, own + 8 * (ARGUMENTS + 4))
+        words[ERROR] = start(words[ENGINE], words[BEGIN], words[UNTIL], 0, 0)
+        if words[ERROR] != 0:
+            copy_bytes(own + 8 * STOP_WORD, command, 8)
+            return
+        copy_bytes(words[HOST_COMMAND], command, words[COMMAND_BYTES])
+
+    pointer: Any = types.CPointer
+    signature = types.void(pointer(types.int64), types.int64, types.int64)
+    return numba.cfunc(signature)(step_on_target)

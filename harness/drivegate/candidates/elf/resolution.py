@@ -1,0 +1,77 @@
+"""From an ELF image or its manifest to a candidate; the image is only hashed here, a worker process reads it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from importlib.util import find_spec
+from pathlib import Path
+from struct import Struct
+from typing import TYPE_CHECKING, Final
+
+from drivegate.candidates.candidate import Candidate, Target, existing_file, hash_of
+from drivegate.candidates.declaration import Declaration
+from drivegate.candidates.native.resolution import contract_served
+from drivegate_cases.documents.wording import one_line, shown_path
+from drivegate_models.errors import InputError
+
+if TYPE_CHECKING:
+    from drivegate.candidates.manifest import Manifest
+
+_SUFFIX: Final = ".elf"
+# Magic, class, byte order, then type and machine (System V ABI, "ELF Header").
+_HEADER: Final = Struct("<4sBB10sHH")
+_MAGIC, _32_BITS, _LITTLE_ENDIAN, _EXECUTABLE, _ARM = b"\x7fELF", 1, 1, 2, 40
+
+
+def from_text(specification: str) -> Candidate:
+    """Find the candidate that an ELF image is."""
+    file = existing_file(Path(specification))
+    return _candidate(Path(specification).name, specification, file, (), Declaration(), Target())
+
+
+def from_manifest(manifest: Manifest, specification: str, folder: Path) -> Candidate:
+    """Find the image that a manifest describes."""
+    if Path(manifest.entry).suffix.lower() != _SUFFIX:
+        raise InputError(
+            f"{shown_path(specification)}: the key 'entry' is '{one_line(manifest.entry)}', but for the kind 'elf' "
+            f"must be a file *{_SUFFIX}"
+        )
+    file = existing_file(folder / manifest.entry)
+    further = tuple(existing_file(folder / source) for source in manifest.sources)
+    target = Target(manifest.start, manifest.ram)
+    return _candidate(manifest.name, specification, file, further, manifest.declaration(), target)
+
+
+def _candidate(
+    name: str,
+    specification: str,
+    file: Path,
+    further: tuple[Path, ...],
+    declaration: Declaration,
+    target: Target,
+) -> Candidate:
+    if find_spec("unicorn") is None or find_spec("elftools") is None:
+        raise InputError(
+            f"{shown_path(file)} runs in an emulator that is not installed; install it with "
+            "python -m pip install 'drivegate[elf]'"
+        )
+    _require_cortex_m(file)
+    sources = tuple(dict.fromkeys((file, *further)))
+    digest = hash_of(sources, repr(target))
+    candidate = Candidate(
+        name, "elf", specification, str(file), file.parent, sources, digest, declaration, target
+    )
+    return replace(candidate, contract=contract_served(file))
+
+
+def _require_cortex_m(file: Path) -> None:
+    with file.open("rb") as stream:
+        header = stream.read(_HEADER.size)
+    if len(header) < _HEADER.size or not header.startswith(_MAGIC):
+        raise InputError(f"{shown_path(file)} is no ELF image; name what the linker wrote, before objcopy")
+    _, word_size, order, _, kind, machine = _HEADER.unpack(header)
+    if (word_size, order, kind, machine) != (_32_BITS, _LITTLE_ENDIAN, _EXECUTABLE, _ARM):
+        raise InputError(
+            f"{shown_path(file)} is no linked image of 32 bits for Arm, little-endian; link it for Cortex-M, "
+            "for example with arm-none-eabi-gcc -mcpu=cortex-m4 -mthumb"
+        )
