@@ -12,6 +12,7 @@ BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 TOLD = {
     "browser": f"a browser ({', '.join(BROWSERS)}, or the one that `playwright install --with-deps chromium` brings)",
     "rustc": "the Rust compiler (rustc)",
+    "arm-none-eabi-gcc": "the compiler for Arm microcontrollers (arm-none-eabi-gcc, with newlib)",
 }
 
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 SCHEMA = 1
 DRIVE = "drive"
 """The one kind that is no candidate."""
-CHOICES = ("python", "numba", "c", "rust", "exec", "python-duty", "embedded-coder", DRIVE)
+CHOICES = ("python", "numba", "c", "rust", "cortex-m", "exec", "python-duty", "embedded-coder", DRIVE)
 
 
 @click.command("new")
@@ -38,10 +38,10 @@ def command(kind: str, name: str, output: Path | None, drive: str | None) -> Out
     the values of the paper's drive, or of that of --drive, to be replaced by one's own; what follows from them is left
     out.
 
-    The kinds python, numba, c, rust and exec have the same algorithm: a speed regulator, and a line of angles. It meets
-    the contract and most checks; what it fails is waived for 90 days and is the exercise. python-duty and
-    embedded-coder (C as generated from Simulink) answer with duty ratios, by field-oriented control. With --drive its
-    manifest names that drive, whose file is copied into the folder.
+    The kinds python, numba, c, rust, cortex-m (the image for a microcontroller, emulated) and exec have the same
+    algorithm: a speed regulator, and a line of angles. It meets the contract and most checks; what it fails is waived
+    for 90 days and is the exercise. python-duty and embedded-coder (C as generated from Simulink) answer with duty
+    ratios, by field-oriented control. With --drive its manifest names that drive, whose file is copied into the folder.
     """
     if kind == DRIVE:
         return _new_drive(Path(name), output, drive)

@@ -70,6 +70,10 @@ class Template:
     """The command that builds it; empty where drivegate does."""
     contract: ContractName = "current"
     """What the controller answers with, which decides on the drives that it is for."""
+    based_on: str = ""
+    """Another kind whose files it has as well, unless it has one of the same name; empty for none."""
+    extra: str = ""
+    """Optional dependencies of drivegate that such a candidate needs; empty for none."""
 
 
 KINDS: Final = MappingProxyType(
@@ -78,6 +82,7 @@ KINDS: Final = MappingProxyType(
         "numba": Template("controller.py"),
         "c": Template("controller.c"),
         "rust": Template("src/lib.rs", "cargo build --release"),
+        "cortex-m": Template("controller.c", "make", based_on="c", extra="[elf]"),
         "exec": Template("controller.py"),
         "python-duty": Template("controller.py", contract="duty"),
         "embedded-coder": Template("adapter.c", contract="duty"),
@@ -100,11 +105,12 @@ def write_candidate(
         "@name@": name,
         "@expires@": (today + WAIVED).isoformat(),
         "@source@": KINDS[kind].source,
+        "@install@": f"{WHEELS}/{wheel_name()}{KINDS[kind].extra}",
         "@wheel@": f"{WHEELS}/{wheel_name()}",
     }
     root = files("drivegate").joinpath(_TEMPLATES)
     texts: dict[str, str] = {}
-    for part in (*_COMMON[KINDS[kind].contract], kind):
+    for part in filter(None, (*_COMMON[KINDS[kind].contract], KINDS[kind].based_on, kind)):
         texts |= _texts(root.joinpath(part), "")
     contents = {
         _PLACES.get(place, place): _filled(place, text, kind, words).encode() for place, text in texts.items()

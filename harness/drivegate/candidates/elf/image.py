@@ -55,6 +55,8 @@ class Image:
     """Its memory, at the addresses at which the code runs; initial values need not be copied."""
     functions: Mapping[str, int]
     """Address of each function by its name."""
+    sizes: Mapping[str, int]
+    """Size of each function by its name (bytes)."""
     core: str
     """Name of the processor core that it is built for, as the emulator has it."""
 
@@ -71,7 +73,8 @@ def read_image(file: Path) -> Image:
     try:
         with file.open("rb") as stream:
             elf = ELFFile(stream)
-            image = Image(file, _segments(elf, file), _functions(elf), _core(elf, file))
+            functions, sizes = _functions(elf)
+            image = Image(file, _segments(elf, file), functions, sizes, _core(elf, file))
     except (ELFError, OSError, ValueError, KeyError, IndexError, OverflowError) as error:
         raise InputError(
             f"{shown_path(file)} cannot be read as an ELF image: {short_line(str(error)) or type(error).__name__}; "
@@ -82,10 +85,17 @@ def read_image(file: Path) -> Image:
 
 def place_of(image: Image, address: int) -> str:
     """Name the function and, where the image tells, the line of the source at an address."""
-    inside = [(start, name) for name, start in image.functions.items() if start <= address]
-    function = f"in {short_line(max(inside)[1])}" if inside else "in no function"
+    name = next(
+        (name for name, start in image.functions.items() if start <= address < start + image.sizes[name]), ""
+    )
     line = _line_of(image.file, address)
-    return f"{function}{f' ({short_line(line)})' if line else ''}, at 0x{address:08x}"
+    within = f"in {short_line(name)}" if name else "outside of all functions"
+    return f"{within}{f' ({short_line(line)})' if line else ''}, at {hexadecimal(address)}"
+
+
+def hexadecimal(address: int) -> str:
+    """Write an address of the target; unlike one of this machine it is the same in each run, and stays in reports."""
+    return f"{address:08X}h"
 
 
 def _segments(elf: Any, file: Path) -> tuple[Segment, ...]:
@@ -106,15 +116,17 @@ def _segments(elf: Any, file: Path) -> tuple[Segment, ...]:
     )
 
 
-def _functions(elf: Any) -> dict[str, int]:
+def _functions(elf: Any) -> tuple[dict[str, int], dict[str, int]]:
+    """List the addresses and the sizes of the functions."""
     table = elf.get_section_by_name(".symtab")
-    symbols = () if table is None else table.iter_symbols()
-    # The lowest bit of an address marks Thumb code.
-    return {
-        symbol.name: symbol["st_value"] & ~1
-        for symbol in symbols
+    found = [
+        symbol
+        for symbol in (() if table is None else table.iter_symbols())
         if symbol["st_info"]["type"] == "STT_FUNC" and symbol["st_shndx"] != "SHN_UNDEF"
-    }
+    ]
+    # The lowest bit of an address marks Thumb code.
+    addresses = {symbol.name: symbol["st_value"] & ~1 for symbol in found}
+    return addresses, {symbol.name: symbol["st_size"] for symbol in found}
 
 
 def _core(elf: Any, file: Path) -> str:

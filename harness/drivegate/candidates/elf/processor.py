@@ -17,7 +17,7 @@ from numba import types
 from numba.np.numpy_support import carray
 from numpy.typing import NDArray
 
-from drivegate.candidates.elf.image import Image, place_of
+from drivegate.candidates.elf.image import Image, hexadecimal, place_of
 from drivegate_models.compilation.calling import copy_bytes
 from drivegate_models.contract.current.records import STOP
 
@@ -139,14 +139,18 @@ class CortexM:
 
     def describe(self, error: int) -> str:
         """Describe what ended a call."""
-        place = place_of(self.image, int(self._engine.reg_read(arm_const.UC_ARM_REG_PC)))
+        register = arm_const.UC_ARM_REG_PC
+        if self._refused is not None and self._refused[0] == unicorn.UC_MEM_FETCH_UNMAPPED:
+            # Where it has jumped to says nothing of who jumped.
+            register = _LR
+        place = place_of(self.image, int(self._engine.reg_read(register)) & ~1)
         if self._refused is not None:
             access, address = self._refused
             if self._base + _STACK - STACK_BYTES <= address < self._base + _STACK:
                 return f"uses more than {STACK_BYTES // 1024} KiB of stack {place}"
             verb = _VERBS.get(access, "uses")
             ending = "" if "the " in verb else ", where the target has no memory,"
-            return f"{verb} address 0x{address:08x}{ending} {place}"
+            return f"{verb} address {hexadecimal(address)}{ending} {place}"
         if error == unicorn.UC_ERR_INSN_INVALID:
             return f"executes what is no instruction of this processor {place}"
         return f"raises an exception of the processor {place} ({unicorn.UcError(error)})"
@@ -175,7 +179,7 @@ class CortexM:
         begin, end = address & -PAGE, -(-(address + size) // PAGE) * PAGE
         if any(base < end and begin < base + page.size for base, page in self._pages.items()):
             raise TargetFault(
-                f"has two pieces of memory in the page at 0x{begin:08x}; link them {PAGE} bytes apart"
+                f"has two pieces of memory in the page at {hexadecimal(begin)}; link them {PAGE} bytes apart"
             )
         room = np.zeros(end - begin + PAGE, np.uint8)
         page = room[-room.ctypes.data % PAGE :][: end - begin]

@@ -1,0 +1,212 @@
+"""Images for Cortex-M: the same commands as on this machine, and faults that name the line.
+
+No source calls a sine or the like: the libraries of the two compilers differ in the last digit.
+"""
+
+from __future__ import annotations
+
+import subprocess
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
+import pytest
+
+from drivegate.candidates.fault import Fault, FaultKind
+from drivegate.candidates.kinds import load_controller
+from drivegate.candidates.native.compiler import include_folder
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.containment.judge import Judge
+from drivegate.containment.messages import Job, JudgedCandidate
+from drivegate.contracts.catalogue import contract_of
+from drivegate.drives.running import recorded
+from drivegate.gate.plan import NOTHING_DECLARED
+from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_models.errors import InputError
+
+pytestmark = pytest.mark.needs("arm-none-eabi-gcc")
+
+TARGET = ("-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16", "-nostartfiles")
+PLACES = ("-Wl,-Ttext=0x08000000", "-Wl,-Tdata=0x20000000", "-Wl,-e,0")
+CURRENT = """
+#include "drivegate.h"
+#include <math.h>
+typedef struct { double limit; int64_t steps; } controller;
+static double runs = 0.25;
+static float filtered;
+int64_t drivegate_abi_version(void) { return DRIVEGATE_ABI_VERSION; }
+int64_t drivegate_state_size(void) { return sizeof(controller); }
+int drivegate_reset(void *state, const drivegate_nameplate *nameplate) {
+    controller *self = state;
+    self->limit = nameplate->current_limit; self->steps = 0; runs += 1.0; filtered = 0.0f;
+    return RESET;
+}
+void drivegate_step(void *state, const drivegate_sense *sense, drivegate_command *command) {
+    controller *self = state;
+    float error = (float)(sense->speed_reference - sense->speed);
+    filtered += 0.01f * (error - filtered) + 0.001f * (float)sense->phase_currents[1];
+    self->steps += 1;
+    command->current_reference = fmin(fmax(0.4 * filtered, 0.0), self->limit);
+    command->advance_angle = 0.3 + 0.01 * (runs - 1.25) + 0.1 * sense->time;
+    STEP
+}
+"""
+DUTY = """
+#include "drivegate_duty.h"
+#include <math.h>
+int64_t drivegate_abi_version(void) { return DRIVEGATE_ABI_VERSION; }
+int64_t drivegate_state_size(void) { return 8; }
+int drivegate_duty_reset(void *state, const drivegate_duty_nameplate *nameplate) {
+    *(double *)state = (double)nameplate->pole_pairs;
+    return 0;
+}
+void drivegate_duty_step(void *state, const drivegate_duty_sense *sense, drivegate_duty_command *command) {
+    double turns = *(double *)state * sense->angle / 6.283185307179586;
+    for (int leg = 0; leg < 3; ++leg) {
+        double within = turns - leg / 3.0 - floor(turns - leg / 3.0);
+        command->duty_ratios[leg] = 0.45 + 0.2 * fabs(within - 0.5) - 0.001 * sense->phase_currents[leg];
+    }
+}
+"""
+
+
+def scenario_of(drive: str) -> Scenario:
+    document = load_drive(drive)
+    fixed = contract_of(document).fixed_scenarios(document, NOTHING_DECLARED)
+    return fixed[1].model_copy(update={"duration_s": 0.05})
+
+
+def digest_of(loaded: JudgedCandidate, scenario: Scenario) -> int:
+    return int(recorded(loaded, scenario, loaded.controller()).run.digest)
+
+
+def digests_of_two_runs(loaded: JudgedCandidate, scenario: Scenario) -> list[int]:
+    controller = loaded.controller()
+    return [int(recorded(loaded, scenario, controller).run.digest) for _ in range(2)]
+
+
+@pytest.fixture
+def image(tmp_path: Path) -> Callable[..., Path]:
+    """Link an image from one source."""
+
+    def linked(source: str = CURRENT, step: str = "", reset: str = "0", *flags: str) -> Path:
+        (tmp_path / "mine.c").write_text(source, encoding="utf-8")
+        words = (
+            f"-DSTEP={step or ';'}",
+            f"-DRESET={reset}",
+            "-O1",
+            "-g",
+            "-ffp-contract=off",
+            *TARGET,
+            *flags,
+        )
+        command = [
+            "arm-none-eabi-gcc",
+            *words,
+            f"-I{include_folder()}",
+            *PLACES,
+            "-o",
+            "mine.elf",
+            "mine.c",
+            "-lm",
+        ]
+        subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
+        return tmp_path / "mine.elf"
+
+    return linked
+
+
+def run(candidate: str, scenario: Scenario) -> object:
+    with Judge(resolve_candidate(candidate)) as judge:
+        return judge.once(Job(digest_of, scenario))
+
+
+@pytest.mark.parametrize(("source", "drive"), [(CURRENT, "paper-5-phase"), (DUTY, "pm-ac-surface")])
+def test_an_image_gives_the_commands_of_a_build_for_this_machine(
+    image: Callable[..., Path], tmp_path: Path, source: str, drive: str
+) -> None:
+    here = tmp_path / "here.toml"
+    here.write_text(
+        'schema = 1\nname = "here"\nkind = "c"\nentry = "mine.c"\nflags = ["-DSTEP=;", "-DRESET=0"]\n'
+    )
+    target = image(source)
+    assert resolve_candidate(str(target)).contract == load_drive(drive).contract
+    scenario = scenario_of(drive)
+    on_target = run(str(target), scenario)
+    assert not isinstance(on_target, Fault), on_target
+    assert on_target == run(str(here), scenario)
+    # The image counts its runs in a variable, which has its initial value again when the target is switched on.
+    with Judge(resolve_candidate(str(target))) as judge:
+        assert judge.once(Job(digests_of_two_runs, scenario)) == [on_target, on_target]
+
+
+@pytest.mark.parametrize(
+    ("step", "reported"),
+    [
+        (
+            "*(volatile int *)0x40012c34 = 1;",
+            "writes to address 40012C34h, where the target has no memory, in drivegate_step (mine.c line ",
+        ),
+        ("*(volatile int *)0x08000000 = 1;", "writes to the read-only address 08000000h in drivegate_step"),
+        (
+            "((void (*)(void))0x12345671)();",
+            "jumps to address 12345670h, where the target has no memory, in drivegate_step",
+        ),
+        (
+            "volatile char *much = __builtin_alloca(100000); much[0] = 1;",
+            "uses more than 64 KiB of stack in drivegate_step",
+        ),
+        (
+            '__asm__ volatile("udf #0");',
+            "executes what is no instruction of this processor in drivegate_step",
+        ),
+    ],
+)
+def test_what_the_target_must_not_do_is_a_fault_with_its_line(
+    image: Callable[..., Path], step: str, reported: str
+) -> None:
+    candidate = resolve_candidate(str(image(step=f"if (self->steps == 3) {{ {step} }}")))
+    loaded = JudgedCandidate(candidate, partial(load_controller, candidate))
+    controller = loaded.controller()
+    recorded(loaded, scenario_of("paper-5-phase"), controller)
+    fault = controller.fault
+    assert fault is not None
+    assert (fault.kind, fault.phase) == (FaultKind.CRASH, "step")
+    assert fault.message.startswith(f"the target {reported}"), fault.message
+
+
+def test_a_reset_may_refuse_the_run(image: Callable[..., Path]) -> None:
+    fault = run(str(image(reset="-7")), scenario_of("paper-5-phase"))
+    assert isinstance(fault, Fault)
+    assert fault.message == "drivegate_reset returned -7, which refuses the run; 0 is success"
+
+
+def test_a_manifest_gives_memory_where_peripherals_are_and_a_function_to_start(
+    image: Callable[..., Path], tmp_path: Path
+) -> None:
+    started = "__attribute__((used)) void start(void) { *(volatile int *)0x40012c34 = 5; }"
+    image(f"{CURRENT}\n{started}", "if (*(volatile int *)0x40012c34 != 5) command->advance_angle = NAN;")
+    manifest = tmp_path / "candidate.toml"
+    text = 'schema = 1\nname = "mine"\nkind = "elf"\nentry = "mine.elf"\nram = [[0x40010000, 0x10000]]\n'
+    manifest.write_text(text)
+    refused = run(str(manifest), scenario_of("paper-5-phase"))
+    assert isinstance(refused, Fault)
+    assert refused.kind is FaultKind.INVALID_OUTPUT
+    manifest.write_text(f'{text}start = "start"\n')
+    assert not isinstance(run(str(manifest), scenario_of("paper-5-phase")), Fault)
+    manifest.write_text(f'{text}start = "begin"\n')
+    with pytest.raises(InputError, match="mine has no function begin; an image has the functions"):
+        run(str(manifest), scenario_of("paper-5-phase"))
+
+
+def test_what_is_no_image_is_refused_in_one_sentence(image: Callable[..., Path], tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"has no function drivegate_abi_version.*\(not with -s\)"):
+        run(str(image(CURRENT, "", "0", "-s")), scenario_of("paper-5-phase"))
+    other = tmp_path / "other.elf"
+    other.write_bytes(Path("/bin/true").read_bytes())
+    with pytest.raises(InputError, match="is no linked image of 32 bits for Arm"):
+        resolve_candidate(str(other))
+    other.write_text("no image", encoding="utf-8")
+    with pytest.raises(InputError, match="is no ELF image; name what the linker wrote"):
+        resolve_candidate(str(other))
