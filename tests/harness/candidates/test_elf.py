@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from drivegate.candidates.fault import Fault, FaultKind
+from drivegate.candidates.fault import CandidateFault, Fault, FaultKind
 from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.native.compiler import include_folder
 from drivegate.candidates.resolution import resolve_candidate
@@ -168,11 +168,10 @@ def test_what_the_target_must_not_do_is_a_fault_with_its_line(
 ) -> None:
     candidate = resolve_candidate(str(image(step=f"if (self->steps == 3) {{ {step} }}")))
     loaded = JudgedCandidate(candidate, partial(load_controller, candidate))
-    controller = loaded.controller()
-    recorded(loaded, scenario_of("paper-5-phase"), controller)
-    fault = controller.fault
-    assert fault is not None
-    assert (fault.kind, fault.phase) == (FaultKind.CRASH, "step")
+    with pytest.raises(CandidateFault) as ended:
+        recorded(loaded, scenario_of("paper-5-phase"), loaded.controller())
+    fault = ended.value.fault
+    assert (fault.kind, fault.phase, fault.step) == (FaultKind.CRASH, "step", 2)
     assert fault.message.startswith(f"the target {reported}"), fault.message
 
 
