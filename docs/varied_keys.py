@@ -19,7 +19,7 @@ from drivegate.scenarios.isolation import from_the_seed_alone
 from drivegate_cases.documents.document import Section
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
-from drivegate_cases.scenario.failure import FAILURE_KINDS
+from drivegate_cases.scenario.failure_kind import FAILURE_KINDS
 from drivegate_cases.scenario.scenario import Scenario
 
 JOINT: Final = "joint"

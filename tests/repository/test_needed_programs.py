@@ -17,6 +17,9 @@ def test_plain(): pass
 @pytest.mark.needs("rustc")
 def test_compiled(): pass
 
+@pytest.mark.needs("arm-none-eabi-gcc")
+def test_linked(): pass
+
 @pytest.mark.needs("browser")
 def test_shown(browser_path): assert browser_path
 """
@@ -45,10 +48,11 @@ def told(suite: Path, *words: str, path: Path) -> tuple[int, str]:
 def test_what_cannot_run_is_left_out_and_told(suite: Path) -> None:
     code, shown = told(suite, path=suite)
     assert code == 0, shown
-    assert "1 passed, 2 deselected" in shown
+    assert "1 passed, 3 deselected" in shown
     assert [line.split(" (")[0] for line in shown.splitlines() if line.startswith("left out")] == [
         "left out: every test that needs a browser",
         "left out: every test that needs the Rust compiler",
+        "left out: every test that needs the compiler for Arm microcontrollers",
     ]
     assert "`tox -e programs`" in shown
 
@@ -63,7 +67,7 @@ BROKEN = "#!/bin/sh\necho 'error: no override and no default toolchain set' >&2\
 def programs(tmp_path: Path, content: str) -> Path:
     folder = tmp_path / "programs"
     folder.mkdir()
-    for name in ("rustc", "chromium"):
+    for name in ("rustc", "chromium", "arm-none-eabi-gcc"):
         (folder / name).write_text(content, encoding="utf-8")
         (folder / name).chmod(0o755)
     return folder
@@ -72,16 +76,16 @@ def programs(tmp_path: Path, content: str) -> Path:
 def test_nothing_is_left_out_where_everything_is_there(suite: Path, tmp_path: Path) -> None:
     path = programs(tmp_path, WORKING)
     code, shown = told(suite, path=path)
-    assert (code, "3 passed in" in shown, "left out" in shown) == (0, True, False), shown
+    assert (code, "4 passed in" in shown, "left out" in shown) == (0, True, False), shown
     code, shown = told(suite, "--require-programs", path=path)
-    assert (code, "2 passed, 1 deselected" in shown) == (0, True), shown
+    assert (code, "3 passed, 1 deselected" in shown) == (0, True), shown
 
 
 def test_a_program_that_does_not_work_counts_as_missing(suite: Path, tmp_path: Path) -> None:
     path = programs(tmp_path, BROKEN)
     code, shown = told(suite, path=path)
-    assert (code, "1 passed, 2 deselected" in shown) == (0, True), shown
-    assert shown.count("which is missing or does not work") == 2
+    assert (code, "1 passed, 3 deselected" in shown) == (0, True), shown
+    assert shown.count("which is missing or does not work") == 3
     code, shown = told(suite, "--require-programs", path=path)
     assert (code, "this test needs the Rust compiler (rustc)" in shown) == (1, True), shown
 

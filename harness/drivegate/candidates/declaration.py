@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from drivegate_cases.scenario.failure import FailureKind
+    from drivegate_cases.scenario.failure_kind import FailureKind
     from drivegate_cases.scenario.reference import Reference
 
 

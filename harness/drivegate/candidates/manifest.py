@@ -10,7 +10,7 @@ from drivegate.candidates.declaration import Declaration, FlowchartProfile
 from drivegate.candidates.kinds import KINDS
 from drivegate_cases.documents.document import Document, Section
 from drivegate_cases.drive.drive_reference import DriveReference
-from drivegate_cases.scenario.failure import FailureKind
+from drivegate_cases.scenario.failure_kind import FailureKind
 from drivegate_cases.scenario.reference import Reference
 from drivegate_models.units import RADIANS_PER_RPM
 

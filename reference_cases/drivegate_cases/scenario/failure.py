@@ -1,19 +1,13 @@
 """What fails during a run of a PM AC drive."""
 
-from typing import Final, Literal, Self, TypeAlias, get_args
+from typing import Final, Self
 
 from pydantic import Field, model_validator
 
 from drivegate_cases.documents.document import Section
 from drivegate_cases.scenario.control_periods import first_period_from
+from drivegate_cases.scenario.failure_kind import FailureKind
 
-FailureKind: TypeAlias = Literal[
-    "open-phase", "stuck-current", "lost-position", "locked-rotor", "lost-edge", "slip"
-]
-"""A leg whose switches both stay off, a current sensor or the shaft's position that stays, a shaft that stands, one
-edge of the position that does not come, or a magnet of the position's sensor that turns on the shaft."""
-FAILURE_KINDS: Final[tuple[FailureKind, ...]] = get_args(FailureKind)
-"""All of them."""
 PHASED: Final[frozenset[FailureKind]] = frozenset({"open-phase", "stuck-current"})
 """Those of one phase."""
 SURVIVABLE: Final[frozenset[FailureKind]] = frozenset({"lost-edge"})

@@ -7,7 +7,7 @@ from typing import Final
 
 from drivegate.candidates.declaration import Declaration, FlowchartProfile
 from drivegate.candidates.kinds import DESIGN_PREFIX, FAULTY_PREFIX, NEAR_PREFIX
-from drivegate_cases.scenario.failure import FAILURE_KINDS
+from drivegate_cases.scenario.failure_kind import FAILURE_KINDS
 from drivegate_models.units import RADIANS_PER_RPM
 
 BUILTIN_CANDIDATES: Final = MappingProxyType(

@@ -39,7 +39,7 @@ from drivegate.scenarios.facts import facts_of
 from drivegate.scenarios.rotation import mirrored
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
-from drivegate_cases.scenario.failure import FailureKind
+from drivegate_cases.scenario.failure_kind import FailureKind
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import InputError
 from drivegate_reports.conformance.report import page

@@ -19,7 +19,7 @@ from drivegate_cases.drive.position import Position
 from drivegate_cases.drive.scales import Scales
 from drivegate_cases.scenario.control_periods import first_period_from, period_start_s
 from drivegate_cases.scenario.disturbance import Dropout, Glitch
-from drivegate_cases.scenario.failure import FailureKind
+from drivegate_cases.scenario.failure_kind import FailureKind
 from drivegate_cases.scenario.load import ConstantTorqueLoad, DynamometerLoad, FanLoad, HoistLoad
 from drivegate_cases.scenario.piecewise import Profile
 from drivegate_cases.scenario.scenario import Scenario

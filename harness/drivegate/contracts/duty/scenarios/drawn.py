@@ -46,7 +46,8 @@ from drivegate.scenarios.title import titled
 from drivegate_cases.drive.limits import nearest_step
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.limits import FAILURE_SPEED_SHARE
-from drivegate_cases.scenario.failure import FAILURE_KINDS, PHASED, FailureKind
+from drivegate_cases.scenario.failure import PHASED
+from drivegate_cases.scenario.failure_kind import FAILURE_KINDS, FailureKind
 from drivegate_cases.scenario.reference import Reference, reference_of
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import SHUNTS, position_of

@@ -30,7 +30,7 @@ from drivegate.scenarios.rotation import mirrored
 from drivegate_cases.drive.limits import nearest_step
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.limits import FAILURE_SPEED_SHARE
-from drivegate_cases.scenario.failure import FailureKind
+from drivegate_cases.scenario.failure_kind import FailureKind
 from drivegate_cases.scenario.reference import Reference, reference_of
 from drivegate_cases.scenario.scenario import Scenario
 

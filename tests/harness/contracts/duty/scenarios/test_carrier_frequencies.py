@@ -24,7 +24,7 @@ from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.control_periods import seen_at_s
 from drivegate_cases.scenario.drive_cycle import load_drive_cycle
-from drivegate_cases.scenario.failure import FAILURE_KINDS
+from drivegate_cases.scenario.failure_kind import FAILURE_KINDS
 from drivegate_cases.scenario.reference import Reference
 from drivegate_cases.scenario.scenario import Scenario
 

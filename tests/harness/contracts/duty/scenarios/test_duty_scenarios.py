@@ -27,7 +27,7 @@ from drivegate.scenarios.facts import facts_of
 from drivegate.scenarios.simplification import simplified
 from drivegate_cases.drive.drive_document import drive_names, load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
-from drivegate_cases.scenario.failure import FAILURE_KINDS
+from drivegate_cases.scenario.failure_kind import FAILURE_KINDS
 from drivegate_cases.scenario.reference import Reference, reference_of
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import ShuntSensors

@@ -23,7 +23,7 @@ from drivegate.scenarios.simplification import simplified
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
-from drivegate_cases.scenario.failure import FAILURE_KINDS
+from drivegate_cases.scenario.failure_kind import FAILURE_KINDS
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.pm_ac import sensing
 
