@@ -11,6 +11,7 @@ from importlib.util import find_spec
 from typing import Any, Final, TypeVar
 
 from drivegate.containment.parent_death import end_with_parent
+from drivegate.isolation.layers import ISOLATION_VARIABLE, Isolation
 from drivegate_cases.documents.wording import one_line
 from drivegate_models.errors import HarnessFault, InputError
 
@@ -66,7 +67,9 @@ def done_by(
             parallel = Parallel(n_jobs=jobs, batch_size=1, return_as="generator_unordered")
             # Whoever kills the campaign means its workers too, which joblib would leave waiting for minutes.
             parent = None if backend.name == "dask" else os.getpid()
-            results = parallel(delayed(_kept)(task, package, item, parent) for item in list(left))
+            # A cluster's workers have environments of their own.
+            isolation = os.environ.get(ISOLATION_VARIABLE, Isolation.AUTO)
+            results = parallel(delayed(_kept)(task, package, item, parent, isolation) for item in list(left))
             try:
                 for item, result in results:
                     del left[item]
@@ -89,11 +92,17 @@ def _end_local_workers() -> None:
 
 
 def _kept(
-    task: Callable[[bytes, ItemT], ResultT], package: bytes, item: ItemT, parent: int | None
+    task: Callable[[bytes, ItemT], ResultT],
+    package: bytes,
+    item: ItemT,
+    parent: int | None,
+    isolation: str,
 ) -> tuple[ItemT, ResultT]:
     # A single worker is the parent itself.
-    if parent is not None and os.getpid() != parent:
-        end_with_parent(parent)
+    if os.getpid() != parent:
+        os.environ[ISOLATION_VARIABLE] = isolation
+        if parent is not None:
+            end_with_parent(parent)
     return item, task(package, item)
 
 

@@ -14,7 +14,7 @@ from tests.harness.containment.attacks import ATTACKS, LEVELS, outcomes, read_ta
 
 from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.containment import judge_process, kept_process
+from drivegate.containment import backend, judge_process, kept_process
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job
 from drivegate.containment.pool import WorkerPool
@@ -104,6 +104,16 @@ def test_strict_refuses_where_a_layer_is_missing(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setenv(layers.ISOLATION_VARIABLE, "some")
     with pytest.raises(InputError, match='is "some", but must be auto, strict or none'):
         requested_layers()
+
+
+@pytest.mark.parametrize("isolation", ["strict", "none"])
+def test_a_worker_of_a_cluster_isolates_as_the_user_requests(
+    monkeypatch: pytest.MonkeyPatch, isolation: str
+) -> None:
+    monkeypatch.setenv(layers.ISOLATION_VARIABLE, "auto")
+    task = lambda _package, name: os.environ[name]  # noqa: E731
+    done = backend._kept(task, b"", layers.ISOLATION_VARIABLE, None, isolation)
+    assert done == (layers.ISOLATION_VARIABLE, isolation)
 
 
 def test_a_source_in_c_takes_in_no_file_of_the_machine(
