@@ -67,8 +67,11 @@ class Judge:
             return load_controller(self._candidate)
         from drivegate.containment.candidate_process import CandidateProcess
         from drivegate.containment.contained_controller import ContainedController
+        from drivegate_models.compilation import kernels
 
         if self._process is None:
+            if kernels.trusts_all():
+                kernels.trust_only(kernels.kernel_digests())
             layers = isolating_layers(self._candidate) if self._layers is None else self._layers
             self._process = CandidateProcess(self._candidate, self._limits, self._on_slow, layers or ())
         return ContainedController(self._process)

@@ -6,7 +6,7 @@ import tempfile
 import time
 import traceback
 import weakref
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from multiprocessing import Pipe
 from multiprocessing.connection import Connection
@@ -38,10 +38,12 @@ class JudgeProcess:
         self,
         candidate: Candidate,
         limits: WorkerLimits | None,
+        kernels: Mapping[str, bytes],
         on_slow: Callable[[SlowRun], None] | None = None,
     ) -> None:
         self._candidate = candidate
         self._limits = limits
+        self._kernels = kernels
         self._on_slow = on_slow
         self._kept: KeptProcess | None = None
         self._connection: Connection[Any, Any] | None = None
@@ -68,7 +70,7 @@ class JudgeProcess:
             theirs.close()
         self._connection = ours
         self.end = weakref.finalize(self, _end, self._kept, ours)
-        ours.send((self._candidate, self._limits, layers))
+        ours.send((self._candidate, self._limits, layers, self._kernels))
 
     @property
     def waitables(self) -> list[Any]:
@@ -139,14 +141,16 @@ def judge_jobs(connection: int, temporary: str, parent: int) -> None:
     """Do jobs from a connection; this is the inside of a judge's process."""
     end_with_parent(parent)
     # The folder for kernels is chosen before, since it may lie among the temporary files.
-    import drivegate_models.compilation.kernels  # noqa: F401
+    from drivegate_models.compilation import kernels
 
     # What a candidate's process leaves goes with this one, however it ends.
     tempfile.tempdir = temporary
     os.set_inheritable(connection, False)
     channel: Connection[Any, Any] = Connection(connection)
     try:
-        candidate, limits, layers = channel.recv()
+        candidate, limits, layers, digests = channel.recv()
+        if not KINDS[candidate.kind].comes_along:
+            kernels.trust_only(digests)
         if layers:
             refuse_inspection()
 

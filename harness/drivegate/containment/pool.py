@@ -8,11 +8,13 @@ from typing import Any, Generic, Self
 
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault
+from drivegate.candidates.kinds import KINDS
 from drivegate.containment.judge import is_hang
 from drivegate.containment.judge_process import JudgeProcess
 from drivegate.containment.messages import Faulted, Finished, Job, ResultT
 from drivegate.containment.pace_watch import SlowRun
 from drivegate.containment.stall_watch import WorkerLimits
+from drivegate_models.compilation.kernels import kernel_digests
 
 _LOOK_EVERY = 0.25
 
@@ -38,7 +40,9 @@ class WorkerPool:
         is_ended: Callable[[], bool] = lambda: False,
     ) -> None:
         told = None if on_slow is None else _once(on_slow)
-        self._workers = [JudgeProcess(candidate, limits, told) for _ in range(max(workers, 1))]
+        # Listed before any of the candidate's code runs, which might change them.
+        kernels = {} if KINDS[candidate.kind].comes_along else kernel_digests()
+        self._workers = [JudgeProcess(candidate, limits, kernels, told) for _ in range(max(workers, 1))]
         self._final: Fault | None = None
         self._is_ended = is_ended
 

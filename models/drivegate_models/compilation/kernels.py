@@ -16,12 +16,14 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import importlib.metadata
+import io
 import os
+import pickle
 import platform
 import shutil
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, cast
@@ -161,26 +163,86 @@ def _is_own(function: Any) -> bool:
 
 # This also applies to functions called by address, which numba's own decorator caches.
 caching.CacheImpl._locator_classes.insert(0, _LocatedByModule)
-if _ONLY_READS:
-    _save = caching.IndexDataCacheFile.save
-
-    def _save_where_possible(file: Any, key: Any, data: Any) -> None:
-        with contextlib.suppress(OSError):
-            _save(file, key, data)
-
-    caching.IndexDataCacheFile.save = _save_where_possible  # type: ignore[method-assign]
 
 
 class _FilesNamedByContent(caching.IndexDataCacheFile):
-    """The files of one function, each named after its signature, processor and closure."""
+    """The files of one function, each named after its signature, processor and closure.
+
+    numba executes what it unpickles. So where `trust_only` lists files, others are as if they were not there.
+    """
 
     def save(self, key: Any, data: Any) -> None:
-        """Save compiled code, and enter it in the index."""
+        """Save compiled code, and enter it in the index, unless this process only reads."""
         digest = hashlib.sha256(repr(key).encode()).digest()
         name = self._data_name(int.from_bytes(digest[:8]))
         with contextlib.suppress(OSError) if _ONLY_READS else contextlib.nullcontext():
             self._save_data(name, data)
             self._save_index({**self._load_index(), key: name})
+            for listed in _trusted:
+                for path in (self._data_path(name), self._index_path):
+                    listed[_name_of(path)] = _digest_of(Path(path).read_bytes())
+
+    def _load_index(self) -> Any:
+        content = _trusted_content(self._index_path)
+        if content is None:
+            return {}
+        stream = io.BytesIO(content)
+        if pickle.load(stream) != self._version:
+            return {}
+        stamp, entries = pickle.load(stream)
+        return entries if stamp == self._source_stamp else {}
+
+    def _load_data(self, name: str) -> Any:
+        content = _trusted_content(self._data_path(name))
+        if content is None:
+            raise FileNotFoundError(name)
+        return pickle.loads(content)
+
+
+vars(caching)["IndexDataCacheFile"] = _FilesNamedByContent
+
+_trusted: list[dict[str, bytes]] = []
+# The digests of the files that this process trusts, as the one element; without it, all are trusted.
+
+
+def kernel_digests() -> dict[str, bytes]:
+    """Return a digest of the content of each file of compiled kernels, by its path in their folder."""
+    folder = Path(_FOLDER or os.devnull)
+    return {_name_of(path): _digest_of(path.read_bytes()) for path in sorted(folder.rglob("*.nb[ic]"))}
+
+
+def trust_only(digests: Mapping[str, bytes]) -> None:
+    """Load in this process only those compiled kernels that have these digests, or that it compiles itself.
+
+    Parameters
+    ----------
+    digests : mapping of str to bytes
+        Digest of each file by its path in the folder, as `kernel_digests` returned them before code of strangers ran.
+    """
+    _trusted[:] = [dict(digests)]
+
+
+def trusts_all() -> bool:
+    """Return True if this process loads compiled kernels whatever their digests are."""
+    return not _trusted
+
+
+def _name_of(path: str | Path) -> str:
+    return str(path).removeprefix(f"{_FOLDER}{os.sep}")
+
+
+def _digest_of(content: bytes) -> bytes:
+    return hashlib.sha256(content).digest()
+
+
+def _trusted_content(path: str) -> bytes | None:
+    """Read a file of compiled code; None if it is not there, or is not as it is listed."""
+    try:
+        content = Path(path).read_bytes()
+    except FileNotFoundError:
+        return None
+    is_trusted = all(listed.get(_name_of(path)) == _digest_of(content) for listed in _trusted)
+    return content if is_trusted else None
 
 
 class _KernelCache(caching.FunctionCache):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import signal
 import time
 from collections.abc import Callable
@@ -16,12 +17,22 @@ from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment import backend, judge_process, kept_process
 from drivegate.containment.judge import Judge
-from drivegate.containment.messages import Job
+from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.containment.pool import WorkerPool
 from drivegate.containment.stall_watch import WorkerLimits
+from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
+from drivegate.drives.running import recorded
 from drivegate.isolation import layers
 from drivegate.isolation.layers import Layer, available_layers, layers_in_words, requested_layers
+from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_models.compilation.kernels import required_cache_folder
 from drivegate_models.errors import InputError
+
+
+def digest_of(loaded: JudgedCandidate, scenario: Scenario) -> int:
+    return int(recorded(loaded, scenario, loaded.controller()).run.digest)
+
 
 PAGE = Path(__file__).parents[3] / "docs" / "containment.md"
 MINE = """
@@ -104,6 +115,44 @@ def test_strict_refuses_where_a_layer_is_missing(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setenv(layers.ISOLATION_VARIABLE, "some")
     with pytest.raises(InputError, match='is "some", but must be auto, strict or none'):
         requested_layers()
+
+
+FORGED = """
+import os, sys
+from pathlib import Path
+from drivegate import Command
+class Forgery:
+    def __reduce__(self):
+        # The candidate's own process loads kernels, too.
+        return exec, ("import sys; 'judge' in sys.argv and open({forged!r}, 'w').close()",)
+import pickle
+for file in Path({kernels!r}).rglob("*.nb[ic]"):
+    file.write_bytes(pickle.dumps(Forgery()))
+class Mine:
+    def reset(self, nameplate):
+        pass
+    def step(self, sense):
+        return Command(1.0, 0.5)
+"""
+
+
+def test_a_judge_loads_no_kernel_that_a_candidate_has_changed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, not_isolated: None
+) -> None:
+    kernels = tmp_path / "cache"
+    folder = required_cache_folder()
+    shutil.copytree(folder, kernels / folder.name)
+    monkeypatch.setenv("DRIVEGATE_CACHE", str(kernels))
+    file = tmp_path / "mine.py"
+    file.write_text(FORGED.format(kernels=str(kernels), forged=str(tmp_path / "forged")), encoding="utf-8")
+    scenario = fixed_scenarios(load_drive("paper-5-phase"))[0].model_copy(update={"duration_s": 0.05})
+    with WorkerPool(resolve_candidate(f"{file}:Mine"), workers=1) as pool:
+        (ended,) = pool.map([Job(digest_of, scenario)])
+    # What the judge needed, it has compiled and stored again.
+    changed = [each for each in kernels.rglob("*.nb[ic]") if b"/forged" in each.read_bytes()]
+    assert changed, "the candidate has changed nothing"
+    assert not (tmp_path / "forged").exists(), "the judge executed what the candidate wrote"
+    assert isinstance(ended, int), ended
 
 
 @pytest.mark.parametrize("isolation", ["strict", "none"])
