@@ -33,9 +33,7 @@ class Oracle(Protocol):
     ) -> Optimum:
         """Find the advance angle that gives a torque with the least current sum."""
 
-    def least_input_power(
-        self, drive: Drive, speed: float, torque: float, voltage: float | None = None
-    ) -> Optimum:
+    def least_input_power(self, drive: Drive, speed: float, torque: float) -> Optimum:
         """Find the advance angle that gives a torque with the least input power."""
 
     def point_at_torque(
@@ -43,14 +41,10 @@ class Oracle(Protocol):
     ) -> TorquePoint:
         """Find the steady state that gives a torque at an advance angle."""
 
-    def greatest_torque_at_limit(
-        self, drive: Drive, speed: float, voltage: float | None = None
-    ) -> GreatestTorque:
+    def greatest_torque_at_limit(self, drive: Drive, speed: float) -> GreatestTorque:
         """Find the advance angle of the greatest torque at the current limit."""
 
-    def torques_at_limit(
-        self, drive: Drive, speed: float, advances: ArrayLike, voltage: float | None = None
-    ) -> FloatArray:
+    def torques_at_limit(self, drive: Drive, speed: float, advances: ArrayLike) -> FloatArray:
         """Find the torques at the current limit along the advance angle."""
 
     def demanded_torque(self, drive: Drive, speed: float, base_speed: float, rated_power: float) -> float:

@@ -291,12 +291,12 @@ def least_current_sum(drive: AnyDrive, speed: float, torque: float, voltage: flo
     return _least(drive, speed, torque, voltage, False)
 
 
-def least_input_power(drive: AnyDrive, speed: float, torque: float, voltage: float | None = None) -> Optimum:
+def least_input_power(drive: AnyDrive, speed: float, torque: float) -> Optimum:
     """Return the advance angle of minimum net input power.
 
     Parameters
     ----------
-    drive, speed, torque, voltage
+    drive, speed, torque
         Arguments of `least_current_sum`.
 
     Returns
@@ -307,19 +307,17 @@ def least_input_power(drive: AnyDrive, speed: float, torque: float, voltage: flo
     Raises
     ------
     InputError
-        If speed, torque or voltage is not a usable number.
+        If speed or torque is not a usable number.
     """
-    return _least(drive, speed, torque, voltage, True)
+    return _least(drive, speed, torque, None, True)
 
 
-def current_sum_curve(
-    drive: AnyDrive, speed: float, torque: float, advances: ArrayLike, voltage: float | None = None
-) -> CurrentSumCurve:
+def current_sum_curve(drive: AnyDrive, speed: float, torque: float, advances: ArrayLike) -> CurrentSumCurve:
     """Return the cost of a torque over the advance angle.
 
     Parameters
     ----------
-    drive, speed, torque, voltage
+    drive, speed, torque
         Arguments of `least_current_sum`.
     advances : array_like, shape (n,)
         Advance angles (rad electrical).
@@ -332,9 +330,9 @@ def current_sum_curve(
     Raises
     ------
     InputError
-        If speed, torque or voltage is not a usable number.
+        If speed or torque is not a usable number.
     """
-    demand = torque_demand(drive, speed, torque, voltage)
+    demand = torque_demand(drive, speed, torque)
     angles = np.asarray(advances, dtype=np.float64).ravel()
     found = [search_reference(demand, float(advance)) for advance in angles]
     return CurrentSumCurve(

@@ -25,9 +25,7 @@ class GreatestTorque(NamedTuple):
     """Advance angle of the maximum torque (rad electrical)."""
 
 
-def torques_at_limit(
-    drive: AnyDrive, speed: float, advances: ArrayLike, voltage: float | None = None
-) -> NDArray[np.float64]:
+def torques_at_limit(drive: AnyDrive, speed: float, advances: ArrayLike) -> NDArray[np.float64]:
     """Return the torque at the current limit over the advance angle.
 
     Parameters
@@ -38,8 +36,6 @@ def torques_at_limit(
         Shaft speed (rad/s), above 0.
     advances : array_like, shape (n,)
         Advance angles (rad electrical).
-    voltage : float, optional
-        Voltage of each half-source (V); the drive's nominal one by default.
 
     Returns
     -------
@@ -49,19 +45,19 @@ def torques_at_limit(
     Raises
     ------
     InputError
-        If speed or voltage is not a usable number.
+        If the speed is not a usable number.
     """
-    demand = torque_demand(drive, speed, voltage=voltage)
+    demand = torque_demand(drive, speed)
     angles = np.asarray(advances, dtype=np.float64).ravel()
     return np.array([torque_at_limit(demand, float(advance)) for advance in angles])
 
 
-def greatest_torque_at_limit(drive: AnyDrive, speed: float, voltage: float | None = None) -> GreatestTorque:
+def greatest_torque_at_limit(drive: AnyDrive, speed: float) -> GreatestTorque:
     """Return the maximum torque at the current limit over all advance angles.
 
     Parameters
     ----------
-    drive, speed, voltage
+    drive, speed
         Arguments of `torques_at_limit`.
 
     Returns
@@ -72,11 +68,11 @@ def greatest_torque_at_limit(drive: AnyDrive, speed: float, voltage: float | Non
     Raises
     ------
     InputError
-        If speed or voltage is not a usable number.
+        If the speed is not a usable number.
     """
     from scipy.optimize import minimize_scalar
 
-    demand = torque_demand(drive, speed, voltage=voltage)
+    demand = torque_demand(drive, speed)
     torques = [torque_at_limit(demand, radians(degree)) for degree in range(HIGHEST_DEGREES + 1)]
     # Brent's method finds one of several maxima; the grid determines which one.
     best = int(np.argmax(torques))

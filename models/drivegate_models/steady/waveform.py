@@ -22,6 +22,9 @@ from drivegate_models.steady.plant import (
 )
 from drivegate_models.steady.steady_state import KEPT_TIME
 
+# Number of equal steps of a cycle.
+_SAMPLES = 720
+
 
 @dataclass(frozen=True)
 class Waveforms:
@@ -99,14 +102,7 @@ def _sampling_times(phases: AnyPhases, grid: NDArray[np.float64], length: float)
     return np.unique(np.clip(np.concatenate([grid, *starts]), 0.0, length))
 
 
-def periodic_waveforms(
-    drive: AnyDrive,
-    speed: float,
-    reference: float,
-    advance: float,
-    voltage: float | None = None,
-    samples: int = 720,
-) -> Waveforms:
+def periodic_waveforms(drive: AnyDrive, speed: float, reference: float, advance: float) -> Waveforms:
     """Return one electrical cycle of the steady state at one operating point.
 
     Parameters
@@ -119,22 +115,18 @@ def periodic_waveforms(
         Current reference i* (A).
     advance : float
         Advance angle (rad electrical).
-    voltage : float, optional
-        Voltage of each half-source (V); the drive's nominal one by default.
-    samples : int
-        Number of equal parts of the cycle at whose ends it is evaluated, in addition to every event.
 
     Returns
     -------
     Waveforms
-        Exact values, as in the paper's Figs. 6, 9 and 10.
+        Exact values at equal steps and at every event, as in the paper's Figs. 6, 9 and 10.
     """
-    supply = drive.half_supply_voltage if voltage is None else voltage
+    supply = drive.half_supply_voltage
     phases = make_phases(drive, KEPT_TIME)
     periods = periodic_start(drive, phases, make_phases(drive), speed, supply, reference, advance)
     electrical = drive.pole_pairs * speed
     cycle = 2.0 * pi / electrical
-    grid = np.linspace(0.0, cycle, samples + 1)
+    grid = np.linspace(0.0, cycle, _SAMPLES + 1)
     pieces = int(cycle / KEPT_TIME) + 1
     length = cycle / pieces
     angle = 0.5 * (pi - drive.window) - advance
