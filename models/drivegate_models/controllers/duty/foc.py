@@ -34,6 +34,7 @@ from drivegate_models.controllers.duty.plausibility import (
     detect_fault,
     hold_safe_state,
     reset_plausibility,
+    watch_approach,
 )
 from drivegate_models.controllers.duty.position import locate_shaft, regulated_speed, reset_position
 from drivegate_models.controllers.duty.state import (
@@ -206,6 +207,7 @@ def step_state(state: Any, sense: Any, command: Any) -> None:
     )
     possible = torque_per_quadrature(state, direct_reference) * quadrature_reference
     _unwind_speed(state, sense.reference, speed, requested, possible)
+    watch_approach(state, direct, quadrature, direct_reference, quadrature_reference)
 
     if state.regulation == BY_PREDICTION:
         used = regulate_flux(

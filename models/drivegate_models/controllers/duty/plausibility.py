@@ -1,9 +1,9 @@
 """Plausibility of the sensors and the machine, and the safe state that a fault latches.
 
 Four faults are physically implausible in a healthy drive: phase currents with a sum other than zero; a shaft whose
-angle disagrees with its speed, or that stops faster than torque and inertia allow; a stall under maximum torque; and
-a phase without current while the field turns past it. Hall switches measure a speed only at their edges. If their
-states remain constant although the magnet still induces a voltage, the position is lost.
+angle disagrees with its speed, or that stops faster than torque and inertia allow; a stall under more torque than any
+load; and a phase with far less current than its reference while the field turns past it. Hall switches measure a speed
+only at their edges. If their states remain constant although the magnet still induces a voltage, the position is lost.
 """
 
 from __future__ import annotations
@@ -14,6 +14,8 @@ from typing import Any, Final
 from drivegate_models.compilation.calling import double_at
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.contract.duty.signals import LEG_OFF
+from drivegate_models.machine.rotor_frame import of_phase
+from drivegate_models.machine.sine import cosine_sine
 
 CURRENT_FAULT: Final = 1
 """Code of currents with a sum other than zero: a current sensor is faulty."""
@@ -36,9 +38,11 @@ _FARTHEST = 0.25
 _STEEPEST = 4.0
 _SLOW = 0.05
 _STOPPED = 0.5
-# Speed relative to base speed that counts as standstill, and torque relative to maximum torque that counts as maximum.
+# Speed relative to base speed that counts as standstill. Torque that no load withstands: relative to maximum torque,
+# and to rated torque, which is the heaviest load apart from friction.
 _STANDING = 0.01
 _FULL = 0.95
+_BEYOND_LOAD = 1.2
 # Time of a stall: in control periods, its maximum (s), and its minimum, the time of a loaded shaft to exceed that
 # speed, relative to the time in which maximum torque alone accelerates it to base speed.
 _STALLED_PERIODS = 300
@@ -49,13 +53,14 @@ _STALLED_LEAST = 0.06
 _INDUCED = 0.5
 # Torque relative to the maximum that remains under a heavy load to turn the shaft past a sector of its Hall switches.
 _LEFT = 0.1
-# Current of a missing phase relative to the largest, minimum of the largest current relative to the limit, and rotation
-# of the field meanwhile (rad electrical) with its maximum in a period: after a step at high speed the current vector
-# stands for as long as the step takes, and a phase may be without current for all of it.
-_MISSING = 0.03
+# Current of a missing phase relative to the largest, because the diodes of an open leg carry some; minimum of its
+# reference relative to the amplitude, and of the amplitude relative to the limit; and rotation of the field meanwhile
+# (rad electrical) with its maximum in a period. A healthy phase has that little current for 21 degrees.
+_MISSING = 0.2
+_EXPECTED = 0.5
 _CARRYING = 0.15
-_PASSED = pi / 4.0
-_PASSED_IN_A_PERIOD = _PASSED / 20.0
+_PASSED = pi / 5.0
+_PASSED_IN_A_PERIOD = _PASSED / 8.0
 
 _TURN = 2.0 * pi
 
@@ -66,6 +71,8 @@ def reset_plausibility(state: Any, nameplate: Any) -> None:
     period = nameplate.control_period
     state.base_speed = nameplate.base_speed
     state.slowing_step = _STEEPEST * state.greatest_torque / nameplate.inertia * period
+    heaviest = nameplate.rated_power / nameplate.base_speed
+    state.stalling_torque = min(_FULL * state.greatest_torque, _BEYOND_LOAD * heaviest)
     run_up = nameplate.inertia * nameplate.base_speed / state.greatest_torque
     stalled = max(min(_STALLED_PERIODS * period, _STALLED_MOST), _STALLED_LEAST * run_up)
     state.stall_periods = int(stalled / period)
@@ -82,8 +89,16 @@ def reset_plausibility(state: Any, nameplate: Any) -> None:
     state.sum_count = 0
     state.speed_count = 0
     state.stall_count = 0
+    state.direct_aim = 0.0
+    state.quadrature_aim = 0.0
+    state.least_error = 0.0
     for phase in range(3):
         state.passed[phase] = 0.0
+
+
+@inlined
+def _length(along: float, across: float) -> float:
+    return sqrt(along * along + across * across)
 
 
 @inlined
@@ -135,9 +150,11 @@ def _is_position_lost(state: Any, sense: Any) -> bool:
 
 @inlined
 def _is_stalled(state: Any, sense: Any, has_edge: bool) -> bool:
-    """Return True if a shaft with a speed reference has been at standstill under maximum torque for long."""
+    """Return True if a shaft with a speed reference has been at standstill under more torque than any load for long."""
     standing = _STANDING * state.base_speed
-    pushed = abs(state.torque) >= _FULL * state.greatest_torque
+    # An angle that is off by half a sector leaves less of a torque than the regulator requests.
+    least = state.stalling_torque if sense.hall < 0 else _FULL * state.greatest_torque
+    pushed = abs(state.torque) >= least
     # Hall switches show the start or the standstill of a shaft only by their edges.
     longest = state.stall_periods if sense.hall < 0 else state.hall_stall_periods
     stands = abs(sense.speed) < standing if sense.hall < 0 else not has_edge
@@ -149,25 +166,60 @@ def _is_stalled(state: Any, sense: Any, has_edge: bool) -> bool:
 @inlined
 def _passed_by(state: Any, sense: Any, turned: float) -> float:
     """Return the rotation of the field past the phases (rad electrical), without the step at a Hall edge."""
-    if sense.hall < 0:
-        return turned
-    return min(abs(turned), abs(float(state.pole_pairs * sense.speed * state.control_period)))
+    most = _PASSED_IN_A_PERIOD
+    if sense.hall >= 0:
+        most = min(most, abs(float(state.pole_pairs * sense.speed * state.control_period)))
+    return min(max(turned, -most), most)
 
 
 @inlined
 def _is_phase_missing(state: Any, sense: Any, turned: float) -> bool:
-    """Return True if the field has turned past a phase without current."""
-    currents = sense.phase_currents
-    most = max(abs(double_at(currents, 0)), abs(double_at(currents, 1)), abs(double_at(currents, 2)))
-    if most <= _CARRYING * state.current_limit:
+    """Return True if the field has turned past a phase that carries far less current than its reference."""
+    cosine, sine = cosine_sine(state.pole_pairs * sense.angle)
+    along = cosine * state.direct_aim - sine * state.quadrature_aim
+    across = sine * state.direct_aim + cosine * state.quadrature_aim
+    amplitude = _length(along, across)
+    carrying = _CARRYING * state.current_limit
+    if amplitude <= carrying:
         # With little current, a phase without any proves nothing.
         return False
+    currents = sense.phase_currents
+    most = max(abs(double_at(currents, 0)), abs(double_at(currents, 1)), abs(double_at(currents, 2)))
+    little = _MISSING * max(most, carrying)
     missing = False
     for phase in range(3):
-        without = abs(double_at(currents, phase)) < _MISSING * most
-        state.passed[phase] = state.passed[phase] + min(abs(turned), _PASSED_IN_A_PERIOD) if without else 0.0
-        missing = missing or state.passed[phase] > _PASSED
+        without = abs(double_at(currents, phase)) < little
+        lacks = without and abs(of_phase(phase, along, across)) > _EXPECTED * amplitude
+        state.passed[phase] = state.passed[phase] + (turned if lacks else 0.0) if without else 0.0
+        missing = missing or abs(state.passed[phase]) > _PASSED
     return missing
+
+
+@inlined
+def watch_approach(
+    state: Any, direct: float, quadrature: float, direct_reference: float, quadrature_reference: float
+) -> None:
+    """Store the reference currents (A), and miss no phase while the measured currents (A) approach them.
+
+    In a long step the current vector may stand while it shrinks, with hardly any current in one phase. The flux error
+    then decreases in every period, because all regulators use the voltage nearest to the requested one. With an open
+    phase it rises and falls as the field turns.
+    """
+    direct_flux, quadrature_flux = state.direct_inductance * direct, state.quadrature_inductance * quadrature
+    before = _length(
+        state.direct_inductance * state.direct_aim - direct_flux,
+        state.quadrature_inductance * state.quadrature_aim - quadrature_flux,
+    )
+    if before < state.least_error:
+        for phase in range(3):
+            state.passed[phase] = 0.0
+    state.direct_aim, state.quadrature_aim = direct_reference, quadrature_reference
+    after = _length(
+        state.direct_inductance * direct_reference - direct_flux,
+        state.quadrature_inductance * quadrature_reference - quadrature_flux,
+    )
+    # A reference that moves changes the least error as much as the present one.
+    state.least_error = max(min(before, state.least_error) + after - before, 0.0)
 
 
 @inlined

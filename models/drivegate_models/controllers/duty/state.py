@@ -151,6 +151,7 @@ FOC_STATE: Final = np.dtype(
         # long, or for which electrical angle, each value has been implausible.
         ("base_speed", np.float64),
         ("slowing_step", np.float64),
+        ("stalling_torque", np.float64),
         ("stall_periods", np.int64),
         ("hall_stall_periods", np.int64),
         ("fault", np.int64),
@@ -164,6 +165,10 @@ FOC_STATE: Final = np.dtype(
         ("speed_count", np.int64),
         ("stall_count", np.int64),
         ("passed", np.float64, (3,)),
+        # Reference currents of the step before (A), and the least error of the flux (V s).
+        ("direct_aim", np.float64),
+        ("quadrature_aim", np.float64),
+        ("least_error", np.float64),
     ],
     align=True,
 )

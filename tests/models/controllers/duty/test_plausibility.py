@@ -24,6 +24,7 @@ from drivegate_models.controllers.duty.plausibility import (
     detect_fault,
     hold_safe_state,
     reset_plausibility,
+    watch_approach,
 )
 from drivegate_models.controllers.duty.state import foc_state
 
@@ -34,6 +35,7 @@ POLE_PAIRS = 2
 LIMIT = 7.0
 BASE_SPEED = 230.0
 GREATEST_TORQUE = 2.4
+RATED_TORQUE = 1.5
 INERTIA = 0.002
 NAMEPLATE = DutyNameplate(
     kind=PM_AC,
@@ -44,7 +46,7 @@ NAMEPLATE = DutyNameplate(
     supply_voltage=122.5,
     base_speed=BASE_SPEED,
     highest_speed=3.0 * BASE_SPEED,
-    rated_power=BASE_SPEED * GREATEST_TORQUE,
+    rated_power=BASE_SPEED * RATED_TORQUE,
     current_limit=LIMIT,
     control_period=PERIOD,
     dead_time=0.0,
@@ -76,6 +78,8 @@ class Drive:
         self.sense.speed = speed
         self.sense.angle = 0.0
         self.peak = peak
+        # The balanced currents are those of the reference.
+        self.state.direct_aim = peak
 
     def turn(self, angle_speed: float) -> None:
         """Turn the shaft for a period, with the field; its angle stays within a turn."""
@@ -164,12 +168,13 @@ def test_a_shaft_that_stops_faster_than_it_can_is_locked(share: float, fault: in
     [
         (GREATEST_TORQUE, 100.0, 1, STALL_FAULT),
         (-GREATEST_TORQUE, -100.0, 1, STALL_FAULT),
-        (0.9 * GREATEST_TORQUE, 100.0, 1, 0),
+        (1.25 * RATED_TORQUE, 100.0, 1, STALL_FAULT),
+        (1.15 * RATED_TORQUE, 100.0, 1, 0),
         (GREATEST_TORQUE, 0.0, 1, 0),
         (GREATEST_TORQUE, 100.0, 0, 0),
     ],
 )
-def test_a_shaft_stalls_that_is_to_turn_and_stands_under_the_greatest_torque(
+def test_a_shaft_stalls_that_is_to_turn_and_stands_under_more_torque_than_any_load(
     torque: float, reference: float, regulates: int, fault: int
 ) -> None:
     drive = Drive(0.0, reference=reference)
@@ -250,26 +255,61 @@ def test_hall_switches_show_by_their_edges_whether_a_shaft_stands(edges: bool, f
 
 
 @pytest.mark.parametrize(
-    ("peak", "speed", "fault"), [(3.0, 300.0, PHASE_FAULT), (3.0, 60.0, PHASE_FAULT), (0.9, 300.0, 0)]
+    ("peak", "speed", "left", "fault"),
+    [
+        (3.0, 300.0, 0.0, PHASE_FAULT),
+        (3.0, 60.0, 0.0, PHASE_FAULT),
+        (3.0, 300.0, 0.11, PHASE_FAULT),
+        (3.0, 300.0, 0.3, 0),
+        (0.9, 300.0, 0.0, 0),
+    ],
 )
-def test_a_phase_without_current_is_missing_where_the_others_carry_any(
-    peak: float, speed: float, fault: int
+def test_a_phase_with_hardly_any_current_is_missing_where_the_others_carry_some(
+    peak: float, speed: float, left: float, fault: int
 ) -> None:
     drive = Drive(speed, peak=peak)
-    # The second phase's current is greatest.
+    # The second phase's current is greatest, and the first one's rises.
     drive.sense.angle = tau / 3.0 / POLE_PAIRS
 
     def open_phase(_: int) -> None:
-        drive.currents[0] = 0.0
-        drive.currents[2] = -drive.currents[1]
+        # The diodes of the open leg carry a share of the expected amplitude.
+        drive.currents[0] = -left * peak
+        drive.currents[2] = -drive.currents[1] - drive.currents[0]
 
     found, step = drive.steps_to_fault(200, open_phase)
     assert found == fault
     if fault:
-        # The field turns by 45 degrees, and no step of the current takes the 20 control periods in which the others
-        # carry any.
-        needed = max(pi / 4.0 / (POLE_PAIRS * speed * PERIOD), 20.0)
+        # The field turns by 36 degrees in at least 8 periods.
+        needed = max(pi / 5.0 / (POLE_PAIRS * speed * PERIOD), 8.0)
         assert needed - 1.0 <= step <= 1.7 * needed
+
+
+@pytest.mark.parametrize(("approach", "fault"), [(0.005, 0), (0.0, PHASE_FAULT)])
+def test_a_current_vector_that_stands_misses_no_phase_while_it_approaches_its_reference(
+    approach: float, fault: int
+) -> None:
+    drive = Drive(300.0)
+    drive.state.quadrature_inductance = NAMEPLATE.quadrature_inductance
+    drive.state.direct_aim, drive.state.quadrature_aim = 0.0, 3.0
+
+    def stand(k: int) -> None:
+        current = 3.0 * (1.0 - approach * k)
+        drive.currents[:] = [current, -current, 0.0]
+        watch_approach(drive.state, 0.0, current, 0.0, -3.0)
+
+    assert drive.steps_to_fault(100, stand)[0] == fault
+
+
+@pytest.mark.parametrize(("turns", "fault"), [(False, 0), (True, PHASE_FAULT)])
+def test_a_shaft_that_swings_does_not_turn_past_a_phase(turns: bool, fault: int) -> None:
+    drive = Drive(0.0, reference=0.0)
+    drive.state.farthest_drift = tau
+
+    def swing(k: int) -> None:
+        drive.sense.angle = 0.01 * k if turns else 0.01 * (k % 2)
+        drive.currents[:] = [0.0, 2.6, -2.6]
+
+    assert drive.steps_to_fault(100, swing)[0] == fault
 
 
 def test_a_fault_is_held_for_good_with_all_legs_off() -> None:
