@@ -27,9 +27,14 @@ def _own_places(candidate: Candidate) -> list[Path]:
     if isinstance(details, NativeBuild):
         places.append(details.library)
     elif isinstance(details, Program):
-        program = details.executable.resolve()
-        # An interpreter brings its libraries in the folder that has its `bin`.
-        places += [details.executable, program.parents[1] if program.parent.name == "bin" else program]
+        places += map(_installation_of, (details.executable, details.executable.resolve()))
     elif isinstance(details, OuterLoop):
         places += _own_places(details.outer)
     return places
+
+
+def _installation_of(program: Path) -> Path:
+    """Return the folder with a program's libraries, or with what a version manager's shim starts."""
+    folder = program.parent
+    is_part = folder.name in ("bin", "shims") and folder.parent != Path(folder.anchor)
+    return folder.parent if is_part else program

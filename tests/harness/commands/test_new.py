@@ -1,11 +1,13 @@
 """`drivegate new`: a candidate of each kind that works, and whose own test runs."""
 
+import os
 import re
 import shutil
 import subprocess
 import sys
 import tomllib
 from datetime import UTC, datetime, timedelta
+from pathlib import Path
 
 import pytest
 
@@ -76,7 +78,9 @@ def test_every_kind_gives_the_commands_of_the_built_in_line_of_angles(tmp_path, 
     folder = tmp_path / "mine"
     write_candidate(kind, "mine", folder, TODAY)
     if KINDS[kind].build:
-        subprocess.run([*KINDS[kind].build.split(), "--quiet"], cwd=folder, check=True)
+        path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
+        build = [*KINDS[kind].build.split(), "--quiet"]
+        subprocess.run(build, cwd=folder, env=os.environ | {"PATH": path}, check=True)
     candidate = resolve_candidate(str(folder / "candidate.toml"))
     assert candidate.name == "mine"
     # So what `initial` passes and fails is what the new candidate passes and fails.
