@@ -8,7 +8,6 @@ that made a session of their own, so it has killed all of them when it has no ch
 It imports little, so that it is small and starts at once.
 """
 
-import ctypes
 import json
 import os
 import shutil
@@ -21,8 +20,9 @@ from pathlib import Path
 
 from drivegate.isolation.layers import Layer, Places, isolate
 from drivegate.isolation.namespaces import enter_process_namespace
+from drivegate.isolation.system_calls import control_process
 
-_PR_SET_CHILD_SUBREAPER = 36
+_SET_CHILD_SUBREAPER = 36
 _PATIENCE = 10.0
 _BLOCK = 4096
 
@@ -62,7 +62,7 @@ def keep(role: str, isolation: str, temporary: str, *descriptors: str) -> None:
 
 def _adopt_orphans() -> None:
     if sys.platform.startswith("linux"):
-        ctypes.CDLL(None, use_errno=True).prctl(_PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
+        control_process(_SET_CHILD_SUBREAPER, 1)
 
 
 def _become_worker(role: str, temporary: str, descriptors: list[int], keeper: int) -> None:

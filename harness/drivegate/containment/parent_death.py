@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import ctypes
 import os
-import signal
 import sys
 
-_PR_SET_PDEATHSIG = 1
+from drivegate.isolation.system_calls import die_with_parent
 
 
 def end_with_parent(parent: int) -> None:
@@ -16,7 +14,7 @@ def end_with_parent(parent: int) -> None:
     Elsewhere the process ends when it next waits for a message.
     """
     if sys.platform.startswith("linux"):
-        ctypes.CDLL(None, use_errno=True).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
+        die_with_parent()
     # A parent outside of this process's table has the number 0.
     if os.getppid() not in (parent, 0):
         os._exit(1)

@@ -15,7 +15,7 @@ from fcntl import ioctl
 from pathlib import Path
 from typing import Final
 
-from drivegate.isolation.system_calls import SYSTEM, control_process, succeeded, system_call
+from drivegate.isolation.system_calls import SYSTEM, control_process, die_with_parent, succeeded, system_call
 
 DEVICES: Final = ("/dev/null", "/dev/zero", "/dev/full", "/dev/random", "/dev/urandom")
 """Devices that every process may use."""
@@ -65,7 +65,7 @@ def _enter_user_namespace() -> None:
 
 def _reap_for_ever() -> None:
     """Be the first process of a table: do nothing but reap what is left to it, and end with the keeper."""
-    control_process(1, signal.SIGKILL)
+    die_with_parent()
     os.closerange(0, os.sysconf("SC_OPEN_MAX"))
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGCHLD})
     while True:

@@ -3,6 +3,7 @@
 import ctypes
 import os
 import platform
+import signal
 from typing import Final
 
 # Numbers by architecture; those from 424 on are the same everywhere.
@@ -78,6 +79,8 @@ _COMMON: Final = {
 NUMBERS: Final = {**_COMMON, **_NUMBERS.get(platform.machine(), {})}
 """Number of each system call on this machine; without most of them on an architecture that is not listed."""
 
+_SET_DEATH_SIGNAL: Final = 1
+
 SYSTEM: Final = ctypes.CDLL(None, use_errno=True)
 """The C library, whose functions set `errno`."""
 
@@ -101,6 +104,11 @@ def succeeded(result: int, name: str) -> int:
         number = ctypes.get_errno()
         raise OSError(number, os.strerror(number), name)
     return int(result)
+
+
+def die_with_parent() -> None:
+    """Have the kernel kill this process when its parent ends."""
+    control_process(_SET_DEATH_SIGNAL, signal.SIGKILL)
 
 
 def control_process(option: int, *arguments: int) -> int:

@@ -160,7 +160,10 @@ def test_a_worker_of_a_cluster_isolates_as_the_user_requests(
     monkeypatch: pytest.MonkeyPatch, isolation: str
 ) -> None:
     monkeypatch.setenv(layers.ISOLATION_VARIABLE, "auto")
-    task = lambda _package, name: os.environ[name]  # noqa: E731
+
+    def task(_package: bytes, name: str) -> str:
+        return os.environ[name]
+
     done = backend._kept(task, b"", layers.ISOLATION_VARIABLE, None, isolation)
     assert done == (layers.ISOLATION_VARIABLE, isolation)
 

@@ -10,16 +10,15 @@ from drivegate.candidates.elf import processor
 from drivegate.candidates.elf.image import Image, read_image
 from drivegate.candidates.elf.processor import CortexM, TargetFault, step_function
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind, Phase, bounded_line
-from drivegate.candidates.native.controller import RESETS, STEPS, refused_by_reset
-from drivegate.candidates.native.loading import LARGEST_STATE, require_version
+from drivegate.candidates.native.controller import RESETS, STEPS, record_of, refused_by_reset
+from drivegate.candidates.native.loading import COMMON, LARGEST_STATE, require_version
 from drivegate_cases.documents.wording import one_line
-from drivegate_models.contract.current.records import NAMEPLATE, STATE_ALIGNMENT, nameplate_record
-from drivegate_models.contract.duty.records import DUTY_NAMEPLATE, duty_nameplate_record
+from drivegate_models.contract.current.records import NAMEPLATE, STATE_ALIGNMENT
+from drivegate_models.contract.duty.records import DUTY_NAMEPLATE
 from drivegate_models.contract.duty.signals import DutyNameplate
 from drivegate_models.contract.layout import CURRENT, DUTY
 from drivegate_models.errors import HarnessFault, InputError
 
-_COMMON: Final = ("drivegate_abi_version", "drivegate_state_size")
 _PHASES_OF_DUTY: Final = 3
 _CURRENTS_BYTES: Final = 8 * 64
 _LAYOUTS: Final = {"current": CURRENT, "duty": DUTY}
@@ -33,7 +32,7 @@ def load_controller(candidate: Candidate) -> TargetController:
     image = read_image(candidate.sources[0])
     name = one_line(candidate.name)
     contract = _contract_of(image, name)
-    required = (*_COMMON, RESETS[contract], STEPS[contract], *filter(None, (candidate.details.start,)))
+    required = (*COMMON, RESETS[contract], STEPS[contract], *filter(None, (candidate.details.start,)))
     missing = [function for function in required if function not in image.functions]
     if missing:
         raise InputError(
@@ -112,11 +111,7 @@ class TargetController:
     def reset(self, nameplate: AnyNameplate) -> None:
         """Switch the target on again, and have the controller prepare for a run."""
         require_nameplate_of(self._contract, nameplate)
-        record = (
-            duty_nameplate_record(nameplate)
-            if isinstance(nameplate, DutyNameplate)
-            else nameplate_record(nameplate)
-        )
+        record = record_of(nameplate)
         phases = _PHASES_OF_DUTY if isinstance(nameplate, DutyNameplate) else nameplate.phases
         self._words[processor.CURRENTS_BYTES] = 8 * phases
         self._words[processor.ERROR] = 0

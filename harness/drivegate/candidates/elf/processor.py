@@ -164,10 +164,6 @@ class CortexM:
         words[STOP_WORD] = STOP
         return words
 
-    def forget_refused(self) -> None:
-        """Forget an access that was refused before."""
-        self._refused = None
-
     def _note_refused(
         self, _engine: Any, access: int, address: int, _size: int, _value: int, _data: Any
     ) -> bool:

@@ -4,7 +4,7 @@ import ctypes
 from collections.abc import Iterator
 from contextlib import contextmanager
 from ctypes.util import find_library
-from typing import Final, Protocol
+from typing import Any, Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -83,10 +83,7 @@ class NativeController:
     def reset(self, nameplate: AnyNameplate) -> None:
         """Have the candidate prepare for a run; a nameplate of another contract is refused."""
         require_nameplate_of(self.contract, nameplate)
-        if isinstance(nameplate, DutyNameplate):
-            record = duty_nameplate_record(nameplate)
-        else:
-            record = nameplate_record(nameplate)
+        record = record_of(nameplate)
         with same_arithmetic():
             status = self._reset(self.state_address, record.ctypes.data)
         self._fault = self._why_not_reset(status)
@@ -95,6 +92,13 @@ class NativeController:
 
     def _why_not_reset(self, status: int) -> Fault | None:
         return None if status == 0 else refused_by_reset(self.contract, status)
+
+
+def record_of(nameplate: AnyNameplate) -> NDArray[Any]:
+    """Return a nameplate as the record of its contract, shape (1,)."""
+    if isinstance(nameplate, DutyNameplate):
+        return duty_nameplate_record(nameplate)
+    return nameplate_record(nameplate)
 
 
 def refused_by_reset(contract: ContractName, status: int) -> Fault:

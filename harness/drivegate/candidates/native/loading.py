@@ -17,7 +17,9 @@ from drivegate_models.errors import HarnessFault, InputError
 LARGEST_STATE: Final = 64 * 2**20
 """Greatest size of a candidate's state (bytes)."""
 
-_COMMON: Final = ("drivegate_abi_version", "drivegate_state_size")
+COMMON: Final = ("drivegate_abi_version", "drivegate_state_size")
+"""Functions that a compiled controller of any contract has."""
+
 _VERSIONS_IN_ONE: Final = 1000
 
 
@@ -81,7 +83,7 @@ def _loaded(library: Path, name: str) -> tuple[Any, ContractName]:
             f"{name} cannot be loaded: {reason}; link all that it calls, and compile it for this machine"
         ) from error
     contract = _contract_of(functions, name)
-    required = (*_COMMON, RESETS[contract], STEPS[contract])
+    required = (*COMMON, RESETS[contract], STEPS[contract])
     missing = [function for function in required if not hasattr(functions, function)]
     if missing:
         raise InputError(
