@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import LONGEST_TRACEBACK
-from drivegate.containment.candidate_isolation import readable_places
+from drivegate.containment.candidate_isolation import own_places
 from drivegate.containment.kept_process import KeptProcess, Role
 from drivegate.containment.memory_watch import memory_of_descendants
 from drivegate.containment.orders import PACKET, WORD, Order
@@ -61,7 +61,7 @@ class CandidateHandle:
                 descriptors,
                 output=writer,
                 layers=layers,
-                readable=readable_places(candidate) if layers else (),
+                readable=own_places(candidate),
             )
         finally:
             theirs.close()

@@ -4,8 +4,7 @@ from pathlib import Path
 
 from drivegate.candidates.candidate import Candidate, NativeBuild, OuterLoop, Program
 from drivegate.candidates.kinds import KINDS
-from drivegate.isolation.layers import Layer, requested_layers, system_places
-from drivegate_models.compilation.kernels import choose_cache_folder
+from drivegate.isolation.layers import Layer, requested_layers
 
 
 def isolating_layers(candidate: Candidate) -> tuple[Layer, ...] | None:
@@ -13,15 +12,12 @@ def isolating_layers(candidate: Candidate) -> tuple[Layer, ...] | None:
     return None if KINDS[candidate.kind].comes_along else requested_layers()
 
 
-def readable_places(candidate: Candidate) -> tuple[str, ...]:
-    """Return the files and folders that a candidate's process may read."""
-    kernels = choose_cache_folder()
-    own = [str(place.absolute()) for place in _own_places(candidate)]
-    return (*system_places(), *own, *([] if kernels is None else [str(kernels)]))
+def own_places(candidate: Candidate) -> tuple[str, ...]:
+    """Return the files and folders that a candidate consists of, with what a program of an installation needs."""
+    return tuple(str(place.absolute()) for place in _own_places(candidate))
 
 
 def _own_places(candidate: Candidate) -> list[Path]:
-    """List what a candidate consists of, with what a program of an installation needs."""
     places = [candidate.folder, *candidate.sources]
     details = candidate.details
     if isinstance(details, NativeBuild):

@@ -8,7 +8,6 @@ that made a session of their own, so it has killed all of them when it has no ch
 It imports little, so that it is small and starts at once.
 """
 
-import json
 import os
 import shutil
 import signal
@@ -18,7 +17,7 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
-from drivegate.isolation.layers import Layer, Places, isolate
+from drivegate.isolation.layers import Layer, isolate, read_order
 from drivegate.isolation.namespaces import enter_process_namespace
 from drivegate.isolation.system_calls import control_process
 
@@ -34,14 +33,14 @@ def keep(role: str, isolation: str, temporary: str, *descriptors: str) -> None:
     on its standard output the worker's process id, and at the end its exit status, negative for a signal.
     """
     _adopt_orphans()
-    layers, readable, writable = json.loads(isolation)
+    layers, places = read_order(isolation)
     if Layer.NAMESPACES in layers:
         enter_process_namespace()
     keeper = os.getpid()
     worker = os.fork()
     if worker == 0:
         os.setsid()
-        isolate(tuple(map(Layer, layers)), Places(tuple(readable), tuple(writable)))
+        isolate(layers, places)
         _become_worker(role, temporary, [int(descriptor) for descriptor in descriptors], keeper)
         return
     status = None

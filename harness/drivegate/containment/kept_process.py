@@ -1,10 +1,8 @@
 """A process of the harness or of a candidate, with its keeper, as it is started and ended."""
 
-import json
 import os
 import signal
 import subprocess
-import sys
 import time
 from contextlib import suppress
 from enum import StrEnum
@@ -14,13 +12,9 @@ import psutil
 
 from drivegate.containment.environment import worker_environment
 from drivegate.containment.temporary_folder import TemporaryFolder
-from drivegate.isolation.layers import Layer
+from drivegate.isolation.layers import Layer, Places, python_command, written_order
 from drivegate_models.compilation.kernels import choose_cache_folder
 
-_BOOTSTRAP = (
-    "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
-    "from drivegate.containment.keeper import keep; keep(*sys.argv[2:])"
-)
 _KEEPER_PATIENCE = 20.0
 _PATIENCE = 3.0
 
@@ -51,16 +45,17 @@ class KeptProcess:
         self._owner = os.getpid()
         self._temporary = TemporaryFolder()
         self._reported = b""
-        # The import path is that of the harness, whatever the folder holds.
-        paths = json.dumps([str(Path(place).absolute()) for place in sys.path])
-        isolation = json.dumps([layers, readable, [str(self._temporary.path)]])
-        arguments = [role.value, isolation, str(self._temporary.path), *map(str, descriptors)]
+        temporary = str(self._temporary.path)
         environment = None
         if role is Role.CANDIDATE:
-            environment = worker_environment(os.environ, self._temporary.path, choose_cache_folder())
+            kernels = choose_cache_folder()
+            environment = worker_environment(os.environ, self._temporary.path, kernels)
+            readable = readable if kernels is None else (*readable, str(kernels))
+        order = written_order(layers, Places(readable, (temporary,)))
+        words = (role.value, order, temporary, *map(str, descriptors))
         try:
             self._keeper = subprocess.Popen(
-                [sys.executable, "-P", "-c", _BOOTSTRAP, paths, *arguments],
+                python_command("drivegate.containment.keeper", "keep", *words),
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=output,

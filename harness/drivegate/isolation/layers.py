@@ -79,10 +79,6 @@ class Layer(StrEnum):
 
 _PATIENCE: Final = 20.0
 _SET_DUMPABLE: Final = 4
-_BECOME: Final = (
-    "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
-    "from drivegate.isolation.layers import become_isolated; become_isolated(sys.argv[2], sys.argv[3:])"
-)
 
 
 @dataclass(frozen=True)
@@ -170,16 +166,37 @@ def isolated_command(words: Sequence[str], layers: Sequence[Layer], places: Plac
     places : Places
         What it can use, next to what every program may read.
     """
+    return python_command(
+        "drivegate.isolation.layers", "become_isolated", written_order(layers, places), *words
+    )
+
+
+def python_command(module: str, function: str, *words: str) -> list[str]:
+    """Return the command that calls a function with words, in a Python with the import path of this one."""
+    call = (
+        "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
+        f"from {module} import {function}; {function}(*sys.argv[2:])"
+    )
+    # The import path is that of this process, whatever the folder holds in which the other one starts.
     paths = json.dumps([str(Path(place).absolute()) for place in sys.path])
-    readable = (*system_places(), *places.readable)
-    order = json.dumps([list(layers), readable, places.writable])
-    return [sys.executable, "-P", "-c", _BECOME, paths, order, *words]
+    return [sys.executable, "-P", "-c", call, paths, *words]
 
 
-def become_isolated(order: str, words: list[str]) -> None:
-    """Isolate this process, and execute a program in its place; this is the inside of `isolated_command`."""
+def written_order(layers: Sequence[Layer], places: Places) -> str:
+    """Write what isolates a process, and what it can use next to what every program may read."""
+    readable = (*system_places(), *places.readable) if layers else ()
+    return json.dumps([list(layers), readable, places.writable])
+
+
+def read_order(order: str) -> tuple[tuple[Layer, ...], Places]:
+    """Read what `written_order` wrote."""
     layers, readable, writable = json.loads(order)
-    layers = tuple(map(Layer, layers))
+    return tuple(map(Layer, layers)), Places(tuple(readable), tuple(writable))
+
+
+def become_isolated(order: str, *words: str) -> None:
+    """Isolate this process, and execute a program in its place; this is the inside of `isolated_command`."""
+    layers, places = read_order(order)
     if Layer.NAMESPACES in layers:
         enter_process_namespace()
         program = os.fork()
@@ -187,7 +204,7 @@ def become_isolated(order: str, words: list[str]) -> None:
             # A shell reports the end by a signal in the same way.
             status = os.waitstatus_to_exitcode(os.waitpid(program, 0)[1])
             os._exit(status if status >= 0 else 128 - status)
-    isolate(layers, Places(tuple(readable), tuple(writable)))
+    isolate(layers, places)
     # Python ignores these, and the program would too.
     for ignored in (signal.SIGPIPE, signal.SIGXFSZ):
         signal.signal(ignored, signal.SIG_DFL)

@@ -49,14 +49,15 @@ _REGISTERS: Final = (
 )
 _R0, _R1, _R2, _SP, _LR = _REGISTERS
 _FLOATING_POINT_ON: Final = 0x40000000
-_VERBS: Final = {
-    unicorn.UC_MEM_READ_UNMAPPED: "reads",
-    unicorn.UC_MEM_WRITE_UNMAPPED: "writes to",
-    unicorn.UC_MEM_FETCH_UNMAPPED: "jumps to",
-    unicorn.UC_MEM_WRITE_PROT: "writes to the read-only",
-    unicorn.UC_MEM_READ_PROT: "reads the unreadable",
-    unicorn.UC_MEM_FETCH_PROT: "executes the data at",
+_ACCESSES: Final = {
+    unicorn.UC_MEM_READ_UNMAPPED: "reads address {}, where the target has no memory,",
+    unicorn.UC_MEM_WRITE_UNMAPPED: "writes to address {}, where the target has no memory,",
+    unicorn.UC_MEM_FETCH_UNMAPPED: "jumps to address {}, where the target has no memory,",
+    unicorn.UC_MEM_WRITE_PROT: "writes to the read-only address {}",
+    unicorn.UC_MEM_READ_PROT: "reads the unreadable address {}",
+    unicorn.UC_MEM_FETCH_PROT: "executes the data at address {}",
 }
+"""What an access that is refused does, by its kind; those are all kinds of the hook."""
 
 
 class TargetFault(Exception):
@@ -148,9 +149,7 @@ class CortexM:
             access, address = self._refused
             if self._base + _STACK - STACK_BYTES <= address < self._base + _STACK:
                 return f"uses more than {STACK_BYTES // 1024} KiB of stack {place}"
-            verb = _VERBS.get(access, "uses")
-            ending = "" if "the " in verb else ", where the target has no memory,"
-            return f"{verb} address {hexadecimal(address)}{ending} {place}"
+            return f"{_ACCESSES[access].format(hexadecimal(address))} {place}"
         if error == unicorn.UC_ERR_INSN_INVALID:
             return f"executes what is no instruction of this processor {place}"
         return f"raises an exception of the processor {place} ({unicorn.UcError(error)})"
