@@ -1,17 +1,21 @@
 """The manifest `candidate.toml`: what a candidate is made of, and what it declares of itself."""
 
 from math import radians
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from drivegate.candidates.candidate import existing_file
 from drivegate.candidates.contract import ContractName
 from drivegate.candidates.declaration import Declaration, FlowchartProfile
 from drivegate.candidates.kinds import KINDS
 from drivegate_cases.documents.document import Document, Section
+from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_cases.drive.drive_reference import DriveReference
 from drivegate_cases.scenario.failure_kind import FailureKind
 from drivegate_cases.scenario.reference import Reference
+from drivegate_models.errors import InputError
 from drivegate_models.units import RADIANS_PER_RPM
 
 # A type checker cannot read a Literal that is made of the registry.
@@ -193,6 +197,16 @@ class Manifest(Document):
         if self.speed_range_rpm is not None and self.speed_range_rpm[0] >= self.speed_range_rpm[1]:
             raise ValueError("the key 'speed_range_rpm' must give the lowest speed first, then a higher one")
         return self
+
+    def files(self, specification: str, folder: Path) -> tuple[Path, tuple[Path, ...]]:
+        """Find the file that the entry is, whose suffix is the kind's, and the further sources."""
+        if Path(self.entry).suffix.lower() != KINDS[self.kind].suffix:
+            raise InputError(
+                f"{shown_path(specification)}: the key 'entry' is '{one_line(self.entry)}', but for the kind "
+                f"'{self.kind}' must be a file *{KINDS[self.kind].suffix}"
+            )
+        file = existing_file(folder / self.entry)
+        return file, tuple(existing_file(folder / source) for source in self.sources)
 
     def declaration(self) -> Declaration:
         """What the candidate declares of itself, in SI units."""

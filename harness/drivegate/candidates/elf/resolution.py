@@ -5,22 +5,19 @@ from __future__ import annotations
 from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
-from struct import Struct
 from typing import TYPE_CHECKING, Final
 
 from drivegate.candidates.candidate import Candidate, Target, existing_file, hash_of
 from drivegate.candidates.declaration import Declaration
-from drivegate.candidates.native.resolution import contract_served
-from drivegate_cases.documents.wording import one_line, shown_path
+from drivegate.candidates.native.resolution import contract_served, elf_header
+from drivegate_cases.documents.wording import shown_path
 from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
     from drivegate.candidates.manifest import Manifest
 
-_SUFFIX: Final = ".elf"
-# Magic, class, byte order, then type and machine (System V ABI, "ELF Header").
-_HEADER: Final = Struct("<4sBB10sHH")
-_MAGIC, _32_BITS, _LITTLE_ENDIAN, _EXECUTABLE, _ARM = b"\x7fELF", 1, 1, 2, 40
+_CORTEX_M: Final = (1, 1, 2, 40)
+"""Word size, byte order, kind and machine of a linked image for Arm, as an ELF header has them."""
 
 
 def from_text(specification: str) -> Candidate:
@@ -31,13 +28,7 @@ def from_text(specification: str) -> Candidate:
 
 def from_manifest(manifest: Manifest, specification: str, folder: Path) -> Candidate:
     """Find the image that a manifest describes."""
-    if Path(manifest.entry).suffix.lower() != _SUFFIX:
-        raise InputError(
-            f"{shown_path(specification)}: the key 'entry' is '{one_line(manifest.entry)}', but for the kind 'elf' "
-            f"must be a file *{_SUFFIX}"
-        )
-    file = existing_file(folder / manifest.entry)
-    further = tuple(existing_file(folder / source) for source in manifest.sources)
+    file, further = manifest.files(specification, folder)
     target = Target(manifest.start, manifest.ram)
     return _candidate(manifest.name, specification, file, further, manifest.declaration(), target)
 
@@ -65,12 +56,10 @@ def _candidate(
 
 
 def _require_cortex_m(file: Path) -> None:
-    with file.open("rb") as stream:
-        header = stream.read(_HEADER.size)
-    if len(header) < _HEADER.size or not header.startswith(_MAGIC):
+    header = elf_header(file)
+    if header is None:
         raise InputError(f"{shown_path(file)} is no ELF image; name what the linker wrote, before objcopy")
-    _, word_size, order, _, kind, machine = _HEADER.unpack(header)
-    if (word_size, order, kind, machine) != (_32_BITS, _LITTLE_ENDIAN, _EXECUTABLE, _ARM):
+    if (header.word_size, header.byte_order, header.kind, header.machine) != _CORTEX_M:
         raise InputError(
             f"{shown_path(file)} is no linked image of 32 bits for Arm, little-endian; link it for Cortex-M, "
             "for example with arm-none-eabi-gcc -mcpu=cortex-m4 -mthumb"

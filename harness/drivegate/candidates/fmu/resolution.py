@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 from drivegate.candidates.candidate import Candidate, existing_file, hash_of
 from drivegate.candidates.declaration import Declaration
-from drivegate_cases.documents.wording import one_line, shown_path
-from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
     from drivegate.candidates.manifest import Manifest
-
-_SUFFIX: Final = ".fmu"
 
 
 def from_text(specification: str) -> Candidate:
@@ -24,13 +20,7 @@ def from_text(specification: str) -> Candidate:
 
 def from_manifest(manifest: Manifest, specification: str, folder: Path) -> Candidate:
     """Find the FMU that a manifest describes."""
-    if Path(manifest.entry).suffix.lower() != _SUFFIX:
-        raise InputError(
-            f"{shown_path(specification)}: the key 'entry' is '{one_line(manifest.entry)}', but for the kind 'fmu' "
-            f"must be a file *{_SUFFIX}"
-        )
-    file = existing_file(folder / manifest.entry)
-    further = tuple(existing_file(folder / source) for source in manifest.sources)
+    file, further = manifest.files(specification, folder)
     return _candidate(manifest.name, specification, file, further, manifest.declaration())
 
 

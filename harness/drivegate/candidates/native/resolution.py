@@ -8,7 +8,7 @@ import re
 import struct
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 from drivegate.candidates.candidate import Candidate, NativeBuild, existing_file, hash_of
 from drivegate.candidates.contract import ContractName
@@ -20,9 +20,8 @@ from drivegate_models.errors import InputError
 if TYPE_CHECKING:
     from drivegate.candidates.manifest import Manifest
 
-# The beginning of an ELF file: magic, class, byte order, then type and machine (System V ABI, "ELF Header").
 _MAGIC: Final = b"\x7fELF"
-_HEADER: Final = struct.Struct("<16sHH")
+_HEADER: Final = struct.Struct("<4sBB10sHH")
 _SHARED: Final = 3
 _MACHINES: Final = {
     3: "i686",
@@ -164,33 +163,53 @@ def contract_served(library: Path) -> ContractName | None:
     return served[0] if len(served) == 1 else None
 
 
-def _check_shared_library(file: Path) -> None:
-    """Refuse a file that is no shared library for this machine."""
-    if not sys.platform.startswith("linux"):
-        return
+class ElfHeader(NamedTuple):
+    """The beginning of an ELF file (System V ABI, "ELF Header")."""
+
+    magic: bytes
+    word_size: int
+    """1 for 32 bits, 2 for 64."""
+    byte_order: int
+    """1 for little-endian."""
+    identification: bytes
+    kind: int
+    """2 for an executable, 3 for a shared object."""
+    machine: int
+    """Number of the processor's architecture."""
+
+
+def elf_header(file: Path) -> ElfHeader | None:
+    """Read the beginning of an ELF file; None for a file of another kind."""
     try:
         with file.open("rb") as stream:
-            header = stream.read(_HEADER.size)
+            beginning = stream.read(_HEADER.size)
     except OSError as error:
         raise InputError(
             f"{shown_path(file)} cannot be read: {error.strerror}; name a readable file"
         ) from error
-    problem = _problem(header)
+    is_elf = len(beginning) == _HEADER.size and beginning.startswith(_MAGIC)
+    return ElfHeader._make(_HEADER.unpack(beginning)) if is_elf else None
+
+
+def _check_shared_library(file: Path) -> None:
+    """Refuse a file that is no shared library for this machine."""
+    if not sys.platform.startswith("linux"):
+        return
+    problem = _problem(elf_header(file))
     if problem:
         raise InputError(f"{shown_path(file)} {problem}; compile it on this machine with cc -shared -fPIC")
 
 
-def _problem(header: bytes) -> str:
-    if len(header) < _HEADER.size or not header.startswith(_MAGIC):
+def _problem(header: ElfHeader | None) -> str:
+    if header is None:
         return "is no shared library"
-    identification, kind, machine = _HEADER.unpack(header)
-    word_size, order = identification[4], identification[5]
     here = platform.machine().lower()
     here = _OTHER_NAMES.get(here, here)
-    there = _MACHINES.get(machine, f"machine {machine}")
-    if word_size != 2 or order != 1:
-        bits, end = ("32-bit" if word_size == 1 else "64-bit"), ("little" if order == 1 else "big")
+    there = _MACHINES.get(header.machine, f"machine {header.machine}")
+    if header.word_size != 2 or header.byte_order != 1:
+        bits = "32-bit" if header.word_size == 1 else "64-bit"
+        end = "little" if header.byte_order == 1 else "big"
         return f"is {bits} and {end}-endian, but this machine is {here}"
     if there != here:
         return f"is compiled for {there}, but this machine is {here}"
-    return "" if kind == _SHARED else "is compiled code, but no shared library"
+    return "" if header.kind == _SHARED else "is compiled code, but no shared library"
