@@ -188,8 +188,9 @@ ATTACKS = (
     # Code that runs later.
     Attack(
         "writes into the folder of compiled kernels",
-        'Path(scene["kernels"], "attack").write_text("x")',
-        lambda scene: (scene.kernels / "attack").exists(),
+        # The folder is shared with other tests: the file is told from theirs by the victim's number.
+        'Path(scene["kernels"], f"attack-{victim}").write_text("x")',
+        lambda scene: (scene.kernels / f"attack-{scene.victim.pid}").exists(),
     ),
     Attack(
         "opens compiled kernels for writing",
@@ -426,7 +427,7 @@ def _scene() -> Iterator[Scene]:
             yield scene
         finally:
             victim.kill()
-            (scene.kernels / "attack").unlink(missing_ok=True)
+            (scene.kernels / f"attack-{scene.victim.pid}").unlink(missing_ok=True)
             Path("/dev/shm", _left(scene)).unlink(missing_ok=True)
             _remove_queue(_key(scene))
 
