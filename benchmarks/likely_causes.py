@@ -62,8 +62,8 @@ def main(names: list[str]) -> None:
             causes = "; ".join(cause.words for cause in likely_causes(failed)) or "none"
             sys.stdout.write(f"{name}: {' '.join(sorted(signs_of(failed)))} -> {causes}\n")
         faults, first, any_of_two = counted(failures)
-        told = {"drive": drive.name, "faults": faults, "named_first": first, "named": any_of_two}
-        sys.stdout.write(f"{json.dumps(told)}\n")
+        counts = {"drive": drive.name, "faults": faults, "named_first": first, "named": any_of_two}
+        sys.stdout.write(f"{json.dumps(counts)}\n")
 
 
 if __name__ == "__main__":

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from collections.abc import Callable
 from math import inf, isfinite, nan
@@ -47,19 +46,10 @@ workers_option = click.option(
 
 def _request_isolation(context: click.Context, _option: click.Parameter, value: str | None) -> None:
     """Set what isolates candidates for as long as the command runs."""
-    from drivegate.isolation.layers import ISOLATION_VARIABLE
+    from drivegate.isolation.layers import isolation_requested
 
-    if value is None:
-        return
-    before = os.environ.get(ISOLATION_VARIABLE)
-    os.environ[ISOLATION_VARIABLE] = value
-    context.call_on_close(
-        lambda: (
-            os.environ.pop(ISOLATION_VARIABLE)
-            if before is None
-            else os.environ.__setitem__(ISOLATION_VARIABLE, before)
-        )
-    )
+    if value is not None:
+        context.with_resource(isolation_requested(value))
 
 
 isolation_option = click.option(

@@ -8,7 +8,8 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cache
@@ -98,6 +99,20 @@ def system_places() -> tuple[str, ...]:
     python = (sys.prefix, sys.base_prefix, sys.exec_prefix, sys.base_exec_prefix, *sys.path, *packages)
     further = os.environ.get(READ_VARIABLE, "").split(os.pathsep)
     return (*_SYSTEM, *(str(Path(place).absolute()) for place in (*python, *further) if place))
+
+
+@contextmanager
+def isolation_requested(value: str) -> Iterator[None]:
+    """Request an isolation for as long as the context lasts, in this process and in those that it starts."""
+    before = os.environ.get(ISOLATION_VARIABLE)
+    os.environ[ISOLATION_VARIABLE] = value
+    try:
+        yield
+    finally:
+        if before is None:
+            os.environ.pop(ISOLATION_VARIABLE, None)
+        else:
+            os.environ[ISOLATION_VARIABLE] = before
 
 
 def requested_layers() -> tuple[Layer, ...]:

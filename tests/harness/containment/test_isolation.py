@@ -168,6 +168,18 @@ def test_a_worker_of_a_cluster_isolates_as_the_user_requests(
     assert done == (layers.ISOLATION_VARIABLE, isolation)
 
 
+@pytest.mark.parametrize("before", [None, "auto"])
+def test_a_command_requests_isolation_for_itself_alone(
+    monkeypatch: pytest.MonkeyPatch, before: str | None
+) -> None:
+    monkeypatch.delenv(layers.ISOLATION_VARIABLE, raising=False)
+    if before is not None:
+        monkeypatch.setenv(layers.ISOLATION_VARIABLE, before)
+    with layers.isolation_requested("none"):
+        assert requested_layers() == ()
+    assert os.environ.get(layers.ISOLATION_VARIABLE) == before
+
+
 def test_a_source_in_c_takes_in_no_file_of_the_machine(
     tmp_path: Path, tmp_path_factory: pytest.TempPathFactory
 ) -> None:

@@ -12,7 +12,7 @@ from typing import Any, Final
 
 MOST_NAMED: Final = 2
 """Causes that are named at most."""
-_LEAST_ALIKE: Final = 0.3
+_LEAST_AGREEMENT: Final = 0.3
 """Least agreement of failed checks with those of a cause that is named (1)."""
 
 
@@ -207,8 +207,8 @@ def _signs(check: str, measured: str) -> Iterator[str]:
 def likely_causes(checks: Iterable[Mapping[str, Any]]) -> tuple[LikelyCause, ...]:
     """Return the causes whose signs agree best with those of failed checks, the likeliest first."""
     shown = signs_of(checks)
-    alike = [(_agreement(cause.signs, shown), cause) for cause in LIKELY_CAUSES]
-    known = sorted((pair for pair in alike if pair[0] >= _LEAST_ALIKE), key=lambda pair: -pair[0])
+    rated = [(_agreement(cause.signs, shown), cause) for cause in LIKELY_CAUSES]
+    known = sorted((pair for pair in rated if pair[0] >= _LEAST_AGREEMENT), key=lambda pair: -pair[0])
     return tuple(cause for _, cause in known[:MOST_NAMED])
 
 

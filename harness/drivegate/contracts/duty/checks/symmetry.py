@@ -32,8 +32,8 @@ def _differences(record: DutyRecord, window: DutyWindow, forward: DutyWindow) ->
         ("q current", "A", window.quadrature, -forward.quadrature, limit),
     )
     for name, unit, own, other, whole in measured:
-        told = f"{name} {own:.4g} {unit}, {other:.4g} {unit} by the run forward, {at(window)}"
-        yield Margin("SYM-1", at_most(abs(own - other), MIRROR_SHARE * whole), told)
+        words = f"{name} {own:.4g} {unit}, {other:.4g} {unit} by the run forward, {at(window)}"
+        yield Margin("SYM-1", at_most(abs(own - other), MIRROR_SHARE * whole), words)
 
 
 SYM_1 = Check(
