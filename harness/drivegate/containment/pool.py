@@ -1,7 +1,7 @@
 """Doing many jobs with one candidate in several processes; the results do not depend on how many."""
 
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from multiprocessing.connection import wait
 from types import TracebackType
 from typing import Any, Generic, Self
@@ -20,7 +20,11 @@ _LOOK_EVERY = 0.25
 
 
 class WorkEnded(Exception):
-    """Somebody has requested that work ends with what is known so far."""
+    """Work ends with what is known so far: by index, the outcomes that have not been yielded."""
+
+    def __init__(self, outcomes: Mapping[int, Any] | None = None) -> None:
+        super().__init__()
+        self.outcomes = dict(outcomes or {})
 
 
 class WorkerPool:
@@ -104,7 +108,8 @@ class _Schedule(Generic[ResultT]):
     def outcome(self, index: int) -> ResultT | Fault:
         while index not in self._outcomes:
             if self._is_ended():
-                raise WorkEnded
+                self._collect()
+                raise WorkEnded(self._outcomes)
             self._dispatch()
             wait(self._waitables(), _LOOK_EVERY)
             self._collect()

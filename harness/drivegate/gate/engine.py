@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable, Generator, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import astuple, dataclass, field, replace
 from datetime import UTC, datetime
 from typing import Any, Final
@@ -64,6 +65,8 @@ _TELLING: Final = frozenset(
     if check.level == "required" and check.subject == "candidate" and not check.volatile
 )
 """Checks whose margins progress tells; one of 0 that is met is a clamped command's."""
+_GRACE_SECONDS: Final = 2.0
+"""How long work that has begun may go on after the time has run out."""
 _VOLATILE: Final = frozenset(check.id for check in all_checks().values() if check.volatile)
 
 
@@ -80,6 +83,15 @@ class _Progress:
     complete: bool = True
     stopped: bool = False
     incomplete: str | None = None
+
+    def is_overdue(self) -> bool:
+        """Return True if work that has begun must end."""
+        return self.deadline is not None and time.monotonic() > self.deadline + _GRACE_SECONDS
+
+    def end(self) -> None:
+        """Note that work was ended; if it was not for the time, for a request."""
+        if not self.cuts_short():
+            self.incomplete = "interrupted"
 
     def add(self, work: Work, outcome: ShardOutcome | Fault) -> None:
         if isinstance(outcome, Fault):
@@ -165,11 +177,6 @@ def check_candidate(
     )
     how = CheckPlan(judged_on, _drive_from(candidate, drive), effort, seed, count, isolation)
     yield CheckStarted(candidate.name, sum(item.runs for item in work), how)
-    kinds = uncompiled_kinds([judged_on])
-    if kinds:
-        yield Compiling(kinds)
-        compile_kernels(kinds)
-
     waived = {waiver.check for waiver in waivers if waiver.candidate == candidate.name}
     counting = (
         frozenset(
@@ -182,14 +189,24 @@ def check_candidate(
     progress = _Progress(None if max_time is None else began + max_time, focus, counting)
     traces: tuple[dict[str, list[float]], ...] = ()
     behaviour: dict[str, Any] | None = None
-    with WorkerPool(candidate, workers=count, on_slow=on_slow, is_ended=is_ended) as pool:
+
+    def ends() -> bool:
+        return is_ended() or progress.is_overdue()
+
+    kinds = uncompiled_kinds([judged_on])
+    if kinds:
+        yield Compiling(kinds)
+        with suppress(WorkEnded):
+            compile_kernels(kinds, ends)
+    with WorkerPool(candidate, workers=count, on_slow=on_slow, is_ended=ends) as pool:
         yield Running()
         try:
             yield from _run_all(pool, work, progress)
             if progress.complete and not progress.cuts_short():
                 _repeat(pool, progress)
         except WorkEnded:
-            progress.complete, progress.incomplete = False, "interrupted"
+            progress.complete = False
+            progress.end()
         runs = progress.all_runs
         judged = check_outcomes(
             runs,
@@ -207,7 +224,7 @@ def check_candidate(
             outcomes, traces = _record(pool, outcomes, progress)
             behaviour = _behave(pool, judged_on, candidate.declaration, outcomes, progress)
         except WorkEnded:
-            progress.incomplete = "interrupted"
+            progress.end()
     for outcome in outcomes:
         if outcome.id == REPEATED and outcome.verdict == "fail":
             message = f"the same scenario was answered differently when it was repeated: {outcome.measured}"
@@ -239,7 +256,8 @@ def _drive_from(candidate: Candidate, named: DriveDocument | None) -> DriveFrom:
 
 def _run_all(pool: WorkerPool, work: Sequence[Work], progress: _Progress) -> Iterator[Event]:
     planned = sum(item.runs for item in work)
-    outcomes = pool.map([item.job for item in work])
+    mapped = pool.map([item.job for item in work])
+    outcomes = _saved(mapped, work, progress)
     done = 0
     for item, outcome in zip(work, outcomes, strict=True):
         progress.add(item, outcome)
@@ -252,6 +270,18 @@ def _run_all(pool: WorkerPool, work: Sequence[Work], progress: _Progress) -> Ite
         if progress.stopped or (done < planned and progress.cuts_short()):
             progress.complete = False
             break
+
+
+def _saved(
+    outcomes: Iterator[ShardOutcome | Fault], work: Sequence[Work], progress: _Progress
+) -> Iterator[ShardOutcome | Fault]:
+    """Pass outcomes on; when work ends, add those that wait for an earlier one."""
+    try:
+        yield from outcomes
+    except WorkEnded as ended:
+        for index, outcome in sorted(ended.outcomes.items()):
+            progress.add(work[index], outcome)
+        raise
 
 
 def _repeat(pool: WorkerPool, progress: _Progress) -> None:
@@ -278,13 +308,17 @@ def _shrink(
     if shrinking:
         yield Shrinking("", 0, len(shrinking))
         endings = pool.map([failure.job(effort) for failure in shrinking])
-        for failure, ending in zip(shrinking, endings, strict=True):
-            shrunk[failure.check] = ending
-            if isinstance(ending, Fault):
-                progress.add_fault(ending)
-            yield Shrinking(failure.check, len(shrunk), len(shrinking))
-            if len(shrunk) < len(shrinking) and progress.cuts_short():
-                break
+        try:
+            for failure, ending in zip(shrinking, endings, strict=True):
+                shrunk[failure.check] = ending
+                if isinstance(ending, Fault):
+                    progress.add_fault(ending)
+                yield Shrinking(failure.check, len(shrunk), len(shrinking))
+                if len(shrunk) < len(shrinking) and progress.cuts_short():
+                    break
+        except WorkEnded as ended:
+            shrunk |= {shrinking[index].check: ending for index, ending in ended.outcomes.items()}
+            progress.end()
     return tuple(with_simplest(outcome, failures, shrunk) for outcome in outcomes)
 
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Collection, Iterable
+from collections.abc import Callable, Collection, Iterable
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 
 from drivegate.candidates.fault import Fault
 from drivegate.candidates.resolution import resolve_candidate
@@ -46,22 +47,23 @@ def compile_missing(drives: Iterable[DriveDocument | None] = (None,)) -> None:
         compile_kernels(kinds)
 
 
-def compile_kernels(kinds: Collection[str]) -> None:
+def compile_kernels(kinds: Collection[str], is_ended: Callable[[], bool] = lambda: False) -> None:
     """Compile every kernel of some kinds of drives in processes of their own, and note that it is done.
 
-    The kinds are compiled side by side: what one has in common with another is little beside what is its own.
+    The kinds are compiled at the same time: they have little in common. `WorkEnded` is raised once `is_ended` returns
+    True.
     """
     for refusal in refused_cache_folders():
         _log.warning("compiled code is stored elsewhere, since %s", refusal)
     with ThreadPoolExecutor() as together:
         # Taking the results raises what has gone wrong.
-        list(together.map(_compile_kind, kinds))
+        list(together.map(partial(_compile_kind, is_ended=is_ended), kinds))
     folder = required_cache_folder()
     for kind in kinds:
         (folder / f"{MARKER}-{kind}").touch()
 
 
-def _compile_kind(kind: str) -> None:
+def _compile_kind(kind: str, *, is_ended: Callable[[], bool]) -> None:
     """Compile the oracle of a kind beside all else.
 
     What both need comes early in the one and late in the other, which finds it compiled by then: the phase in the
@@ -69,7 +71,7 @@ def _compile_kind(kind: str) -> None:
     """
     candidate = resolve_candidate(_contract(kind).usual_candidate)
     rounds = ((_use_oracle, _use_closed_loop, _use_steady_state), (_judge_a_run,))
-    with WorkerPool(candidate, workers=2) as pool:
+    with WorkerPool(candidate, workers=2, is_ended=is_ended) as pool:
         for targets in rounds:
             for outcome in pool.map([Job(target, kind) for target in targets]):
                 if isinstance(outcome, Fault):

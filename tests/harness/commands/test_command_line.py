@@ -217,14 +217,14 @@ def ended_by(ending, folder):
     return document
 
 
-@pytest.mark.parametrize("ending", [signal.SIGINT, signal.SIGHUP])
-def test_a_check_that_is_interrupted_exits_with_130_and_leaves_nothing(tmp_path, ending):
-    ended_by(ending, tmp_path)
+def test_a_check_whose_terminal_is_closed_exits_with_130_and_leaves_nothing(tmp_path):
+    ended_by(signal.SIGHUP, tmp_path)
     assert list(tmp_path.iterdir()) == [], "an interrupted check leaves no folder behind"
 
 
-def test_a_check_that_is_terminated_exits_with_130_and_leaves_what_it_knows(tmp_path):
-    document = ended_by(signal.SIGTERM, tmp_path)
+@pytest.mark.parametrize("ending", [signal.SIGINT, signal.SIGTERM])
+def test_a_check_that_is_terminated_exits_with_130_and_leaves_what_it_knows(tmp_path, ending):
+    document = ended_by(ending, tmp_path)
     assert [path.name for path in tmp_path.iterdir()] == ["drivegate-report"], "nothing unfinished stays"
     folder = tmp_path / "drivegate-report"
     assert not list(folder.rglob("*.partial"))

@@ -306,43 +306,47 @@ def _folder_name(name: str, taken: set[str]) -> str:
 
 
 class Termination:
-    """Whether SIGTERM came, and what it does now."""
+    """Whether SIGTERM or Ctrl-C came, and what they do now.
+
+    Some systems end a job with SIGINT and send SIGTERM soon after. Therefore only a second SIGINT ends a check at once.
+    """
 
     def __init__(self) -> None:
         self._is_requested = False
         self._is_deferred = False
 
     def is_requested(self) -> bool:
-        """Return True if SIGTERM came while a check could end by itself."""
+        """Return True if a signal came while a check could end by itself."""
         return self._is_requested
 
     def following(self, events: Iterable[Event]) -> Iterator[Event]:
-        """Pass the events of a check on, and defer SIGTERM from its first run on."""
+        """Pass the events of a check on, and defer both signals from its first run on."""
         for event in events:
             self._is_deferred |= isinstance(event, Running)
             yield event
 
     def end(self) -> None:
-        """Answer SIGTERM as Ctrl-C again."""
+        """Interrupt at once again."""
         self._is_deferred = False
 
     def _answer(self, number: int, frame: FrameType | None) -> None:
-        if not self._is_deferred:
+        is_repeated = number == signal.SIGINT and self._is_requested
+        if is_repeated or not self._is_deferred:
             signal.default_int_handler(number, frame)
         self._is_requested = True
 
 
 @contextmanager
 def _termination() -> Iterator[Termination]:
-    """Answer SIGTERM as long as the context lasts, unless it is ignored; only the main thread can."""
+    """Answer signals as long as the context lasts, unless they are ignored; only the main thread can."""
     made = Termination()
+    former = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGINT)}
     is_main = threading.current_thread() is threading.main_thread()
-    former = signal.getsignal(signal.SIGTERM)
-    if not is_main or former in (signal.SIG_IGN, None):
-        yield made
-        return
-    signal.signal(signal.SIGTERM, made._answer)
+    answered = [number for number in former if is_main and former[number] not in (signal.SIG_IGN, None)]
+    for number in answered:
+        signal.signal(number, made._answer)
     try:
         yield made
     finally:
-        signal.signal(signal.SIGTERM, former)
+        for number in answered:
+            signal.signal(number, former[number])
