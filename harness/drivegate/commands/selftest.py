@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 ALL_SEEDS = 1000
 MOST_DRIVES = 10_000
 OUTPUT = Path("drivegate-selftest")
-DRAWN = ("half-bridge", "pm-ac")
+DRAWN = ("half-bridge", "star", "pm-ac")
 """Kinds of drives that are drawn, the default one first; named here since their bundles take long to import."""
 
 

@@ -53,6 +53,9 @@ class Witness:
     knows_plant: bool = False
     """Whether it knows more of the drive than its nameplate states, so that it shows what is possible, not what is
     reasonable."""
+    made_for: Callable[[Scenario], Any] | None = None
+    """Make a controller in Python for one scenario, of a witness that knows the scenario; None for a candidate that
+    its string names."""
 
 
 @dataclass(frozen=True)

@@ -29,7 +29,7 @@ from drivegate_cases.scenario.scenario import Scenario
 MOST_SCENARIOS: Final = 4
 """Scenarios of a failed check that witnesses are run in before the failure is contested."""
 # Checks that a candidate fails often fail in one scenario, whose run then serves them all.
-_KEPT_RUNS: Final = 4
+_KEPT_RUNS: Final = 8
 
 
 @dataclass(frozen=True)
@@ -115,7 +115,7 @@ def hear_witnesses(loaded: JudgedCandidate, accusation: Accusation) -> Acquittal
         scenario = parse_document(mapping, Scenario, "the scenario")
         heard = witnesses_for(scenario.drive)
         for witness in heard:
-            margin = _margin(witness.candidate, scenario, declaration, accusation.check)
+            margin = _margin(witness, scenario, declaration, accusation.check)
             if margin is not None and margin.met:
                 witnessed = Witnessed(
                     witness.candidate, margin.value, margin.measured, knows_plant=witness.knows_plant
@@ -124,19 +124,31 @@ def hear_witnesses(loaded: JudgedCandidate, accusation: Accusation) -> Acquittal
     return Acquittal(tuple(witness.candidate for witness in heard))
 
 
-def _margin(name: str, scenario: Scenario, declaration: Declaration, check: str) -> Margin | None:
-    record = _record(name, scenario, declaration)
+def _margin(witness: Witness, scenario: Scenario, declaration: Declaration, check: str) -> Margin | None:
+    record = _record(witness, scenario, declaration)
     return None if record is None else check_of(scenario.drive.contract, check).evaluate(record)
 
 
 @lru_cache(maxsize=_KEPT_RUNS)
-def _record(name: str, scenario: Scenario, declaration: Declaration) -> Record | None:
+def _record(witness: Witness, scenario: Scenario, declaration: Declaration) -> Record | None:
     """Run a witness in a scenario; a fault of its own leaves it without a say."""
-    witness = own_candidate(replace(resolve_candidate(name), declaration=declaration))
+    judged = judged_witness(witness, scenario, declaration)
     try:
-        return recorded(witness, scenario, witness.controller())
+        return recorded(judged, scenario, judged.controller())
     except CandidateFault:
         return None
+
+
+def judged_witness(witness: Witness, scenario: Scenario, declaration: Declaration) -> JudgedCandidate:
+    """Return a witness as a candidate with the declaration of the one that is accused."""
+    if witness.made_for is None:
+        return own_candidate(replace(resolve_candidate(witness.candidate), declaration=declaration))
+    from drivegate.candidates.python.bridge import PythonController
+
+    usual = resolve_candidate(contract_of(scenario.drive).usual_candidate)
+    candidate = replace(usual, name=witness.candidate, declaration=declaration)
+    made_for = witness.made_for
+    return JudgedCandidate(candidate, lambda: PythonController(made_for(scenario)))
 
 
 def with_witnesses(

@@ -59,7 +59,7 @@ class Witnessed:
 
     def sentence(self) -> str:
         """State that the requirement can be met, in one clause."""
-        knowing = ", which knows the drive's constants," if self.knows_plant else ""
+        knowing = ", which knows more than its nameplate," if self.knows_plant else ""
         return f"{self.name}{knowing} meets it there with margin {margin_in_words(self.margin)}"
 
 

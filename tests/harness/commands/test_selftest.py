@@ -76,7 +76,7 @@ def test_the_kinds_of_drives_that_can_be_drawn_are_those_of_the_option() -> None
         (("--faults",), "--faults goes with --drives N only"),
         (("--kind", "pm-ac"), "--kind goes with --drives N only"),
         (("--drives", "1", "--kind", "pm-ac", "--fault", "drifts"), "answers with a current reference"),
-        (("--drives", "1", "--kind", "star"), "'star' is not one of 'half-bridge', 'pm-ac'"),
+        (("--drives", "1", "--kind", "hub"), "'hub' is not one of 'half-bridge', 'star', 'pm-ac'"),
         (("--drawing-seed", "0"), "--drawing-seed goes with --drives N only"),
         (("--drives", "1", "--drive", "paper-5-phase"), "--drive does not go with --drives"),
         (("--drives", "1", "--drawn-only"), "--drawn-only does not go with --drives"),

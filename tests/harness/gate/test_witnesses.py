@@ -147,6 +147,22 @@ def test_a_witness_that_fails_as_well_contests_the_accusation(monkeypatch: pytes
     assert ending == Acquittal(("published",))
 
 
+def test_the_informed_witness_meets_what_only_a_plant_that_is_known_allows(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    (informed,) = [witness for witness in witnesses.witnesses_for(PAPER) if witness.made_for is not None]
+    monkeypatch.setattr(witnesses, "witnesses_for", lambda _drive: (informed,))
+    accused = own_candidate(resolve_candidate("published"))
+    weaker = LOCK_UP | {"duration_s": 16.0, "scales": {"inductance": 1.2}}
+    for check, scenario in (("CNV-1", LOCK_UP), ("CNV-2", LOCK_UP), ("ROB-1", weaker)):
+        ending = hear_witnesses(accused, Accusation(check, ((scenario, MARGIN),)))
+        assert isinstance(ending, Defence), check
+        assert ending.witnessed.knows_plant
+        assert ending.witnessed.sentence().startswith(
+            "informed, which knows more than its nameplate, meets it"
+        )
+
+
 @pytest.mark.parametrize("kind", DRIVE_KINDS.values(), ids=lambda kind: kind.name)
 def test_every_kind_of_drive_has_a_witness_that_knows_no_more_than_its_nameplate(kind: Any) -> None:
     heard = witnesses.witnesses_for(load_drive(kind.default_drive))
@@ -154,4 +170,4 @@ def test_every_kind_of_drive_has_a_witness_that_knows_no_more_than_its_nameplate
     assert not heard[0].knows_plant
     assert len(heard) > 1
     for witness in heard:
-        assert resolve_candidate(witness.candidate).contract == kind.contract
+        assert witness.made_for is not None or resolve_candidate(witness.candidate).contract == kind.contract

@@ -121,6 +121,12 @@ CURRENT: Final = Contract(
             Witness(f"design:{name}", _KINDS, knows_plant=True)
             for name in ("angle-table", "golden-section", "quadratic-interpolation", "sweep")
         ),
+        Witness(
+            "informed",
+            _KINDS,
+            knows_plant=True,
+            made_for=Later("drivegate.contracts.current.informed", "InformedController"),
+        ),
     ),
     checks=Later("drivegate.contracts.current.checks.catalogue", "CHECKS").value,
     families=(

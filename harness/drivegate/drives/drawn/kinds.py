@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from math import ceil, floor, sqrt
 from random import Random
 from types import MappingProxyType
@@ -20,7 +21,7 @@ from drivegate_cases.drive.pm_ac.inverter import UPDATES
 from drivegate_models.units import RADIANS_PER_RPM
 
 SINES: Final = 0.25
-"""Share of the half-bridge drives that have a sine EMF in place of a trapezoid."""
+"""Share of the half-bridge and star drives that have a sine EMF instead of a trapezoid."""
 FEWEST_PERIODS: Final = 20.0
 """Control periods of a PM AC drive in an electrical period at the highest speed, at least (1)."""
 DOUBLE: Final = 0.5
@@ -28,12 +29,13 @@ DOUBLE: Final = 0.5
 _PHASE: Final = sqrt(3.0)
 _APPARENT: Final = 1.5
 _OF_LEGS: Final = bounds_of("half-bridge")
+_OF_STAR: Final = bounds_of("star")
 _OF_PM_AC: Final = bounds_of("pm-ac")
 
 
-def _draw_supply(bound: Bound, source: Random, values: Values) -> None:
+def _draw_supply(current: Bound, bound: Bound, source: Random, values: Values) -> None:
     """Draw half the supply, from what makes the current of a leg neither tiny nor huge."""
-    current, power = _OF_LEGS["phase_current"], values["rated_power_w"]
+    power = values["rated_power_w"]
     lowest = max(bound.lowest, power / (values["phases"] * current.highest))
     highest = min(bound.highest, power / (values["phases"] * current.lowest))
     values[bound.key] = values["voltage"] = bound.between(source, lowest, highest)
@@ -128,18 +130,30 @@ def _pm_ac_accepted(document: DriveDocument) -> DriveDocument | None:
     return document if ability_of(document).accepts(document) else None
 
 
-HALF_BRIDGE: Final = DrawnKind(
-    kind="half-bridge",
-    document=DriveDocument,
-    seed="",
-    names="drawn-",
-    bounds=_OF_LEGS,
-    draws_of={"supply": _draw_supply, "idle": _draw_window, "flat": _draw_shape, "emf": _draw_emf},
-    measured_by=_measured_by,
-    remarks={"emf_shape": f"drawn: a sine in {SINES:.0%} of the drives, a trapezoid in the others"},
-    accepted=_accepted,
-)
+def _of_legs(kind: str, bounds: Mapping[str, Bound], *, seed: str, names: str) -> DrawnKind:
+    """Return how drives are drawn whose phases are on half-bridge legs."""
+    return DrawnKind(
+        kind=kind,
+        document=DriveDocument,
+        seed=seed,
+        names=names,
+        bounds=bounds,
+        draws_of={
+            "supply": partial(_draw_supply, bounds["phase_current"]),
+            "idle": _draw_window,
+            "flat": _draw_shape,
+            "emf": _draw_emf,
+        },
+        measured_by=_measured_by,
+        remarks={"emf_shape": f"drawn: a sine in {SINES:.0%} of the drives, a trapezoid in the others"},
+        accepted=_accepted,
+    )
+
+
+HALF_BRIDGE: Final = _of_legs("half-bridge", _OF_LEGS, seed="", names="drawn-")
 """Drives of the paper's kind."""
+STAR: Final = _of_legs("star", _OF_STAR, seed="star/", names="drawn-star-")
+"""Drives of three phases in a star, as conventional brushless DC drives are."""
 PM_AC: Final = DrawnKind(
     kind="pm-ac",
     document=PmAcDocument,
@@ -158,6 +172,6 @@ PM_AC: Final = DrawnKind(
 )
 """Drives of three sinusoidal phases on a two-level bridge."""
 DRAWN_KINDS: Final[Mapping[str, DrawnKind]] = MappingProxyType(
-    {kind.kind: kind for kind in (HALF_BRIDGE, PM_AC)}
+    {kind.kind: kind for kind in (HALF_BRIDGE, STAR, PM_AC)}
 )
 """How drives are drawn, by the names of their kinds."""

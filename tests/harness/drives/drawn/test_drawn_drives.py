@@ -25,7 +25,8 @@ each_kind = pytest.mark.parametrize("kind", DRAWN_KINDS.values(), ids=DRAWN_KIND
 
 
 @pytest.mark.parametrize(
-    ("name", "digest"), [("half-bridge", "9a1b0c4466834ebc"), ("pm-ac", "412daf101d3f8614")]
+    ("name", "digest"),
+    [("half-bridge", "9a1b0c4466834ebc"), ("star", "bbbc2a6d20a74aed"), ("pm-ac", "412daf101d3f8614")],
 )
 def test_a_seed_means_the_same_drives_in_every_version(name: str, digest: str) -> None:
     text = "".join(map(drive_toml, MANY[name]))
@@ -65,7 +66,11 @@ def test_a_pm_ac_drive_has_enough_control_periods_at_its_highest_speed() -> None
 @pytest.mark.parametrize(
     ("name", "quantity"),
     [
-        *(("half-bridge", quantity) for quantity in ("emf", "reactance", "speed_range", "current_limit")),
+        *(
+            (kind, quantity)
+            for kind in ("half-bridge", "star")
+            for quantity in ("emf", "reactance", "speed_range", "current_limit")
+        ),
         *(
             ("pm-ac", quantity)
             for quantity in ("emf", "reactance", "saliency", "speed_range", "power", "dead_time")
@@ -106,14 +111,18 @@ def test_the_file_of_a_drive_is_the_drive(kind, tmp_path) -> None:
 
 
 @pytest.mark.parametrize(
-    "name", ["paper-5-phase", *(name for name in drive_names() if name.startswith("pm-ac"))]
+    "name",
+    [
+        *("paper-5-phase", "star-3-phase", "star-24v-3-phase"),
+        *(name for name in drive_names() if name.startswith("pm-ac")),
+    ],
 )
 def test_packaged_drives_lie_within_the_bounds(name: str) -> None:
     drive = load_drive(name)
     kind = DRAWN_KINDS[drive.kind]
     for quantity, value in kind.per_unit(drive).items():
         bound = kind.bounds[quantity]
-        if name != "paper-5-phase" or quantity not in ("friction", "viscous_friction"):
+        if drive.kind == "pm-ac" or quantity not in ("friction", "viscous_friction"):
             assert bound.lowest <= value <= bound.highest, f"{bound.quantity} is {value:.3g}"
 
 

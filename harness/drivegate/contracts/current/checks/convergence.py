@@ -25,7 +25,8 @@ _STALLED_SHARE: Final = 0.999
 LIGHTEST_SHARE = 0.2
 """Share of the rated power's torque below which k2 is a share of no less current (1)."""
 REQUIRED_SHARE = 0.5
-"""Share of the rated power's torque from which the optimum is required (1)."""
+"""Share of the rated power's torque, as a load on the shaft, from which the optimum is required (1)."""
+_SAME: Final = 1e-6
 
 ABOVE_BASE_SPEED = unless_speeds(above_base)
 """Reason why a check of the search does not apply to a candidate for speeds up to base speed."""
@@ -169,8 +170,10 @@ def _excess(record: CurrentRecord, window: SteadyWindow) -> Margin:
     mean_speed = window.values.speed
     base_speed = record.scenario.drive.rating.base_speed_rpm * RADIANS_PER_RPM
     speed = mean_speed if mean_speed > base_speed else window.speed
-    # A load of exactly half the torque is met to the regulator's own error.
-    light = torque < REQUIRED_SHARE * rated_torque(record.scenario, window.speed) * (1.0 - 1e-3)
+    # Rated power is that of the shaft, so friction makes no load heavier.
+    light = window.torque_required < REQUIRED_SHARE * rated_torque(record.scenario, window.speed) * (
+        1.0 - _SAME
+    )
     advisory = light or is_beyond_range(window)
     least = least_current_sum(record.drive, speed, torque, window.dwell.supply_v).current_sum
     if not math.isfinite(least):
@@ -240,7 +243,8 @@ CNV_2 = Check(
     requirement=(
         "The search converges to the optimum: Σ|i| lies within {optimum} of the least at that speed and mean torque, "
         "of all angles that give this torque with the current at its limit too (at others a regulator at its limit "
-        "may lose it); required from half the torque of rated power upward and up to {highest}, else advisory."
+        "may lose it); required under loads from half the torque of rated power upward and up to {highest}, else "
+        "advisory."
     ),
     source="P6, P11, P12",
     level="required",
