@@ -121,6 +121,15 @@ class _Progress:
         return self.incomplete is not None
 
 
+def _counting(
+    candidate: Candidate, drive: DriveDocument, fail_on: str, waivers: Sequence[Waiver]
+) -> frozenset[str]:
+    """Return the identifiers of the checks that can fail the candidate."""
+    levels = counted_levels(fail_on)
+    waived = {waiver.check for waiver in waivers if waiver.candidate == candidate.name}
+    return frozenset(check.id for check in contract_of(drive).checks() if check.level in levels) - waived
+
+
 def check_candidate(
     candidate: Candidate,
     *,
@@ -177,15 +186,7 @@ def check_candidate(
     )
     how = CheckPlan(judged_on, _drive_from(candidate, drive), effort, seed, count, isolation)
     yield CheckStarted(candidate.name, sum(item.runs for item in work), how)
-    waived = {waiver.check for waiver in waivers if waiver.candidate == candidate.name}
-    counting = (
-        frozenset(
-            check.id
-            for check in CONTRACTS[judged_on.contract].checks()
-            if check.level in counted_levels(fail_on)
-        )
-        - waived
-    )
+    counting = _counting(candidate, judged_on, fail_on, waivers)
     progress = _Progress(None if max_time is None else began + max_time, focus, counting)
     traces: tuple[dict[str, list[float]], ...] = ()
     behaviour: dict[str, Any] | None = None
@@ -225,10 +226,7 @@ def check_candidate(
             behaviour = _behave(pool, judged_on, candidate.declaration, outcomes, progress)
         except WorkEnded:
             progress.end()
-    for outcome in outcomes:
-        if outcome.id == REPEATED and outcome.verdict == "fail":
-            message = f"the same scenario was answered differently when it was repeated: {outcome.measured}"
-            progress.add_fault(Fault(FaultKind.NON_DETERMINISTIC, message, "step"))
+    _add_differing(outcomes, progress)
     if today is not None:
         outcomes = under_waivers(outcomes, candidate.name, waivers, today)
     comparisons = None if baseline is None else compared(baseline, runs, contract_of(judged_on).checks())
@@ -246,6 +244,14 @@ def check_candidate(
     )
     result = replace(result, behaviour=behaviour, contested=contested)
     yield CheckFinished(replace(result, drive_named=drive_named, isolation=isolation))
+
+
+def _add_differing(outcomes: Sequence[CheckOutcome], progress: _Progress) -> None:
+    """Make a fault of a repeated run that differed."""
+    for outcome in outcomes:
+        if outcome.id == REPEATED and outcome.verdict == "fail":
+            message = f"the same scenario was answered differently when it was repeated: {outcome.measured}"
+            progress.add_fault(Fault(FaultKind.NON_DETERMINISTIC, message, "step"))
 
 
 def _drive_from(candidate: Candidate, named: DriveDocument | None) -> DriveFrom:
