@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
-from typing import Annotated, Any, Final, Protocol
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 from pydantic import Field, ValidationError
 
 from drivegate_cases.documents.rounding import rounded_to_digits
 from drivegate_cases.documents.wording import shown
-from drivegate_cases.drive.rating import FOLLOWING, Rating
+from drivegate_cases.drive.rating import FOLLOWING
 from drivegate_models.units import RADIANS_PER_RPM
+
+if TYPE_CHECKING:
+    from drivegate_cases.drive.drive_values import DriveValues
 
 _Sentence = Annotated[str, Field(max_length=1000)]
 _COPIED: Final = re.compile(r"not stated; as in .*(, which has (?P<value>.*)| until it is changed)")
@@ -24,34 +27,13 @@ SPEEDS: Final = 21
 """Speeds from base speed to the highest at which the continuous current must produce the power that follows."""
 _FOLLOWS: Final = "follows from "
 _ANY_POWER: Final = 1e-6
+_NO_POWER: Final = "the key 'rating.rated_power_w' is left out, and no power follows"
 _TORQUE_SLACK: Final = 1.1
 """Rated torque over that of the continuous current which still counts as rounding of a data sheet (1)."""
 
 
-class SheetDrive(Protocol):
-    """What rated power follows from."""
-
-    @property
-    def rating(self) -> Rating:
-        """What the drive is made for."""
-
-    @property
-    def machine(self) -> Any:
-        """Its machine, of which friction counts here."""
-
-    @property
-    def provenance(self) -> Provenance:
-        """Where its values come from."""
-
-    def torque_of_current(self, current: float) -> float:
-        """Return the most torque of a peak phase current (A) while the voltage is ample (N·m)."""
-
-    def greatest_torque(self, current: float, speed: float) -> float:
-        """Return the greatest torque within a current limit (A) and the supply, at a speed (rad/s); in N·m."""
-
-
 def completed(
-    values: Mapping[str, Any], parse: Callable[[Mapping[str, Any]], SheetDrive]
+    values: Mapping[str, Any], parse: Callable[[Mapping[str, Any]], DriveValues]
 ) -> Mapping[str, Any]:
     """Fill in the current limit and the rated power of a drive's plain data, and state what they follow from."""
     rating = values.get("rating")
@@ -74,8 +56,21 @@ def completed(
         except ValidationError:
             # The values themselves are wrong, and their own validation says so.
             return values
-        values = _with_rating(values, "rated_power_w", continuous_power(drive), source)
+        try:
+            power = continuous_power(drive)
+        except ValueError as error:
+            slips = _wrong_units(drive)
+            raise ValueError(f"{_NO_POWER}: {slips[0]}" if slips else str(error)) from error
+        values = _with_rating(values, "rated_power_w", power, source)
     return values
+
+
+def _wrong_units(drive: DriveValues) -> tuple[str, ...]:
+    """Describe what looks like a wrong unit in a drive whose power does not follow."""
+    from drivegate_cases.drive.usual_values import unusual_values
+
+    supposed = drive.inverter.supply_voltage_v * drive.rating.current_limit_a
+    return unusual_values(drive.replaced(rated_power_w=supposed, continuous_current_a=None))
 
 
 def _with_rating(values: Mapping[str, Any], key: str, value: Any, source: str) -> dict[str, Any]:
@@ -86,7 +81,7 @@ def _with_rating(values: Mapping[str, Any], key: str, value: Any, source: str) -
     return {**values, "rating": {**values["rating"], key: value}, "provenance": sentences}
 
 
-def following(drive: SheetDrive) -> dict[str, str]:
+def following(drive: DriveValues) -> dict[str, str]:
     """Return what each value of the rating follows from that the drive's file leaves out, by its key."""
     sentences = drive.provenance.get("rating", {})
     return {
@@ -96,7 +91,7 @@ def following(drive: SheetDrive) -> dict[str, str]:
     }
 
 
-def continuous_power(drive: SheetDrive) -> float:
+def continuous_power(drive: DriveValues) -> float:
     """Return the power that the continuous current gives from base speed to the highest, to three digits (W).
 
     It leaves the regulator its reserve, and does not depend on the rated power of the drive.
@@ -117,14 +112,14 @@ def continuous_power(drive: SheetDrive) -> float:
     power = rounded_to_digits(min(powers), up=False)
     if power == 0.0:
         raise ValueError(
-            f"the key 'rating.rated_power_w' is left out, and no power follows: a continuous current of {current:g} A "
+            f"{_NO_POWER}: a continuous current of {current:g} A "
             f"produces none at some speed from {base:g} to {highest:g} rpm; lower "
             "highest_speed_rpm, or raise the supply"
         )
     return power
 
 
-def check_continuous_current(drive: SheetDrive) -> None:
+def check_continuous_current(drive: DriveValues) -> None:
     """Refuse a rated power whose torque needs clearly more than the continuous current."""
     rating = drive.rating
     if rating.continuous_current_a is None:

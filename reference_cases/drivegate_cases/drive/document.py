@@ -31,6 +31,7 @@ from drivegate_cases.drive.scales import NOMINAL, Scales
 from drivegate_models.units import RADIANS_PER_RPM
 
 if TYPE_CHECKING:
+    from drivegate_cases.drive.usual_values import UsualRange
     from drivegate_models.contract.current.signals import Nameplate
     from drivegate_models.steady.plant import AnyDrive
 
@@ -75,8 +76,6 @@ class DriveDocument(Document):
         "hoist": f"{_OF_PM_AC}, whose shaft may be driven",
     }
     """Kinds of load that are for other drives, with those that they are for."""
-    usual_values_are_known: ClassVar[bool] = True
-    """Whether the values of its keys are known that a wrong unit would leave."""
 
     name: str = Field(min_length=1, max_length=200, description="name of the drive")
     kind: Literal["half-bridge", "star", "pm-ac"] = Field(
@@ -256,6 +255,12 @@ class DriveDocument(Document):
     def control_period_s(self) -> float | None:
         """Time between two steps of the controller where the drive itself states it (s)."""
         return None
+
+    def usual_ranges(self) -> tuple[tuple[UsualRange, ...], ...]:
+        """Return the ranges that only a wrong unit leaves, those first that others are measured by."""
+        from drivegate_cases.drive.usual_values import ranges_of_current_fed
+
+        return ranges_of_current_fed(self)
 
     def value(self, key: str) -> Any:
         """Give the value of a key of any table, by its bare name."""

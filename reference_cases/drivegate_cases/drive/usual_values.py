@@ -4,12 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
 
-from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.units import RADIANS_PER_RPM
+
+if TYPE_CHECKING:
+    from drivegate_cases.drive.drive_values import DriveValues
 
 _MILLI = 1e-3
 _PER_1000_RPM = 1.0 / (1000.0 * RADIANS_PER_RPM)
+_MOST_ASKED: Final = 3
+"""Units that a warning asks about at most."""
 
 
 @dataclass(frozen=True)
@@ -27,6 +32,10 @@ class UsualRange:
     """What the range follows from, in words."""
     mistaken: tuple[tuple[str, float], ...] = ()
     """Units that the value may be in instead, each with its size in the expected one."""
+    power_slips: bool = False
+    """Whether a rated power in kilowatts has the same effect as a value in thousandths."""
+    speed_per_volt: float = 0.0
+    """Value that one turn a minute per volt corresponds to, where the quantity's inverse is common; otherwise 0."""
 
     def holds(self, value: float) -> bool:
         """Tell whether a value is usual; 0 leaves something out, and is no wrong unit."""
@@ -34,32 +43,44 @@ class UsualRange:
 
     def warning(self, value: float) -> str:
         """Tell a value that is not usual in one sentence."""
-        names = (name for name, size in self.mistaken if self.holds(value * size))
-        asked = next((f": is it in {name}?" for name in names), "")
+        names = [name for name, size in self.mistaken if self.holds(value * size)]
+        if self.speed_per_volt and self.holds(self.speed_per_volt / value):
+            names.append("turns a minute per volt")
+        questions = [f"is it in {_either(names[:_MOST_ASKED])}"] if names else []
+        if self.power_slips and self.holds(value * _MILLI):
+            questions.append("is rated_power_w in kilowatts")
+        asked = f": {', or '.join(questions)}?" if questions else ""
         return (
-            f"the drive's {self.key} is {value:g}, but usual {self.kind} is {self.lowest:.2g} to {self.highest:.2g}; "
+            f"the drive's {self.key} is {value:g}, but usual {self.kind} is {_short(self.lowest)} to "
+            f"{_short(self.highest)}; "
             f"it is expected in {self.unit}{asked}"
         )
 
 
-def unusual_values(drive: DriveDocument) -> tuple[str, ...]:
-    """Tell each value that is far off its kind; what others are measured by comes alone."""
-    if not drive.usual_values_are_known:
-        return ()
-    stages = (_of_any_drive(), _of_its_power(drive), _of_its_kind(drive))
-    return next(filter(None, (_unusual(drive, ranges) for ranges in stages)), ())
+def _either(names: list[str]) -> str:
+    return " or ".join(filter(None, (", ".join(names[:-1]), names[-1])))
 
 
-def _unusual(drive: DriveDocument, ranges: Iterable[UsualRange]) -> tuple[str, ...]:
+def _short(value: float) -> str:
+    """Write a bound with two digits, and with an exponent only where it is very small or large."""
+    return f"{float(f'{value:.2g}'):g}"
+
+
+def unusual_values(drive: DriveValues) -> tuple[str, ...]:
+    """Describe each value that is far outside the usual range; a value that others are compared with comes alone."""
+    return next(filter(None, (_unusual(drive, ranges) for ranges in drive.usual_ranges())), ())
+
+
+def _unusual(drive: DriveValues, ranges: Iterable[UsualRange]) -> tuple[str, ...]:
     values = ((usual, float(drive.value(usual.key))) for usual in ranges)
     return tuple(usual.warning(value) for usual, value in values if not usual.holds(value))
 
 
-def _of_any_drive() -> tuple[UsualRange, ...]:
-    """Give the ranges of what a kind of drive begins with."""
+def ranges_of_supply_and_speed(supply_key: str) -> tuple[UsualRange, ...]:
+    """Return the ranges of what every other value is compared with."""
     return (
         UsualRange(
-            "supply_voltage_v",
+            supply_key,
             1.0,
             5e3,
             "volts",
@@ -77,8 +98,11 @@ def _of_any_drive() -> tuple[UsualRange, ...]:
     )
 
 
-def _of_its_power(drive: DriveDocument) -> tuple[UsualRange, ...]:
-    """Give the range of the current, as a multiple of what the power takes."""
+def range_of_current(drive: DriveValues, volts: float, phases: str) -> tuple[UsualRange, ...]:
+    """Return the range of the current limit, as a multiple of the current that the rated power needs.
+
+    ``volts`` is the supply as the drive's file states it, and ``phases`` ends the sentence about it.
+    """
     current = drive.rating.rated_power_w / (drive.machine.phases * drive.inverter.supply_voltage_v)
     return (
         UsualRange(
@@ -86,89 +110,136 @@ def _of_its_power(drive: DriveDocument) -> tuple[UsualRange, ...]:
             0.1 * current,
             100.0 * current,
             "ampere",
-            f"for {drive.rating.rated_power_w:g} W from {drive.inverter.supply_voltage_v:g} V "
-            f"in {drive.machine.phases} phases",
+            f"for {drive.rating.rated_power_w:g} W from {volts:g} V{phases}",
             (("milliampere", _MILLI), ("kiloampere", 1e3)),
+            power_slips=True,
         ),
     )
 
 
-def _of_its_kind(drive: DriveDocument) -> tuple[UsualRange, ...]:
-    """Give the ranges of what follows from the kind of drive, each as a share of what its ratings make of it."""
-    speed = drive.rating.base_speed_rpm * RADIANS_PER_RPM
-    impedance = drive.inverter.supply_voltage_v / drive.rating.current_limit_a
-    inductance = impedance / (drive.machine.pole_pairs * speed)
-    emf = drive.inverter.supply_voltage_v / speed
-    torque = drive.rating.rated_power_w / speed
-    electrical = f"for {drive.inverter.supply_voltage_v:g} V and {drive.rating.current_limit_a:g} A"
-    rated = f"for {drive.rating.rated_power_w:g} W at {drive.rating.base_speed_rpm:g} rpm"
-    return (
-        UsualRange(
+@dataclass(frozen=True)
+class UsualScale:
+    """The quantities that usual values are shares of."""
+
+    impedance: float
+    """Voltage of a phase over the current limit (ohm)."""
+    speed: float
+    """Base speed (rad/s)."""
+    torque: float
+    """Rated torque at base speed (N·m)."""
+    electrical: str
+    """Supply and current limit, as a sentence names them."""
+    rated: str
+    """Rated power and base speed, as a sentence names them."""
+    geared: str
+    """Base speed and pole pairs, as a sentence names them."""
+
+    def resistance(self) -> UsualRange:
+        """Return the range of a phase's resistance."""
+        return UsualRange(
             "resistance_ohm",
-            1e-3 * impedance,
-            3.0 * impedance,
+            1e-3 * self.impedance,
+            3.0 * self.impedance,
             "ohm",
-            electrical,
+            self.electrical,
             (("milliohm", _MILLI), ("microohm", 1e-6)),
-        ),
-        UsualRange(
-            "inductance_h",
+        )
+
+    def inductance(self, key: str, pole_pairs: int) -> UsualRange:
+        """Return the range of a phase's inductance, which has the given key."""
+        inductance = self.impedance / (pole_pairs * self.speed)
+        return UsualRange(
+            key,
             0.01 * inductance,
             10.0 * inductance,
             "henry",
-            f"{electrical} at {drive.rating.base_speed_rpm:g} rpm and {drive.machine.pole_pairs} pole pairs",
+            f"{self.electrical} {self.geared}",
             (("millihenry", _MILLI), ("microhenry", 1e-6)),
-        ),
-        UsualRange(
-            "emf_constant_v_s_per_rad",
-            0.02 * emf,
-            5.0 * emf,
-            "volt seconds per radian",
-            f"for {drive.inverter.supply_voltage_v:g} V at {drive.rating.base_speed_rpm:g} rpm",
-            (("volts per 1000 turns a minute", _PER_1000_RPM), ("millivolt seconds per radian", _MILLI)),
-        ),
-        UsualRange(
-            "inertia_kg_m2",
-            1e-3 * torque / speed,
-            30.0 * torque / speed,
-            "kilogram square metres",
-            rated,
-            (
-                ("gram square metres", _MILLI),
-                ("kilogram square centimetres", 1e-4),
-                ("gram square centimetres", 1e-7),
+        )
+
+    def shaft_and_core(self) -> tuple[UsualRange, ...]:
+        """Return the ranges of inertia, friction and core loss."""
+        return (
+            UsualRange(
+                "inertia_kg_m2",
+                1e-3 * self.torque / self.speed,
+                30.0 * self.torque / self.speed,
+                "kilogram square metres",
+                self.rated,
+                (
+                    ("gram square metres", _MILLI),
+                    ("kilogram square centimetres", 1e-4),
+                    ("gram square centimetres", 1e-7),
+                ),
             ),
-        ),
-        UsualRange(
-            "hysteresis_band_a",
-            1e-4 * drive.rating.current_limit_a,
-            0.5 * drive.rating.current_limit_a,
-            "ampere",
-            f"for {drive.rating.current_limit_a:g} A",
-            (("milliampere", _MILLI),),
-        ),
-        UsualRange(
-            "friction_n_m",
-            0.0,
-            0.5 * torque,
-            "newton metres",
-            rated,
-            (("millinewton metres", _MILLI),),
-        ),
-        UsualRange(
-            "viscous_friction_n_m_s_per_rad",
-            0.0,
-            0.5 * torque / speed,
-            "newton metre seconds per radian",
-            rated,
-            (("millinewton metre seconds per radian", _MILLI),),
-        ),
-        UsualRange(
-            "core_loss_conductance_s",
-            0.0,
-            0.5 / impedance,
-            "siemens",
-            electrical,
-            (("millisiemens", _MILLI),),
+            UsualRange(
+                "friction_n_m",
+                0.0,
+                0.5 * self.torque,
+                "newton metres",
+                self.rated,
+                (("millinewton metres", _MILLI),),
+            ),
+            UsualRange(
+                "viscous_friction_n_m_s_per_rad",
+                0.0,
+                0.5 * self.torque / self.speed,
+                "newton metre seconds per radian",
+                self.rated,
+                (("millinewton metre seconds per radian", _MILLI),),
+            ),
+            UsualRange(
+                "core_loss_conductance_s",
+                0.0,
+                0.5 / self.impedance,
+                "siemens",
+                self.electrical,
+                (("millisiemens", _MILLI),),
+            ),
+        )
+
+
+def usual_scale(drive: DriveValues, phase_voltage: float, volts: float) -> UsualScale:
+    """Return the scale of a drive, from the voltage of one phase and the supply as its file states it (V)."""
+    rating = drive.rating
+    speed = rating.base_speed_rpm * RADIANS_PER_RPM
+    return UsualScale(
+        phase_voltage / rating.current_limit_a,
+        speed,
+        rating.rated_power_w / speed,
+        f"for {volts:g} V and {rating.current_limit_a:g} A",
+        f"for {rating.rated_power_w:g} W at {rating.base_speed_rpm:g} rpm",
+        f"at {rating.base_speed_rpm:g} rpm and {drive.machine.pole_pairs} pole pairs",
+    )
+
+
+def ranges_of_current_fed(drive: DriveValues) -> tuple[tuple[UsualRange, ...], ...]:
+    """Return the ranges of a drive whose controllers request currents, in the order in which they are compared."""
+    volts = drive.inverter.supply_voltage_v
+    scale = usual_scale(drive, volts, volts)
+    emf = volts / scale.speed
+    return (
+        ranges_of_supply_and_speed("supply_voltage_v"),
+        range_of_current(drive, volts, f" in {drive.machine.phases} phases"),
+        (
+            scale.resistance(),
+            scale.inductance("inductance_h", drive.machine.pole_pairs),
+            UsualRange(
+                "emf_constant_v_s_per_rad",
+                0.02 * emf,
+                5.0 * emf,
+                "volt seconds per radian",
+                f"for {volts:g} V at {drive.rating.base_speed_rpm:g} rpm",
+                (("volts per 1000 turns a minute", _PER_1000_RPM), ("millivolt seconds per radian", _MILLI)),
+            ),
+            UsualRange(
+                "hysteresis_band_a",
+                1e-4 * drive.rating.current_limit_a,
+                0.5 * drive.rating.current_limit_a,
+                "ampere",
+                f"for {drive.rating.current_limit_a:g} A",
+                (("milliampere", _MILLI),),
+            ),
+            *scale.shaft_and_core(),
         ),
     )

@@ -141,6 +141,15 @@ def test_a_current_that_produces_no_power_at_the_highest_speed_is_refused(
     )
 
 
+def test_a_wrong_unit_is_named_where_no_power_follows_because_of_it(refusal: Callable[..., str]) -> None:
+    mapping = load_drive("pm-ac-interior").to_mapping()
+    mapping["machine"]["magnet_flux_v_s"] = 22.5
+    mapping["rating"] |= {"continuous_current_a": 5.0, "rated_power_w": None}
+    message = refusal(parse_document, mapping, DriveDocument, "mine.toml")
+    assert "no power follows: the drive's magnet_flux_v_s is 22.5, but usual" in message
+    assert message.endswith("volts per 1000 turns a minute or turns a minute per volt?")
+
+
 @pytest.mark.parametrize("name", KINDS)
 def test_the_template_and_the_schema_know_the_keys(name: str) -> None:
     text = drive_toml(load_drive(name))

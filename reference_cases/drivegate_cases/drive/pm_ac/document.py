@@ -26,6 +26,7 @@ from drivegate_cases.drive.scales import NOMINAL, Scales
 from drivegate_models.units import RADIANS_PER_RPM
 
 if TYPE_CHECKING:
+    from drivegate_cases.drive.usual_values import UsualRange
     from drivegate_models.contract.duty.signals import DutyNameplate
     from drivegate_models.pm_ac.plant.drive import PmAcDrive
 
@@ -96,7 +97,6 @@ class PmAcDocument(DriveDocument):
     sensor_kinds: ClassVar[tuple[str, ...]] = ("ideal", "shunts")
     excluded: ClassVar[Mapping[str, str]] = {"current_errors": "for other kinds of drives"}
     excluded_loads: ClassVar[Mapping[str, str]] = {}
-    usual_values_are_known: ClassVar[bool] = False
 
     kind: Literal["pm-ac"] = Field(
         description='kind of drive: "pm-ac", a d-q machine on a two-level bridge that is given duty ratios'
@@ -151,6 +151,12 @@ class PmAcDocument(DriveDocument):
     def position(self) -> Position:
         """What shows the shaft in every run."""
         return "exact" if self.sensing is None else self.sensing.position
+
+    def usual_ranges(self) -> tuple[tuple[UsualRange, ...], ...]:
+        """Return the ranges that only a wrong unit leaves, those first that others are measured by."""
+        from drivegate_cases.drive.pm_ac.usual_values import ranges_of_pm_ac
+
+        return ranges_of_pm_ac(self)
 
     def torque_of_current(self, current: float) -> float:
         """Return the most torque of a peak phase current (A) while the voltage is ample (N·m)."""
