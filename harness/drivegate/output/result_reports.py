@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import Any, Final
 
 from drivegate.output.explanations import distinct_faults, explanations, in_runs
@@ -36,11 +36,11 @@ def _write_annotations(result: dict[str, Any], folder: Path) -> Path:
 
 
 def workflow_commands(result: dict[str, Any]) -> list[str]:
-    """Make one command for each fault and for each check that is not simply met."""
-    name = result["candidate"]["name"]
+    """Return one command for each fault and for each check that is not simply met, at the candidate's file."""
+    name, file = result["candidate"]["name"], _candidate_file(result["candidate"]["specification"])
     counted = counted_levels(result.get("fail_on"))
     lines = [
-        _command("error", f"{name} {fault['kind']}{in_runs(count)}", fault["message"])
+        _command("error", file, f"{name} {fault['kind']}{in_runs(count)}", fault["message"])
         for fault, count in distinct_faults(result["faults"])
     ]
     explained = explanations(result)
@@ -48,9 +48,9 @@ def workflow_commands(result: dict[str, Any]) -> list[str]:
         level = _level(check, counted)
         if level:
             message = "; ".join(filter(None, (explained.get(check["id"]), check["message"])))
-            lines.append(_command(level, f"{name} {check['id']} {check['verdict']}", message))
+            lines.append(_command(level, file, f"{name} {check['id']} {check['verdict']}", message))
     lines += [
-        _command("error", f"{name} {entry['check']} against the baseline", entry["message"])
+        _command("error", file, f"{name} {entry['check']} against the baseline", entry["message"])
         for entry in result["baseline"] or ()
         if entry["level"] in counted and entry["verdict"] == "fail"
     ]
@@ -67,9 +67,16 @@ def _level(check: dict[str, Any], counted: tuple[str, ...]) -> str:
     return "notice" if verdict == "waived" else "warning"
 
 
-def _command(level: str, title: str, message: str) -> str:
-    title, message = (without_commands(one_line(text)) for text in (title, message))
-    return f"::{level} title={title.translate(_IN_TITLE)}::{message.translate(_IN_MESSAGE)}"
+def _candidate_file(specification: str) -> str:
+    """Return the file of a candidate as it was named; empty for one without a file in the folder of the job."""
+    file = PurePath(specification.partition(":")[0])
+    return "" if file.is_absolute() or not file.suffix else file.as_posix()
+
+
+def _command(level: str, file: str, title: str, message: str) -> str:
+    file, title, message = (without_commands(one_line(text)) for text in (file, title, message))
+    place = f"file={file.translate(_IN_TITLE)}," * bool(file)
+    return f"::{level} {place}title={title.translate(_IN_TITLE)}::{message.translate(_IN_MESSAGE)}"
 
 
 OWN_FORMATS: Final[Mapping[str, WriteReport]] = {

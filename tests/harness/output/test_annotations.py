@@ -10,10 +10,13 @@ from drivegate.output.result_reports import workflow_commands
 
 
 def result(
-    *checks: dict[str, Any], faults: tuple[dict[str, Any], ...] = (), fail_on: str = "required"
+    *checks: dict[str, Any],
+    faults: tuple[dict[str, Any], ...] = (),
+    fail_on: str = "required",
+    specification: str = "mine",
 ) -> Any:
     return {
-        "candidate": {"name": "mine"},
+        "candidate": {"name": "mine", "specification": specification},
         "checks": checks,
         "faults": faults,
         "baseline": None,
@@ -56,6 +59,22 @@ def test_no_text_ends_its_command_or_begins_another() -> None:
     assert len(lines) == 1
     assert lines[0].count("\n") == 0
     assert lines[0].startswith("::error title=mine CNV-1 fail::50 %25 off")
+
+
+@pytest.mark.parametrize(
+    ("specification", "file"),
+    [
+        ("candidate.toml", "candidate.toml"),
+        ("firmware/mine.py:Mine", "firmware/mine.py"),
+        ("a,b%.toml", "a%2Cb%25.toml"),
+        ("/tmp/candidate.toml", ""),
+        ("foc", ""),
+        ("inner:pi:reference", ""),
+    ],
+)
+def test_an_annotation_is_at_the_file_of_the_candidate(specification: str, file: str) -> None:
+    (line,) = workflow_commands(result(check("fail"), specification=specification))
+    assert line.startswith(f"::error file={file},title=mine " if file else "::error title=mine ")
 
 
 def test_a_fault_is_an_error() -> None:

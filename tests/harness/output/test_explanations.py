@@ -91,5 +91,6 @@ def test_junit_gives_the_reason_and_skips_what_only_advises(crashed: dict[str, A
         name: (case[0].tag, case[0].get("message")) for name, case in cases.items() if name in expected
     } == expected
     assert [line for line in workflow_commands(crashed) if "CNV-1" in line] == [
-        "::error title=mine CNV-1 inconclusive::not judged, because of crash: the process was killed; as measured"
+        "::error file=mine.py,title=mine CNV-1 inconclusive::"
+        "not judged, because of crash: the process was killed; as measured"
     ]

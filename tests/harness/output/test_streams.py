@@ -55,7 +55,7 @@ def test_a_message_in_an_annotation_is_not_a_second_command() -> None:
         "counterexample": None,
     }
     result = {
-        "candidate": {"name": "##[group]x"},
+        "candidate": {"name": "##[group]x", "specification": "##[group]x.toml"},
         "checks": [check],
         "faults": (),
         "baseline": None,

@@ -1,4 +1,4 @@
-"""The gate as tests: one for each check. `pytest -v` lists them, `pytest -k CNV-2` runs one."""
+"""The gate as tests: one for each check. `pytest -v` lists them, `pytest -k PWR-1` runs one."""
 
 from drivegate import conformance_tests
 
