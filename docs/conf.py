@@ -24,17 +24,22 @@ numpydoc_show_class_members = False
 html_theme = "furo"
 html_title = f"drivegate {__version__}"
 
-PAGES = re.compile(r"<!-- pages -->(.*?)<!-- end of pages -->", re.DOTALL)
+PAGES = re.compile(r"(?:^## ([^\n]+)\n\n)?<!-- pages -->(.*?)<!-- end of pages -->", re.DOTALL | re.MULTILINE)
+"""A list of links, under its heading."""
 
 
 def complete(_app: Sphinx, page: str, source: list[str]) -> None:
-    """Make the tree of contents from a page's own list of links, and take the changelog from where it is kept."""
+    """Make the trees of contents from a page's own lists of links, and read the changelog from the repository."""
     if page == "changelog":
         source[0] = (Path(__file__).parents[1] / "CHANGELOG.md").read_text(encoding="utf-8")
-    linked = [link for part in PAGES.findall(source[0]) for link in re.findall(r"\]\((\S+)\.md\)", part)]
-    if linked:
-        tree = "\n".join(dict.fromkeys(linked))
-        source[0] += f"\n```{{toctree}}\n:hidden:\n\n{tree}\n```\n"
+    listed: set[str] = set()
+    for heading, part in PAGES.findall(source[0]):
+        linked = [link for link in re.findall(r"\]\((\S+)\.md\)", part) if link not in listed]
+        listed.update(linked)
+        if linked:
+            caption = f":caption: {heading}\n" if heading else ""
+            tree = "\n".join(dict.fromkeys(linked))
+            source[0] += f"\n```{{toctree}}\n:hidden:\n{caption}\n{tree}\n```\n"
 
 
 def setup(app: Sphinx) -> None:

@@ -1,18 +1,21 @@
-"""Put what drivegate knows of its checks and scenarios into the documentation: ``python docs/insertions.py``.
+"""Insert generated tables into the pages: ``python docs/insertions.py``; with ``--words`` it counts their words.
 
-Between ``<!-- inserted: NAME ARGUMENT -->`` and ``<!-- end -->`` a page has what the function of that name makes, as
-plain Markdown, which reads the same on a git host and in the built pages. A test holds the pages against it.
+Between ``<!-- inserted: NAME ARGUMENT -->`` and ``<!-- end -->`` a page has the output of the function of that name, as
+plain Markdown, which reads the same on a git host and in the built pages. A test compares the pages with it.
 """
 
 from __future__ import annotations
 
+import ast
 import inspect
 import re
+import sys
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
+import click
 from pydantic.fields import FieldInfo
 from varied_keys import (
     JUDGED,
@@ -27,6 +30,7 @@ from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS
 from drivegate.candidates.builtin.faults.catalogue import MUTATIONS
 from drivegate.candidates.builtin.faults.mutation import told_on
 from drivegate.candidates.builtin.near import NEAR_DESIGNS
+from drivegate.commands.command_line import COMMANDS, command_line
 from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.contracts.current.scenarios.drawn.families import FAMILY_GROUPS, Family
 from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
@@ -37,18 +41,15 @@ from drivegate.scenarios.covering import FACTORS, IMPOSSIBLE, covering_rows
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.drive.rating import FOLLOWING
 from drivegate_cases.scenario.sensors import PLAIN
+from drivegate_models.contract.current import signals as current_signals
+from drivegate_models.contract.duty import signals as duty_signals
 
 DOCS: Final = Path(__file__).parent
 PLACE: Final = re.compile(r"<!-- inserted: ([\w-]+)(?: (\S+))? -->\n.*?<!-- end -->", re.DOTALL)
 LANGUAGES: Final = {".py": "python", ".sh": "sh", ".c": "c", ".h": "c", ".rs": "rust", ".toml": "toml"}
-LEVELS: Final = {
-    "required": "required: a failure fails the candidate",
-    "advisory": "advisory: a failure is reported and fails nobody",
-}
-SUBJECTS: Final = {
-    "candidate": "the candidate",
-    "plant": "drivegate itself: a failure is a harness fault, with exit code 3",
-}
+SIGNALS: Final = MappingProxyType({"current": current_signals, "duty": duty_signals})
+FEW_FAMILIES: Final = 3
+"""More families than these are counted, not listed."""
 
 
 def _drive_of(contract: str) -> DriveDocument:
@@ -59,32 +60,43 @@ def _drive_of(contract: str) -> DriveDocument:
 def check_table(contract: str) -> str:
     """Every check of a contract, each with a link to its page."""
     rows = (
-        (
-            f"[`{row['id']}`](checks/{row['id']}.md)",
-            *map(_plain, (row["requirement"], row["limit"], row["level"], row["source"])),
-        )
+        (f"[`{row['id']}`](checks/{row['id']}.md)", _title(row["id"]), _plain(row["limit"]), row["level"])
         for row in traced_checks(_drive_of(contract))
     )
-    return _table(("check", "requirement", "limit", "level", "source"), rows)
+    return _table(("check", "judges", "limit", "level"), rows)
+
+
+def _title(name: str) -> str:
+    """Return the title of a check's page."""
+    first = (DOCS / "checks" / f"{name}.md").read_text(encoding="utf-8").partition("\n")[0]
+    return first.partition(": ")[2]
 
 
 def check(named: str) -> str:
-    """One check: requirement, limit, margin, source and what exercises it; of another contract, ``duty:PWR-1``."""
+    """One check: requirement, limit, margin and source; of another contract, ``duty:PWR-1``."""
     contract, _, name = named.rpartition(":")
+    rows = _check_rows(contract, name)
+    if contract and any(known.id == name for known in CHECKS):
+        shared = _check_rows("", name)
+        rows = {head: text for head, text in rows.items() if text != shared[head]}
+        if not rows:
+            return "Nothing differs."
+    return _table((name, "is"), ((f"**{head}**", _plain(text)) for head, text in rows.items()))
+
+
+def _check_rows(contract: str, name: str) -> dict[str, str]:
     row = next(row for row in traced_checks(_drive_of(contract)) if row["id"] == name)
-    sources = "; ".join(f"{fact['id']}, {fact['title']} ({fact['where']})" for fact in row["facts"])
-    told = {
+    level = (
+        row["level"] if row["subject"] == "candidate" else "a failure is a fault of drivegate, exit code 3"
+    )
+    return {
         "Requirement": row["requirement"],
         "Why": row["why"],
-        "Level": LEVELS[row["level"]],
-        "Subject": SUBJECTS[row["subject"]],
-        "Limit": row["limit"],
+        "Limit": f"{row['limit']} ({level})",
         "Margin": row["formula"],
-        "Source": sources or row["source"],
         "Judged on": row["scenarios"],
-        "Exercised by": ", ".join(row["families"]),
+        "Source": ", ".join(fact["id"] for fact in row["facts"]) or row["source"],
     }
-    return _table((name, "is"), ((f"**{head}**", _plain(text)) for head, text in told.items()))
 
 
 def known_faults(named: str) -> str:
@@ -131,18 +143,15 @@ def drawn_bounds(kind: str) -> str:
             _plain(bound.quantity),
             f"{bound.lowest:g} to {bound.highest:g}",
             _plain(bound.unit),
-            bound.evenly_by,
-            _plain(bound.reason),
         )
         for bound in DRAWN_KINDS[kind].bounds.values()
     )
-    return _table(("quantity", "bounds", "unit", "evenly by", "reason"), rows)
+    return _table(("quantity", "bounds", "unit"), rows)
 
 
 def fixed_table(_: str) -> str:
-    """The scenarios that are always run."""
-    fixed = fixed_scenarios(load_drive(DEFAULT_DRIVE))
-    return _table(("scenario", "what it is"), ((f"`{run.name}`", _plain(run.description)) for run in fixed))
+    """The names of the scenarios that are always run."""
+    return ", ".join(f"`{run.name}`" for run in fixed_scenarios(load_drive(DEFAULT_DRIVE)))
 
 
 def drawn_table(_: str) -> str:
@@ -163,20 +172,70 @@ def fact_table(_: str) -> str:
     return _table(("fact", "stated", "checks", "tests", "figures"), rows)
 
 
-_WRITTEN: Final = ("name", "description")
+_WRITTEN: Final = ("schema", "name", "description")
 
 
 def coverage_table(contract: str) -> str:
     """What the runs vary, measured on drawn scenarios; of duty ratios alone what some family varies."""
     rows = []
     for row in varied_keys(drawn_by_family(_drive_of(contract))):
-        if contract:
-            if row.families and row.key not in _WRITTEN:
-                rows.append((f"`{row.key}`", _plain(_range(row)), _plain(", ".join(row.families))))
+        if row.key in _WRITTEN or (contract and not row.families):
             continue
-        where = ", ".join(row.families) if row.key not in NOT_VARIED else f"none: {NOT_VARIED[row.key]}"
+        few = len(row.families) <= FEW_FAMILIES
+        where = ", ".join(row.families) if few else f"{len(row.families)} families"
+        if not contract and row.key in NOT_VARIED:
+            where = f"none: {NOT_VARIED[row.key]}"
         rows.append((f"`{row.key}`", _plain(_range(row)), _plain(where)))
     return _table(("key or field", "range", "varied by"), rows)
+
+
+def signals(named: str) -> str:
+    """The fields of one record of a contract, from their docstrings: ``duty:DutySense``."""
+    contract, _, record = named.partition(":")
+    tree = ast.parse(inspect.getsource(getattr(SIGNALS[contract], record))).body[0]
+    assert isinstance(tree, ast.ClassDef)
+    rows = []
+    for field, text in zip(tree.body[1::2], tree.body[2::2], strict=True):
+        assert isinstance(field, ast.AnnAssign)
+        assert isinstance(text, ast.Expr)
+        assert isinstance(text.value, ast.Constant)
+        rows.append((f"`{ast.unparse(field.target)}`", _plain(str(text.value.value)).replace("`", "")))
+    return _table((record, "is"), rows)
+
+
+SHARED_OPTIONS: Final = MappingProxyType(
+    {
+        "--drive": "a drive by its name, or a file of one",
+        "--set": "set one key of the drive, KEY=VALUE; may be given again",
+        "--workers": "number of processes; the results do not depend on it",
+        "--isolation": "isolate the candidate: `auto`, `strict` or `none`",
+        "--csv": "write rows as CSV",
+        "--parquet": "write rows as Parquet",
+        "--plot": "write a figure, .png or .svg",
+        "--json": "print one JSON document, errors too",
+    }
+)
+"""Options that mean the same wherever they are, stated once."""
+
+
+def shared_options(_: str) -> str:
+    """The options that several commands have."""
+    return _table(("option", "does"), ((f"`{name}`", text) for name, text in SHARED_OPTIONS.items()))
+
+
+def command_table(_: str) -> str:
+    """Every command with the options of its own."""
+    lines: list[str] = []
+    with command_line.make_context("drivegate", [], resilient_parsing=True) as context:
+        for name, summary in COMMANDS.items():
+            command = command_line.get_command(context, name)
+            assert command is not None
+            lines += ["", f"## {name}", "", _plain(summary), ""]
+            for option in command.params:
+                if isinstance(option, click.Option) and not SHARED_OPTIONS.keys() & set(option.opts):
+                    written = ", ".join(f"`{one}`" for one in (*option.opts, *option.secondary_opts))
+                    lines.append(f"- {written}: {_plain(option.help or '')}")
+    return "\n".join(lines).strip()
 
 
 def signal_table(_: str) -> str:
@@ -277,6 +336,9 @@ INSERTED: Final = MappingProxyType(
         "fact-table": fact_table,
         "coverage-table": coverage_table,
         "signal-table": signal_table,
+        "signals": signals,
+        "shared-options": shared_options,
+        "command-table": command_table,
         "joint-table": joint_table,
         "drive-keys": drive_keys,
         "sensor-keys": sensor_keys,
@@ -337,7 +399,31 @@ def _plain(text: str) -> str:
     return re.sub(r"([|*_<>\[\]$])", r"\\\1", " ".join(text.split()))
 
 
+def words(text: str) -> tuple[int, int]:
+    """Count the words of a page: by hand, and inserted."""
+    inserted = sum(len(place[0].split()) for place in PLACE.finditer(text))
+    return len(text.split()) - inserted, inserted
+
+
+def word_counts() -> dict[str, tuple[int, int]]:
+    """Count the words of every page: by hand, and inserted."""
+    return {
+        page.relative_to(DOCS).as_posix(): words(page.read_text(encoding="utf-8"))
+        for page in sorted(DOCS.rglob("*.md"))
+    }
+
+
+def _print_words() -> None:
+    counts = word_counts()
+    total = tuple(sum(column) for column in zip(*counts.values(), strict=True))
+    for name, (by_hand, inserted) in {**counts, "all": total}.items():
+        sys.stdout.write(f"{by_hand:6} by hand {inserted:6} generated  {name}\n")
+
+
 if __name__ == "__main__":
+    if sys.argv[1:] == ["--words"]:
+        _print_words()
+        sys.exit()
     for page in sorted(DOCS.rglob("*.md")):
         before = page.read_text(encoding="utf-8")
         after = renewed(before)
