@@ -48,8 +48,6 @@ DOCS: Final = Path(__file__).parent
 PLACE: Final = re.compile(r"<!-- inserted: ([\w-]+)(?: (\S+))? -->\n.*?<!-- end -->", re.DOTALL)
 LANGUAGES: Final = {".py": "python", ".sh": "sh", ".c": "c", ".h": "c", ".rs": "rust", ".toml": "toml"}
 SIGNALS: Final = MappingProxyType({"current": current_signals, "duty": duty_signals})
-FEW_FAMILIES: Final = 3
-"""More families than these are counted, not listed."""
 
 
 def _drive_of(contract: str) -> DriveDocument:
@@ -73,15 +71,16 @@ def _title(name: str) -> str:
 
 
 def check(named: str) -> str:
-    """One check: requirement, limit, margin and source; of another contract, ``duty:PWR-1``."""
+    """One check: requirement, limit, margin, source and faults; of another contract, ``duty:PWR-1``."""
     contract, _, name = named.rpartition(":")
     rows = _check_rows(contract, name)
     if contract and any(known.id == name for known in CHECKS):
         shared = _check_rows("", name)
-        rows = {head: text for head, text in rows.items() if text != shared[head]}
-        if not rows:
-            return "Nothing differs."
-    return _table((name, "is"), ((f"**{head}**", _plain(text)) for head, text in rows.items()))
+        rows = {head: text for head, text in rows.items() if text != shared.get(head)}
+    return (
+        "\n".join(f"- **{head}**: {text}".replace(" \n", "\n") for head, text in rows.items())
+        or "Nothing differs."
+    )
 
 
 def _check_rows(contract: str, name: str) -> dict[str, str]:
@@ -89,7 +88,7 @@ def _check_rows(contract: str, name: str) -> dict[str, str]:
     level = (
         row["level"] if row["subject"] == "candidate" else "a failure is a fault of drivegate, exit code 3"
     )
-    return {
+    stated = {
         "Requirement": row["requirement"],
         "Why": row["why"],
         "Limit": f"{row['limit']} ({level})",
@@ -97,33 +96,24 @@ def _check_rows(contract: str, name: str) -> dict[str, str]:
         "Judged on": row["scenarios"],
         "Source": ", ".join(fact["id"] for fact in row["facts"]) or row["source"],
     }
-
-
-def known_faults(named: str) -> str:
-    """The faulty controllers that there are for one check; of another contract, ``duty:FWK-2``."""
-    contract, _, name = named.rpartition(":")
-    if contract:
-        return "\n".join(
-            f"- `faulty:{fault}`: {_plain(found.sentence)}"
-            for fault, found in DUTY_FAULTS.items()
-            if found.check == name
-        )
-    drive = load_drive(DEFAULT_DRIVE)
-    return "\n".join(
-        f"- `faulty:{fault.name}`: {_plain(told_on(fault, fault.sentence, drive))}"
-        f"{_shown_by(told_on(fault, fault.shown_by, drive))}"
-        for fault in MUTATIONS.values()
-        if fault.check == name
+    faults = _known_faults(contract, name)
+    return {head: _plain(text) for head, text in stated.items()} | (
+        {"Faulty controllers": faults} if faults else {}
     )
 
 
-def fault_kinds(_: str) -> str:
-    """All faulty controllers, by kind of fault."""
-    rows = []
-    for kind in dict.fromkeys(fault.kind for fault in MUTATIONS.values()):
-        names = [fault.name for fault in MUTATIONS.values() if fault.kind == kind]
-        rows.append((_plain(kind), str(len(names)), ", ".join(names)))
-    return _table(("kind of fault", "faults", "their names"), rows)
+def _known_faults(contract: str, name: str) -> str:
+    """The faulty controllers for one check, each with its fault."""
+    if contract:
+        faults = {fault: found.sentence for fault, found in DUTY_FAULTS.items() if found.check == name}
+    else:
+        drive = load_drive(DEFAULT_DRIVE)
+        faults = {
+            fault.name: told_on(fault, fault.sentence, drive)
+            for fault in MUTATIONS.values()
+            if fault.check == name
+        }
+    return "".join(f"\n  - `faulty:{fault}`: {_plain(sentence)}" for fault, sentence in faults.items())
 
 
 def near_designs(_: str) -> str:
@@ -177,16 +167,18 @@ _WRITTEN: Final = ("schema", "name", "description")
 
 def coverage_table(contract: str) -> str:
     """What the runs vary, measured on drawn scenarios; of duty ratios alone what some family varies."""
-    rows = []
+    rows, fixed = [], {}
     for row in varied_keys(drawn_by_family(_drive_of(contract))):
         if row.key in _WRITTEN or (contract and not row.families):
             continue
-        few = len(row.families) <= FEW_FAMILIES
-        where = ", ".join(row.families) if few else f"{len(row.families)} families"
-        if not contract and row.key in NOT_VARIED:
-            where = f"none: {NOT_VARIED[row.key]}"
-        rows.append((f"`{row.key}`", _plain(_range(row)), _plain(where)))
-    return _table(("key or field", "range", "varied by"), rows)
+        if contract or row.key not in NOT_VARIED:
+            rows.append((f"`{row.key}`", _plain(_range(row))))
+        else:
+            fixed.setdefault(NOT_VARIED[row.key], []).append(f"`{row.key}`")
+    reasons = (f"- {', '.join(keys)}: {_plain(reason)}" for reason, keys in fixed.items())
+    return "\n".join(
+        (_table(("key or field", "range"), rows), "", "Not varied:" if fixed else "", "", *reasons)
+    ).strip()
 
 
 def signals(named: str) -> str:
@@ -273,16 +265,23 @@ def _range(row: Varied) -> str:
 
 
 def drive_keys(kind: str) -> str:
-    """Every key of a drive, by its table; with a kind, of one that has tables of its own."""
-    document = DriveDocument.of_kind({"kind": kind}) if kind else DriveDocument
-    tables = document.tables
-    rows = [
+    """Every key of a PM AC drive, or those of the other kinds that differ from it."""
+    rows = _key_rows(DriveDocument.of_kind({"kind": "pm-ac"}))
+    if kind != "pm-ac":
+        rows = [row for row in _key_rows(DriveDocument) if row not in rows]
+    return _table(("key", "is", "left out"), rows)
+
+
+def _key_rows(document: type[DriveDocument]) -> list[tuple[str, str, str]]:
+    return [
         (f"`{prefix}{key}`", _plain(field.description or ""), _left_out_of_drive(key, field))
-        for prefix, model in (("", document), *((f"{name}.", table) for name, table in tables.items()))
+        for prefix, model in (
+            ("", document),
+            *((f"{name}.", table) for name, table in document.tables.items()),
+        )
         for key, field in model.model_fields.items()
         if key not in DriveDocument.tables and field.alias is None
     ]
-    return _table(("key", "is", "left out"), rows)
 
 
 def _left_out_of_drive(key: str, field: FieldInfo) -> str:
@@ -327,8 +326,6 @@ INSERTED: Final = MappingProxyType(
     {
         "check-table": check_table,
         "check": check,
-        "known-faults": known_faults,
-        "fault-kinds": fault_kinds,
         "near-designs": near_designs,
         "drawn-bounds": drawn_bounds,
         "fixed-scenarios": fixed_table,
@@ -369,10 +366,6 @@ def renewed(text: str, made: MappingProxyType[str, Callable[[str], str]] = INSER
         return f"{opening}\n\n{made[place[1]](place[2] or '')}\n\n<!-- end -->"
 
     return PLACE.sub(inserted, text)
-
-
-def _shown_by(what: str) -> str:
-    return f" It takes {_plain(what)} to show it." if what else ""
 
 
 def _family(family: Family) -> tuple[str, str, str]:

@@ -24,7 +24,7 @@ def test_a_page_is_plain_and_says_what_is_true_today(page: Path) -> None:
 
 def test_a_stale_insertion_is_noticed() -> None:
     page = (DOCS / "checks" / "CNV-1.md").read_text(encoding="utf-8")
-    stale = page.replace("| **Limit** |", "| **Limit** | another |")
+    stale = page.replace("- **Limit**:", "- **Limit**: another")
     assert stale != page
     assert INSERTIONS["renewed"](stale) == page
 
