@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from shlex import quote
 from typing import TYPE_CHECKING, Any
@@ -9,10 +10,14 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from drivegate.commands.conduct import Outcome
-from drivegate.commands.options import drive_option, json_option, named_drive
+from drivegate.commands.options import drive_option, json_option, looked_at, named_drive
+from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
     from rich.console import Console
+
+    from drivegate.studies.data_sheet_drive import Amount, Question
+    from drivegate_cases.drive.drive_document import DriveDocument
 
 SCHEMA = 1
 DRIVE = "drive"
@@ -29,14 +34,20 @@ CHOICES = ("python", "numba", "c", "rust", "cortex-m", "exec", "python-duty", "e
     metavar="DIR",
     help="Folder to make; by default NAME. Nothing is ever overwritten.",
 )
+@click.option(
+    "--from-datasheet",
+    is_flag=True,
+    help="For the kind drive: ask for the values of a data sheet, convert them and write a PM AC drive.",
+)
 @drive_option
 @json_option
-def command(kind: str, name: str, output: Path | None, drive: str | None) -> Outcome:
+def command(kind: str, name: str, output: Path | None, drive: str | None, from_datasheet: bool) -> Outcome:
     """Write a small controller called NAME into a new folder, with manifest, test, waivers and a workflow for CI.
 
-    The kind drive is no controller: NAME is then a new file such as my-drive.toml, with a comment for each key, and has
-    the values of the paper's drive, or of that of --drive, to be replaced by one's own; what follows from them is left
-    out.
+    The kind drive is no controller: NAME is then a new file such as my-drive.toml. With --from-datasheet it asks for
+    Kv, Kt or Ke, for resistance, inductance, currents and speeds in the units of your data sheet, and states each
+    conversion. Otherwise the file has a comment for each key and the values of the paper's drive, or of that of
+    --drive, to be replaced by your own.
 
     The kinds python, numba, c, rust, cortex-m (the image for a microcontroller, emulated) and exec have the same
     algorithm: a speed regulator, and a line of angles. It meets the contract and most checks; what it fails is waived
@@ -44,7 +55,9 @@ def command(kind: str, name: str, output: Path | None, drive: str | None) -> Out
     ratios, by field-oriented control. With --drive its manifest names that drive, whose file is copied into the folder.
     """
     if kind == DRIVE:
-        return _new_drive(Path(name), output, drive)
+        return _new_drive(Path(name), output, drive, from_datasheet)
+    if from_datasheet:
+        raise click.UsageError("--from-datasheet goes with the kind drive only")
 
     from drivegate.results.waivers import present_day
     from drivegate.studies.new import KINDS, write_candidate
@@ -66,14 +79,21 @@ def command(kind: str, name: str, output: Path | None, drive: str | None) -> Out
     return Outcome(document, lambda console: _show(console, document))
 
 
-def _new_drive(file: Path, output: Path | None, start: str | None) -> Outcome:
+def _new_drive(file: Path, output: Path | None, start: str | None, from_datasheet: bool) -> Outcome:
     if output is not None:
         raise click.UsageError("--output goes with a candidate only; NAME is the file of a drive")
+    if from_datasheet and start is not None:
+        raise click.UsageError("--drive and --from-datasheet do not go together")
 
     from drivegate.drives.kinds import drive_for
-    from drivegate.studies.new import write_drive
+    from drivegate.studies.new import drive_to_edit, refuse_drive_file, write_drive
 
-    written = write_drive(file, drive_for(None, named_drive(start)))
+    refuse_drive_file(file)
+    if from_datasheet:
+        written = _asked_drive(file.stem)
+    else:
+        written = drive_to_edit(file.stem, drive_for(None, named_drive(start)))
+    write_drive(file, written)
     look = f"drivegate drive {quote(str(file))}"
     document: dict[str, Any] = {
         "schema": SCHEMA,
@@ -81,9 +101,44 @@ def _new_drive(file: Path, output: Path | None, start: str | None) -> Outcome:
         "drive": written.identity(),
         "folder": str(file.parent),
         "files": [file.name],
-        "next": [f"put your values into {file}", look],
+        "next": [look] if from_datasheet else [f"put your values into {file}", look],
     }
+    if from_datasheet:
+        document["values"] = _stated_values(written)
     return Outcome(document, lambda console: _show(console, document))
+
+
+def _asked_drive(name: str) -> DriveDocument:
+    """Ask for the values of a data sheet and make the drive that has them."""
+    from drivegate.studies.data_sheet_drive import QUESTIONS, data_sheet_drive
+
+    return looked_at(data_sheet_drive(name, {key: _answer(question) for key, question in QUESTIONS.items()}))
+
+
+def _answer(question: Question) -> Amount:
+    """Ask on a terminal until an answer is understood; otherwise read one line, and refuse it if it is not."""
+    if not sys.stdin.isatty():
+        line = sys.stdin.readline()
+        if not line:
+            raise InputError(f"{question.quantity}: there is no answer, such as {question.examples}")
+        return question.read(line.strip() or question.default)
+    while True:
+        text = click.prompt(
+            f"{question.quantity}, such as {question.examples}\n ", default=question.default or None, err=True
+        )
+        try:
+            return question.read(str(text))
+        except InputError as error:
+            click.echo(f"error: {error}", err=True)
+
+
+def _stated_values(drive: DriveDocument) -> dict[str, str]:
+    """Return each value with where it is from, by table and key."""
+    return {
+        f"{table}.{key} = {drive.value(key):g}": sentence
+        for table, sentences in drive.provenance.items()
+        for key, sentence in sentences.items()
+    }
 
 
 def _show(console: Console, document: dict[str, Any]) -> None:
@@ -92,5 +147,7 @@ def _show(console: Console, document: dict[str, Any]) -> None:
     console.print(plain(f"written into {document['folder']}:"))
     for file in document["files"]:
         console.print(plain(f"  {file}"))
+    for value, source in document.get("values", {}).items():
+        console.print(plain(f"  {value:<44} {source}"))
     joint = ", then " if "drive" in document else " && "
     console.print(plain(f"next: {joint.join(document['next'])}", "dim"))

@@ -228,22 +228,27 @@ def _digest(data: bytes) -> str:
     return "sha256=" + base64.urlsafe_b64encode(hashlib.sha256(data).digest()).rstrip(b"=").decode()
 
 
-def write_drive(file: Path, start: DriveDocument) -> DriveDocument:
-    """Write a drive with the values of another, named after its file; nothing is ever overwritten.
+def write_drive(file: Path, drive: DriveDocument) -> None:
+    """Write a drive's file; nothing is ever overwritten."""
+    refuse_drive_file(file)
+    write_atomically(file, drive_toml(drive))
 
-    What follows from the values is left out, since of other values it would be wrong.
-    """
+
+def refuse_drive_file(file: Path) -> None:
+    """Refuse a file that exists, or whose name is none of a drive's."""
     if file.suffix != _SUFFIX:
         raise InputError(f"{shown_path(file)} is no name for a drive's file, which ends in {_SUFFIX}")
     if file.is_symlink() or file.exists():
         raise InputError(
             f"{shown_path(file)} exists already, and nothing is ever overwritten; name another file"
         )
+
+
+def drive_to_edit(name: str, start: DriveDocument) -> DriveDocument:
+    """Return a drive with the values of another, without those that follow: of other values they would be wrong."""
     known = type(start.requirements).model_fields
     following = {key: value for key, value in _FOLLOWING.items() if key in known}
-    drive = start.replaced(name=file.stem, advance=None, provenance=_not_stated(start), **following)
-    write_atomically(file, drive_toml(drive))
-    return drive
+    return start.replaced(name=name, advance=None, provenance=_not_stated(start), **following)
 
 
 def _not_stated(start: DriveDocument) -> dict[str, dict[str, str]]:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from typing import Any
 
 from drivegate_cases.documents.document import Section
+from drivegate_cases.drive.data_sheet import following
 from drivegate_cases.drive.drive_document import PM_AC, DriveDocument
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 
@@ -14,7 +15,8 @@ _WIDTH = 40
 
 
 def drive_toml(drive: DriveDocument) -> str:
-    """Write a drive as TOML: every key that there is, each with what it means; what is left out as a comment."""
+    """Write a drive as TOML: every key with its meaning; one without a value, or that follows, is a comment."""
+    omitted = following(drive)
     head = ("name", "kind")
     lines = [
         "# A drive for drivegate. Every value is nominal; change what is not yours, and say where yours is from.",
@@ -23,10 +25,14 @@ def drive_toml(drive: DriveDocument) -> str:
     ]
     for name, model in drive.tables.items():
         described = type(drive).model_fields[name].description
-        lines += ["", *_table(name, model, getattr(drive, name), described)]
+        lines += ["", *_table(name, model, getattr(drive, name), described, omitted)]
     lines += ["", "[provenance]  # where each value comes from, in a sentence"]
     for name, sentences in drive.provenance.items():
-        lines += [f"{name}.{key} = {toml_value(sentence)}" for key, sentence in sentences.items()]
+        lines += [
+            f"{name}.{key} = {toml_value(sentence)}"
+            for key, sentence in sentences.items()
+            if key not in omitted
+        ]
     return "\n".join(lines) + "\n"
 
 
@@ -50,13 +56,16 @@ def _schema_of(document: type[DriveDocument]) -> dict[str, Any]:
     return {key: value for key, value in schema.items() if key != "title"}
 
 
-def _table(name: str, model: type[Section], table: Section | None, description: str | None) -> Iterator[str]:
+def _table(
+    name: str, model: type[Section], table: Section | None, description: str | None, omitted: Container[str]
+) -> Iterator[str]:
     if table is None:
         yield f"# {f'[{name}]':<{_WIDTH}}# {description}; may be left out"
     else:
         yield f"[{name}]"
     for key in model.model_fields:
-        yield _line(model, key, None if table is None else table.model_dump(mode="json")[key])
+        value = None if table is None or key in omitted else table.model_dump(mode="json")[key]
+        yield _line(model, key, value)
 
 
 def _line(model: type[Section], key: str, value: Any) -> str:

@@ -1,5 +1,8 @@
 """The option --drive of every command that runs something."""
 
+import io
+import re
+
 import pytest
 
 from drivegate_cases.drive.drive_document import load_drive
@@ -78,6 +81,54 @@ def test_a_new_drive_is_written_with_a_comment_for_each_key_and_taken_as_it_is(c
     assert written.provenance["machine"]["phases"] == "not stated; as in paper-5-phase, which has 5"
     again = command("new", "drive", "other.toml", "--drive", "my-drive.toml", "--json").document
     assert again["drive"] == load_drive(tmp_path / "other.toml").identity()
+
+
+ANSWERS = "8 poles,0.5 N·m/A rms,1.2 ohm,4.4 mH,0.6 kg·cm²,2.8 A rms,8 A rms,300 V,3000 rpm,4000 rpm,,"
+"""A servo motor, one answer after another; the last is left to its default."""
+
+
+@pytest.fixture
+def answering(monkeypatch):
+    """Let a command read these answers, each of which ends with a comma."""
+    return lambda answers: monkeypatch.setattr("sys.stdin", io.StringIO(answers.replace(",", "\n")))
+
+
+def test_a_drive_is_made_from_a_data_sheet_and_states_each_conversion(command, answering, tmp_path):
+    answering(ANSWERS)
+    ended = command("new", "drive", "servo.toml", "--from-datasheet")
+    assert ended.code == 0, ended.err
+    assert ended.err == ""
+    flux = "machine.magnet_flux_v_s = 0.058926"
+    assert f"{flux}           data sheet: 0.5 N·m/A rms; Kt / (1.5 sqrt(2) pole pairs)" in ended.out
+    assert ended.out.endswith("next: drivegate drive servo.toml\n")
+    text = (tmp_path / "servo.toml").read_text(encoding="utf-8")
+    assert re.search(r"^# rated_power_w =", text, re.MULTILINE), (
+        "what follows stays so when a value is changed"
+    )
+    drive = load_drive(tmp_path / "servo.toml")
+    assert drive.inverter.carrier_frequency_hz == 20e3
+    assert 300.0 < drive.rating.rated_power_w < 500.0
+    answering(ANSWERS)
+    document = command("new", "drive", "other.toml", "--from-datasheet", "--json").document
+    assert document["values"]["machine.pole_pairs = 4"] == "data sheet: 8 poles; pairs of poles"
+
+
+@pytest.mark.parametrize(
+    ("answers", "words"),
+    [
+        ("", "number of poles: there is no answer, such as '8 poles'"),
+        ("7,", "'7' makes no whole number of pole pairs"),
+        ("8 poles,0.5 N·m/A,", "Kv, Kt or Ke: '0.5 N·m/A' is not understood"),
+        (ANSWERS.replace("4000", "2000"), "'highest_speed_rpm' is 2000, but must be above the base speed"),
+    ],
+)
+def test_a_data_sheet_that_makes_no_drive_writes_nothing(command, answering, tmp_path, answers, words):
+    answering(answers)
+    ended = command("new", "drive", "servo.toml", "--from-datasheet")
+    assert ended.code == 2
+    assert words in ended.err
+    assert len(ended.err.splitlines()) == 1
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_new_drive_keeps_no_number_that_follows_from_those_that_are_to_be_changed(command, tmp_path):
