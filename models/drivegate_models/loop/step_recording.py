@@ -9,7 +9,9 @@ from __future__ import annotations
 from functools import cache
 from typing import Any, Final
 
+import numba
 import numpy as np
+from numba.np.numpy_support import carray
 from numpy.typing import NDArray
 
 from drivegate_models.compilation.calling import call_step, copy_bytes, step_signature
@@ -17,6 +19,7 @@ from drivegate_models.compilation.kernels import KEEPS_CACHE
 from drivegate_models.contract.current.records import STOP
 from drivegate_models.contract.layout import Layout
 
+_WORD: Final = np.dtype(np.int64)
 _PLAYER: Final = np.dtype(
     [("commands_address", np.int64), ("size", np.int64), ("count", np.int64), ("given", np.int64)], align=True
 )
@@ -44,17 +47,7 @@ RECORDER: Final = np.dtype(
 def row_layout(layout: Layout, phases: int) -> np.dtype[Any]:
     """Return the layout of a row.
 
-    Parameters
-    ----------
-    layout : Layout
-        Records of the contract.
-    phases : int
-        Number of phases m.
-
-    Returns
-    -------
-    dtype
-        A `sense`, its `currents` (A) and the `command` that answers it.
+    `phases`: number of phases m. Result: a `sense`, its `currents` (A) and the `command` that answers it.
     """
     return np.dtype(
         [("sense", layout.sense), ("currents", np.float64, (phases,)), ("command", layout.command)]
@@ -64,17 +57,8 @@ def row_layout(layout: Layout, phases: int) -> np.dtype[Any]:
 def recorder_of(rows: NDArray[Any], step_address: int, state_address: int) -> NDArray[Any]:
     """Make the state of a recording step.
 
-    Parameters
-    ----------
-    rows : ndarray of row_layout, shape (n,)
-        Receives the steps; it has to outlive the state.
-    step_address, state_address : int
-        Addresses of the controller's step function and of its state.
-
-    Returns
-    -------
-    ndarray of RECORDER, shape (1,)
-        The state, before the first step.
+    `rows`, shape (n,): receives the steps; it has to outlive the state. `step_address`, `state_address`: addresses of
+    the controller's step function and of its state.
     """
     sense, currents, command = (rows.dtype[name] for name in ("sense", "currents", "command"))
     place = (sense.names or ()).index("phase_currents")
@@ -86,16 +70,9 @@ def recorder_of(rows: NDArray[Any], step_address: int, state_address: int) -> ND
 def recording_step() -> Any:
     """Return the recorder's own step, compiled.
 
-    Returns
-    -------
-    CFunc
-        Its `address` is that of a step function of any contract, whose state is a RECORDER. The caller must retain it.
+    Result: its `address` is that of a step function of any contract, whose state is a RECORDER. The caller must retain
+    it.
     """
-    # numba must be imported after the cache folder is known.
-    import numba
-    from numba.np.numpy_support import carray
-
-    word: Any = np.dtype(np.int64)
 
     def record_step(recorder: Any, sense: Any, command: Any) -> None:
         kept = carray(recorder, 1)[0]
@@ -111,23 +88,16 @@ def recording_step() -> Any:
         copy_bytes(answer.ctypes.data, currents + kept.currents_size, kept.command_size)
         kept.count += 1
 
-    return numba.cfunc(step_signature(RECORDER, word, word), cache=KEEPS_CACHE)(record_step)
+    return numba.cfunc(step_signature(RECORDER, _WORD, _WORD), cache=KEEPS_CACHE)(record_step)
 
 
 @cache
 def playing_step() -> Any:
     """Return the step that answers with recorded commands, compiled; after the last one it requests a stop.
 
-    Returns
-    -------
-    CFunc
-        Its `address` is that of a step function of any contract, whose state is a PLAYER. The caller must retain it.
+    Result: its `address` is that of a step function of any contract, whose state is a PLAYER. The caller must retain
+    it.
     """
-    # numba must be imported after the cache folder is known.
-    import numba
-    from numba.np.numpy_support import carray
-
-    word: Any = np.dtype(np.int64)
 
     def play_step(player: Any, _sense: Any, command: Any) -> None:
         state = carray(player, 1)[0]
@@ -140,20 +110,12 @@ def playing_step() -> Any:
         copy_bytes(first, answer.ctypes.data + 8, state.size - 8)
         state.given += 1
 
-    return numba.cfunc(step_signature(_PLAYER, word, word), cache=KEEPS_CACHE)(play_step)
+    return numba.cfunc(step_signature(_PLAYER, _WORD, _WORD), cache=KEEPS_CACHE)(play_step)
 
 
 def player_of(commands: NDArray[Any]) -> NDArray[Any]:
     """Make the state of a playing step.
 
-    Parameters
-    ----------
-    commands : ndarray, shape (n,)
-        The commands, as records of their contract, contiguous; they have to outlive the state.
-
-    Returns
-    -------
-    ndarray of PLAYER, shape (1,)
-        The state, before the first command.
+    `commands`, shape (n,): the commands, as records of their contract, contiguous; they have to outlive the state.
     """
     return np.array([(commands.ctypes.data, commands.itemsize, len(commands), 0)], _PLAYER)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import inlined
-from drivegate_models.machine.emf import full_cycle
+from drivegate_models.machine.drive_fields import drive_fields
 
 
 class Drive(NamedTuple):
@@ -60,40 +60,9 @@ class Drive(NamedTuple):
     """Energy lost at each turn-off of a switch (J)."""
 
 
-def make_drive(
-    *,
-    phases: int,
-    pole_pairs: int,
-    emf_angles: NDArray[np.float64],
-    emf_values: NDArray[np.float64],
-    **constants: float,
-) -> Drive:
-    """Build the constants of a drive from values in SI units.
-
-    Parameters
-    ----------
-    phases, pole_pairs : int
-        Number of phases and of pole pairs.
-    emf_angles, emf_values : ndarray, shape (k,)
-        Corners of the positive half cycle of the back-EMF shape (rad, 1); see `drivegate_models.machine.emf`.
-    **constants : float
-        The other fields of `Drive`, by name and in its units; missing ones have its defaults.
-
-    Returns
-    -------
-    Drive
-        The constants, with the shape's corners over the whole cycle.
-    """
-    angles, values = full_cycle(emf_angles, emf_values)
-    # Each kernel is compiled for one type of drive; an int instead of a float would compile it a second time.
-    return Drive(
-        phases=int(phases),
-        pole_pairs=int(pole_pairs),
-        emf_angles=angles,
-        emf_values=values,
-        emf_slopes=np.diff(values) / np.diff(angles),
-        **{name: float(constant) for name, constant in constants.items()},
-    )
+def make_drive(**values: Any) -> Drive:
+    """Build the constants of a drive from the arguments of `drivegate_models.machine.drive_fields.drive_fields`."""
+    return Drive(**drive_fields(**values))
 
 
 @inlined

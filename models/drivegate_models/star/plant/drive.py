@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import inlined
-from drivegate_models.machine.emf import full_cycle
+from drivegate_models.machine.drive_fields import drive_fields
 
 EVERY_HALF: Final = 0b1111
 """Every phase chops throughout its windows, each with its own comparator."""
@@ -79,42 +79,9 @@ class StarDrive(NamedTuple):
     """Energy lost at each turn-off of a switch (J)."""
 
 
-def make_star_drive(
-    *,
-    phases: int,
-    pole_pairs: int,
-    emf_angles: NDArray[np.float64],
-    emf_values: NDArray[np.float64],
-    regulation: int = EVERY_HALF,
-    **constants: float,
-) -> StarDrive:
-    """Build the constants of a drive from values in SI units.
-
-    Parameters
-    ----------
-    phases, pole_pairs, regulation : int
-        Number of phases and of pole pairs, and the halves of the windows that chop.
-    emf_angles, emf_values : ndarray, shape (k,)
-        Corners of the positive half cycle of the back-EMF shape (rad, 1); see `drivegate_models.machine.emf`.
-    **constants : float
-        The other fields of `StarDrive`, by name and in its units; missing ones have its defaults.
-
-    Returns
-    -------
-    StarDrive
-        The constants, with the shape's corners over the whole cycle.
-    """
-    angles, values = full_cycle(emf_angles, emf_values)
-    # Each kernel is compiled for one type of drive; an int instead of a float would compile it a second time.
-    return StarDrive(
-        phases=int(phases),
-        pole_pairs=int(pole_pairs),
-        emf_angles=angles,
-        emf_values=values,
-        emf_slopes=np.diff(values) / np.diff(angles),
-        regulation=int(regulation),
-        **{name: float(constant) for name, constant in constants.items()},
-    )
+def make_star_drive(*, regulation: int = EVERY_HALF, **values: Any) -> StarDrive:
+    """Build the constants of a drive from the halves of the windows that chop, and the arguments of `drive_fields`."""
+    return StarDrive(regulation=int(regulation), **drive_fields(**values))
 
 
 @inlined
