@@ -43,15 +43,8 @@ def choose_folder(key: str) -> CacheChoice:
     `drivegate-UID` in the folder for temporary files. Code that root has compiled in an earlier one for all users, for
     example in a container image, is copied.
 
-    Parameters
-    ----------
-    key : str
-        Key of the sources and of the compiler's versions, used as the folder's name inside the first usable one.
-
-    Returns
-    -------
-    CacheChoice
-        The folder, and the reasons why others are not used.
+    `key`: key of the sources and of the compiler's versions, used as the folder's name inside the first usable one.
+    Result: the folder, and the reasons why others are not used.
     """
     refusals: dict[Path, str] = {}
     for parent, is_own in _parents():

@@ -69,15 +69,7 @@ def choose_cache_folder() -> Path | None:
 def required_cache_folder() -> Path:
     """Return the folder for compiled kernels.
 
-    Returns
-    -------
-    Path
-        The folder, which exists.
-
-    Raises
-    ------
-    InputError
-        If there is no safe folder that can be written.
+    Raises InputError if there is no safe folder that can be written.
     """
     choice = choose_folder(cache_key())
     if choice.folder is None:
@@ -214,10 +206,8 @@ def kernel_digests() -> dict[str, bytes]:
 def trust_only(digests: Mapping[str, bytes]) -> None:
     """Load in this process only those compiled kernels that have these digests, or that it compiles itself.
 
-    Parameters
-    ----------
-    digests : mapping of str to bytes
-        Digest of each file by its path in the folder, as `kernel_digests` returned them before code of strangers ran.
+    `digests`: digest of each file by its path in the folder, as `kernel_digests` returned them before code of
+    strangers ran.
     """
     _trusted[:] = [dict(digests)]
 

@@ -42,17 +42,7 @@ class Layout:
     def sensed(self, record: Any, currents: NDArray[np.float64]) -> Any:
         """Return a record of a sense as a controller in Python sees it.
 
-        Parameters
-        ----------
-        record : record of `sense`
-            What is sensed.
-        currents : ndarray, shape (m,)
-            The phase currents (A), as the record's address is not followed.
-
-        Returns
-        -------
-        Sense or DutySense
-            The same.
+        `currents`, shape (m,): the phase currents (A), as the record's address is not followed.
         """
         values = (currents if name == "phase_currents" else record[name] for name in self.signals._fields)
         return self.signals._make(tuple(value.tolist()) if value.ndim else value.item() for value in values)

@@ -42,17 +42,7 @@ def least_conceivable(drive: Drive, torque: float) -> float:
 
     A phase whose current is at most i* + h produces at most ``k_e (i* + h)``.
 
-    Parameters
-    ----------
-    drive : Drive
-        Constants of machine and inverter.
-    torque : float
-        Mean electromagnetic torque (N m).
-
-    Returns
-    -------
-    float
-        Current reference (A), 0 or more.
+    `torque`: mean electromagnetic torque (N m).
     """
     return max(torque / (drive.phases * drive.emf_constant) - drive.hysteresis_band, 0.0)
 
@@ -132,25 +122,12 @@ def periodic_start(
 ) -> int:
     """Find the periodic state, and store it at the first phase's window start in `work`.
 
-    Parameters
-    ----------
-    drive : Drive
-        Constants of machine and inverter.
-    work, slices : Phases
-        Work space; `work` receives the state of all phases.
-    speed : float
-        Shaft speed (rad/s), above 0.
-    voltage : float
-        Voltage of each half-source (V).
-    reference : float
-        Current reference i* (A).
-    advance : float
-        Advance angle (rad electrical).
-
-    Returns
-    -------
-    int
-        `PERIODIC`, or `APERIODIC` with the state after `_SETTLING` half cycles.
+    - `work`, `slices`: work space; `work` receives the state of all phases.
+    - `speed`: shaft speed (rad/s), above 0.
+    - `voltage`: voltage of each half-source (V).
+    - `reference`: current reference i* (A).
+    - `advance`: advance angle (rad electrical).
+    - Result: `PERIODIC`, or `APERIODIC` with the state after `_SETTLING` half cycles.
     """
     scratch = np.zeros(ledger.ENTRIES)
     tolerance = TOLERANCE * (1.0 + reference)

@@ -17,15 +17,8 @@ BAD_LEG: Final = 4
 def duty_command_status(command: Any) -> int:
     """Return the status of a command: `COMPLETED` if the run may continue.
 
-    Parameters
-    ----------
-    command : record of DUTY_COMMAND
-        As written by the controller; duty ratios outside 0 to 1 are allowed here.
-
-    Returns
-    -------
-    int
-        `COMPLETED`, `STOPPED`, `NOT_FINITE` (duty ratios) or `BAD_LEG`.
+    `command`: as written by the controller; duty ratios outside 0 to 1 are allowed here. Result: `COMPLETED`,
+    `STOPPED`, `NOT_FINITE` (duty ratios) or `BAD_LEG`.
     """
     if command.struct_size < 0:
         return STOPPED

@@ -60,21 +60,9 @@ def make_exchange(
 ) -> Exchange:
     """Return the records between the loop and a controller that has been reset.
 
-    Parameters
-    ----------
-    phases : int
-        Number of phases m.
-    step_address, state_address : int
-        Addresses of the controller's step function and of its state.
-    progress : ndarray of int64, shape (1,), optional
-        Receives the number of steps begun.
-    kept : ndarray of COMMAND, shape (n,), optional
-        Receives the commands of the first n steps.
-
-    Returns
-    -------
-    Exchange
-        With sizes and addresses set.
+    `phases`: number of phases m. `step_address`, `state_address`: addresses of the controller's step function and of
+    its state. `progress`, shape (1,): receives the number of steps begun. `kept`, shape (n,): receives the commands of
+    the first n steps.
     """
     sense = np.zeros(1, SENSE)
     currents = np.zeros(phases)
@@ -101,15 +89,7 @@ def make_exchange(
 def command_status(command: Any) -> int:
     """Return whether a command lets a run go on; a value outside its range is for a check to judge.
 
-    Parameters
-    ----------
-    command : record of COMMAND
-        The controller's answer.
-
-    Returns
-    -------
-    int
-        `COMPLETED`, `STOPPED` or `NOT_FINITE`.
+    Result: `COMPLETED`, `STOPPED` or `NOT_FINITE`.
     """
     if command.struct_size < 0:
         return STOPPED
@@ -124,17 +104,7 @@ def command_status(command: Any) -> int:
 def step_controller(exchange: Exchange, step: int) -> int:
     """Call the controller's step on the present Sense, and check its command.
 
-    Parameters
-    ----------
-    exchange : Exchange
-        Its command is overwritten.
-    step : int
-        Number of the step, from 0.
-
-    Returns
-    -------
-    int
-        `COMPLETED`, `STOPPED` or `NOT_FINITE`.
+    `step`: number of the step, from 0. Result: `COMPLETED`, `STOPPED` or `NOT_FINITE`.
     """
     command = exchange.command
     # A missing output must not repeat the output of the preceding step.
@@ -169,17 +139,8 @@ def _digested(digest: int, bits: int) -> int:
 def digested_command(digest: int, exchange: Exchange) -> int:
     """Add the numbers of a command, bit for bit, to a digest.
 
-    Parameters
-    ----------
-    digest : int
-        Digest of the previous commands.
-    exchange : Exchange
-        Its `command_bits` are read.
-
-    Returns
-    -------
-    int
-        Digest of all commands, in 63 bits.
+    `digest`: digest of the previous commands. `exchange`: its `command_bits` are read. Result: digest of all commands,
+    in 63 bits.
     """
     for word in range(1, 4):
         digest = _digested(digest, exchange.command_bits[word])

@@ -88,23 +88,12 @@ def given_senses(
 ) -> GivenSenses:
     """Tie Senses and a controller together.
 
-    Parameters
-    ----------
-    step_address, state_address : int
-        Addresses of the controller's step function and of its state.
-    senses : ndarray, shape (n,)
-        What the controller senses, as records of its contract.
-    currents : ndarray, shape (n, m)
-        The phase currents (A).
-    progress : ndarray of int64, shape (1,), optional
-        Receives the number of steps begun.
-    kept : ndarray, shape (k,), optional
-        Receives the commands of the first k steps.
-
-    Returns
-    -------
-    GivenSenses
-        For `MAKE_STEPS`.
+    - `step_address`, `state_address`: addresses of the controller's step function and of its state.
+    - `senses`, shape (n,): what the controller senses, as records of its contract.
+    - `currents`, shape (n, m): the phase currents (A).
+    - `progress`, shape (1,): receives the number of steps begun.
+    - `kept`, shape (k,): receives the commands of the first k steps.
+    - Result: for `MAKE_STEPS`.
     """
     layout = LAYOUTS[senses.dtype]
     sensed_currents = np.zeros(currents.shape[1])
@@ -128,21 +117,10 @@ def senses_of(
 ) -> tuple[NDArray[Any], NDArray[np.float64]]:
     """Make Senses from the signals of a script.
 
-    Parameters
-    ----------
-    signals : ndarray, shape (n, 4)
-        Speed reference and speed (rad/s), current magnitude sum (A) and mean voltage of the half-sources (V).
-    phases : int
-        Number of phases m.
-    control_period : float
-        Time between two steps (s).
-
-    Returns
-    -------
-    senses : ndarray of SENSE, shape (n,)
-        What is sensed.
-    currents : ndarray, shape (n, m)
-        The phase currents (A): equal shares of the sum, with alternating signs.
+    `signals`, shape (n, 4): speed reference and speed (rad/s), current magnitude sum (A) and mean voltage of the
+    half-sources (V). `phases`: number of phases m. `control_period`: time between two steps (s). Returns `senses`,
+    shape (n,): what is sensed; `currents`, shape (n, m): the phase currents (A): equal shares of the sum, with
+    alternating signs.
     """
     senses = np.zeros(len(signals), SENSE)
     senses["time"] = np.arange(len(signals)) * control_period

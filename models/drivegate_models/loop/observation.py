@@ -162,18 +162,7 @@ def observed_run(run: NDArray[Any]) -> RunObservation:
 
 
 def observed_windows(windows: NDArray[Any]) -> tuple[WindowObservation, ...]:
-    """Return the observations in the windows of a completed run, with means instead of sums.
-
-    Parameters
-    ----------
-    windows : ndarray of WINDOW_RECORD, shape (w,)
-        With sums over the control periods.
-
-    Returns
-    -------
-    tuple of WindowObservation
-        One for each window.
-    """
+    """Return the observations in the windows of a completed run, with means instead of sums."""
     means = windows.copy()
     for name in _MEANS:
         means[name] /= np.maximum(windows["steps"], 1.0)

@@ -43,18 +43,11 @@ def observe_command(
 ) -> None:
     """Add the controller's command, before clamping, to the record of a run.
 
-    Parameters
-    ----------
-    run : record of RUN_RECORD
-        Its extremes of reference and angle, and its steps below base speed, are updated.
-    reference, advance : float
-        The command (A, rad electrical).
-    time : float
-        Time of the step (s).
-    measured_speed : float
-        Speed in the controller's Sense (rad/s).
-    base_speed : float
-        Speed below which no advance is allowed (rad/s).
+    - `run`: its extremes of reference and angle, and its steps below base speed, are updated.
+    - `reference`, `advance`: the command (A, rad electrical).
+    - `time`: time of the step (s).
+    - `measured_speed`: speed in the controller's Sense (rad/s).
+    - `base_speed`: speed below which no advance is allowed (rad/s).
     """
     if reference < run.reference_lowest:
         run.reference_lowest = reference
@@ -76,14 +69,8 @@ def observe_command(
 def observe_power_estimate(run: Any, estimate: float, product: float) -> None:
     """Add the controller's estimate of its input power, if there is one, to the record of a run.
 
-    Parameters
-    ----------
-    run : record of RUN_RECORD
-        Its count of estimates and their maximum errors are updated.
-    estimate : float
-        The estimate (W); NaN for none.
-    product : float
-        Measured supply voltage times measured current sum, or its mean over the power window (W).
+    `estimate`: the estimate (W); NaN for none. `product`: measured supply voltage times measured current sum, or its
+    mean over the power window (W).
     """
     if estimate == estimate:
         run.power_estimates += 1.0
@@ -101,18 +88,9 @@ def observe_energy(
 ) -> None:
     """Add the energies of one control period to the record of a run, and check their balance.
 
-    Parameters
-    ----------
-    run : record of RUN_RECORD
-        Its energies and its maximum relative imbalance are updated.
-    resistance : float
-        Winding resistance (ohm).
-    speed : float
-        Shaft speed at which the period was computed (rad/s).
-    before, after : float
-        Energy in the windings at the start and at the end of the period (J).
-    period : ndarray, shape (ledger.ENTRIES,)
-        Exact integrals over the period.
+    `resistance`: winding resistance (ohm). `speed`: shaft speed at which the period was computed (rad/s). `before`,
+    `after`: energy in the windings at the start and at the end of the period (J). `period`, shape (ledger.ENTRIES,):
+    exact integrals over the period.
     """
     exchanged = period[ledger.EXCHANGED]
     shaft = speed * period[ledger.IMPULSE]
@@ -133,18 +111,12 @@ def observe_balance(
 ) -> None:
     """Add the share of the phase currents that needs a common return path to the record of a run.
 
-    An isolated neutral has no such path: the currents sum to zero, and equal halves of a supply deliver equal energies.
+    An isolated neutral has no such path: the currents sum to zero, and equal halves of a supply deliver equal
+    energies.
 
-    Parameters
-    ----------
-    run : record of RUN_RECORD
-        Its `neutral_current` and `unequal_halves` are updated.
-    currents : ndarray, shape (m,)
-        Phase currents at the end of the period (A).
-    halves_are_equal : bool
-        True if the half-sources have the same voltage.
-    period : ndarray, shape (ledger.ENTRIES,)
-        Exact integrals over the period.
+    `run`: its `neutral_current` and `unequal_halves` are updated. `currents`, shape (m,): phase currents at the end of
+    the period (A). `halves_are_equal`: true if the half-sources have the same voltage. `period`, shape
+    (ledger.ENTRIES,): exact integrals over the period.
     """
     total = 0.0
     size = 0.0
@@ -164,25 +136,11 @@ def observe_window(
 ) -> float:
     """Add one control period to a window, and return the sum of the present block of periods.
 
-    Parameters
-    ----------
-    row : record of WINDOW_RECORD
-        The window; its extremes and its sums for means are updated.
-    applied : Applied
-        Inputs and results of the period.
-    speed_reference : float
-        Speed reference in the period (rad/s).
-    block_sum : float
-        Sum of the current sum over the previous periods of the block (A).
-    done : int
-        Number of the window's periods so far, this one included.
-    block : int
-        Periods in a block, over which the current sum is averaged.
-
-    Returns
-    -------
-    float
-        The block's sum after this period, 0 if the block has just ended (A).
+    - `speed_reference`: speed reference in the period (rad/s).
+    - `block_sum`: sum of the current sum over the previous periods of the block (A).
+    - `done`: number of the window's periods so far, this one included.
+    - `block`: periods in a block, over which the current sum is averaged.
+    - Result: the block's sum after this period, 0 if the block has just ended (A).
     """
     row.steps += 1.0
     deviation = abs(applied.speed - speed_reference)
@@ -218,18 +176,8 @@ def write_trace(
 ) -> None:
     """Write one control period into a trace, in the units of its columns.
 
-    Parameters
-    ----------
-    row : record of TRACE_RECORD
-        Overwritten.
-    time : float
-        Start of the period (s).
-    conditions : Conditions
-        References, load and supply of the period.
-    applied : Applied
-        Inputs and results of the period.
-    speed, measured_speed : float
-        True speed at the start of the period, and the measured one (rad/s).
+    `time`: start of the period (s). `speed`, `measured_speed`: true speed at the start of the period, and the measured
+    one (rad/s).
     """
     row.time_s = time
     row.speed_reference_rpm = conditions.speed_reference * RPM

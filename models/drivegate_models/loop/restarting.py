@@ -30,23 +30,9 @@ def no_restarts() -> Restarts:
 def restart_if_due(exchange: Any, restarts: Restarts, done: int, step: int) -> tuple[bool, int]:
     """Reset the controller before a step for which a restart is due.
 
-    Parameters
-    ----------
-    exchange : Exchange or DutyExchange
-        The records between loop and controller; its command is overwritten if the reset fails.
-    restarts : Restarts
-        All restarts of the run.
-    done : int
-        Number of restarts done before this step.
-    step : int
-        Number of the step in the run, from 0.
-
-    Returns
-    -------
-    has_failed : bool
-        True if the reset failed.
-    done : int
-        Number of restarts done, including one before this step.
+    `exchange`: the records between loop and controller; its command is overwritten if the reset fails. `done`: number
+    of restarts done before this step. `step`: number of the step in the run, from 0. Returns `has_failed`: true if the
+    reset failed; `done`: number of restarts done, including one before this step.
     """
     if done >= restarts.steps.size or restarts.steps[done] > step:
         return False, done
@@ -58,23 +44,9 @@ def restart_if_due(exchange: Any, restarts: Restarts, done: int, step: int) -> t
 def step_or_restart(exchange: Exchange, restarts: Restarts, done: int, step: int) -> tuple[int, int]:
     """Call the controller's step, after a reset if one is due.
 
-    Parameters
-    ----------
-    exchange : Exchange
-        The records between loop and controller; its command is overwritten.
-    restarts : Restarts
-        All restarts of the run.
-    done : int
-        Number of restarts done before this step.
-    step : int
-        Number of the step in the run, from 0.
-
-    Returns
-    -------
-    status : int
-        Status of `step_controller`; `STOPPED` if the reset failed.
-    done : int
-        Number of restarts done, including one before this step.
+    `exchange`: the records between loop and controller; its command is overwritten. `done`: number of restarts done
+    before this step. `step`: number of the step in the run, from 0. Returns `status`: status of `step_controller`;
+    `STOPPED` if the reset failed; `done`: number of restarts done, including one before this step.
     """
     has_failed, done = restart_if_due(exchange, restarts, done, step)
     if has_failed:
@@ -86,19 +58,8 @@ def step_or_restart(exchange: Exchange, restarts: Restarts, done: int, step: int
 def steps_since(restarts: Restarts, done: int, step: int) -> int:
     """Return the number of a step counted from the controller's last reset.
 
-    Parameters
-    ----------
-    restarts : Restarts
-        All restarts of the run.
-    done : int
-        Number of restarts done, including one before this step.
-    step : int
-        Number of the step in the run, from 0.
-
-    Returns
-    -------
-    int
-        Number of the step since the last reset, from 0; `step` if there was none.
+    `done`: number of restarts done, including one before this step. `step`: number of the step in the run, from 0.
+    Result: number of the step since the last reset, from 0; `step` if there was none.
     """
     since: int = step - restarts.steps[done - 1] if done > 0 else step
     return since

@@ -27,15 +27,8 @@ class RippleWatch(NamedTuple):
 def fresh_watch(is_whole: bool) -> RippleWatch:
     """Return the watch of an electrical period without any torque observed yet.
 
-    Parameters
-    ----------
-    is_whole : bool
-        True if the electrical period begins now, False if part of it has passed unobserved.
-
-    Returns
-    -------
-    RippleWatch
-        With an infinite minimum, a negative infinite maximum and zero sums.
+    `is_whole`: true if the electrical period begins now, False if part of it has passed unobserved. Result: with an
+    infinite minimum, a negative infinite maximum and zero sums.
     """
     return RippleWatch(inf, -inf, 0.0, 0.0, is_whole)
 
@@ -46,21 +39,8 @@ def widened_watch(
 ) -> RippleWatch:
     """Return the watch with one more control period.
 
-    Parameters
-    ----------
-    watch : RippleWatch
-        The electrical period so far.
-    lowest, highest : float
-        Torque extremes since its beginning, this control period included (N m).
-    impulse : float
-        Integral of the torque over the control period (N m s).
-    length : float
-        Length of the control period (s).
-
-    Returns
-    -------
-    RippleWatch
-        With the new extremes and the sums increased.
+    `lowest`, `highest`: torque extremes since its beginning, this control period included (N m). `impulse`: integral
+    of the torque over the control period (N m s). `length`: length of the control period (s).
     """
     return RippleWatch(lowest, highest, watch.impulse + impulse, watch.time + length, watch.is_whole)
 
@@ -69,12 +49,7 @@ def widened_watch(
 def observe_ripple(row: Any, watch: RippleWatch) -> None:
     """Add a completed electrical period to a window if it was observed from its beginning.
 
-    Parameters
-    ----------
-    row : record of WINDOW_RECORD
-        The window; its torque minimum and its ripple of the worst electrical period are updated.
-    watch : RippleWatch
-        The electrical period.
+    `row`: the window; its torque minimum and its ripple of the worst electrical period are updated.
     """
     mean = watch.impulse / watch.time
     if watch.is_whole:

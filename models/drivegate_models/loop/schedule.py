@@ -62,21 +62,9 @@ def steady(value: float) -> Course:
 def follow(course: Course, positions: NDArray[np.int64], index: int, time: float) -> float:
     """Return a course's value at a time; at a step, the value after it.
 
-    Parameters
-    ----------
-    course : Course
-        The function of time.
-    positions : ndarray of int64
-        Index of the point before the last time, for each course; updated.
-    index : int
-        Index of this course in `positions`.
-    time : float
-        Time, not earlier than in the last call (s).
-
-    Returns
-    -------
-    float
-        The value, in the unit of the quantity; constant after the last point.
+    `positions`: index of the point before the last time, for each course; updated. `index`: index of this course in
+    `positions`. `time`: time, not earlier than in the last call (s). Result: the value, in the unit of the quantity;
+    constant after the last point.
     """
     times = course.times
     values = course.values
@@ -95,19 +83,8 @@ def follow(course: Course, positions: NDArray[np.int64], index: int, time: float
 def conditions_at(schedule: Schedule, positions: NDArray[np.int64], time: float) -> Conditions:
     """Return the external conditions at a time; at a step, the values after it.
 
-    Parameters
-    ----------
-    schedule : Schedule
-        The external conditions over time.
-    positions : ndarray of int64, shape (6,)
-        Index of the point before the last time, for each course; updated.
-    time : float
-        Time, not earlier than in the last call (s).
-
-    Returns
-    -------
-    Conditions
-        The value of each course.
+    `positions`, shape (6,): index of the point before the last time, for each course; updated. `time`: time, not
+    earlier than in the last call (s).
     """
     return Conditions(
         follow(schedule.speed, positions, 0, time),

@@ -22,15 +22,7 @@ def whole_turns(angle: float) -> int:
 def within_a_turn(angle: float) -> float:
     """Return an angle minus whole turns.
 
-    Parameters
-    ----------
-    angle : float
-        Any angle, electrical or of the shaft (rad).
-
-    Returns
-    -------
-    float
-        The angle in [0, 2 pi), except for rounding.
+    `angle`: any angle, electrical or of the shaft (rad). Result: the angle in [0, 2 pi), except for rounding.
     """
     return angle - 2.0 * pi * whole_turns(angle)
 
@@ -39,15 +31,7 @@ def within_a_turn(angle: float) -> float:
 def shown_angle(angle: float) -> float:
     """Return the angle of the shaft as a controller senses it.
 
-    Parameters
-    ----------
-    angle : float
-        Angle of the shaft, including whole turns (rad).
-
-    Returns
-    -------
-    float
-        The angle in [0, 2 pi), with rounding too.
+    `angle`: angle of the shaft, including whole turns (rad). Result: the angle in [0, 2 pi), with rounding too.
     """
     within = within_a_turn(angle)
     return within if 0.0 <= within < 2.0 * pi else 0.0
@@ -60,17 +44,8 @@ def held_speed(speed: float, gained: float) -> float:
     The error of a run then falls with the square of the period. With the speed of the period's start it would fall
     only in proportion to the period.
 
-    Parameters
-    ----------
-    speed : float
-        Speed at the start of the period (rad/s).
-    gained : float
-        Change of speed in the preceding period (rad/s).
-
-    Returns
-    -------
-    float
-        Speed (rad/s), negative if a decelerating shaft would come to rest within the period.
+    `speed`: speed at the start of the period (rad/s). `gained`: change of speed in the preceding period (rad/s).
+    Result: speed (rad/s), negative if a decelerating shaft would come to rest within the period.
     """
     return speed + 0.5 * gained
 
@@ -87,27 +62,13 @@ def speed_gained(
 ) -> float:
     """Return the change of speed in a control period.
 
-    Parameters
-    ----------
-    drive : named tuple
-        Its `friction` (N m) and `viscous_friction` (N m s/rad) are used.
-    inertia : float
-        Inertia of rotor and load (kg m2).
-    speed : float
-        Speed at the start of the period (rad/s).
-    held : float
-        Speed at which the period was computed (rad/s).
-    load : float
-        Load torque in the period (N m).
-    period : ndarray, shape (ledger.ENTRIES,)
-        Exact integrals over the period.
-    length : float
-        Length of the period (s).
-
-    Returns
-    -------
-    float
-        Change of speed (rad/s), at least ``-speed``.
+    - `drive`: its `friction` (N m) and `viscous_friction` (N m s/rad) are used.
+    - `inertia`: inertia of rotor and load (kg m2).
+    - `speed`: speed at the start of the period (rad/s).
+    - `held`: speed at which the period was computed (rad/s).
+    - `load`: load torque in the period (N m).
+    - `period`, shape (ledger.ENTRIES,): exact integrals over the period.
+    - `length`: length of the period (s).
     """
     resisting = load + drive.friction + drive.viscous_friction * held
     change = (period[ledger.IMPULSE] - period[ledger.CORE_DRAG_IMPULSE] - resisting * length) / inertia

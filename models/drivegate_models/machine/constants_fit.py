@@ -31,16 +31,8 @@ class ConstantsFit(NamedTuple):
     def relative_spread(self, variance: float) -> NDArray[np.float64]:
         """Return the relative standard uncertainty of each constant, shape (n,).
 
-        Parameters
-        ----------
-        variance : float
-            Variance of each figure, in the square of the residuals' unit.
-
-        Returns
-        -------
-        ndarray, shape (n,)
-            Roots of the diagonal of ``variance * inv(J.T @ J)``; infinite for constants that the figures do not
-            determine.
+        `variance`: variance of each figure, in the square of the residuals' unit. Result, shape (n,): roots of the
+        diagonal of ``variance * inv(J.T @ J)``; infinite for constants that the figures do not determine.
         """
         _, singular, directions = np.linalg.svd(self.derivatives, full_matrices=False)
         known = singular > _UNKNOWN * singular[0]

@@ -119,27 +119,15 @@ def torque_extremes(
 ) -> tuple[float, float]:
     """Extend a range by the torque of all phases over one advance.
 
-    Parameters
-    ----------
-    rows : ndarray, shape (m, n, segments.FIELDS)
-        Segments of each phase, without gaps from 0 to `duration`.
-    row_counts : ndarray of int64, shape (m,)
-        Number of segments of each phase.
-    positions : ndarray of int64, shape (m,)
-        Work space.
-    emf_constant : float
-        Peak torque per ampere (N m/A).
-    rate : float
-        R/L (1/s).
-    duration : float
-        Length of the advance (s).
-    lowest, highest : float
-        Range so far (N m); start with inf and -inf.
-
-    Returns
-    -------
-    lowest, highest : float
-        Range including this advance (N m), from events and stationary points, not from a grid.
+    - `rows`, shape (m, n, segments.FIELDS): segments of each phase, without gaps from 0 to `duration`.
+    - `row_counts`, shape (m,): number of segments of each phase.
+    - `positions`, shape (m,): work space.
+    - `emf_constant`: peak torque per ampere (N m/A).
+    - `rate`: R/L (1/s).
+    - `duration`: length of the advance (s).
+    - `lowest`, `highest`: range so far (N m); start with inf and -inf.
+    - Returns `lowest`, `highest`: range including this advance (N m), from events and stationary points, not from a
+      grid.
     """
     phases = rows.shape[0]
     positions[:] = 0

@@ -56,9 +56,9 @@ class PreparedDutyLoop(NamedTuple):
         """Run the controller, already reset, until the end or until it stops."""
         status, done = self.loop(*self.arguments)
         records = self.records
-        asked = self.exchange.kept[: done + (status != COMPLETED)]
+        commands = self.exchange.kept[: done + (status != COMPLETED)]
         worst = float(records.run["worst_balance"][0])
-        return DutyRun(int(status), int(done), records.trace[:done], records.totals, worst, asked)
+        return DutyRun(int(status), int(done), records.trace[:done], records.totals, worst, commands)
 
 
 def prepared_duty_loop(

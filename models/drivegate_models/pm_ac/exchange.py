@@ -75,20 +75,12 @@ def write_sense(
 ) -> None:
     """Write the true values at the start of a period into the Sense.
 
-    Parameters
-    ----------
-    exchange : DutyExchange
-        Its `sense` and `sensed_currents` are overwritten.
-    currents : ndarray, shape (3,)
-        Phase currents (A).
-    link : float
-        Voltage of the dc link (V).
-    reference : float
-        Reference of speed (rad/s) or torque (N m).
-    time : float
-        Time of the controller's clock (s).
-    angle, speed : float
-        Angle (rad) and speed (rad/s) of the shaft.
+    - `exchange`: its `sense` and `sensed_currents` are overwritten.
+    - `currents`, shape (3,): phase currents (A).
+    - `link`: voltage of the dc link (V).
+    - `reference`: reference of speed (rad/s) or torque (N m).
+    - `time`: time of the controller's clock (s).
+    - `angle`, `speed`: angle (rad) and speed (rad/s) of the shaft.
     """
     sense = exchange.sense
     sense[0].time = time
@@ -116,19 +108,9 @@ def copy_command(
 ) -> int:
     """Copy the command of a step, and return its status.
 
-    Parameters
-    ----------
-    exchange : DutyExchange
-        Its `command` is read.
-    ratios, legs : ndarray, shape (2, 3)
-        Duty ratios (1) and states of the legs, now and after the delay; one row is overwritten.
-    place : int
-        Row of the command: 0 without a delay, otherwise 1.
-
-    Returns
-    -------
-    int
-        Status of `duty_command.duty_command_status`.
+    `exchange`: its `command` is read. `ratios`, `legs`, shape (2, 3): duty ratios (1) and states of the legs, now and
+    after the delay; one row is overwritten. `place`: row of the command: 0 without a delay, otherwise 1. Result:
+    status of `duty_command.duty_command_status`.
     """
     command = exchange.command[0]
     status = duty_command_status(command)

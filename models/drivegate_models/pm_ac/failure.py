@@ -49,21 +49,9 @@ class Failure(NamedTuple):
 def make_failure(kind: int = NOTHING, step: int = 0, leg: int = 0, slipped: float = 0.0) -> Failure:
     """Return a failure at a later control period.
 
-    Parameters
-    ----------
-    kind : int
-        `NOTHING`, `OPEN_PHASE`, `STUCK_CURRENT`, `LOST_POSITION`, `LOCKED_ROTOR`, `LOST_EDGE` or `SLIP`.
-    step : int
-        First control period with the failure.
-    leg : int
-        Index of the leg or phase, from 0.
-    slipped : float
-        Angle of the shaft by which the magnet turns (rad).
-
-    Returns
-    -------
-    Failure
-        With 0 for all last measured values.
+    `kind`: `NOTHING`, `OPEN_PHASE`, `STUCK_CURRENT`, `LOST_POSITION`, `LOCKED_ROTOR`, `LOST_EDGE` or `SLIP`. `step`:
+    first control period with the failure. `leg`: index of the leg or phase, from 0. `slipped`: angle of the shaft by
+    which the magnet turns (rad).
     """
     return Failure(int(kind), int(step), int(leg), np.zeros(1), np.zeros(2), float(slipped))
 
@@ -86,18 +74,9 @@ def show_failed(
 ) -> None:
     """Replace measured values by those of a failed sensor.
 
-    Parameters
-    ----------
-    failure : Failure
-        Its last measured values are updated until the failure.
-    step : int
-        Number of the control period.
-    currents : ndarray, shape (3,)
-        Measured phase currents (A), replaced.
-    sense : record of DUTY_SENSE
-        Its angle is replaced if the magnet slips, angle and speed if the position is lost.
-    is_exact : bool
-        True if angle and speed are measured without error. A sensor with edges handles missing edges itself.
+    `step`: number of the control period. `currents`, shape (3,): measured phase currents (A), replaced. `sense`: its
+    angle is replaced if the magnet slips, angle and speed if the position is lost. `is_exact`: true if angle and speed
+    are measured without error. A sensor with edges handles missing edges itself.
     """
     if has_failed(failure, STUCK_CURRENT, step):
         currents[failure.leg] = failure.current[0]

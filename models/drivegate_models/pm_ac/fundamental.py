@@ -48,19 +48,8 @@ def steady_voltages(
 ) -> tuple[float, float]:
     """Return the d-axis and q-axis voltages for steady currents.
 
-    Parameters
-    ----------
-    drive : PmAcDrive
-        The drive.
-    electrical : float
-        Electrical speed (rad/s).
-    direct, quadrature : float
-        Currents of the rotor frame (A).
-
-    Returns
-    -------
-    direct, quadrature : float
-        d-axis and q-axis voltages (V).
+    `electrical`: electrical speed (rad/s). `direct`, `quadrature`: currents of the rotor frame (A). Returns `direct`,
+    `quadrature`: d-axis and q-axis voltages (V).
     """
     return (
         drive.resistance * direct - electrical * drive.quadrature_inductance * quadrature,
@@ -72,19 +61,8 @@ def steady_voltages(
 def core_loss(drive: PmAcDrive, electrical: float, direct: float, quadrature: float) -> float:
     """Return the core loss of steady currents.
 
-    Parameters
-    ----------
-    drive : PmAcDrive
-        The drive.
-    electrical : float
-        Electrical speed (rad/s).
-    direct, quadrature : float
-        Currents of the rotor frame (A).
-
-    Returns
-    -------
-    float
-        Core loss from the voltage induced by the flux linkage (W).
+    `electrical`: electrical speed (rad/s). `direct`, `quadrature`: currents of the rotor frame (A). Result: core loss
+    from the voltage induced by the flux linkage (W).
     """
     along = electrical * (drive.direct_inductance * direct + drive.magnet_flux)
     across = electrical * drive.quadrature_inductance * quadrature
@@ -95,19 +73,7 @@ def core_loss(drive: PmAcDrive, electrical: float, direct: float, quadrature: fl
 def steady_state(drive: PmAcDrive, speed: float, direct: float, quadrature: float) -> SteadyState:
     """Return the steady state for currents in the rotor frame.
 
-    Parameters
-    ----------
-    drive : PmAcDrive
-        The drive.
-    speed : float
-        Shaft speed (rad/s).
-    direct, quadrature : float
-        Currents of the rotor frame (A).
-
-    Returns
-    -------
-    SteadyState
-        With torque, voltage and losses.
+    `speed`: shaft speed (rad/s). `direct`, `quadrature`: currents of the rotor frame (A).
     """
     electrical = drive.pole_pairs * speed
     along, across = steady_voltages(drive, electrical, direct, quadrature)
@@ -127,22 +93,11 @@ def steady_state(drive: PmAcDrive, speed: float, direct: float, quadrature: floa
 def most_torque_per_ampere(drive: PmAcDrive, current: float) -> tuple[float, float]:
     """Return the currents of maximum torque at a magnitude (MTPA).
 
-    Parameters
-    ----------
-    drive : PmAcDrive
-        The drive.
-    current : float
-        Peak current of a phase (A).
-
-    Returns
-    -------
-    direct, quadrature : float
-        Currents of the rotor frame (A); the torque is positive.
-
-    Notes
-    -----
     ``i_d = (psi - sqrt(psi**2 + 8 dL**2 I**2)) / (4 dL)`` with ``dL = L_q - L_d``, written without the difference,
     which suffers cancellation in a machine with little saliency.
+
+    `current`: peak current of a phase (A). Returns `direct`, `quadrature`: currents of the rotor frame (A); the torque
+    is positive.
     """
     saliency = drive.quadrature_inductance - drive.direct_inductance
     square = current * current
@@ -163,23 +118,10 @@ def most_torque_per_ampere(drive: PmAcDrive, current: float) -> tuple[float, flo
 def base_speed(drive: PmAcDrive, current: float, voltage: float) -> float:
     """Return the maximum speed at which a current produces its maximum torque within a voltage.
 
-    Parameters
-    ----------
-    drive : PmAcDrive
-        The drive.
-    current : float
-        Peak current of a phase (A).
-    voltage : float
-        Peak voltage of a phase (V).
-
-    Returns
-    -------
-    float
-        Shaft speed (rad/s); 0 if the resistive drop exceeds the voltage.
-
-    Notes
-    -----
     The speed is the root of a quadratic equation: the voltage grows with the speed, because the torque is positive.
+
+    `current`: peak current of a phase (A). `voltage`: peak voltage of a phase (V). Result: shaft speed (rad/s); 0 if
+    the resistive drop exceeds the voltage.
     """
     direct, quadrature = most_torque_per_ampere(drive, current)
     along = drive.direct_inductance * direct + drive.magnet_flux

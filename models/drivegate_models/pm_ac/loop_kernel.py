@@ -274,42 +274,12 @@ def run_periods(
 ) -> tuple[int, int]:
     """Run a controller against the plant.
 
-    Parameters
-    ----------
-    drive : PmAcDrive
-        Constants of machine, bridge and modulator.
-    phases : PmAcPhases
-        State of machine, bridge and modulator; updated.
-    load : Load
-        Torque and inertia at the shaft.
-    schedule : Schedule
-        External conditions. The supply is half of the link voltage, and the speed is the reference.
-    torque : Course
-        Torque reference (N m).
-    exchange : DutyExchange
-        Addresses of the controller, and the records shared with it.
-    timing : DutyTiming
-        Control period and initial values.
-    room : DutyRoom
-        Work space.
-    sensors : DutySensors
-        Sensors between plant and controller; updated.
-    failure : Failure
-        A failure during the run.
-    restarts : Restarts
-        Resets of the controller during the run.
-    records : DutyRecords
-        Overwritten with trace, integrals and balance.
-
-    Returns
-    -------
-    status, steps : int
-        `COMPLETED` or the reason for an early end, and the number of completed control periods.
-
-    Notes
-    -----
     The legs are off until the first command acts. The machine begins in the corresponding steady state: without
     current, or with the diodes' current. The transient to this state is not part of the run.
+
+    `schedule`: external conditions. The supply is half of the link voltage, and the speed is the reference. `torque`:
+    torque reference (N m). Returns `status`, `steps`: `COMPLETED` or the reason for an early end, and the number of
+    completed control periods.
     """
     if _settle_before_start(drive, phases, load, schedule, timing, room):
         return PLANT_FAULT, 0
@@ -328,29 +298,14 @@ def _speed_change(
     period: NDArray[np.float64],
     length: float,
 ) -> float:
-    """Return the change of the shaft's speed in a control period.
+    """Return the change of the shaft's speed in a control period (rad/s).
 
-    Parameters
-    ----------
-    drive : PmAcDrive
-        Its friction constants are used.
-    inertia : float
-        Inertia of rotor and load (kg m2).
-    speed : float
-        Speed at the start of the period (rad/s).
-    load : float
-        Magnitude of the load's torque, which opposes the shaft's rotation (N m).
-    weight : float
-        Torque that turns the shaft backward, whichever way it turns (N m).
-    period : ndarray, shape (ledger.ENTRIES,)
-        Exact integrals over the period.
-    length : float
-        Length of the period (s).
-
-    Returns
-    -------
-    float
-        Change of speed (rad/s).
+    - `inertia`: inertia of rotor and load (kg m2).
+    - `speed`: speed at the start of the period (rad/s).
+    - `load`: magnitude of the load's torque, which opposes the shaft's rotation (N m).
+    - `weight`: torque that turns the shaft backward, whichever way it turns (N m).
+    - `period`, shape (ledger.ENTRIES,): exact integrals over the period.
+    - `length`: length of the period (s).
     """
     driving = (period[ledger.IMPULSE] - period[ledger.CORE_DRAG_IMPULSE]) / length
     driving -= drive.viscous_friction * speed + weight

@@ -64,21 +64,13 @@ def write_period(
 ) -> None:
     """Write a row of the trace.
 
-    Parameters
-    ----------
-    row : ndarray, shape (len(TRACE),)
-        Overwritten.
-    period : ndarray, shape (ledger.ENTRIES,)
-        Exact integrals over the control period.
-    length : float
-        Length of the period (s).
-    rotor_currents : ndarray, shape (2,)
-        d-axis and q-axis currents at its end (A).
-    begin : tuple of float
-        Time (s), speed reference and speed (rad/s), electrical angle (rad), link voltage (V) and torque reference
-        (N m) at its start.
-    load : float
-        Load torque in the period (N m).
+    - `row`, shape (len(TRACE),): overwritten.
+    - `period`, shape (ledger.ENTRIES,): exact integrals over the control period.
+    - `length`: length of the period (s).
+    - `rotor_currents`, shape (2,): d-axis and q-axis currents at its end (A).
+    - `begin`: time (s), speed reference and speed (rad/s), electrical angle (rad), link voltage (V) and torque
+      reference (N m) at its start.
+    - `load`: load torque in the period (N m).
     """
     row[0] = begin[0]
     row[1] = begin[1]

@@ -46,17 +46,7 @@ class Limits(NamedTuple):
 def undistorted_limits(drive: PmAcDrive, link: float | None = None) -> Limits:
     """Return a drive's current limit and the linear modulation limit of a link voltage.
 
-    Parameters
-    ----------
-    drive : PmAcDrive
-        The drive.
-    link : float, optional
-        Voltage of the link (V); the drive's nominal one by default.
-
-    Returns
-    -------
-    Limits
-        Peak values of a phase.
+    `link`: voltage of the link (V); the drive's nominal one by default.
     """
     return Limits(drive.current_limit, LINEAR_LIMIT * (drive.link_voltage if link is None else link))
 
@@ -140,23 +130,8 @@ def _feasible_end(
 def least_at(drive: PmAcDrive, limits: Limits, speed: float, torque: float, purpose: int) -> SteadyState:
     """Return the steady state of minimum current or minimum loss for a torque at a speed.
 
-    Parameters
-    ----------
-    drive : PmAcDrive
-        The drive.
-    limits : Limits
-        Of current and voltage.
-    speed : float
-        Shaft speed (rad/s).
-    torque : float
-        Electromagnetic torque (N m).
-    purpose : int
-        `CURRENT` or `LOSS`.
-
-    Returns
-    -------
-    SteadyState
-        All NaN if no currents within the limits produce that torque.
+    `speed`: shaft speed (rad/s). `torque`: electromagnetic torque (N m). `purpose`: `CURRENT` or `LOSS`. Result: all
+    NaN if no currents within the limits produce that torque.
     """
     electrical = drive.pole_pairs * speed
     first, last = _direct_range(drive, limits, electrical)
@@ -237,19 +212,7 @@ def _greatest_at(drive: PmAcDrive, limits: Limits, electrical: float, direct: fl
 def greatest_torque(drive: PmAcDrive, limits: Limits, speed: float) -> SteadyState:
     """Return the steady state of maximum torque at a speed.
 
-    Parameters
-    ----------
-    drive : PmAcDrive
-        The drive.
-    limits : Limits
-        Of current and voltage.
-    speed : float
-        Shaft speed (rad/s).
-
-    Returns
-    -------
-    SteadyState
-        All NaN if no currents are within both limits.
+    `speed`: shaft speed (rad/s). Result: all NaN if no currents are within both limits.
     """
     electrical = drive.pole_pairs * speed
     first, last = _direct_range(drive, limits, electrical)
@@ -288,21 +251,9 @@ def greatest_torque(drive: PmAcDrive, limits: Limits, speed: float) -> SteadySta
 def constant_power_end(drive: PmAcDrive, limits: Limits, power: float) -> float:
     """Return the maximum speed up to which a mechanical power can be maintained, beginning at base speed.
 
-    Parameters
-    ----------
-    drive : PmAcDrive
-        The drive.
-    limits : Limits
-        Of current and voltage.
-    power : float
-        Electromagnetic torque times speed (W).
-
-    Returns
-    -------
-    float
-        Shaft speed (rad/s), 0 if the power is not reached at base speed. It is infinite if the power is maintained
-        beyond a million times base speed, as with a current limit that can cancel the magnet's flux (psi/L_d <= I)
-        and a power that is small enough.
+    `power`: electromagnetic torque times speed (W). Result: shaft speed (rad/s), 0 if the power is not reached at base
+    speed. It is infinite if the power is maintained beyond a million times base speed, as with a current limit that
+    can cancel the magnet's flux (psi/L_d <= I) and a power that is small enough.
     """
     begin = base_speed(drive, limits.current, limits.voltage)
     if begin == 0.0 or not greatest_torque(drive, limits, begin).torque * begin >= power * (1.0 - _SLACK):

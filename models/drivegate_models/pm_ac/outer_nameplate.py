@@ -32,19 +32,10 @@ def _advance_angle(direct: float, quadrature: float) -> float:
 def outer_nameplate(nameplate: DutyNameplate, periods: int) -> Nameplate:
     """Return the nominal data of a drive in the contract of current references.
 
-    Parameters
-    ----------
-    nameplate : DutyNameplate
-        The drive's nominal data.
-    periods : int
-        Control periods of the drive per step of the outer controller.
-
-    Returns
-    -------
-    Nameplate
-        The line of advance angles connects the angles of minimum current for rated power at base speed and at the
-        highest speed, with a voltage reserve of 5 % if the drive has it. Windows are those of a sine, whose torque per
-        ampere is half that of three phases that conduct all the time.
+    `periods`: control periods of the drive per step of the outer controller. Result: the line of advance angles
+    connects the angles of minimum current for rated power at base speed and at the highest speed, with a voltage
+    reserve of 5 % if the drive has it. Windows are those of a sine, whose torque per ampere is half that of three
+    phases that conduct all the time.
     """
     drive = make_pm_ac_drive(
         pole_pairs=nameplate.pole_pairs,

@@ -29,19 +29,8 @@ _FEWEST_PARTS = 6
 def rectifies(drive: PmAcDrive, speed: float, link: float) -> bool:
     """Return True if the diodes conduct while all legs are off.
 
-    Parameters
-    ----------
-    drive : PmAcDrive
-        The drive.
-    speed : float
-        Shaft speed, of either sign (rad/s).
-    link : float
-        Voltage of the dc link (V).
-
-    Returns
-    -------
-    bool
-        True if the peak line-to-line EMF exceeds the link voltage plus the drops of two diodes.
+    `speed`: shaft speed, of either sign (rad/s). `link`: voltage of the dc link (V). Result: true if the peak
+    line-to-line EMF exceeds the link voltage plus the drops of two diodes.
     """
     emf = drive.pole_pairs * abs(speed) * drive.magnet_flux
     return emf > (link + 2.0 * drive.diode_drop) * PER_ROOT_THREE
@@ -63,31 +52,14 @@ def settle_rectifying(
 
     Below the speed at which the diodes conduct, the state is not changed.
 
-    Parameters
-    ----------
-    drive : PmAcDrive
-        The drive.
-    phases : PmAcPhases
-        State without current; replaced by the steady state.
-    angle : float
-        Electrical angle at the start and the end of every turn (rad).
-    speed : float
-        Shaft speed, of either sign (rad/s).
-    link : float
-        Voltage of the dc link (V).
-    longest : float
-        Maximum length of a part that is computed at once (s).
-    ratios : ndarray, shape (3,)
-        Duty ratios, all zero.
-    legs : ndarray, shape (3,)
-        `LEG_OFF` of the contract for each leg.
-    totals : ndarray, shape (ledger.ENTRIES,)
-        Receives the exact integrals over the last turn.
-
-    Returns
-    -------
-    int
-        `COMPLETED`, or the status with which the plant's advance failed.
+    - `angle`: electrical angle at the start and the end of every turn (rad).
+    - `speed`: shaft speed, of either sign (rad/s).
+    - `link`: voltage of the dc link (V).
+    - `longest`: maximum length of a part that is computed at once (s).
+    - `ratios`, shape (3,): duty ratios, all zero.
+    - `legs`, shape (3,): `LEG_OFF` of the contract for each leg.
+    - `totals`, shape (ledger.ENTRIES,): receives the exact integrals over the last turn.
+    - Result: `COMPLETED`, or the status with which the plant's advance failed.
     """
     if not rectifies(drive, speed, link):
         return COMPLETED

@@ -74,34 +74,17 @@ def commanded_swing(
 ) -> float:
     """Return the peak-to-peak torque under given duty ratios.
 
-    Parameters
-    ----------
-    drive : PmAcDrive
-        The drive.
-    currents : tuple of float
-        d-axis and q-axis currents at the start (A).
-    angle : float
-        Electrical angle at the start (rad).
-    speed : float
-        Constant speed of the shaft (rad/s).
-    link : float
-        Voltage of the dc link (V).
-    ratios : ndarray, shape (n, 3)
-        Duty ratios that act in each control period (1).
-    legs : ndarray, shape (n, 3)
-        States of the legs in each control period.
-    first : int
-        Number of the first control period. With two updates per carrier period it must be even: every lower switch is
-        on at its start.
-    ignored : int
-        Number of control periods at the start that are not evaluated.
-    period : float
-        Control period (s).
-
-    Returns
-    -------
-    float
-        Maximum minus minimum torque at any instant (N m); infinite if the plant's advance fails.
+    - `currents`: d-axis and q-axis currents at the start (A).
+    - `angle`: electrical angle at the start (rad).
+    - `speed`: constant speed of the shaft (rad/s).
+    - `link`: voltage of the dc link (V).
+    - `ratios`, shape (n, 3): duty ratios that act in each control period (1).
+    - `legs`, shape (n, 3): states of the legs in each control period.
+    - `first`: number of the first control period. With two updates per carrier period it must be even: every lower
+      switch is on at its start.
+    - `ignored`: number of control periods at the start that are not evaluated.
+    - `period`: control period (s).
+    - Result: maximum minus minimum torque at any instant (N m); infinite if the plant's advance fails.
     """
     phases = make_phases(follows_torque=True)
     phases.rotor_currents[:] = currents
@@ -172,30 +155,16 @@ def ideal_swing(
 
     Ideal switches, without dead time and counter quantization, apply the voltage of the steady state in each control
     period. The zero sequence centres the maximum and the minimum duty ratio; these are the duty ratios of space
-    vectors with equal zero vectors (Holmes and Lipo, "Pulse Width Modulation for Power Converters", IEEE Press,
-    2003, chapter 6).
+    vectors with equal zero vectors (Holmes and Lipo, "Pulse Width Modulation for Power Converters", IEEE Press, 2003,
+    chapter 6).
 
-    Parameters
-    ----------
-    drive : PmAcDrive
-        The drive; only the carrier of its modulator is used.
-    speed : float
-        Constant speed of the shaft (rad/s).
-    link : float
-        Voltage of the dc link (V).
-    currents : tuple of float
-        Mean d-axis and q-axis currents (A).
-    ignored : int
-        Number of control periods at the start that are not evaluated, in which the currents settle.
-    watched : int
-        Number of evaluated control periods after them.
-    period : float
-        Control period (s).
-
-    Returns
-    -------
-    float
-        Maximum minus minimum torque at any instant (N m); infinite if the plant's advance fails.
+    - `speed`: constant speed of the shaft (rad/s).
+    - `link`: voltage of the dc link (V).
+    - `currents`: mean d-axis and q-axis currents (A).
+    - `ignored`: number of control periods at the start that are not evaluated, in which the currents settle.
+    - `watched`: number of evaluated control periods after them.
+    - `period`: control period (s).
+    - Result: maximum minus minimum torque at any instant (N m); infinite if the plant's advance fails.
     """
     electrical = drive.pole_pairs * speed
     voltages = steady_voltages(drive, float(electrical), *currents)

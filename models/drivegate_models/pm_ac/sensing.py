@@ -138,27 +138,9 @@ def real_duty_sensors(
 ) -> DutySensors:
     """Return sensors with errors.
 
-    Parameters
-    ----------
-    converters : Converters
-        Converters of currents and link voltage.
-    shunt : int
-        `IN_LINE`, `LOW_SIDE` or `DC_LINK`.
-    window : float
-        Minimum time for which a current must have flowed through a shunt before sampling (s).
-    encoder : Encoder, optional
-        Measures angle and speed.
-    hall : Hall, optional
-        Measures angle and speed instead of an encoder.
-    errors : ShaftErrors, optional
-        Errors of angle and speed without encoder and Hall switches; none by default.
-    dropouts : ndarray, shape (d, 3), optional
-        Signal, start and end (s) of each dropout.
-
-    Returns
-    -------
-    DutySensors
-        With placeholders for missing sensors.
+    `shunt`: `IN_LINE`, `LOW_SIDE` or `DC_LINK`. `window`: minimum time for which a current must have flowed through a
+    shunt before sampling (s). `errors`: errors of angle and speed without encoder and Hall switches; none by default.
+    `dropouts`, shape (d, 3): signal, start and end (s) of each dropout.
     """
     position = HALL if hall is not None else ENCODER if encoder is not None else EXACT
     return DutySensors(
@@ -177,19 +159,8 @@ def real_duty_sensors(
 def low_time(alignment: int, ratio: float, period: float) -> float:
     """Return the time for which the lower switch has been on at the end of a control period.
 
-    Parameters
-    ----------
-    alignment : int
-        `drive.CENTRED`, `RISING` or `FALLING`.
-    ratio : float
-        Duty ratio in the period (1).
-    period : float
-        Length of the period (s).
-
-    Returns
-    -------
-    float
-        Time without interruption (s), at most the period.
+    `alignment`: `drive.CENTRED`, `RISING` or `FALLING`. `ratio`: duty ratio in the period (1). `period`: length of the
+    period (s). Result: time without interruption (s), at most the period.
     """
     off = (1.0 - min(max(ratio, 0.0), 1.0)) * period
     if off >= period:
@@ -233,18 +204,9 @@ def show_phase_currents(
 ) -> None:
     """Replace the phase currents at the end of a control period by their measured values.
 
-    Parameters
-    ----------
-    sensors : DutySensors
-        Their noise and their last measured currents are updated.
-    currents : ndarray, shape (3,)
-        True currents (A), replaced.
-    alignment : int
-        Alignment of the period just ended: `drive.CENTRED`, `RISING` or `FALLING`.
-    ratios : ndarray, shape (3,)
-        Duty ratios in that period (1).
-    period : float
-        Length of that period (s).
+    `currents`, shape (3,): true currents (A), replaced. `alignment`: alignment of the period just ended:
+    `drive.CENTRED`, `RISING` or `FALLING`. `ratios`, shape (3,): duty ratios in that period (1). `period`: length of
+    that period (s).
     """
     shown = sensors.shunts.shown
     missing_count = 0
@@ -302,14 +264,7 @@ def drop_signals(sensors: DutySensors, time: float, currents: NDArray[np.float64
 def show_shaft(sensors: DutySensors, sense: Any, now: float) -> None:
     """Replace link voltage, angle and speed in a Sense by their measured values.
 
-    Parameters
-    ----------
-    sensors : DutySensors
-        The state of their noise is updated.
-    sense : record of DUTY_SENSE
-        With true values, replaced.
-    now : float
-        Time since the start of the run, for the timer of Hall edges (s).
+    `now`: time since the start of the run, for the timer of Hall edges (s).
     """
     sense.supply_voltage = converted_supply(sensors.converters, sense.supply_voltage)
     if sensors.position == ENCODER:

@@ -89,17 +89,8 @@ def averaged_cycles(_drive: StarDrive) -> int:
 def least_conceivable(drive: StarDrive, torque: float) -> float:
     """Return a current reference below which the drive cannot produce a torque.
 
-    Parameters
-    ----------
-    drive : StarDrive
-        Constants of machine and inverter.
-    torque : float
-        Mean electromagnetic torque (N m).
-
-    Returns
-    -------
-    float
-        Current reference (A), 0 or more; 0 if a phase that does not chop may carry more than the reference.
+    `torque`: mean electromagnetic torque (N m). Result: current reference (A), 0 or more; 0 if a phase that does not
+    chop may carry more than the reference.
     """
     if drive.regulation != EVERY_HALF:
         return 0.0
@@ -330,31 +321,16 @@ def periodic_start(
 ) -> int:
     """Find the periodic state, and store it at the first phase's window start in `work`.
 
-    Parameters
-    ----------
-    drive : StarDrive
-        Constants of machine and inverter.
-    work, slices : StarPhases
-        Work space; `work` receives the state of all phases.
-    speed : float
-        Shaft speed (rad/s), above 0.
-    voltage : float
-        Half of the link's voltage (V).
-    reference : float
-        Current reference i* (A).
-    advance : float
-        Advance angle (rad electrical).
-
-    Returns
-    -------
-    int
-        Number of torque periods after which the state repeats, `PERIODIC` for one; or `APERIODIC` with the state after
-        `_SETTLING` periods or more.
-
-    Notes
-    -----
     With a band, a state often repeats only after a few torque periods. During plain repetition, each state is compared
     with a stored one, which is replaced each time that twice as many periods have passed (Brent's algorithm).
+
+    - `work`, `slices`: work space; `work` receives the state of all phases.
+    - `speed`: shaft speed (rad/s), above 0.
+    - `voltage`: half of the link's voltage (V).
+    - `reference`: current reference i* (A).
+    - `advance`: advance angle (rad electrical).
+    - Result: number of torque periods after which the state repeats, `PERIODIC` for one; or `APERIODIC` with the state
+      after `_SETTLING` periods or more.
     """
     count = drive.phases
     unknowns = count - 1

@@ -59,21 +59,8 @@ class _Feasible(NamedTuple):
 def demanded_torque(drive: AnyDrive, speed: float, base_speed: float, rated_power: float) -> float:
     """Return the electromagnetic torque of rated power: constant up to base speed, of constant power above.
 
-    Parameters
-    ----------
-    drive : AnyDrive
-        Its friction is added to the torque of the power.
-    speed : float
-        Shaft speed (rad/s), above 0.
-    base_speed : float
-        Base speed (rad/s).
-    rated_power : float
-        Rated power (W).
-
-    Returns
-    -------
-    float
-        Torque (N m). As everywhere in the oracle, it does not include the core loss's drag on the shaft.
+    `speed`: shaft speed (rad/s), above 0. `base_speed`: base speed (rad/s). `rated_power`: rated power (W). Result:
+    torque (N m). As everywhere in the oracle, it does not include the core loss's drag on the shaft.
     """
     return rated_power / max(speed, base_speed) + drive.friction + drive.viscous_friction * speed
 

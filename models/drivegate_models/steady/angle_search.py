@@ -116,19 +116,9 @@ def search_reference(
 ) -> ReferenceSearch:
     """Return the reference and the cost of a torque at one advance angle, if robustly feasible.
 
-    Parameters
-    ----------
-    demand : TorqueDemand
-        Drive, speed, supply and torque.
-    advance : float
-        Advance angle (rad electrical).
-    tolerance, floor
-        Arguments of `drivegate_models.steady.current_search.reference_for_torque` (A).
-
-    Returns
-    -------
-    ReferenceSearch
-        Out of reach unless the torque at the current limit reaches the demanded one.
+    `advance`: advance angle (rad electrical). `tolerance`, `floor`: arguments of
+    `drivegate_models.steady.current_search.reference_for_torque` (A). Result: out of reach unless the torque at the
+    current limit reaches the demanded one.
     """
     drive, work, slices, speed, voltage, torque = demand
     limit = drive.current_limit
@@ -159,19 +149,8 @@ def torque_at_limit(demand: TorqueDemand, advance: float) -> float:
 def reaches(demand: TorqueDemand, advance: float, static: bool = False) -> bool:
     """Return True if a torque can be produced at an advance angle.
 
-    Parameters
-    ----------
-    demand : TorqueDemand
-        Drive, speed, supply and torque.
-    advance : float
-        Advance angle (rad electrical).
-    static : bool
-        True to allow any current reference up to the limit, not only the limit itself.
-
-    Returns
-    -------
-    bool
-        True if the mean torque reaches the demanded one.
+    `advance`: advance angle (rad electrical). `static`: true to allow any current reference up to the limit, not only
+    the limit itself. Result: true if the mean torque reaches the demanded one.
     """
     drive, work, slices, speed, voltage, torque = demand
     if torque_at_limit(demand, advance) >= torque:
@@ -199,17 +178,8 @@ def _edge_between(demand: TorqueDemand, outside: float, inside: float, static: b
 def smallest_feasible(demand: TorqueDemand, static: bool = False) -> float:
     """Return the smallest advance angle that can produce a torque, from a scan in steps of 1 degree.
 
-    Parameters
-    ----------
-    demand : TorqueDemand
-        Drive, speed, supply and torque.
-    static : bool
-        True to allow any current reference up to the limit, as in `reaches`.
-
-    Returns
-    -------
-    float
-        The edge (rad electrical), 0 if no advance is needed; NaN if there is none up to 90 degrees.
+    `static`: true to allow any current reference up to the limit, as in `reaches`. Result: the edge (rad electrical),
+    0 if no advance is needed; NaN if there is none up to 90 degrees.
     """
     # Too much advance loses the torque again, so bisection alone could miss the feasible angles.
     for degrees in range(_DEGREES + 1):
@@ -265,17 +235,9 @@ def _refined(demand: TorqueDemand, by_power: bool, valley: Evaluation) -> Evalua
 def promising_angles(demand: TorqueDemand) -> list[int]:
     """Return the angles near which the sum of current magnitudes may be minimal.
 
-    Parameters
-    ----------
-    demand : TorqueDemand
-        Drive, speed, supply and torque.
-
-    Returns
-    -------
-    list of int
-        Electrical degrees in ascending order, from a grid of 3 degrees with the ideal regulator. Its steady states are
-        found many times faster than those with a band. At the same torque, the band changes the current of each phase
-        by at most its half-width. All angles from 0 to 90 if the ideal regulator never reaches the torque.
+    Result: electrical degrees in ascending order, from a grid of 3 degrees with the ideal regulator. Its steady states
+    are found many times faster than those with a band. At the same torque, the band changes the current of each phase
+    by at most its half-width. All angles from 0 to 90 if the ideal regulator never reaches the torque.
     """
     ideal = demand._replace(drive=demand.drive._replace(hysteresis_band=0.0))
     coarse = range(0, _DEGREES + 1, _STRIDE)
@@ -298,18 +260,9 @@ def promising_angles(demand: TorqueDemand) -> list[int]:
 def least_cost(demand: TorqueDemand, by_power: bool) -> float:
     """Return the robustly feasible advance angle of minimum cost for a torque.
 
-    Parameters
-    ----------
-    demand : TorqueDemand
-        Drive, speed, supply and torque.
-    by_power : bool
-        True to minimize the net input power, False to minimize the sum of current magnitudes.
-
-    Returns
-    -------
-    float
-        The angle (rad electrical), from a grid of 1 degree over the promising angles, its two lowest valleys on a grid
-        of 0.1 degree, and golden section with the feasible edges; NaN if no angle is robustly feasible.
+    `by_power`: true to minimize the net input power, False to minimize the sum of current magnitudes. Result: the
+    angle (rad electrical), from a grid of 1 degree over the promising angles, its two lowest valleys on a grid of 0.1
+    degree, and golden section with the feasible edges; NaN if no angle is robustly feasible.
     """
     # The ideal regulator is a poor estimate of the power: with a band, each switching costs energy.
     has_estimate = demand.drive.hysteresis_band > 0.0 and not by_power

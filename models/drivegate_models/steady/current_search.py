@@ -81,26 +81,12 @@ def mean_state(
 ) -> MeanState:
     """Return the means of one steady state without its extremes, faster than the complete solution.
 
-    Parameters
-    ----------
-    drive : AnyDrive
-        Constants of machine and inverter.
-    work, slices : AnyPhases
-        Work space, without space for segments.
-    speed : float
-        Shaft speed (rad/s), above 0.
-    voltage : float
-        Voltage of each half-source (V).
-    reference : float
-        Current reference i* (A).
-    advance : float
-        Advance angle (rad electrical).
-
-    Returns
-    -------
-    MeanState
-        The means of `drivegate_models.steady.steady_state.solve_steady_state`. If there is no periodic state, they are
-        over the number of cycles returned by `averaged_cycles`.
+    - `speed`: shaft speed (rad/s), above 0.
+    - `voltage`: voltage of each half-source (V).
+    - `reference`: current reference i* (A).
+    - `advance`: advance angle (rad electrical).
+    - Result: the means of `drivegate_models.steady.steady_state.solve_steady_state`. If there is no periodic state,
+      they are over the number of cycles returned by `averaged_cycles`.
     """
     periods = periodic_start(drive, work, slices, speed, voltage, reference, advance)
     angle = 0.5 * (pi - drive.window) - advance
@@ -133,21 +119,9 @@ def greatest_torque(
 ) -> tuple[float, float]:
     """Return the maximum mean torque over all current references up to a limit.
 
-    Parameters
-    ----------
-    drive, work, slices, speed, voltage, advance
-        Arguments of `mean_state`.
-    limit : float
-        Maximum current reference (A).
-    floor : float
-        Minimum current reference (A).
-
-    Returns
-    -------
-    torque : float
-        Maximum mean torque (N m), on a grid of a hundredth of the limit and then by golden section.
-    reference : float
-        Current reference of the maximum (A).
+    `drive`, `work`, `slices`, `speed`, `voltage`, `advance`: arguments of `mean_state`. `limit`: maximum current
+    reference (A). `floor`: minimum current reference (A). Returns `torque`: maximum mean torque (N m), on a grid of a
+    hundredth of the limit and then by golden section; `reference`: current reference of the maximum (A).
     """
     step = limit / _SCAN_STEPS
     # The most likely reference: torque falls only if more current outlasts the useful part of its half cycle.
@@ -270,25 +244,13 @@ def reference_for_torque(
     The reference is scanned upward in steps of a hundredth of the limit. A torque that is reached only in a narrower
     range of references is found only if this range contains the maximum torque.
 
-    Parameters
-    ----------
-    drive, work, slices, speed, voltage, advance
-        Arguments of `mean_state`.
-    torque : float
-        Demanded mean electromagnetic torque (N m).
-    limit : float
-        Maximum current reference (A).
-    tolerance : float
-        Width to which the reference is located (A).
-    floor : float
-        Initial reference if the result is known to be larger (A); 0 to scan all references.
-    robust_only : bool
-        True to stop at once if the torque at the limit does not reach the demanded one.
-
-    Returns
-    -------
-    ReferenceSearch
-        One reference; two with their shares of time if the torque jumps across the demanded one.
+    - `drive`, `work`, `slices`, `speed`, `voltage`, `advance`: arguments of `mean_state`.
+    - `torque`: demanded mean electromagnetic torque (N m).
+    - `limit`: maximum current reference (A).
+    - `tolerance`: width to which the reference is located (A).
+    - `floor`: initial reference if the result is known to be larger (A); 0 to scan all references.
+    - `robust_only`: true to stop at once if the torque at the limit does not reach the demanded one.
+    - Result: one reference; two with their shares of time if the torque jumps across the demanded one.
     """
     nowhere = ReferenceSearch(OUT_OF_REACH, nan, nan, nan, nan, nan)
     # Compute this first: it determines robust feasibility, and so ends the search at many angles.

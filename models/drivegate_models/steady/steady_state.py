@@ -113,19 +113,10 @@ def advance_with_extremes(
 ) -> tuple[int, float, float]:
     """Advance all phases in parts that are short enough to store their segments, and return the torque's range.
 
-    Parameters
-    ----------
-    drive, phases, angle, speed, reference, advance, duration, totals
-        Arguments of `drivegate_models.steady.plant.advance_phases`; `phases` has space for `KEPT_TIME`.
-    voltage : float
-        Voltage of each half-source (V).
-
-    Returns
-    -------
-    status : int
-        Status of the advance, 0 if it reached its end.
-    lowest, highest : float
-        Extremes of the torque (N m).
+    `drive`, `phases`, `angle`, `speed`, `reference`, `advance`, `duration`, `totals`: arguments of
+    `drivegate_models.steady.plant.advance_phases`; `phases` has space for `KEPT_TIME`. `voltage`: voltage of each
+    half-source (V). Returns `status`: status of the advance, 0 if it reached its end; `lowest`, `highest`: extremes of
+    the torque (N m).
     """
     lowest = inf
     highest = -inf

@@ -28,24 +28,8 @@ class GreatestTorque(NamedTuple):
 def torques_at_limit(drive: AnyDrive, speed: float, advances: ArrayLike) -> NDArray[np.float64]:
     """Return the torque at the current limit over the advance angle.
 
-    Parameters
-    ----------
-    drive : AnyDrive
-        The drive, with its hysteresis band.
-    speed : float
-        Shaft speed (rad/s), above 0.
-    advances : array_like, shape (n,)
-        Advance angles (rad electrical).
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        Mean electromagnetic torques (N m).
-
-    Raises
-    ------
-    InputError
-        If the speed is not a usable number.
+    `speed`: shaft speed (rad/s), above 0. `advances`, shape (n,): advance angles (rad electrical). Result, shape (n,):
+    mean electromagnetic torques (N m). Raises InputError if the speed is not a usable number.
     """
     demand = torque_demand(drive, speed)
     angles = np.asarray(advances, dtype=np.float64).ravel()
@@ -55,20 +39,8 @@ def torques_at_limit(drive: AnyDrive, speed: float, advances: ArrayLike) -> NDAr
 def greatest_torque_at_limit(drive: AnyDrive, speed: float) -> GreatestTorque:
     """Return the maximum torque at the current limit over all advance angles.
 
-    Parameters
-    ----------
-    drive, speed
-        Arguments of `torques_at_limit`.
-
-    Returns
-    -------
-    GreatestTorque
-        The best of a grid of 1 degree, and of Brent's method within 1 degree of it.
-
-    Raises
-    ------
-    InputError
-        If the speed is not a usable number.
+    `drive`, `speed`: arguments of `torques_at_limit`. Result: the best of a grid of 1 degree, and of Brent's method
+    within 1 degree of it. Raises InputError if the speed is not a usable number.
     """
     from scipy.optimize import minimize_scalar
 

@@ -62,16 +62,9 @@ def sample_rows(
 ) -> None:
     """Evaluate the segments of one advance; a time between two segments belongs to the earlier one.
 
-    Parameters
-    ----------
-    rows : ndarray, shape (m, k, segments.FIELDS)
-        Segments of each phase, without gaps.
-    row_counts : ndarray of int64, shape (m,)
-        Number of segments of each phase.
-    times : ndarray, shape (n,)
-        Increasing, from the start of the advance (s).
-    currents, shapes, voltages : ndarray, shape (m, n)
-        Receive current (A), back-EMF shape (1) and terminal voltage (V).
+    `rows`, shape (m, k, segments.FIELDS): segments of each phase, without gaps. `row_counts`, shape (m,): number of
+    segments of each phase. `times`, shape (n,): increasing, from the start of the advance (s). `currents`, `shapes`,
+    `voltages`, shape (m, n): receive current (A), back-EMF shape (1) and terminal voltage (V).
     """
     for phase in range(rows.shape[0]):
         position = 0

@@ -53,15 +53,8 @@ _TYPES = {float: np.float64, int: np.int64}
 def record_of(signals: type) -> np.dtype[Any]:
     """Return the record of a named tuple of signals.
 
-    Parameters
-    ----------
-    signals : type
-        Each field is a float, an int or a tuple of three floats.
-
-    Returns
-    -------
-    dtype
-        The record's size, then the fields in their order. `phase_currents` is an address; other tuples are in place.
+    `signals`: each field is a float, an int or a tuple of three floats. Result: the record's size, then the fields in
+    their order. `phase_currents` is an address; other tuples are in place.
     """
     layouts: list[Any] = [("struct_size", np.int64)]
     for name, kind in get_type_hints(signals).items():
@@ -105,15 +98,8 @@ NAMEPLATE: Final = record_of(Nameplate)
 def packing(record: np.dtype[Any]) -> struct.Struct:
     """Return the layout of a record for the standard library's `struct`, which is faster than numpy for one record.
 
-    Parameters
-    ----------
-    record : dtype
-        `SENSE`, `COMMAND` or `NAMEPLATE`.
-
-    Returns
-    -------
-    Struct
-        Packs and unpacks all numbers of the record in their order; a field of several numbers has as many.
+    `record`: `SENSE`, `COMMAND` or `NAMEPLATE`. Result: packs and unpacks all numbers of the record in their order; a
+    field of several numbers has as many.
     """
     fields = (record[name] for name in record.names or ())
     return struct.Struct(
@@ -124,17 +110,8 @@ def packing(record: np.dtype[Any]) -> struct.Struct:
 def sense_record(sense: Sense, phase_currents: NDArray[np.float64]) -> NDArray[Any]:
     """Return a Sense as a record.
 
-    Parameters
-    ----------
-    sense : Sense
-        The signals.
-    phase_currents : array, shape (phases,)
-        Receives the phase currents (A). The record points to it, so it must outlive the record.
-
-    Returns
-    -------
-    array of SENSE, shape (1,)
-        With its own size and the number of phases.
+    `phase_currents`, shape (phases,): receives the phase currents (A). The record points to it, so it must outlive the
+    record. Result, shape (1,): with its own size and the number of phases.
     """
     phase_currents[:] = sense.phase_currents
     values = sense._replace(phase_currents=())._asdict()
@@ -145,10 +122,7 @@ def sense_record(sense: Sense, phase_currents: NDArray[np.float64]) -> NDArray[A
 def command_record() -> NDArray[Any]:
     """Return a record for a controller to fill.
 
-    Returns
-    -------
-    array of COMMAND, shape (1,)
-        All numbers are NaN to detect missing ones.
+    Result, shape (1,): all numbers are NaN to detect missing ones.
     """
     return _record(COMMAND, dict.fromkeys(COMMAND.names or (), np.nan))
 
@@ -156,15 +130,7 @@ def command_record() -> NDArray[Any]:
 def nameplate_record(nameplate: Nameplate) -> NDArray[Any]:
     """Return a nameplate as a record.
 
-    Parameters
-    ----------
-    nameplate : Nameplate
-        The drive's nominal data.
-
-    Returns
-    -------
-    array of NAMEPLATE, shape (1,)
-        With its own size in the first field.
+    Result, shape (1,): with its own size in the first field.
     """
     return _record(NAMEPLATE, nameplate._asdict())
 

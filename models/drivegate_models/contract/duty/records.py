@@ -43,15 +43,8 @@ DUTY_NAMEPLATE: Final = record_of(DutyNameplate)
 def duty_sense_record(phase_currents: NDArray[np.float64]) -> NDArray[Any]:
     """Return a record for the harness to fill.
 
-    Parameters
-    ----------
-    phase_currents : ndarray, shape (3,)
-        Phase currents (A). The record points to it, so it must outlive the record.
-
-    Returns
-    -------
-    array of DUTY_SENSE, shape (1,)
-        With the default of each field that has one, and otherwise zeros.
+    `phase_currents`, shape (3,): phase currents (A). The record points to it, so it must outlive the record. Result,
+    shape (1,): with the default of each field that has one, and otherwise zeros.
     """
     record = np.zeros(1, DUTY_SENSE)
     record["struct_size"] = DUTY_SENSE.itemsize
@@ -64,10 +57,7 @@ def duty_sense_record(phase_currents: NDArray[np.float64]) -> NDArray[Any]:
 def duty_command_record() -> NDArray[Any]:
     """Return a record for a controller to fill.
 
-    Returns
-    -------
-    array of DUTY_COMMAND, shape (1,)
-        All legs follow their duty ratios, which are NaN to detect missing ones.
+    Result, shape (1,): all legs follow their duty ratios, which are NaN to detect missing ones.
     """
     record = np.zeros(1, DUTY_COMMAND)
     record["struct_size"] = DUTY_COMMAND.itemsize
@@ -81,14 +71,6 @@ def duty_command_record() -> NDArray[Any]:
 def duty_nameplate_record(nameplate: DutyNameplate) -> NDArray[Any]:
     """Return a nameplate as a record.
 
-    Parameters
-    ----------
-    nameplate : DutyNameplate
-        The drive's nominal data.
-
-    Returns
-    -------
-    array of DUTY_NAMEPLATE, shape (1,)
-        With its own size in the first field.
+    Result, shape (1,): with its own size in the first field.
     """
     return np.array([(DUTY_NAMEPLATE.itemsize, *nameplate)], dtype=DUTY_NAMEPLATE)

@@ -11,27 +11,13 @@ def ideal_latch(
 ) -> tuple[int, int, bool]:
     """Return the switch state of the ideal regulator (without hysteresis band).
 
-    Parameters
-    ----------
-    along : float
-        Current times the sector's sign (A).
-    reference : float
-        Current reference i* (A).
-    depart : int
-        Direction in which a slide has just ended, times the sector's sign: 1, -1, or 0 for none.
-    needed : float
-        Terminal voltage times the sector's sign that maintains the current (V).
-    front, back : float
-        Maximum and minimum terminal voltage times the sector's sign (V).
-
-    Returns
-    -------
-    latch : int
-        1 for the switch on, 0 for off.
-    depart : int
-        Direction in which the current must leave the reference, 0 for none.
-    slides : bool
-        True if the current slides along the reference.
+    - `along`: current times the sector's sign (A).
+    - `reference`: current reference i* (A).
+    - `depart`: direction in which a slide has just ended, times the sector's sign: 1, -1, or 0 for none.
+    - `needed`: terminal voltage times the sector's sign that maintains the current (V).
+    - `front`, `back`: maximum and minimum terminal voltage times the sector's sign (V).
+    - Returns `latch`: 1 for the switch on, 0 for off; `depart`: direction in which the current must leave the
+      reference, 0 for none; `slides`: true if the current slides along the reference.
     """
     # An exact comparison is sufficient: an event at i* sets the current to i* itself.
     if along != reference:
@@ -61,27 +47,13 @@ def connection(
 ) -> tuple[int, int]:
     """Return the rail of a phase, and the sign of its current until the next event.
 
-    Parameters
-    ----------
-    gate : int
-        Switch that is on: 1 upper, -1 lower, 0 none.
-    current : float
-        Phase current at the last event (A).
-    starting : int
-        Sign of a current that has just begun to flow in a floating phase, or 0.
-    emf, emf_rate : float
-        Back-EMF (V) and its slope (V/s).
-    upper, lower : float
-        Voltages of the half-sources (V).
-    switch_drop, diode_drop : float
-        Forward drops of switch and diode (V).
-
-    Returns
-    -------
-    rail : int
-        1 upper, -1 lower, 0 for a floating phase.
-    side : int
-        Sign of the current, 0 if none flows.
+    - `gate`: switch that is on: 1 upper, -1 lower, 0 none.
+    - `current`: phase current at the last event (A).
+    - `starting`: sign of a current that has just begun to flow in a floating phase, or 0.
+    - `emf`, `emf_rate`: back-EMF (V) and its slope (V/s).
+    - `upper`, `lower`: voltages of the half-sources (V).
+    - `switch_drop`, `diode_drop`: forward drops of switch and diode (V).
+    - Returns `rail`: 1 upper, -1 lower, 0 for a floating phase; `side`: sign of the current, 0 if none flows.
     """
     # A current that begins is still zero; without its direction, the phase would continue to float.
     side = starting
@@ -119,17 +91,9 @@ def connection(
 def time_to_pass(value: float, rate: float, low: float, high: float) -> float:
     """Return the time at which a straight line leaves a band.
 
-    Parameters
-    ----------
-    value, rate : float
-        Present value and its slope (unit of the value, and per second).
-    low, high : float
-        Ends of the band, in the unit of the value.
-
-    Returns
-    -------
-    float
-        Time from now (s), negative if the value is outside already, 1e300 without a slope.
+    `value`, `rate`: present value and its slope (unit of the value, and per second). `low`, `high`: ends of the band,
+    in the unit of the value. Result: time from now (s), negative if the value is outside already, 1e300 without a
+    slope.
     """
     if rate > 0.0:
         return (high - value) / rate

@@ -68,33 +68,9 @@ def slide(
 ) -> tuple[float, bool, Sums, Motion]:
     """Maintain the current at i* by the ideal regulator, until a rail's voltage is no longer sufficient.
 
-    Parameters
-    ----------
-    winding : Winding
-        Constants of leg and winding.
-    demand : Demand
-        Commands of the regulator.
-    stretch : Stretch
-        Start and maximum length of the stretch.
-    upper, lower : float
-        Voltages of the half-sources (V).
-    sums : Sums
-        Integrals before the stretch.
-    motion : Motion
-        State of the phase before the stretch.
-    rows : ndarray, shape (m, n, segments.FIELDS)
-        Receives the segment.
-
-    Returns
-    -------
-    length : float
-        Length of the stretch (s).
-    is_whole : bool
-        True if it has the maximum length, because no event of the phase ended it.
-    sums : Sums
-        Integrals with the stretch.
-    motion : Motion
-        State of the phase after the stretch.
+    `upper`, `lower`: voltages of the half-sources (V). `rows`, shape (m, n, segments.FIELDS): receives the segment.
+    Returns `length`: length of the stretch (s); `is_whole`: true if it has the maximum length, because no event of the
+    phase ended it; `sums`: integrals with the stretch; `motion`: state of the phase after the stretch.
     """
     sector = demand.sector
     reference = demand.reference

@@ -43,15 +43,8 @@ class Converters(NamedTuple):
 def exact_converters(gains: NDArray[np.float64], offsets: NDArray[np.float64]) -> Converters:
     """Return converters without quantization, range limit and noise.
 
-    Parameters
-    ----------
-    gains, offsets : ndarray, shape (m,)
-        Gain (1) and offset (A) of each phase's current sensor.
-
-    Returns
-    -------
-    Converters
-        With infinite ranges, and 0 for steps and noise.
+    `gains`, `offsets`, shape (m,): gain (1) and offset (A) of each phase's current sensor. Result: with infinite
+    ranges, and 0 for steps and noise.
     """
     return Converters(
         current_step=0.0,
@@ -81,27 +74,15 @@ def real_converters(
 ) -> Converters:
     """Return converters with quantization, errors and noise (paper, Fig. 8).
 
-    Parameters
-    ----------
-    generator : numpy.random.Generator
-        Source of the random gains and offsets and of the noise's seed.
-    gains, offsets : ndarray, shape (m,)
-        Gain (1) and offset (A) of each phase's current sensor, to which the random errors are added.
-    current_range : float
-        Maximum magnitude of a measured current (A).
-    current_gain_spread, current_offset : float
-        Maximum error of a gain (1) and maximum offset (A); those of each phase are drawn from uniform distributions.
-    current_noise, voltage_noise : float
-        Standard deviations (A, V).
-    voltage_range : float
-        Maximum measured voltage (V); the minimum is 0.
-    converter_bits : int
-        Resolution of the converter (bits).
-
-    Returns
-    -------
-    Converters
-        With all errors drawn.
+    - `generator`: source of the random gains and offsets and of the noise's seed.
+    - `gains`, `offsets`, shape (m,): gain (1) and offset (A) of each phase's current sensor, to which the random
+      errors are added.
+    - `current_range`: maximum magnitude of a measured current (A).
+    - `current_gain_spread`, `current_offset`: maximum error of a gain (1) and maximum offset (A); those of each phase
+      are drawn from uniform distributions.
+    - `current_noise`, `voltage_noise`: standard deviations (A, V).
+    - `voltage_range`: maximum measured voltage (V); the minimum is 0.
+    - `converter_bits`: resolution of the converter (bits).
     """
     steps = 2**converter_bits
     phases = gains.size
@@ -141,17 +122,7 @@ def _converted(value: float, step: float, lowest: float, highest: float) -> floa
 def converted_supply(converters: Converters, supply: float) -> float:
     """Return the measured supply voltage.
 
-    Parameters
-    ----------
-    converters : Converters
-        The state of their noise is updated.
-    supply : float
-        Mean voltage of the half-sources (V).
-
-    Returns
-    -------
-    float
-        Quantized and limited voltage, with noise (V).
+    `supply`: mean voltage of the half-sources (V). Result: quantized and limited voltage, with noise (V).
     """
     seen = supply + converters.voltage_noise * _noise(converters.random)
     return _converted(seen, converters.voltage_step, 0.0, converters.voltage_range)
@@ -163,19 +134,9 @@ def biased_current(
 ) -> tuple[float, float]:
     """Return a phase's current and its mean magnitude with the gain and offset of its sensor.
 
-    Parameters
-    ----------
-    converters : Converters
-        Only gains and offsets are used.
-    phase : int
-        Index of the phase, from 0.
-    current, magnitude : float
-        True current, and mean of its magnitude (A).
-
-    Returns
-    -------
-    current, magnitude : float
-        Both with gain and offset, before quantization and noise (A).
+    `converters`: only gains and offsets are used. `phase`: index of the phase, from 0. `current`, `magnitude`: true
+    current, and mean of its magnitude (A). Returns `current`, `magnitude`: both with gain and offset, before
+    quantization and noise (A).
     """
     gain = converters.gains[phase]
     offset = converters.offsets[phase]
@@ -196,17 +157,8 @@ def _noisy_current(converters: Converters, current: float) -> float:
 def converted_current(converters: Converters, current: float, magnitude: float) -> tuple[float, float]:
     """Return the measured values of a phase's current and of its mean magnitude.
 
-    Parameters
-    ----------
-    converters : Converters
-        The state of their noise is updated.
-    current, magnitude : float
-        Current and mean of its magnitude, with the sensor's bias (A).
-
-    Returns
-    -------
-    current, magnitude : float
-        Quantized and limited, with noise (A).
+    `current`, `magnitude`: current and mean of its magnitude, with the sensor's bias (A). Returns `current`,
+    `magnitude`: quantized and limited, with noise (A).
     """
     noisy = magnitude + converters.current_noise * _noise(converters.random)
     shown_magnitude = _converted(noisy, converters.current_step, 0.0, converters.current_range)
@@ -217,18 +169,7 @@ def converted_current(converters: Converters, current: float, magnitude: float) 
 def shown_current(converters: Converters, phase: int, current: float) -> float:
     """Return the measured value of a phase's current at an instant.
 
-    Parameters
-    ----------
-    converters : Converters
-        The state of their noise is updated.
-    phase : int
-        Index of the phase, from 0.
-    current : float
-        True current (A).
-
-    Returns
-    -------
-    float
-        Current with gain, offset and noise, quantized and limited (A).
+    `phase`: index of the phase, from 0. `current`: true current (A). Result: current with gain, offset and noise,
+    quantized and limited (A).
     """
     return _noisy_current(converters, converters.gains[phase] * current + converters.offsets[phase])

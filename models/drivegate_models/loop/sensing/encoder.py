@@ -56,27 +56,13 @@ def turning_encoder(
 ) -> Encoder:
     """Return an encoder whose shaft has turned at constant speed for a long time.
 
-    Parameters
-    ----------
-    lines : int
-        Lines per turn; each line has four edges.
-    speed_window : float
-        Time over which edges are counted (s).
-    clock : float
-        Resolution of the edges' times (s).
-    control_period : float
-        Time between two samples of the counter (s).
-    initial_speed : float
-        Speed of the shaft, of either sign (rad/s).
-    initial_angle : float
-        Angle of the shaft at the start, and of the initial count (rad).
-    glitches : ndarray, shape (g, 2)
-        Time (s) and number of edges of each burst of false edges.
-
-    Returns
-    -------
-    Encoder
-        With a filled speed window.
+    - `lines`: lines per turn; each line has four edges.
+    - `speed_window`: time over which edges are counted (s).
+    - `clock`: resolution of the edges' times (s).
+    - `control_period`: time between two samples of the counter (s).
+    - `initial_speed`: speed of the shaft, of either sign (rad/s).
+    - `initial_angle`: angle of the shaft at the start, and of the initial count (rad).
+    - `glitches`, shape (g, 2): time (s) and number of edges of each burst of false edges.
     """
     edge_angle = 2.0 * pi / (_EDGES_A_LINE * lines)
     looks = max(round(speed_window / control_period), 1)
@@ -144,18 +130,8 @@ def _without_lost(encoder: Encoder, edges: float) -> float:
 def turn_encoder(encoder: Encoder, step: int, time: float, period: float, speed: float) -> None:
     """Advance the encoder by one control period, and measure the speed at its end.
 
-    Parameters
-    ----------
-    encoder : Encoder
-        Its arrays are updated.
-    step : int
-        Number of the control period, from 0.
-    time : float
-        Start of the period (s).
-    period : float
-        Length of the period (s).
-    speed : float
-        True speed of the shaft, of either sign (rad/s).
+    `step`: number of the control period, from 0. `time`: start of the period (s). `period`: length of the period (s).
+    `speed`: true speed of the shaft, of either sign (rad/s).
     """
     memory = encoder.memory
     counts = encoder.counts

@@ -94,27 +94,14 @@ def turning_hall(
 ) -> Hall:
     """Return switches on a shaft that has turned at constant speed for a long time, or is at rest.
 
-    Parameters
-    ----------
-    pole_pairs : int
-        Electrical cycles per turn.
-    placement_errors : ndarray, shape (6,)
-        Angle by which each edge lies behind its nominal place (rad electrical).
-    greatest_error : float
-        Maximum magnitude of a placement error (rad electrical), which the timer's program knows.
-    hysteresis : float
-        Angle by which every edge is delayed in the sense of rotation (rad electrical).
-    clock : float
-        Resolution of the edges' times (s).
-    initial_angle : float
-        Electrical angle of the rotor, 0 to 2 pi (rad).
-    initial_speed : float
-        Speed of the shaft, of either sign (rad/s). At rest, no edge is timed yet.
-
-    Returns
-    -------
-    Hall
-        With the times of the last cycle's edges if the shaft turns.
+    - `pole_pairs`: electrical cycles per turn.
+    - `placement_errors`, shape (6,): angle by which each edge lies behind its nominal place (rad electrical).
+    - `greatest_error`: maximum magnitude of a placement error (rad electrical), which the timer's program knows.
+    - `hysteresis`: angle by which every edge is delayed in the sense of rotation (rad electrical).
+    - `clock`: resolution of the edges' times (s).
+    - `initial_angle`: electrical angle of the rotor, 0 to 2 pi (rad).
+    - `initial_speed`: speed of the shaft, of either sign (rad/s). At rest, no edge is timed yet.
+    - Result: with the times of the last cycle's edges if the shaft turns.
     """
     lags = placement_errors + hysteresis
     electrical = pole_pairs * initial_speed
@@ -207,17 +194,7 @@ def hall_bits(hall: Hall) -> int:
 def hall_angle(hall: Hall, now: float) -> float:
     """Return the timer's estimate of the electrical angle.
 
-    Parameters
-    ----------
-    hall : Hall
-        The switches at the end of a control period.
-    now : float
-        Time (s).
-
-    Returns
-    -------
-    float
-        Angle within the present sector (rad electrical).
+    `now`: time (s). Result: angle within the present sector (rad electrical).
     """
     number = _seen_sector(hall)
     begin = FIRST_EDGE + SECTOR * (number % EDGES)
@@ -233,17 +210,7 @@ def hall_angle(hall: Hall, now: float) -> float:
 def hall_shaft_angle(hall: Hall, now: float) -> float:
     """Return the timer's estimate of the shaft's angle, with counted electrical cycles.
 
-    Parameters
-    ----------
-    hall : Hall
-        The switches at the end of a control period.
-    now : float
-        Time (s).
-
-    Returns
-    -------
-    float
-        Angle since the shaft's angle 0 (rad); it may be slightly outside one turn.
+    `now`: time (s). Result: angle since the shaft's angle 0 (rad); it may be slightly outside one turn.
     """
     cycle = (_seen_sector(hall) // EDGES) % int(hall.pole_pairs)
     return (hall_angle(hall, now) + _CYCLE * cycle) / hall.pole_pairs
@@ -298,21 +265,8 @@ def _measured_speed(hall: Hall, now: float) -> float:
 def turn_hall(hall: Hall, time: float, period: float, speed: float) -> float:
     """Advance the shaft by one control period, and measure the speed at its end.
 
-    Parameters
-    ----------
-    hall : Hall
-        Its arrays are updated.
-    time : float
-        Start of the period (s).
-    period : float
-        Length of the period (s).
-    speed : float
-        True speed of the shaft, of either sign (rad/s).
-
-    Returns
-    -------
-    float
-        Mean over the period of the timer's angle minus the true one (rad electrical).
+    `time`: start of the period (s). `period`: length of the period (s). `speed`: true speed of the shaft, of either
+    sign (rad/s). Result: mean over the period of the timer's angle minus the true one (rad electrical).
     """
     lags = hall.lags
     numbers = hall.numbers

@@ -56,19 +56,9 @@ def ideal_sensors(
 ) -> Sensors:
     """Return sensors without errors, except for dropouts and the bias of current sensors.
 
-    Parameters
-    ----------
-    phases : int
-        Number of phases.
-    dropouts : ndarray, shape (d, 3), optional
-        Signal, start and end (s) of each dropout.
-    gains, offsets : ndarray, shape (m,), optional
-        Gain (1) and offset (A) of each phase's current sensor.
-
-    Returns
-    -------
-    Sensors
-        Without encoder and Hall switches; they measure the true speed.
+    `phases`: number of phases. `dropouts`, shape (d, 3): signal, start and end (s) of each dropout. `gains`,
+    `offsets`, shape (m,): gain (1) and offset (A) of each phase's current sensor. Result: without encoder and Hall
+    switches; they measure the true speed.
     """
     dropouts = np.zeros((0, 3)) if dropouts is None else dropouts
     gains = np.ones(phases) if gains is None else gains
@@ -93,21 +83,8 @@ def real_sensors(
 ) -> Sensors:
     """Return sensors with quantization, errors and noise.
 
-    Parameters
-    ----------
-    converters : Converters
-        Converters of currents and supply voltage.
-    dropouts : ndarray, shape (d, 3)
-        Signal, start and end (s) of each dropout.
-    encoder : Encoder, optional
-        Measures the speed; the inverter's windows then use the true angle.
-    hall : Hall, optional
-        Measures speed and angle instead of an encoder.
-
-    Returns
-    -------
-    Sensors
-        With placeholders for missing sensors.
+    `dropouts`, shape (d, 3): signal, start and end (s) of each dropout. `encoder`: measures the speed; the inverter's
+    windows then use the true angle.
     """
     return Sensors(
         ideal=False,
@@ -122,15 +99,7 @@ def real_sensors(
 def showing_the_plant(sensors: Sensors) -> Sensors:
     """Return ideal sensors that leave the angle of the inverter's windows unchanged.
 
-    Parameters
-    ----------
-    sensors : Sensors
-        The sensors with that angle.
-
-    Returns
-    -------
-    Sensors
-        Ideal, with the same Hall switches, if there are any.
+    Result: ideal, with the same Hall switches, if there are any.
     """
     return ideal_sensors(sensors.converters.gains.size)._replace(hall=sensors.hall)
 
@@ -139,19 +108,9 @@ def showing_the_plant(sensors: Sensors) -> Sensors:
 def dropped(dropouts: NDArray[np.float64], signal: int, time: float) -> bool:
     """Return True if a signal is lost at a time.
 
-    Parameters
-    ----------
-    dropouts : ndarray, shape (d, 3)
-        Signal, start and end (s) of each dropout.
-    signal : int
-        `SPEED`, `CURRENTS`, `SUPPLY`, or `FIRST_PHASE` plus the index of a phase.
-    time : float
-        Time (s).
-
-    Returns
-    -------
-    bool
-        True from the start of a dropout until just before its end.
+    `dropouts`, shape (d, 3): signal, start and end (s) of each dropout. `signal`: `SPEED`, `CURRENTS`, `SUPPLY`, or
+    `FIRST_PHASE` plus the index of a phase. `time`: time (s). Result: true from the start of a dropout until just
+    before its end.
     """
     lost = False
     for row in range(dropouts.shape[0]):
@@ -164,19 +123,8 @@ def dropped(dropouts: NDArray[np.float64], signal: int, time: float) -> bool:
 def shown_speed(sensors: Sensors, time: float, speed: float) -> float:
     """Return the measured speed of the shaft.
 
-    Parameters
-    ----------
-    sensors : Sensors
-        Hall switches take precedence over the encoder.
-    time : float
-        Time (s).
-    speed : float
-        True speed (rad/s), measured by ideal sensors.
-
-    Returns
-    -------
-    float
-        Measured speed (rad/s), 0 in a dropout.
+    `sensors`: Hall switches take precedence over the encoder. `time`: time (s). `speed`: true speed (rad/s), measured
+    by ideal sensors.
     """
     if dropped(sensors.dropouts, SPEED, time):
         return 0.0
@@ -189,19 +137,7 @@ def shown_speed(sensors: Sensors, time: float, speed: float) -> float:
 def shown_supply(sensors: Sensors, time: float, supply: float) -> float:
     """Return the measured voltage of a half-source.
 
-    Parameters
-    ----------
-    sensors : Sensors
-        The state of their noise is updated.
-    time : float
-        Time (s).
-    supply : float
-        Mean voltage of the half-sources (V).
-
-    Returns
-    -------
-    float
-        Measured voltage (V), 0 in a dropout.
+    `time`: time (s). `supply`: mean voltage of the half-sources (V).
     """
     if dropped(sensors.dropouts, SUPPLY, time):
         return 0.0
@@ -224,25 +160,12 @@ def show_currents(
     The sensor's filter averages each phase's magnitude over the period just ended. An offset is added with the sign of
     the current.
 
-    Parameters
-    ----------
-    sensors : Sensors
-        The state of their noise is updated.
-    time : float
-        Time (s).
-    currents : ndarray, shape (m,)
-        True currents (A).
-    magnitudes : ndarray, shape (m,)
-        Integrals of their magnitudes over the period just ended (A s).
-    period : float
-        Length of that period (s).
-    shown : ndarray, shape (m,) or longer
-        Receives the measured currents (A).
-
-    Returns
-    -------
-    float
-        Measured sum of the magnitudes (A).
+    - `time`: time (s).
+    - `currents`, shape (m,): true currents (A).
+    - `magnitudes`, shape (m,): integrals of their magnitudes over the period just ended (A s).
+    - `period`: length of that period (s).
+    - `shown`, shape (m,) or longer: receives the measured currents (A).
+    - Result: measured sum of the magnitudes (A).
     """
     total = 0.0
     lost = dropped(sensors.dropouts, CURRENTS, time)
@@ -265,23 +188,11 @@ def show_currents(
 def turn_sensors(sensors: Sensors, step: int, time: float, period: float, speed: float) -> float:
     """Advance the sensors on the shaft by one control period, and measure the speed at its end.
 
-    Parameters
-    ----------
-    sensors : Sensors
-        Their arrays are updated.
-    step : int
-        Number of the control period, from 0.
-    time : float
-        Start of the period (s).
-    period : float
-        Length of the period (s).
-    speed : float
-        True speed of the shaft (rad/s).
-
-    Returns
-    -------
-    float
-        Mean over the period of the angle used by the inverter's windows, minus the true one (rad electrical).
+    - `step`: number of the control period, from 0.
+    - `time`: start of the period (s).
+    - `period`: length of the period (s).
+    - `speed`: true speed of the shaft (rad/s).
+    - Result: mean over the period of the angle used by the inverter's windows, minus the true one (rad electrical).
     """
     if sensors.hall.present:
         return turn_hall(sensors.hall, time, period, speed)

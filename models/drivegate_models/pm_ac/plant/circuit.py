@@ -63,23 +63,11 @@ def circuit_of(
 ) -> Circuit:
     """Return the constants of an advance.
 
-    Parameters
-    ----------
-    drive : PmAcDrive
-        Constants of machine and bridge.
-    speed : float
-        Shaft speed (rad/s).
-    link : float
-        Voltage of the dc link (V).
-    direct, quadrature : float
-        d-axis and q-axis currents at the start (A).
-    duration : float
-        Length of the advance (s).
-
-    Returns
-    -------
-    Circuit
-        Its bound of slopes is `UNBOUNDED` if the currents may change completely in the advance.
+    - `speed`: shaft speed (rad/s).
+    - `link`: voltage of the dc link (V).
+    - `direct`, `quadrature`: d-axis and q-axis currents at the start (A).
+    - `duration`: length of the advance (s).
+    - Result: its bound of slopes is `UNBOUNDED` if the currents may change completely in the advance.
     """
     electrical = drive.pole_pairs * speed
     if abs(electrical) < _STANDSTILL:
@@ -210,21 +198,8 @@ def holding_voltage(
 ) -> tuple[float, float]:
     """Return the voltage of a leg for constant current (V), and the slope per voltage there (A/(V s)).
 
-    Parameters
-    ----------
-    circuit : Circuit
-        Constants of the advance.
-    frame : RotorFrame
-        Currents and angle.
-    leg : int
-        Index of the leg.
-    voltages : ndarray, shape (3,)
-        Voltages of the legs (V); that of this leg is not used.
-
-    Returns
-    -------
-    voltage, gain : float
-        The gain is positive.
+    `leg`: index of the leg. `voltages`, shape (3,): voltages of the legs (V); that of this leg is not used. Returns
+    `voltage`, `gain`: the gain is positive.
     """
     first = 0.0 if leg == 0 else voltages[0]
     second = 0.0 if leg == 1 else voltages[1]

@@ -103,33 +103,19 @@ def _charge_to_zero(phase: PhaseSegment) -> float:
 def passes_zero(circuit: Circuit, rates: Rates, rows: NDArray[np.float64], count: int, leg: int) -> bool:
     """Return True if a current in a period is monotone in every segment in which it is near zero.
 
-    Parameters
-    ----------
-    circuit : Circuit
-        Constants of the advance.
-    rates : Rates
-        Coefficients of its equations.
-    rows : ndarray
-        With currents, rotor, voltages and times of all segments, as in `rows`.
-    count : int
-        Number of segments.
-    leg : int
-        Leg with the current.
-
-    Returns
-    -------
-    bool
-        If True, a segment has one zero if the current has two signs at its ends, and none otherwise.
+    `rows`: with currents, rotor, voltages and times of all segments, as in `rows`. `count`: number of segments. `leg`:
+    leg with the current. Result: if True, a segment has one zero if the current has two signs at its ends, and none
+    otherwise.
     """
-    behind = current_at(rows, 0, leg)
+    after = current_at(rows, 0, leg)
     for n in range(count):
-        before = behind
-        behind = current_at(rows, n + 1, leg)
+        before = after
+        after = current_at(rows, n + 1, leg)
         deviation = sagitta(circuit, rows[TIME + 1 + n] - rows[TIME + n])
-        is_near = before * behind < 0.0 or min(abs(before), abs(behind)) <= deviation
+        is_near = before * after < 0.0 or min(abs(before), abs(after)) <= deviation
         if (
             is_near
-            and not is_steep(before, behind, deviation)
+            and not is_steep(before, after, deviation)
             and not is_monotone(phase_segment(circuit, rates, rows, n, leg))
         ):
             return False
@@ -142,32 +128,18 @@ def returning_of(
 ) -> Returning:
     """Return the excess of the magnitudes of a current that crosses zero.
 
-    Parameters
-    ----------
-    circuit : Circuit
-        Constants of the advance.
-    rates : Rates
-        Coefficients of its equations.
-    rows : ndarray
-        With currents, rotor, voltages, times and charges of all segments, as in `rows`.
-    count : int
-        Number of segments, each of at most `two_points.SHORT` over the circuit's rate.
-    leg : int
-        Leg with the current, for which `passes_zero` is True.
-
-    Returns
-    -------
-    Returning
-        Excess by this current.
+    `rows`: with currents, rotor, voltages, times and charges of all segments, as in `rows`. `count`: number of
+    segments, each of at most `two_points.SHORT` over the circuit's rate. `leg`: leg with the current, for which
+    `passes_zero` is True.
     """
     magnitude, whole, exchanged = 0.0, 0.0, 0.0
-    behind = current_at(rows, 0, leg)
+    after = current_at(rows, 0, leg)
     for n in range(count):
-        before = behind
-        behind = current_at(rows, n + 1, leg)
+        before = after
+        after = current_at(rows, n + 1, leg)
         charge = of_phase(leg, rows[CHARGE_ALONG + n], rows[CHARGE_ACROSS + n])
         parts = abs(charge)
-        if before * behind < 0.0:
+        if before * after < 0.0:
             first = _charge_to_zero(phase_segment(circuit, rates, rows, n, leg))
             parts = abs(first) + abs(charge - first)
             if abs(of_phase(leg, rows[LINK_ALONG + n], rows[LINK_ACROSS + n])) > _SUPPLIES:

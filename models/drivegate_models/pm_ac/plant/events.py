@@ -52,25 +52,7 @@ def zero_of_current(
 ) -> Event:
     """Return the first event at which a current reaches zero while no leg is held.
 
-    Parameters
-    ----------
-    circuit : Circuit
-        Constants of the advance.
-    legs : Legs
-        With signs and voltages.
-    series : Series
-        Series of the currents in the segment.
-    frame, after : RotorFrame
-        Currents and angle at its start and end.
-    count : int
-        Number of coefficients.
-    length : float
-        Length of the segment (s).
-
-    Returns
-    -------
-    Event
-        `ZERO` or `NOTHING`.
+    `count`: number of coefficients. `length`: length of the segment (s).
     """
     first = Event(NOTHING, 1.0, -1, 0)
     size = -1.0
@@ -94,21 +76,8 @@ def zero_of_current(
 def end_of_hold(legs: Legs, series: Series, held: int, count: int) -> Event:
     """Return the first event in a segment in which a leg is held.
 
-    Parameters
-    ----------
-    legs : Legs
-        With signs and voltages.
-    series : Series
-        Series of the currents and of the held leg's voltage in the segment.
-    held : int
-        Index of the held leg.
-    count : int
-        Number of coefficients.
-
-    Returns
-    -------
-    Event
-        `RELEASE`, `LAST_ZERO` or `NOTHING`.
+    `series`: series of the currents and of the held leg's voltage in the segment. `held`: index of the held leg.
+    `count`: number of coefficients. Result: `RELEASE`, `LAST_ZERO` or `NOTHING`.
     """
     first = Event(NOTHING, 1.0, -1, 0)
     ahead = (held + 1) % 3
@@ -154,25 +123,7 @@ def begin_of_current(
 ) -> Event:
     """Return the event at which the first current begins while none flows.
 
-    Parameters
-    ----------
-    circuit : Circuit
-        Constants of the advance.
-    legs : Legs
-        With voltages.
-    series : Series
-        Work space.
-    frame : RotorFrame
-        Angle at the segment's start.
-    count : int
-        Number of coefficients.
-    length : float
-        Length of the segment (s).
-
-    Returns
-    -------
-    Event
-        `ONSET` or `NOTHING`.
+    `count`: number of coefficients. `length`: length of the segment (s). Result: `ONSET` or `NOTHING`.
     """
     first = Event(NOTHING, 1.0, -1, 0)
     turning_series(series.cosine, series.sine, count, frame.cosine, frame.sine, circuit.electrical * length)

@@ -253,30 +253,12 @@ def add_segment(
 ) -> None:
     """Add a segment with currents to the ledger.
 
-    Parameters
-    ----------
-    drive : PmAcDrive
-        Constants of machine and bridge.
-    circuit : Circuit
-        Constants of the advance.
-    legs : Legs
-        With gates and signs in the segment.
-    series : Series
-        Series of the currents.
-    frame, after : RotorFrame
-        Currents and angle at the segment's start and end.
-    held : int
-        `settling.FREE` or the held leg.
-    count : int
-        Number of coefficients.
-    length : float
-        Length of the segment (s).
-    magnitudes : ndarray, shape (3,)
-        The integrals of the current magnitudes (A s) are added to it.
-    bounds : ndarray, shape (2,) or (0,)
-        Minimum and maximum torque (N m), extended; not computed with shape (0,).
-    totals : ndarray, shape (ledger.ENTRIES,)
-        The exact integrals are added to it.
+    - `held`: `settling.FREE` or the held leg.
+    - `count`: number of coefficients.
+    - `length`: length of the segment (s).
+    - `magnitudes`, shape (3,): the integrals of the current magnitudes (A s) are added to it.
+    - `bounds`, shape (2,): minimum and maximum torque (N m), extended; not computed with shape (0,).
+    - `totals`, shape (ledger.ENTRIES,): the exact integrals are added to it.
     """
     sums = _sums(circuit, drive, series, frame, count, length, held == FREE)
     totals[ledger.SQUARE] += 1.5 * sums.square

@@ -49,17 +49,7 @@ def _coefficients(value: float, slope: float, bend: float, jerk: float) -> Coeff
 def interpolant_of(begin: Jet, end: Jet, length: float) -> Interpolant:
     """Return the polynomial through value and three derivatives at both ends.
 
-    Parameters
-    ----------
-    begin, end : Jet
-        The quantity at both ends, with its time derivatives.
-    length : float
-        Length of the segment (s).
-
-    Returns
-    -------
-    Interpolant
-        In the unit of the quantity.
+    `length`: length of the segment (s).
     """
     half = 0.5 * length * length
     sixth = (1.0 / 3.0) * length * half

@@ -93,21 +93,7 @@ def derivatives(
 def following_step(rates: Rates, length: float, before: Step, order: int) -> Step:
     """Return an order of the change of the currents from the preceding order.
 
-    Parameters
-    ----------
-    rates : Rates
-        Coefficients of the equations.
-    length : float
-        Time t (s).
-    before : Step
-        The preceding order.
-    order : int
-        Order n, at least 2.
-
-    Returns
-    -------
-    Step
-        Including the factor ``t**n / n!``.
+    `length`: time t (s). `order`: order n, at least 2. Result: including the factor ``t**n / n!``.
     """
     share = length * (1.0 / order)
     turned = rates.direct_turning * before.driven_across

@@ -53,19 +53,8 @@ def make_gates() -> Gates:
 def settled_ratio(modulator: Modulator, ratio: float, period: float) -> float:
     """Return the effective duty ratio of a modulator for a commanded one.
 
-    Parameters
-    ----------
-    modulator : Modulator
-        With counter and minimum pulse.
-    ratio : float
-        Commanded share of the period with the upper switch on (1).
-    period : float
-        Control period (s).
-
-    Returns
-    -------
-    float
-        From 0 to 1, in steps of the counter, without pulses or gaps that are too short (1).
+    `ratio`: commanded share of the period with the upper switch on (1). `period`: control period (s). Result: from 0
+    to 1, in steps of the counter, without pulses or gaps that are too short (1).
     """
     settled = min(max(ratio, 0.0), 1.0)
     if modulator.counter_levels > 0.0:

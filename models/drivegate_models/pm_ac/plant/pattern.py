@@ -103,25 +103,8 @@ def lay_out(
 ) -> Pattern:
     """Divide a period into segments of constant voltages, if no current changes its sign.
 
-    Parameters
-    ----------
-    circuit : Circuit
-        Constants of the advance.
-    legs : Legs
-        With the signs of the currents, none of which is 0.
-    gates : Gates
-        With the schedule.
-    upcoming : Upcoming
-        Work space.
-    duration : float
-        Length of the period (s).
-    rows : ndarray
-        Receives the rows of this module; after the last segment the time is `duration`.
-
-    Returns
-    -------
-    Pattern
-        Number and maximum length of the segments.
+    `duration`: length of the period (s). `rows`: receives the rows of this module; after the last segment the time is
+    `duration`.
     """
     for leg in range(3):
         _enter(circuit, legs, gates, upcoming, leg, 0, duration)

@@ -112,25 +112,8 @@ def top_within(
 ) -> float:
     """Return the maximum magnitude of a phase current within a segment, if it exceeds those at its ends.
 
-    Parameters
-    ----------
-    circuit : Circuit
-        Constants of the advance.
-    rates : Rates
-        Coefficients of its equations.
-    series : Series
-        Work space.
-    rows : ndarray
-        With currents and rotor at both ends, voltages and times, as in `rows`.
-    n : int
-        Index of the segment, of at most `two_points.SHORT` over the circuit's rate.
-    leg : int
-        Index of the phase.
-
-    Returns
-    -------
-    float
-        Maximum magnitude (A), 0 if it is at an end.
+    `rows`: with currents and rotor at both ends, voltages and times, as in `rows`. `n`: index of the segment, of at
+    most `two_points.SHORT` over the circuit's rate. `leg`: index of the phase.
     """
     phase = phase_segment(circuit, rates, rows, n, leg)
     if is_monotone(phase):
@@ -154,13 +137,13 @@ def _top(
 ) -> float:
     """Return the maximum magnitude of a phase current, or `most` if that is larger (A)."""
     top = most
-    behind = current_at(rows, 0, leg)
+    after = current_at(rows, 0, leg)
     for n in range(count):
-        before = behind
-        behind = current_at(rows, n + 1, leg)
+        before = after
+        after = current_at(rows, n + 1, leg)
         deviation = sagitta(circuit, rows[TIME + 1 + n] - rows[TIME + n])
-        greatest = max(abs(before), abs(behind))
-        if greatest + deviation > top and not is_steep(before, behind, deviation):
+        greatest = max(abs(before), abs(after))
+        if greatest + deviation > top and not is_steep(before, after, deviation):
             top = max(top, top_within(circuit, rates, series, rows, n, leg))
     return top
 
@@ -174,27 +157,10 @@ def peak_of(
     rows: NDArray[np.float64],
     count: int,
 ) -> float:
-    """Return the maximum magnitude of any phase current in a control period.
+    """Return the maximum magnitude of any phase current in a control period (A).
 
-    Parameters
-    ----------
-    circuit : Circuit
-        Constants of the advance.
-    rates : Rates
-        Coefficients of its equations.
-    ranges : Ranges
-        Ranges of the currents at the ends of the segments.
-    series : Series
-        Work space.
-    rows : ndarray
-        With currents and rotor at the ends of all segments, voltages and times, as in `rows`.
-    count : int
-        Number of segments.
-
-    Returns
-    -------
-    float
-        Maximum magnitude (A).
+    `rows`: with currents and rotor at the ends of all segments, voltages and times, as in `rows`. `count`: number of
+    segments.
     """
     first = max(ranges.first.highest, -ranges.first.lowest)
     second = max(ranges.second.highest, -ranges.second.lowest)

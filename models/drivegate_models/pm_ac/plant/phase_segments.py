@@ -88,23 +88,8 @@ def phase_segment(
 ) -> PhaseSegment:
     """Return a phase current in a segment.
 
-    Parameters
-    ----------
-    circuit : Circuit
-        Constants of the advance.
-    rates : Rates
-        Coefficients of its equations.
-    rows : ndarray
-        With currents and rotor at both ends, voltages and times, as in `rows`.
-    n : int
-        Index of the segment.
-    leg : int
-        Index of the phase.
-
-    Returns
-    -------
-    PhaseSegment
-        With derivatives at both ends.
+    `rows`: with currents and rotor at both ends, voltages and times, as in `rows`. `n`: index of the segment. `leg`:
+    index of the phase.
     """
     frame = frame_at(rows, n)
     after = frame_at(rows, n + 1)
@@ -116,13 +101,13 @@ def phase_segment(
 
 
 @inlined
-def is_steep(before: float, behind: float, deviation: float) -> bool:
+def is_steep(before: float, after: float, deviation: float) -> bool:
     """Return True if a current is monotone, from its values at both ends and the maximum sagitta (A).
 
     Its slope differs from the chord's by at most half of the segment's length times the bound of the curvature,
     which is four times the sagitta over the length.
     """
-    return bool(abs(behind - before) > 4.0 * deviation)
+    return bool(abs(after - before) > 4.0 * deviation)
 
 
 @inlined

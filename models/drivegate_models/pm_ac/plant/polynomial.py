@@ -63,24 +63,13 @@ def _parabola_step(value: float, slope: float, curvature: float) -> float:
 def first_fall(series: NDArray[np.float64], count: int, sign: float, start: float, slack: float) -> float:
     """Return the place at which a polynomial, times a sign, first falls below zero by a slack.
 
-    Parameters
-    ----------
-    series : ndarray, shape (n,)
-        Coefficients in ascending order.
-    count : int
-        Number of coefficients.
-    sign : float
-        1 or -1.
-    start : float
-        Start of the search, in [0, 1].
-    slack : float
-        Minimum distance below zero, above 0 (unit of the coefficients).
-
-    Returns
-    -------
-    float
-        Place in [start, 1], with a value between -slack and -3/4 slack unless it was below that at the start;
-        `NOWHERE` if there is none.
+    - `series`, shape (n,): coefficients in ascending order.
+    - `count`: number of coefficients.
+    - `sign`: 1 or -1.
+    - `start`: start of the search, in [0, 1].
+    - `slack`: minimum distance below zero, above 0 (unit of the coefficients).
+    - Result: place in [start, 1], with a value between -slack and -3/4 slack unless it was below that at the start;
+      `NOWHERE` if there is none.
     """
     least = sign * series[0] + slack
     curvature = 0.0
@@ -112,19 +101,8 @@ def first_fall(series: NDArray[np.float64], count: int, sign: float, start: floa
 def extremes(series: NDArray[np.float64], count: int, slopes: NDArray[np.float64]) -> tuple[float, float]:
     """Return minimum and maximum of a polynomial on [0, 1].
 
-    Parameters
-    ----------
-    series : ndarray, shape (n,)
-        Coefficients in ascending order.
-    count : int
-        Number of coefficients.
-    slopes : ndarray, shape (n,)
-        Work space for the derivative.
-
-    Returns
-    -------
-    lowest, highest : float
-        Extremes in the unit of the coefficients, exact to rounding.
+    `series`, shape (n,): coefficients in ascending order. `count`: number of coefficients. `slopes`, shape (n,): work
+    space for the derivative. Returns `lowest`, `highest`: extremes in the unit of the coefficients, exact to rounding.
     """
     end = value_at(series, count, 1.0)
     lowest = min(series[0], end)

@@ -177,20 +177,9 @@ def propagate(
 ) -> None:
     """Write the rotor's angle and all currents at the start of each segment, and after the last one.
 
-    Parameters
-    ----------
-    rates : Rates
-        Coefficients of the equations.
-    electrical : float
-        Electrical speed (rad/s); the rotor turns by at most an eighth of a turn in the period.
-    begin : RotorFrame
-        Currents and angle at the period's start.
-    count : int
-        Number of segments.
-    reach : float
-        Longest segment times the fastest rate, at most `two_points.SHORT` (1).
-    rows : ndarray
-        The rows of times and voltages are read; the rows from `PHASE` to `QUADRATURE_ADDED` are written.
+    `electrical`: electrical speed (rad/s); the rotor turns by at most an eighth of a turn in the period. `count`:
+    number of segments. `reach`: longest segment times the fastest rate, at most `two_points.SHORT` (1). `rows`: the
+    rows of times and voltages are read; the rows from `PHASE` to `QUADRATURE_ADDED` are written.
     """
     # Two calls, so that each is compiled without the code that only the other needs.
     if reach <= SIX_ORDERS:

@@ -95,29 +95,11 @@ def pass_quietly(
 ) -> Passed:
     """Pass a segment without a held leg, and add it to the ledger if no current is near an event in it.
 
-    Parameters
-    ----------
-    pole_pairs : float
-        Pole pairs of the machine (1).
-    circuit : Circuit
-        Constants of the advance.
-    rates : Rates
-        Coefficients of its equations.
-    legs : Legs
-        With signs and voltages.
-    frame : RotorFrame
-        Currents and angle at the segment's start.
-    length : float
-        Length of the segment, at most `two_points.SHORT` over the circuit's rate (s).
-    magnitudes : ndarray, shape (3,)
-        The integrals of the current magnitudes (A s) are added to it.
-    totals : ndarray, shape (ledger.ENTRIES,)
-        The exact integrals are added to it.
-
-    Returns
-    -------
-    Passed
-        Not quiet if a current may reach zero, or a new maximum within the segment.
+    - `pole_pairs`: pole pairs of the machine (1).
+    - `length`: length of the segment, at most `two_points.SHORT` over the circuit's rate (s).
+    - `magnitudes`, shape (3,): the integrals of the current magnitudes (A s) are added to it.
+    - `totals`, shape (ledger.ENTRIES,): the exact integrals are added to it.
+    - Result: not quiet if a current may reach zero, or a new maximum within the segment.
     """
     is_shortest = circuit.rate * length <= SHORTEST
     voltages = legs.voltages

@@ -155,38 +155,13 @@ def pass_period(
 ) -> PassedPeriod:
     """Pass a whole period without a held leg at its start, and add it to the ledger if no event is possible in it.
 
-    Parameters
-    ----------
-    pole_pairs : float
-        Pole pairs of the machine (1).
-    circuit : Circuit
-        Constants of the advance.
-    rates : Rates
-        Coefficients of its equations.
-    legs : Legs
-        With the signs at the start.
-    gates : Gates
-        With the schedule, before its first edge.
-    upcoming : Upcoming
-        Work space.
-    frame : RotorFrame
-        Currents and angle at the period's start.
-    duration : float
-        Length of the period, at most `LONGEST_PERIOD` over the circuit's rate (s).
-    series : Series
-        Work space.
-    rows : ndarray
-        Work space, as in `rows`.
-    magnitudes : ndarray, shape (3,)
-        The integrals of the current magnitudes (A s) are added to it.
-    totals : ndarray, shape (ledger.ENTRIES,)
-        The exact integrals are added to it, except for the loss of the switches.
-
-    Returns
-    -------
-    PassedPeriod
-        No segments if a current may reach zero with an effect on a voltage, if a segment is too long, or if there are
-        too many segments.
+    - `pole_pairs`: pole pairs of the machine (1).
+    - `duration`: length of the period, at most `LONGEST_PERIOD` over the circuit's rate (s).
+    - `rows`: work space, as in `rows`.
+    - `magnitudes`, shape (3,): the integrals of the current magnitudes (A s) are added to it.
+    - `totals`, shape (ledger.ENTRIES,): the exact integrals are added to it, except for the loss of the switches.
+    - Result: no segments if a current may reach zero with an effect on a voltage, if a segment is too long, or if
+      there are too many segments.
     """
     pattern = lay_out(circuit, legs, gates, upcoming, duration, rows)
     count = pattern.segments

@@ -88,23 +88,8 @@ def free_series(
 ) -> int:
     """Write the series of the currents while no leg is held.
 
-    Parameters
-    ----------
-    circuit : Circuit
-        Constants of the advance.
-    series : Series
-        Receives `direct` and `quadrature`.
-    frame : RotorFrame
-        Currents at the start.
-    direct, quadrature : float
-        d-axis and q-axis voltages at the start (V).
-    length : float
-        Length of the segment (s).
-
-    Returns
-    -------
-    int
-        Number of coefficients.
+    `series`: receives `direct` and `quadrature`. `direct`, `quadrature`: d-axis and q-axis voltages at the start (V).
+    `length`: length of the segment (s). Result: number of coefficients.
     """
     electrical = circuit.electrical
     per_direct = 1.0 / circuit.direct
@@ -166,20 +151,8 @@ def phase_series(
 ) -> None:
     """Write the series of a phase current to `other`.
 
-    Parameters
-    ----------
-    circuit : Circuit
-        Constants of the advance.
-    series : Series
-        With `direct` and `quadrature`.
-    frame : RotorFrame
-        Angle at the start.
-    leg : int
-        Index of the phase.
-    count : int
-        Number of coefficients.
-    length : float
-        Length of the segment (s).
+    `series`: with `direct` and `quadrature`. `leg`: index of the phase. `count`: number of coefficients. `length`:
+    length of the segment (s).
     """
     cosine, sine = axis_of(frame, leg)
     turning_series(series.cosine, series.sine, count, cosine, sine, circuit.electrical * length)

@@ -210,23 +210,9 @@ def _update_signs(circuit: Circuit, legs: Legs, frame: RotorFrame, fixed: int) -
 def settle(circuit: Circuit, legs: Legs, frame: RotorFrame, fixed: int, excluded: int) -> Settled:
     """Determine the conducting legs and their signs, after any change.
 
-    Parameters
-    ----------
-    circuit : Circuit
-        Constants of the advance.
-    legs : Legs
-        With present gates and voltages and the previous signs, 0 for a leg whose current has reached zero. Updated.
-    frame : RotorFrame
-        Currents and angle.
-    fixed : int
-        Leg with a known sign, or -1.
-    excluded : int
-        Previous sign of a single leg at zero, to which it does not return; 0 for none.
-
-    Returns
-    -------
-    Settled
-        The held leg, and the currents.
+    `legs`: with present gates and voltages and the previous signs, 0 for a leg whose current has reached zero.
+    Updated. `fixed`: leg with a known sign, or -1. `excluded`: previous sign of a single leg at zero, to which it does
+    not return; 0 for none.
     """
     count, last = _update_signs(circuit, legs, frame, fixed)
     if count == 0:

@@ -72,23 +72,8 @@ def sums_between(
 ) -> Sums:
     """Return the integrals over a segment.
 
-    Parameters
-    ----------
-    circuit : Circuit
-        Constants of the advance.
-    begin, end : Currents
-        Currents with derivatives at both ends.
-    frame, after : RotorFrame
-        Angles at both ends.
-    length : float
-        Length of the segment (s).
-    is_shortest : bool
-        True to omit third derivatives.
-
-    Returns
-    -------
-    Sums
-        Exact to the errors stated at `SHORT` and `SHORTEST`.
+    `length`: length of the segment (s). `is_shortest`: true to omit third derivatives. Result: exact to the errors
+    stated at `SHORT` and `SHORTEST`.
     """
     square = length * length
     if is_shortest:

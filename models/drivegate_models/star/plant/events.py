@@ -136,23 +136,8 @@ def first_event(
 ) -> Event:
     """Return the first event of a stretch.
 
-    Parameters
-    ----------
-    circuit : Circuit
-        Constants of the advance.
-    places : ndarray of PLACE, shape (m,)
-        With the motion of every phase.
-    currents : ndarray, shape (m,)
-        Phase currents at the start of the stretch (A).
-    neutral : Neutral
-        Voltage and rate of the neutral in the stretch.
-    length : float
-        Maximum length of the stretch (s).
-
-    Returns
-    -------
-    Event
-        With the maximum length and without a phase if there is no event.
+    `currents`, shape (m,): phase currents at the start of the stretch (A). `length`: maximum length of the stretch
+    (s). Result: with the maximum length and without a phase if there is no event.
     """
     if neutral.moving == 0:
         return _separation_event(places, TIE * circuit.source, length)

@@ -43,20 +43,9 @@ class Span(NamedTuple):
 def span_of(places: NDArray[Any], neutral: Neutral, start: float, length: float) -> Span:
     """Return a stretch with the motion of the neutral in it.
 
-    Parameters
-    ----------
-    places : ndarray of PLACE, shape (m,)
-        With the intervals of all phases.
-    neutral : Neutral
-        Voltage and rate of the neutral at the start.
-    start, length : float
-        Start from the beginning of the advance, and length (s).
-
-    Returns
-    -------
-    Span
-        While every phase is held, the neutral is undetermined within the intersection of their intervals. It is set to
-        the middle, where two chopping phases have equal shares, like comparators on equal currents.
+    `start`, `length`: start from the beginning of the advance, and length (s). Result: while every phase is held, the
+    neutral is undetermined within the intersection of their intervals. It is set to the middle, where two chopping
+    phases have equal shares, like comparators on equal currents.
     """
     if neutral.moving == 0:
         begin = shared_middle(places, 0.0)
@@ -189,22 +178,9 @@ def add_stretch(
 ) -> None:
     """Add a stretch to the ledger, store its segments, and advance every current to its end.
 
-    Parameters
-    ----------
-    circuit : Circuit
-        Constants of the advance.
-    places : ndarray of PLACE, shape (m,)
-        With the motion of every phase.
-    span : Span
-        The stretch with the motion of the neutral.
-    currents : ndarray, shape (m,)
-        Phase currents (A); updated to the end of the stretch.
-    magnitudes : ndarray, shape (m,)
-        The integrals of the currents' magnitudes (A s) are added to it.
-    totals : ndarray, shape (ledger.ENTRIES,)
-        The exact integrals of all phases are added to it.
-    rows, row_counts : ndarray
-        Receive the segments, as in `machine.segments`.
+    `currents`, shape (m,): phase currents (A); updated to the end of the stretch. `magnitudes`, shape (m,): the
+    integrals of the currents' magnitudes (A s) are added to it. `totals`, shape (ledger.ENTRIES,): the exact integrals
+    of all phases are added to it. `rows`, `row_counts`: receive the segments, as in `machine.segments`.
     """
     # All phases have the same R/L, and so the same series.
     x = circuit.rate * span.length

@@ -33,15 +33,8 @@ def _pull(lows: NDArray[np.float64], highs: NDArray[np.float64], point: float) -
 def balance(lows: NDArray[np.float64], highs: NDArray[np.float64]) -> float:
     """Return the point whose signed distances to all intervals sum to zero.
 
-    Parameters
-    ----------
-    lows, highs : ndarray, shape (m,)
-        Ends of the intervals (V, or V/s), not all infinite.
-
-    Returns
-    -------
-    float
-        The point, in the same unit; the middle of the intersection of all intervals if it is not empty.
+    `lows`, `highs`, shape (m,): ends of the intervals (V, or V/s), not all infinite. Result: the point, in the same
+    unit; the middle of the intersection of all intervals if it is not empty.
     """
     below = -inf
     above = inf

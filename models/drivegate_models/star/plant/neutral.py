@@ -138,21 +138,8 @@ def settle(
 ) -> Neutral:
     """Find the moving phases and the neutral, and set slope and curvature of every moving phase.
 
-    Parameters
-    ----------
-    circuit : Circuit
-        Constants of the advance.
-    places : ndarray of PLACE, shape (m,)
-        With staircase and back-EMF of every phase; receives tread, slope and curvature.
-    bounds : ndarray, shape (2, m)
-        Work space.
-    currents : ndarray, shape (m,)
-        Phase currents (A).
-
-    Returns
-    -------
-    Neutral
-        Voltage and rate until the next event.
+    `places`, shape (m,): with staircase and back-EMF of every phase; receives tread, slope and curvature. `bounds`,
+    shape (2, m): work space. `currents`, shape (m,): phase currents (A).
     """
     count = places.size
     on_treads = 0

@@ -233,16 +233,7 @@ def _land(
 ) -> None:
     """Set the currents that have reached a level to that level, and correct the sum by the largest other current.
 
-    Parameters
-    ----------
-    places : ndarray of PLACE, shape (m,)
-        With the motion of every phase.
-    currents : ndarray, shape (m,)
-        Phase currents at the end of the stretch (A), updated.
-    event : Event
-        Event that ended the stretch.
-    length : float
-        Length of the stretch (s).
+    `currents`, shape (m,): phase currents at the end of the stretch (A), updated. `length`: length of the stretch (s).
     """
     free = -1
     near = -1

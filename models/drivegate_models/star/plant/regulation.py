@@ -40,19 +40,8 @@ def gate_of(circuit: Circuit, piece: int, latch: int) -> int:
 def regulate(circuit: Circuit, places: NDArray[Any], currents: NDArray[np.float64]) -> float:
     """Set latch, staircase and treads of every phase by its window and its current.
 
-    Parameters
-    ----------
-    circuit : Circuit
-        Constants of the advance.
-    places : ndarray of PLACE, shape (m,)
-        Updated.
-    currents : ndarray, shape (m,)
-        Phase currents (A).
-
-    Returns
-    -------
-    float
-        Loss of the switches that have changed (J); 0 for the ideal regulator.
+    `currents`, shape (m,): phase currents (A). Result: loss of the switches that have changed (J); 0 for the ideal
+    regulator.
     """
     lost = 0.0
     for k in range(places.size):

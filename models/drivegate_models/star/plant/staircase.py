@@ -80,19 +80,9 @@ class Staircase(NamedTuple):
 def staircase(gate: int, is_ideal: bool, reference: float) -> Staircase:
     """Return the staircase of a leg.
 
-    Parameters
-    ----------
-    gate : int
-        Switch that is on, or that the ideal regulator uses: 1 upper, -1 lower, 0 none.
-    is_ideal : bool
-        True if the ideal regulator chops.
-    reference : float
-        Current reference i* (A).
-
-    Returns
-    -------
-    Staircase
-        Its levels, infinite where a tread is unlimited.
+    `gate`: switch that is on, or that the ideal regulator uses: 1 upper, -1 lower, 0 none. `is_ideal`: true if the
+    ideal regulator chops. `reference`: current reference i* (A). Result: its levels, infinite where a tread is
+    unlimited.
     """
     end = reference if is_ideal else inf
     return Staircase(-end if gate < 0 else 0.0, end if gate > 0 else 0.0, gate)
@@ -111,17 +101,8 @@ def tread_voltage(circuit: Circuit, gate: int, tread: int) -> float:
 def treads_at(steps: Staircase, current: float) -> tuple[int, int]:
     """Return the treads below and above a current: two at a level, the same one between levels.
 
-    Parameters
-    ----------
-    steps : Staircase
-        Levels of the leg.
-    current : float
-        Phase current (A), exactly a level if it has reached one.
-
-    Returns
-    -------
-    below, above : int
-        `LOWEST`, `MIDDLE` or `HIGHEST`.
+    `current`: phase current (A), exactly a level if it has reached one. Returns `below`, `above`: `LOWEST`, `MIDDLE`
+    or `HIGHEST`.
     """
     # Exact comparisons are sufficient: an event at a level sets the current to the level itself.
     if current < steps.first:

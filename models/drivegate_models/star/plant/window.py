@@ -44,23 +44,11 @@ def _is_split(regulation: int, piece: int) -> bool:
 def piece_at(angle: float, width: float, regulation: int, electrical: float) -> tuple[int, float]:
     """Return the piece at an angle at time zero, and the time of its end.
 
-    Parameters
-    ----------
-    angle : float
-        Electrical angle, advance included (rad).
-    width : float
-        Width of each window (rad).
-    regulation : int
-        Chopping halves, as in `StarDrive`.
-    electrical : float
-        Electrical speed (rad/s); 0 at standstill.
-
-    Returns
-    -------
-    piece : int
-        Number of the piece.
-    end : float
-        End of the piece (s), infinite at standstill.
+    - `angle`: electrical angle, advance included (rad).
+    - `width`: width of each window (rad).
+    - `regulation`: chopping halves, as in `StarDrive`.
+    - `electrical`: electrical speed (rad/s); 0 at standstill.
+    - Returns `piece`: number of the piece; `end`: end of the piece (s), infinite at standstill.
     """
     position = wrapped(angle - 0.5 * (pi - width))
     piece = 0
@@ -84,21 +72,8 @@ def piece_at(angle: float, width: float, regulation: int, electrical: float) -> 
 def next_piece(piece: int, end: float, width: float, regulation: int, electrical: float) -> tuple[int, float]:
     """Return the piece after another one, and the time of its end.
 
-    Parameters
-    ----------
-    piece : int
-        Number of the piece that ends.
-    end : float
-        Time of its end (s).
-    width, regulation, electrical
-        Arguments of `piece_at`, with a speed above 0.
-
-    Returns
-    -------
-    piece : int
-        Number of the next piece.
-    end : float
-        End of the next piece (s).
+    `piece`: number of the piece that ends. `end`: time of its end (s). `width`, `regulation`, `electrical`: arguments
+    of `piece_at`, with a speed above 0. Returns `piece`: number of the next piece; `end`: end of the next piece (s).
     """
     following = (piece + 1) % PIECES
     if piece in (0, 3) and not _is_split(regulation, piece):
