@@ -15,9 +15,7 @@ RUN python -m pip install --no-cache-dir /source pytest && rm -rf /source
 
 # Compiled once, here, and closed to all others: who runs the image copies it, and compiles again on another processor.
 ENV DRIVEGATE_CACHE=/var/cache/drivegate HOME=/tmp
-RUN python -c "from drivegate.drives.kinds import DRIVE_KINDS; from drivegate.gate.warm_up import compile_kernels; \
-    compile_kernels(DRIVE_KINDS)" \
-    && chmod -R a+rX,go-w /var/cache/drivegate
+RUN python -m drivegate.gate.warm_up && chmod -R a+rX,go-w /var/cache/drivegate
 
 USER 65534:65534
 WORKDIR /work

@@ -177,23 +177,24 @@ def drawn_by_family(drive: DriveDocument) -> dict[str, list[Scenario]]:
     found = {FIXED: list(fixed_scenarios(drive))}
     for group in FAMILY_GROUPS:
         for family in group:
-            found[family_name(family.__name__)] = _draws(family(drive, None))
+            found[family_name(family.__name__)] = draws(family(drive, None))
     found[JOINT] = list(combined_scenarios(drive, None, 0))
     return found
 
 
 def _drawn_of_pm_ac(drive: PmAcDocument) -> dict[str, list[Scenario]]:
     families = dict.fromkeys(family for group in duty.FAMILY_GROUPS for family in group)
-    drawn = {family_name(family.__name__): _draws(family(drive)) for family in families}
+    drawn = {family_name(family.__name__): draws(family(drive)) for family in families}
     return {FIXED: list(fixed_duty_scenarios(drive, detected=FAILURE_KINDS)), **drawn}
 
 
-def _draws(strategy: SearchStrategy[Scenario]) -> list[Scenario]:
+def draws(strategy: SearchStrategy[Scenario], count: int = DRAWS, start: int = 0) -> list[Scenario]:
+    """Draw scenarios of a strategy, always the same for the same start."""
     drawn: list[Scenario] = []
 
-    @seed(0)
+    @seed(start)
     @settings(
-        max_examples=DRAWS,
+        max_examples=count,
         database=None,
         deadline=None,
         phases=[Phase.generate],

@@ -1,4 +1,7 @@
-"""Compiling the kernels once, before a candidate's workers start, so that none of them compiles beside another."""
+"""Compiling the kernels once, before a candidate's workers start, so that none of them compiles next to another.
+
+`python -m drivegate.gate.warm_up` compiles the kernels of every kind of drive, for example in a container image.
+"""
 
 from __future__ import annotations
 
@@ -113,3 +116,7 @@ def _plain_scenario(kind: str) -> Scenario:
 
 def _contract(kind: str) -> Contract:
     return CONTRACTS[DRIVE_KINDS[kind].contract]
+
+
+if __name__ == "__main__":
+    compile_kernels(DRIVE_KINDS)
