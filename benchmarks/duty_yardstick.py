@@ -121,7 +121,7 @@ def yardstick_ratio(bench: Workbench) -> Value:
 
 
 def difference(run: DutyRun, rows: NDArray[np.float64], totals: NDArray[np.float64]) -> float:
-    """Give the greatest difference of both in any control period or integral, over the greatest value of each."""
+    """Return the greatest difference of both in any control period or integral, over the greatest value of each."""
     signals = [_apart(run.trace[:, TRACE.index(name)], rows[:, column]) for column, name in enumerate(RECORD)]
     integrals = [entry for entry in range(ledger.ENTRIES) if entry not in (ledger.EVENTS, ledger.SWITCHING)]
     return max(*signals, *(_apart(run.totals[entry], totals[entry]) for entry in integrals))

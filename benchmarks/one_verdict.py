@@ -48,7 +48,7 @@ def restrictions() -> dict[str, dict[str, str]]:
 
 
 def surroundings(restricted: Mapping[str, str]) -> dict[str, str]:
-    """Give the environment of a process, which a candidate's worker gets too."""
+    """Return the environment of a process, which a candidate's worker gets too."""
     own = {name: value for name, value in os.environ.items() if not name.startswith("NUMBA_CPU_")}
     # numpy warns of every feature that it does not know, which differ by version.
     return {**own, "DRIVEGATE_PASS": ",".join(_PASSED), "PYTHONWARNINGS": "ignore", **restricted}
@@ -91,7 +91,7 @@ def digest_of_shards(shards: int) -> str:
 
 
 def checked(words: list[str], restricted: Mapping[str, str]) -> str:
-    """Give the content hash of a check in a restricted environment."""
+    """Return the content hash of a check in a restricted environment."""
     command = [str(Path(sys.executable).with_name("drivegate")), "check", *words, "--json"]
     done = subprocess.run(
         command, env=surroundings(restricted), stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, check=False
@@ -101,7 +101,7 @@ def checked(words: list[str], restricted: Mapping[str, str]) -> str:
 
 
 def here(shards: int, restricted: Mapping[str, str], emulator: tuple[str, ...] = ()) -> str:
-    """Give the digest of shards, or of loops, in one process of a restricted environment."""
+    """Return the digest of shards, or of loops, in one process of a restricted environment."""
     command = [*emulator, sys.executable, __file__, "--here", "--shards", str(shards)]
     done = subprocess.run(
         command, env=surroundings(restricted), stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, check=True

@@ -70,7 +70,7 @@ def same_controller_ratio(bench: Workbench) -> Value:
 
 
 def slow_turns(quick: bool) -> int:
-    """Tell how often motulator is measured, which takes ten seconds each time."""
+    """Return how often motulator is measured, which takes ten seconds each time."""
     return 1 if quick else 3
 
 

@@ -57,7 +57,7 @@ def runs_to_failure(cells: dict[str, Any], fault: WeakenedFault, method: str, le
 
 
 def found_share(cells: dict[str, Any], fault: WeakenedFault, method: str, within: int) -> float:
-    """Give the share of all levels and seeds in which a counterexample was found within some runs.
+    """Return the share of all levels and seeds in which a counterexample was found within some runs.
 
     Of drawing evenly this is what its share of failing points makes probable.
     """

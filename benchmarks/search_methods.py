@@ -52,7 +52,7 @@ class Trial:
         return spent or (self.found and self._ends_at_failure)
 
     def __call__(self, point: Point) -> float:
-        """Give the margin of a point."""
+        """Return the margin of a point."""
         self._asked += 1
         place = on_grid(point)
         if place not in self._known:
@@ -63,7 +63,7 @@ class Trial:
         return self._known[place]
 
     def knows(self, point: Point) -> bool:
-        """Tell whether a point was run."""
+        """Return True if a point was run."""
         return on_grid(point) in self._known
 
     @property

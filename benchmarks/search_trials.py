@@ -18,7 +18,7 @@ SLOW_CHECKS: Final = ("ROB-1", "CNV-1")
 
 
 def expected_draws(level: int) -> float:
-    """Give the runs that drawing evenly needs on average at a level: from a hundred to a hundred thousand."""
+    """Return the runs that drawing evenly needs on average at a level: from a hundred to a hundred thousand."""
     return float(10.0 ** (2.0 + level / 3.0))
 
 
@@ -54,14 +54,14 @@ class Cell:
 
 
 def allowance(fault: WeakenedFault) -> int:
-    """Give the greatest number of runs of one trial."""
+    """Return the greatest number of runs of one trial."""
     if fault.check in SLOW_CHECKS:
         return 100
     return 300 if fault.shape == "gradual" else 500
 
 
 def seeds(fault: WeakenedFault) -> range:
-    """Give the seeds of the methods."""
+    """Return the seeds of the methods."""
     return range(1 if fault.check in SLOW_CHECKS else 2)
 
 
@@ -86,7 +86,7 @@ def done(cell: Cell) -> tuple[str, dict[str, Any], float]:
 
 
 def first_in_pockets(fault: WeakenedFault, points: Iterable[Point]) -> list[int | None]:
-    """Give the run in which each level's pocket was first met and the fault was caught there.
+    """Return the run in which each level's pocket was first met and the fault was caught there.
 
     Outside of the pocket the faulty controller is the correct one, whatever the pocket's size; so one course of
     runs of that one serves all levels.

@@ -1,4 +1,4 @@
-"""Measure everything and write the tables of docs/speed.md anew, between the two marks in it.
+"""Measure everything and write the tables of docs/speed.md again, between the two marks in it.
 
     python benchmarks/speed_tables.py
     python benchmarks/speed_tables.py --python motulator=VENV/bin/python --python gym_electric_motor=VENV/bin/python
@@ -57,7 +57,7 @@ def number(value: float | None) -> str:
 
 
 def heading(document: dict[str, Any]) -> list[str]:
-    """Say where and when."""
+    """State where and when."""
     machine, packages = document["machine"], document["provenance"]["packages"]
     loads = " before and ".join(
         "unknown" if load is None else f"{load:.2f}" for load in document["load_average"]

@@ -209,7 +209,7 @@ class WeakenedFault:
         return volume
 
     def distance(self, point: Point) -> float:
-        """Give the half width of the least pocket that holds a point."""
+        """Return the half width of the least pocket that holds a point."""
         return max(abs(point[number] - centre) for number, centre in (self.pocket or {}).items())
 
 

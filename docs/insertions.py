@@ -51,7 +51,7 @@ SIGNALS: Final = MappingProxyType({"current": current_signals, "duty": duty_sign
 
 
 def _drive_of(contract: str) -> DriveDocument:
-    """Give the drive whose numbers stand in the texts of a contract's checks."""
+    """Return the drive whose numbers stand in the texts of a contract's checks."""
     return load_drive(DEFAULT_DRIVES[contract or "current"])
 
 
@@ -346,7 +346,7 @@ INSERTED: Final = MappingProxyType(
 
 
 def renewed(text: str, made: MappingProxyType[str, Callable[[str], str]] = INSERTED) -> str:
-    """Give a page with everything inserted anew.
+    """Return a page with everything inserted again.
 
     Parameters
     ----------

@@ -206,7 +206,7 @@ def description_2(
 
 
 def elements_of(variable: Variable) -> list[Variable]:
-    """Give the elements of an array one by one; a variable of one value is its own."""
+    """Return the elements of an array one by one; a variable of one value is its own."""
     if variable.width == 1:
         return [variable]
     return [
@@ -249,7 +249,7 @@ def description_3(
 
 
 def add_log_categories(root: ElementTree.Element) -> None:
-    """Say that errors are reported."""
+    """State that errors are reported."""
     categories = ElementTree.SubElement(root, "LogCategories")
     ElementTree.SubElement(categories, "Category", name="logStatusError")
 

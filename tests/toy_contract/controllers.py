@@ -66,4 +66,4 @@ class ToyKind(kinds.Kind):
         return ToyController(candidate.entry)
 
 
-KIND = ToyKind("toy", "toy", prefixes=("toy:",), comes_along=True)
+KIND = ToyKind("toy", "toy", prefixes=("toy:",), is_included=True)

@@ -21,20 +21,20 @@ HEADERS: Final = MappingProxyType({"current": "drivegate.h", "duty": "drivegate_
 
 
 def contract_of(nameplate: AnyNameplate) -> ContractName:
-    """Tell which contract a nameplate is of, and with it the run that it is for."""
+    """Return which contract a nameplate is of, and with it the run that it is for."""
     return "duty" if isinstance(nameplate, DutyNameplate) else "current"
 
 
 def require_nameplate_of(contract: str, nameplate: AnyNameplate) -> None:
     """Refuse a run of another contract than a controller's."""
-    wanted = contract_of(nameplate)
-    if contract != wanted:
-        raise InputError(other_contract(contract, wanted))
+    required = contract_of(nameplate)
+    if contract != required:
+        raise InputError(other_contract(contract, required))
 
 
-def other_contract(contract: str, wanted: str) -> str:
-    """Tell that a controller answers by one contract, but its drive takes the other."""
+def other_contract(contract: str, required: str) -> str:
+    """State that a controller answers by one contract, but its drive takes the other."""
     return (
-        f"the controller answers with {ANSWERS[contract]}, but the drive takes {ANSWERS[wanted]}; name another drive "
+        f"the controller answers with {ANSWERS[contract]}, but the drive takes {ANSWERS[required]}; name another drive "
         f'with --drive, or write contract = "{contract}" and a drive of it into the candidate\'s manifest'
     )

@@ -29,7 +29,7 @@ class Controller(Protocol):
 
 @runtime_checkable
 class KnowsDrive(Protocol):
-    """A controller that comes along with drivegate, and follows from more of its drive than a nameplate has."""
+    """A controller that is included, and follows from more of its drive than a nameplate has."""
 
     def show_drive(self, drive: "DriveDocument") -> None:
         """Take the drive that the next runs are on."""

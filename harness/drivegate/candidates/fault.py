@@ -129,7 +129,7 @@ def _traceback_of(error: BaseException) -> str:
 
 
 def ending_in_words(status: int) -> tuple[str, str]:
-    """Tell how a process ended."""
+    """State how a process ended."""
     if status >= 0:
         return f"ended itself with exit status {status}", ""
     try:

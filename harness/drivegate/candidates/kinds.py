@@ -55,7 +55,7 @@ class Kind:
     """Suffix of the file that such a candidate is as a whole; empty for none."""
     manifest_keys: tuple[str, ...] = ()
     """Keys of a manifest that are for this kind alone."""
-    comes_along: bool = False
+    is_included: bool = False
     """Whether all of its code is drivegate's own, and so needs no process to contain it."""
     reports_output: bool = False
     """Whether a fault without a traceback is reported with what the candidate's process printed."""
@@ -83,7 +83,7 @@ class Kind:
 
 _ALL: Final = (
     Kind("python", "python", ways=("module:Class", "file.py:Class")),
-    Kind("builtin", "builtin", prefixes=(FAULTY_PREFIX, DESIGN_PREFIX, NEAR_PREFIX), comes_along=True),
+    Kind("builtin", "builtin", prefixes=(FAULTY_PREFIX, DESIGN_PREFIX, NEAR_PREFIX), is_included=True),
     Kind("c", "native", ways=("file.c",), suffix=".c", manifest_keys=("include", "flags")),
     Kind("so", "native", ways=("file.so",), suffix=".so"),
     Kind(

@@ -51,13 +51,13 @@ def resolve_candidate(text: str) -> Candidate:
 
 
 def _is_name(specification: str) -> bool:
-    """Tell whether a string names a known controller, even where a folder is called the same."""
+    """Return True if a string names a known controller, even where a folder is called the same."""
     installed = {point.name for point in entry_points(group=ENTRY_POINT_GROUP)}
     return specification in (*_BUILTIN, *installed)
 
 
 def _instead_of(specification: str) -> str:
-    """Tell what to write instead of a folder, or of a manifest in another language."""
+    """State what to write instead of a folder, or of a manifest in another language."""
     named = one_line(specification)
     if not _is_folder(specification):
         manifest = one_line(Path(specification).with_suffix(MANIFEST_SUFFIX).name)

@@ -41,7 +41,7 @@ def margin_in_words(value: float, digits: int = 3) -> str:
 
 
 def normalised(distance: float, limit: float) -> float:
-    """Give a distance from a limit as a share of it, without losing its sign."""
+    """Return a distance from a limit as a share of it, without losing its sign."""
     if math.isnan(distance):
         return -GREATEST
     # A share of next to nothing, such as the current of an extreme command, may be no number any more.
@@ -60,6 +60,6 @@ def below(measured: float, limit: float) -> float:
 
 
 def worst_required(margins: Sequence[Margin]) -> Margin | None:
-    """Give the least margin of those that are required, or of those that only advise where there are no others."""
+    """Return the least margin of those that are required, or of those that only advise where there are no others."""
     required = [margin for margin in margins if not margin.advisory]
     return min(required or margins, key=lambda margin: margin.value, default=None)

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 @click.command("cases")
 @json_option
 def command() -> Outcome:
-    """List the scenarios, operating points, sweeps, drive cycles and drives that come along."""
+    """List the scenarios, operating points, sweeps, drive cycles and drives that are included."""
     from drivegate.studies.cases import cases_document, show_cases
 
     document = cases_document()

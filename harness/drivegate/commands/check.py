@@ -125,7 +125,7 @@ def command(
     A CANDIDATE is a class in Python (file.py:Class or module:Class), a NumbaController (file.py:name), C or a shared
     library (file.c, file.so, also from Rust or C++), an image for a Cortex-M (file.elf), an FMU (file.fmu), any program
     that answers in lines of JSON (exec:command), a manifest (candidate.toml) for one of these or for a composed
-    controller, or the name of a controller that comes along (reference, published, initial, faulty:NAME, design:NAME,
+    controller, or the name of a controller that is included (reference, published, initial, faulty:NAME, design:NAME,
     near:NAME) or is installed. inner:pi:candidate runs any of these that answers with a current reference on a drive
     of duty ratios.
 
@@ -141,7 +141,7 @@ def command(
     part = Part(only, stop_at_first, last_failed)
     reported: set[int] = set()
 
-    def complain_anew(all_checked: list[Checked]) -> None:
+    def complain_again(all_checked: list[Checked]) -> None:
         for checked in all_checked:
             if checked.error is not None and id(checked.error) not in reported:
                 reported.add(id(checked.error))
@@ -151,7 +151,7 @@ def command(
 
     def show(all_checked: list[Checked]) -> None:
         if not _is_refused(all_checked):
-            complain_anew(all_checked)
+            complain_again(all_checked)
             if not as_json and sys.stdout is not None:
                 _show(all_checked, output, quiet=quiet)
 
@@ -170,7 +170,7 @@ def command(
     if _is_refused(all_checked):
         assert all_checked[0].error is not None, "that is what refused means"
         raise all_checked[0].error
-    complain_anew(all_checked)
+    complain_again(all_checked)
     exit_code = max(checked.exit_code for checked in all_checked)
     return Outcome(summary(all_checked), lambda _: None, exit_code)
 

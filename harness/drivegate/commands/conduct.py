@@ -29,7 +29,7 @@ class Outcome:
 
 
 def wants_json(words: Sequence[str]) -> bool:
-    """Tell whether the arguments ask for JSON, even if they are wrong otherwise."""
+    """Return True if the arguments ask for JSON, even if they are wrong otherwise."""
     options = words[: words.index("--")] if "--" in words else words
     return "--json" in options
 

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 def command(
     drive: str, plot: Path | None, measured: Path | None, keep: tuple[str, ...], settings: tuple[str, ...]
 ) -> Outcome:
-    """Show what a drive can do: one that comes along, or a TOML or JSON file.
+    """Show what a drive can do: one that is included, or a TOML or JSON file.
 
     Torque and power at the current limit over speed, the angles that give rated power and what they cost, the line of
     initial angles that follows, and what the drive's times mean for a controller. What a check

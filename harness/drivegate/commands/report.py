@@ -1,4 +1,4 @@
-"""``drivegate report``: the reports of a result, made anew from its document."""
+"""``drivegate report``: the reports of a result, made again from its document."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ DEFAULT_OUTPUT = "drivegate-report"
 @sign_option
 @json_option
 def command(file: Path, formats: tuple[str, ...], output: Path, sign: Path | None) -> Outcome:
-    """Make the reports of the result in FILE, a result.json, anew.
+    """Make the reports of the result in FILE, a result.json, again.
 
     The folder gets the result and its counterexamples too. The exit code is 0 when all reports are made, whatever
     the result's verdict.

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 )
 @json_option
 def command(file: Path, key: Path | None) -> Outcome:
-    """Tell whether the result in FILE, a result.json, is unchanged, whether its signature is valid, and whose it is.
+    """Check that the result in FILE, a result.json, is unchanged and that its signature is valid, and show whose it is.
 
     The exit code is 0 when all of that holds, whatever the result's verdict, and 1 when the result was altered, its
     signature is invalid, or it is not signed by the key PUBLIC.

@@ -109,7 +109,7 @@ class CandidateHandle:
         return self._memory.copied_commands(layout, count)
 
     def has_ended(self) -> bool:
-        """Tell whether the process has died by itself; it is not reaped yet, so its id is still its own."""
+        """Return True if the process has died by itself; it is not reaped yet, so its id is still its own."""
         if self._kept.keeper_has_ended():
             return True
         process = self._process()
@@ -155,7 +155,7 @@ class CandidateHandle:
         self._tail = b""
 
     def last_output(self) -> str:
-        """Give the end of what the process has printed."""
+        """Return the end of what the process has printed."""
         self.drain_output()
         return self._tail.decode(errors="replace")
 
@@ -181,7 +181,7 @@ class CandidateHandle:
         return self._kept.exit_status()
 
     def end_in_peace(self) -> None:
-        """Give the process a moment to end by itself, then end it."""
+        """Wait a moment for the process to end by itself, then end it."""
         self._channel.close()
         deadline = time.monotonic() + _PATIENCE
         while not self.has_ended() and time.monotonic() < deadline:

@@ -9,7 +9,7 @@ from drivegate.isolation.layers import Layer, requested_layers
 
 def isolating_layers(candidate: Candidate) -> tuple[Layer, ...] | None:
     """Return what isolates a candidate's process; None for a built-in controller, which has no process."""
-    return None if KINDS[candidate.kind].comes_along else requested_layers()
+    return None if KINDS[candidate.kind].is_included else requested_layers()
 
 
 def own_places(candidate: Candidate) -> tuple[str, ...]:

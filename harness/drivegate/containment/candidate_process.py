@@ -169,7 +169,7 @@ class CandidateProcess:
                 raise CandidateFault(fault)
 
     def _look_at_pace(self, handle: CandidateHandle, pace: PaceWatch, steps: int) -> None:
-        """Tell once of a run that will take long; orders without steps are none."""
+        """Report once that a run will take long; orders without steps are none."""
         if self._on_slow is None or steps == 0 or handle.progress.activity is not Activity.RUNNING:
             return
         slow = pace.slow(int(handle.progress.steps[0]), time.monotonic())

@@ -1,6 +1,6 @@
 """Doing jobs with one candidate: its code runs in a process of its own, everything that judges it runs here.
 
-A candidate that comes along with drivegate is drivegate's own code, and needs no other process.
+A candidate that is included with drivegate is drivegate's own code, and needs no other process.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from drivegate.isolation.layers import Layer
 
 
 def own_candidate(candidate: Candidate) -> JudgedCandidate:
-    """Give a candidate that comes along with drivegate as a job has it."""
+    """Return a candidate that is included with drivegate as a job has it."""
     return JudgedCandidate(candidate, partial(load_controller, candidate))
 
 
@@ -63,7 +63,7 @@ class Judge:
             return ended.fault
 
     def _new_controller(self) -> AnyController:
-        if KINDS[self._candidate.kind].comes_along:
+        if KINDS[self._candidate.kind].is_included:
             return load_controller(self._candidate)
         from drivegate.containment.candidate_process import CandidateProcess
         from drivegate.containment.contained_controller import ContainedController
@@ -101,5 +101,5 @@ class Judge:
 
 
 def is_hang(ending: object) -> bool:
-    """Tell whether a job ended with a hang, which is tried once more."""
+    """Return True if a job ended with a hang, which is tried once more."""
     return isinstance(ending, Fault) and ending.kind is FaultKind.HANG

@@ -102,7 +102,7 @@ class JudgeProcess:
     def _stopped(self) -> Faulted | None:
         """Look whether the process has been stopped for some time, which a candidate may have done; end it then."""
         kept = self._kept
-        if kept is None or KINDS[self._candidate.kind].comes_along or not kept.is_stopped():
+        if kept is None or KINDS[self._candidate.kind].is_included or not kept.is_stopped():
             self._stopped_since = None
             return None
         now = time.monotonic()
@@ -114,7 +114,7 @@ class JudgeProcess:
 
     def _died(self) -> Faulted:
         self.kill()
-        if KINDS[self._candidate.kind].comes_along:
+        if KINDS[self._candidate.kind].is_included:
             raise HarnessFault("a judge's process has died")
         # No candidate but one that means it ends the process that judges it.
         return Faulted(Fault(FaultKind.CRASH, _KILLED, "step"))
@@ -126,7 +126,7 @@ class JudgeProcess:
         self._connection, self._kept, self._busy = None, None, False
 
     def hang_up(self) -> None:
-        """Tell an idle process to end by itself, without waiting for it."""
+        """Request an idle process to end by itself, without waiting for it."""
         if self._connection is not None and not self._busy:
             self._connection.close()
 
@@ -149,15 +149,15 @@ def judge_jobs(connection: int, temporary: str, parent: int) -> None:
     channel: Connection[Any, Any] = Connection(connection)
     try:
         candidate, limits, layers, digests = channel.recv()
-        if not KINDS[candidate.kind].comes_along:
+        if not KINDS[candidate.kind].is_included:
             kernels.trust_only(digests)
         if layers:
             refuse_inspection()
 
-        def tell(run: SlowRun) -> None:
+        def report(run: SlowRun) -> None:
             channel.send_bytes(_written(run))
 
-        with Judge(candidate, limits=limits, on_slow=tell, layers=layers) as judge:
+        with Judge(candidate, limits=limits, on_slow=report, layers=layers) as judge:
             while True:
                 channel.send_bytes(_written(_outcome(judge, channel.recv())))
     except (EOFError, BrokenPipeError, ConnectionResetError):

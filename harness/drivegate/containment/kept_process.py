@@ -92,11 +92,11 @@ class KeptProcess:
         return False
 
     def keeper_has_ended(self) -> bool:
-        """Tell whether the keeper has ended by itself, which it does when it was killed."""
+        """Return True if the keeper has ended by itself, which it does when it was killed."""
         return self._keeper.poll() is not None
 
     def wait_for_worker(self) -> None:
-        """Give the process a moment to end by itself."""
+        """Wait a moment for the process to end by itself."""
         until = time.monotonic() + _PATIENCE
         number = self.process_id
         while number is not None and time.monotonic() < until:
@@ -108,7 +108,7 @@ class KeptProcess:
             time.sleep(0.005)
 
     def exit_status(self) -> int:
-        """Tell how the worker ended, once `end` has been called."""
+        """Return how the worker ended, once `end` has been called."""
         numbers = self._reported.split()
         # A worker whose keeper was killed is killed by the system.
         return int(numbers[1]) if len(numbers) > 1 else -signal.SIGKILL

@@ -20,7 +20,7 @@ from drivegate_models.contract.layout import LAYOUTS
 
 PACKET: Final = Struct("=8sqq")
 """A word that says whose it is, the number of bytes of the order, which lies in the shared memory, and that of the
-memory itself. A memory that is new comes along as a file descriptor."""
+memory itself. A memory that is new is included as a file descriptor."""
 WORD: Final = b"drivegat"
 """First bytes of every packet, either way."""
 

@@ -50,16 +50,16 @@ class PaceWatch:
         self._steps = steps
         self._allowed = allowed_seconds
         self._pace = Pace()
-        self._told = False
+        self._reported = False
 
     def slow(self, begun: int, now: float) -> SlowRun | None:
         """Look at the number of steps begun; gives what is to be told, once."""
         # The first step may compile, and says nothing about the others.
-        if self._told or begun < 2:
+        if self._reported or begun < 2:
             return None
         step_seconds = self._pace.seconds_each(begun, now, KNOWN_AFTER)
         if step_seconds is None:
             return None
-        self._told = True
+        self._reported = True
         run = SlowRun(self._steps, step_seconds, self._allowed)
         return run if run.seconds > min(LONG, self._allowed) else None

@@ -16,7 +16,7 @@ Wrap: TypeAlias = Callable[[Controller], Controller]
 
 
 def stepped_here(controller: AnyController, order: CloseLoop, steps: int) -> Controller:
-    """Give what a plant here steps: a controller that comes along, or the commands of one that is contained."""
+    """Return what a plant here steps: a controller that is included, or the commands of one that is contained."""
     return controller.run(order, steps) if isinstance(controller, ContainedController) else controller
 
 

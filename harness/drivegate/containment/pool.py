@@ -43,10 +43,10 @@ class WorkerPool:
         on_slow: Callable[[SlowRun], None] | None = None,
         is_ended: Callable[[], bool] = lambda: False,
     ) -> None:
-        told = None if on_slow is None else _once(on_slow)
+        report = None if on_slow is None else _once(on_slow)
         # Listed before any of the candidate's code runs, which might change them.
-        kernels = {} if KINDS[candidate.kind].comes_along else kernel_digests()
-        self._workers = [JudgeProcess(candidate, limits, kernels, told) for _ in range(max(workers, 1))]
+        kernels = {} if KINDS[candidate.kind].is_included else kernel_digests()
+        self._workers = [JudgeProcess(candidate, limits, kernels, report) for _ in range(max(workers, 1))]
         self._final: Fault | None = None
         self._is_ended = is_ended
 
@@ -120,7 +120,7 @@ class _Schedule(Generic[ResultT]):
             worker.kill()
 
     def _dispatch(self) -> None:
-        """Give jobs to idle workers; as long as there is a suspected hang, only that, and alone."""
+        """Send jobs to idle workers; as long as there is a suspected hang, only that, and alone."""
         if self._suspects:
             if not self._running:
                 index = self._suspects.popleft()
@@ -171,8 +171,8 @@ def _once(on_slow: Callable[[SlowRun], None]) -> Callable[[SlowRun], None]:
     """Make what tells of the first slow run alone."""
     left = [on_slow]
 
-    def tell(run: SlowRun) -> None:
+    def report(run: SlowRun) -> None:
         if left:
             left.pop()(run)
 
-    return tell
+    return report

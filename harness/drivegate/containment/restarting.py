@@ -35,7 +35,7 @@ class Restarter:
         self._called = _CALLED(_reset_by_call(controller, nameplate, self.failures))
 
     def restarts(self, steps: Sequence[int]) -> Restarts:
-        """Give what the loop takes; valid as long as this object lives."""
+        """Return what the loop takes; valid as long as this object lives."""
         if not steps:
             return no_restarts()
         address = ctypes.c_void_p.from_address(ctypes.addressof(self._called)).value or 0

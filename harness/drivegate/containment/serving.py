@@ -302,7 +302,7 @@ def _disturbed(error: Exception, phase: Phase) -> Fault:
 
 
 def _identity(descriptor: int) -> tuple[int, ...] | None:
-    """Tell which file a descriptor stands for, since its number may have been given to another one."""
+    """Return which file a descriptor stands for, since its number may have been given to another one."""
     try:
         status = os.fstat(descriptor)
     except OSError:

@@ -57,7 +57,7 @@ class SharedMemory:
         return order
 
     def commands(self, layout: np.dtype[Any] = COMMAND) -> NDArray[Any]:
-        """Give the memory as room for commands of a layout."""
+        """Return the memory as room for commands of a layout."""
         return np.frombuffer(self._memory, layout, self.size // layout.itemsize)
 
     def copied_commands(self, layout: np.dtype[Any], count: int) -> NDArray[Any]:

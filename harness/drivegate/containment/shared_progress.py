@@ -70,7 +70,7 @@ class SharedProgress:
         return int(self._changes[0]), int(self.steps[0])
 
     def enter(self, activity: Activity) -> None:
-        """Tell what the process does from now on."""
+        """Record what the process does from now on."""
         self._activity[0] = activity
         self._changes[0] += 1
 

@@ -23,7 +23,7 @@ class WorkerLimits:
     """Memory that may be allocated beyond what the process has at its start."""
 
     def allowed_seconds(self, steps: int) -> float:
-        """Give the time of an order of so many steps (s)."""
+        """Return the time of an order of so many steps (s)."""
         return self.order_seconds + steps * self.order_step_seconds
 
 

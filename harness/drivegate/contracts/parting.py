@@ -32,11 +32,11 @@ class Parting:
     """That number in the repetition and in the first run, in SI units."""
 
     def __str__(self) -> str:
-        """Tell the step, its time and both numbers, with as many digits as it takes to tell them apart."""
+        """State the step, its time and both numbers, with as many digits as it takes to tell them apart."""
         name, unit = self.output
         return (
             f"differs from step {self.step} on, at {self.time:g} s: "
-            f"{name} {' against '.join(_told_apart(self.again, self.first))} {unit}"
+            f"{name} {' against '.join(_distinguished(self.again, self.first))} {unit}"
         ).rstrip()
 
 
@@ -58,7 +58,7 @@ def parting_of(scenario: Scenario, again: NDArray[Any], first: NDArray[Any]) -> 
     return Parting(step, step * scenario.control_period_s, outputs[output], *numbers)
 
 
-def _told_apart(one: float, other: float) -> tuple[str, str]:
+def _distinguished(one: float, other: float) -> tuple[str, str]:
     for digits in range(_FEWEST_DIGITS, _MOST_DIGITS + 1):
         texts = f"{one:.{digits}g}", f"{other:.{digits}g}"
         if texts[0] != texts[1]:

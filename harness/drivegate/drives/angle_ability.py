@@ -18,7 +18,7 @@ from drivegate.drives.power_reach import PowerReach
 from drivegate.drives.rating import RatedDrive, rated_drive
 from drivegate.drives.required_ripple import unreachable_ripple
 from drivegate_cases.drive.drive_document import DriveDocument
-from drivegate_cases.drive.limits import time_unit, wanted_time_unit
+from drivegate_cases.drive.limits import ideal_time_unit, time_unit
 from drivegate_models.units import RADIANS_PER_RPM
 
 SPEEDS: Final = 21
@@ -35,7 +35,7 @@ def rating_is_met(drive: RatedDrive) -> bool:
 
 
 def _run_time(document: DriveDocument) -> RunTime:
-    share = _LONGEST_STEP_S / wanted_time_unit(document)
+    share = _LONGEST_STEP_S / ideal_time_unit(document)
     return RunTime(time_unit(document), LONGEST_TIME_UNIT_S, "from change to change", share)
 
 

@@ -56,7 +56,7 @@ class SpeedPoint:
 
 
 def speeds_of(rating: Rating) -> tuple[float, ...]:
-    """Give the speeds at which a drive is looked at (rad/s)."""
+    """Return the speeds at which a drive is looked at (rad/s)."""
     parts = (
         np.linspace(0.0, rating.base_speed, BELOW_BASE + 1)[1:],
         np.linspace(rating.base_speed, rating.highest_speed, CONSTANT_POWER + 1)[1:],
@@ -66,7 +66,7 @@ def speeds_of(rating: Rating) -> tuple[float, ...]:
 
 
 def few_speeds_of(rating: Rating) -> tuple[float, ...]:
-    """Give those of them that a result has, since the least Σ|i| takes a twentieth of a second for each (rad/s)."""
+    """Return those of them that a result has, since the least Σ|i| takes a twentieth of a second for each (rad/s)."""
     speeds = speeds_of(rating)
     return tuple(speeds[place] for place in _FEW)
 

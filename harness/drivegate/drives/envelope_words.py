@@ -29,7 +29,7 @@ def facts(document: Mapping[str, Any]) -> list[str]:
 
 
 def required(drive: DriveDocument) -> list[str]:
-    """Tell what is required of the controllers of a drive, in its own numbers."""
+    """State what is required of the controllers of a drive, in its own numbers."""
     numbers = drive_numbers(drive)
     return [
         "required of a search: from {settling} after a change on the speed stays within {k1} (k1), Σ|i| within {k2} "
@@ -72,7 +72,7 @@ def _without_advance(document: Mapping[str, Any]) -> str:
 
 
 def _out_of_reach(document: Mapping[str, Any]) -> list[str]:
-    """Tell where the drive lacks rated torque up to base speed, where candidates are not asked for all of it."""
+    """State where the drive lacks rated torque up to base speed, where candidates are not asked for all of it."""
     base = document["rating"]["base_speed_rpm"]
     lacking = [
         point

@@ -55,7 +55,7 @@ class RatedDrive:
     """Whether the document's band is in the constants, or none was given."""
 
     def demanded_torque(self, speed: float) -> float:
-        """Give the torque of rated power at a speed (rad/s), constant below base speed (N·m)."""
+        """Return the torque of rated power at a speed (rad/s), constant below base speed (N·m)."""
         return self.oracle.demanded_torque(self.constants, speed, self.rating.base_speed, self.rating.power)
 
     @property

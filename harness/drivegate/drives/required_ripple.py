@@ -76,7 +76,7 @@ class UnreachableRipple:
         return ceil(102.0 * self.least) if isfinite(self.least) else 0
 
     def document(self) -> dict[str, object]:
-        """Give what is out of reach as plain data, in people's units."""
+        """Return what is out of reach as plain data, in people's units."""
         found = isfinite(self.least)
         return {
             "key": "requirements.ripple_percent" if found else "requirements.point",

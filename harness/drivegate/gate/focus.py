@@ -43,7 +43,7 @@ class Focus:
             raise InputError(f"--only: no named check applies, so nothing is judged ({reasons}); name others")
 
     def judges(self, check: str) -> bool:
-        """Tell whether a check is judged."""
+        """Return True if a check is judged."""
         return not self.only or check in self.only
 
     def outcomes(self, outcomes: Iterable[CheckOutcome]) -> tuple[CheckOutcome, ...]:
@@ -55,7 +55,7 @@ class Focus:
         )
 
     def broken_by(self, runs: Iterable[JudgedRun], counting: Collection[str]) -> bool:
-        """Tell whether a run breaks one of the counting checks that are judged."""
+        """Return True if a run breaks one of the counting checks that are judged."""
         return any(
             not margin.met and not margin.advisory and margin.check in counting and self.judges(margin.check)
             for run in runs

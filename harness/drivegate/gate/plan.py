@@ -122,7 +122,7 @@ def _repeated(fixed: Sequence[Scenario]) -> list[Scenario]:
 
 
 def _serves(origin: Origin, focus: Focus) -> bool:
-    """Tell whether runs of an origin can say anything of the checks that are judged."""
+    """Return True if runs of an origin can say anything of the checks that are judged."""
     if not focus.only or origin in (Origin.LAST_FAILED, Origin.CORPUS):
         return True
     if origin in _OF_ONE_CHECK:
@@ -224,7 +224,7 @@ def time_steps(loaded: JudgedCandidate, plan: TimedSteps) -> ShardOutcome:
 
 
 def way_of_running(kind: str, controller: AnyController) -> str:
-    """Tell how a candidate's step runs, without which its time says little."""
+    """State how a candidate's step runs, without which its time says little."""
     is_python = (
         controller.is_python
         if isinstance(controller, ContainedController)

@@ -62,7 +62,7 @@ def explanation_jobs(scenario: Scenario) -> list[Job[Repetition]]:
 
 
 def different_elsewhere(scenario: Scenario, endings: Sequence[Repetition | Fault]) -> Margin:
-    """Give what `DET-1` comes to where another process answers differently, with where two of them part."""
+    """Return what `DET-1` comes to where another process answers differently, with where two of them part."""
     commands = [ending.commands for ending in endings if isinstance(ending, Repetition)]
     parting = None
     if len(commands) == 2 and commands[0] is not None and commands[1] is not None:

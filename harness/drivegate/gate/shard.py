@@ -210,7 +210,7 @@ def _draws_needed(plan: DrawnRuns, drawn: st.SearchStrategy[Scenario], declarati
 
 
 def _scores(margins: Iterable[Margin]) -> dict[str, float]:
-    """Give what the search climbs: by family of checks, such as CNV, the least required margin, upside down.
+    """Return what the search climbs: by family of checks, such as CNV, the least required margin, upside down.
 
     What is nowhere near its limit is left out, or its small changes would be climbed as well.
     """

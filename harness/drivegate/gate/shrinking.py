@@ -168,7 +168,7 @@ class FailedRun:
     """Least margin that the check is reported with."""
 
     def shrinks(self) -> bool:
-        """Tell whether it is worth while to look for a simpler one."""
+        """Return True if it is worth while to look for a simpler one."""
         return self.check != REPEATED and self.run.scenario.get("kind") != "script"
 
     def job(self, effort: str) -> Job[Shrunk | None]:

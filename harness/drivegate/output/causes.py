@@ -24,7 +24,7 @@ class Cause:
     """The failed checks whose counterexample shows it, in the order of the catalogue."""
 
     def __str__(self) -> str:
-        """Tell the cause and its checks in one line."""
+        """State the cause and its checks in one line."""
         return f"{self.words}: in the counterexamples of {', '.join(self.checks)}"
 
 

@@ -23,6 +23,6 @@ def with_compiled_kernels(drives: Iterable[DriveDocument]) -> None:
 
 
 def compiling_in_words(kinds: Iterable[str]) -> str:
-    """Say what is compiled and how long it takes; kinds are compiled at the same time."""
+    """State what is compiled and how long it takes; kinds are compiled at the same time."""
     times = " and ".join(f"about {DRIVE_KINDS[kind].compiling_s} s for {kind} drives" for kind in kinds)
     return f"compiling the kernels, which is done once and takes {times} on 2 processors"

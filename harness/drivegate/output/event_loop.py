@@ -36,7 +36,7 @@ def followed(events: Iterable[Event], display: Display) -> CheckResult | None:
 
 
 def _with_pace(events: Iterable[Event], display: Display, pace: CheckPace) -> Iterator[Event]:
-    """Tell of a check that will take hours, as its events go by."""
+    """Describe a check that will take hours, as its events go by."""
     for event in events:
         if isinstance(event, CheckStarted) and event.plan is not None:
             pace.begin(event.planned_runs, event.plan.workers)
@@ -66,8 +66,8 @@ def _show(event: Event, display: Display) -> None:
         display.phase("running")
     elif isinstance(event, RunDone):
         worst = f"least margin so far {event.worst}" if event.worst else ""
-        told = (worst, display.time_left(event.done, event.planned))
-        display.advance(event.done, event.planned, ", ".join(filter(None, told)), unit="runs")
+        parts = (worst, display.time_left(event.done, event.planned))
+        display.advance(event.done, event.planned, ", ".join(filter(None, parts)), unit="runs")
     elif isinstance(event, Shrinking):
         display.phase("shrinking counterexamples", event.done, event.planned)
     elif isinstance(event, WitnessesHeard):

@@ -13,16 +13,16 @@ _IN_PART = "judged in part only"
 
 def unjudged_in_words(document: Mapping[str, Any]) -> str:
     """List the checks that a fault kept from being judged; nothing where there is none."""
-    told = []
+    parts = []
     for how in (_NOT_JUDGED, _IN_PART):
         names = [str(check["id"]) for check in _unjudged(document) if _how_judged(check) == how]
         if names:
-            told.append(f"{how}: {', '.join(names)}")
-    return "; ".join(told)
+            parts.append(f"{how}: {', '.join(names)}")
+    return "; ".join(parts)
 
 
 def explanations(document: Mapping[str, Any]) -> dict[str, str]:
-    """Tell by check what explains its outcome, where something does."""
+    """Return by check what explains its outcome, where something does."""
     explained: dict[str, str] = {}
     if any(check["counterexample"] is not None for check in document["checks"]):
         # It brings the oracle, which a result without failures does not need.
@@ -37,7 +37,7 @@ def explanations(document: Mapping[str, Any]) -> dict[str, str]:
 
 
 def _first_fault(document: Mapping[str, Any]) -> str:
-    """Tell the first fault, and how many there are beside it."""
+    """State the first fault, and how many there are beside it."""
     (fault, _), *others = distinct_faults(list(document["faults"]))
     more = f" and {counted(len(others), 'more fault')}" if others else ""
     return f"{fault['kind']}: {fault['message']}{more}"
@@ -63,5 +63,5 @@ def distinct_faults(faults: list[dict[str, Any]]) -> list[tuple[dict[str, Any], 
 
 
 def in_runs(count: int) -> str:
-    """Tell how often a fault happened, where it was more than once."""
+    """State how often a fault happened, where it was more than once."""
     return f" in {count} runs" if count > 1 else ""

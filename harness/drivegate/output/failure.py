@@ -52,7 +52,7 @@ class Failure:
         return {"schema": ERROR_SCHEMA, "error": {"message": self.message, "exit_code": int(self.exit_code)}}
 
     def about(self, name: str) -> Failure:
-        """Say first what the failure is about."""
+        """Return the failure with what it is about in front."""
         return replace(self, message=f"{short_line(name)}: {self.message}")
 
 
@@ -78,7 +78,7 @@ def failure_of(error: BaseException) -> Failure:
 
 
 def complain(failure: Failure, error: BaseException | None = None) -> None:
-    """Tell a failure on standard error."""
+    """Print a failure on standard error."""
     shown = error is not None and os.environ.get(DEBUG_VARIABLE) == "1"
     details = "".join(traceback.format_exception(error)) if shown else ""
     try:

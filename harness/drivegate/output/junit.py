@@ -42,7 +42,7 @@ def junit_xml(result: dict[str, Any]) -> bytes:
         case = _case(suite, f"{name}.{check['id'].partition('-')[0]}", check["id"])
         case.set("time", f"{seconds * check['runs'] / judged:.3f}")
         _judge(case, check, counted, explained.get(check["id"], ""))
-        _tell_what_happened(case, result, check)
+        _write_outcome(case, result, check)
     for entry in result["baseline"] or ():
         _compare(_case(suite, name, f"{entry['check']} against the baseline"), entry, counted)
     for number, (fault, count) in enumerate(distinct_faults(result["faults"]), start=1):
@@ -91,7 +91,7 @@ def _judge(
         output.text = one_line(f"{check['level']}, {verdict}: {message}")
 
 
-def _tell_what_happened(case: ElementTree.Element, result: dict[str, Any], check: dict[str, Any]) -> None:
+def _write_outcome(case: ElementTree.Element, result: dict[str, Any], check: dict[str, Any]) -> None:
     """Add the account of the counterexample to a failure."""
     failure = case.find("failure")
     if failure is None or check["counterexample"] is None:

@@ -8,7 +8,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
-def legend_beside(axes: Axes) -> None:
+def side_legend(axes: Axes) -> None:
     """Put the legend to the right of a panel; to be used where the layout is constrained."""
     axes.legend(
         loc="upper left", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.0, frameon=False, fontsize="small"

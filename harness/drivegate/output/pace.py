@@ -24,7 +24,7 @@ class CheckPace:
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock
         self._pace = Pace()
-        self._told = False
+        self._reported = False
         self._shared_runs: float | None = None
 
     def begin(self, planned: int, workers: int) -> None:
@@ -32,29 +32,29 @@ class CheckPace:
         self._shared_runs = planned / workers
 
     def slow_in_words(self, done: int, planned: int) -> str:
-        """Tell once how long the rest takes, where it is long; otherwise nothing."""
+        """State once how long the rest takes, where it is long; otherwise nothing."""
         # Compiling and starting say nothing about how fast runs are made, and are over at the first look.
         run_seconds = self._pace.seconds_each(done, self._clock(), CHECK_KNOWN_AFTER)
-        if self._told or run_seconds is None:
+        if self._reported or run_seconds is None:
             return ""
         left = (planned - done) * run_seconds
         if left < LONG_CHECK:
             return ""
-        self._told = True
+        self._reported = True
         return f"at this pace this check takes about {duration_in_words(left)} more; {_SHORTER}"
 
     def slow_run_in_words(self, run: SlowRun) -> str:
         """Project the whole check from its first slow run."""
         words = slow_in_words(run)
-        if self._shared_runs is None or self._told or run.seconds > run.allowed_seconds:
+        if self._shared_runs is None or self._reported or run.seconds > run.allowed_seconds:
             return words
-        self._told = True
+        self._reported = True
         whole = duration_in_words(self._shared_runs * run.seconds)
         return f"{words}, and this check about {whole}; {_SHORTER}"
 
 
 def slow_in_words(run: SlowRun) -> str:
-    """Tell how long a run takes at its pace, and what will become of it."""
+    """State how long a run takes at its pace, and what will become of it."""
     words = (
         f"at this pace this run takes about {duration_in_words(run.seconds)}: {run.steps} steps of "
         f"{run.step_seconds:.2g} s each"
@@ -64,6 +64,6 @@ def slow_in_words(run: SlowRun) -> str:
     return words
 
 
-def tell_slow(run: SlowRun) -> None:
-    """Tell of a slow run on standard error."""
+def report_slow(run: SlowRun) -> None:
+    """Report a slow run on standard error."""
     write_to(sys.stderr, f"{slow_in_words(run)}\n")

@@ -48,13 +48,13 @@ class Display:
         self._print(f"{counted}, {words}" if words else counted, done, total, always=always)
 
     def time_left(self, done: int, total: int) -> str:
-        """Tell how long the rest takes at the rate so far; nothing before there is one."""
+        """State how long the rest takes at the rate so far; nothing before there is one."""
         if not 0 < done < total:
             return ""
         return f"{duration_in_words((time.monotonic() - self._began) * (total - done) / done)} left"
 
     def announce(self, words: str) -> None:
-        """Tell at once, on a line of its own that stays, what is told but once."""
+        """Print at once, on a line of its own that stays."""
 
     def _begin_bar(self, total: int | None, words: str) -> None:
         """Show a new bar."""

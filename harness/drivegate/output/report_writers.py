@@ -48,7 +48,7 @@ class WrittenReports:
     """What was raised where a report could not be written, by its name."""
 
     def problems(self, verb: str = "written") -> list[str]:
-        """Tell each report that could not be written, and why."""
+        """State each report that could not be written, and why."""
         return [
             f"the report '{one_line(name)}' could not be {verb} ({bounded_line(f'{type(error).__name__}: {error}')})"
             for name, error in self.errors.items()

@@ -10,7 +10,7 @@ from drivegate_cases.drive.scales import FACTOR_SYMBOLS
 
 
 def scenario_in_short(scenario: dict[str, Any]) -> str:
-    """Tell a scenario in one line."""
+    """State a scenario in one line."""
     if scenario.get("kind") == "script":
         return f"{scenario['name']}: a script of {len(scenario['rows'])} rows"
     load = scenario["load"]

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from drivegate.contracts.panels import TIME, Panel, panels_for
-from drivegate.output.legend import legend_beside
+from drivegate.output.legend import side_legend
 from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_models.errors import InputError
@@ -121,7 +121,7 @@ def write_plot(
                 )
             axes.set_ylabel(label)
             axes.grid(visible=True, alpha=0.3)
-            legend_beside(axes)
+            side_legend(axes)
         all_axes[-1].set_xlabel("time (s)")
         figure.suptitle(one_line(title))
         kind = plot.suffix.lower().removeprefix(".")

@@ -27,7 +27,7 @@ def scenario_named(result: Mapping[str, Any], name: str, where: str) -> Scenario
 
 
 def _runs(result: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:
-    """Give every run under its name; where two have one name, the fixed scenario wins, then the worst run."""
+    """Return every run under its name; where two have one name, the fixed scenario wins, then the worst run."""
     runs: dict[str, Mapping[str, Any]] = {run["name"]: run["scenario"] for run in result["fixed"]}
     for check in result["checks"]:
         kept = [scenario for scenario in (check["scenario"], check["counterexample"]) if scenario is not None]

@@ -26,7 +26,7 @@ _NOT_HASHED = ("commit", "target", "content_hash")
 
 
 def versions() -> dict[str, Any]:
-    """Tell the versions of everything that a result follows from; equal ones give equal results."""
+    """Return the versions of everything that a result follows from; equal ones give equal results."""
     return {
         "drivegate": __version__,
         "sources": _sources(),
@@ -37,14 +37,14 @@ def versions() -> dict[str, Any]:
 
 
 def provenance() -> dict[str, Any]:
-    """Tell the versions of what computes a result, and where that is, on which the result does not depend."""
+    """Return the versions of what computes a result, and where that is, on which the result does not depend."""
     return {**versions(), "commit": _commit(), "target": requested_target()}
 
 
 def hash_of_content(content: Mapping[str, Any]) -> str:
-    """Give a digest of a result: of what was judged, how, by which versions, and what came of it, but not of where."""
-    versions_told = {key: told for key, told in content["provenance"].items() if key not in _NOT_HASHED}
-    hashed = {**content, "provenance": versions_told}
+    """Return a digest of a result: of what was judged, how, by which versions, and the outcome, but not of where."""
+    stated_versions = {key: value for key, value in content["provenance"].items() if key not in _NOT_HASHED}
+    hashed = {**content, "provenance": stated_versions}
     return hashlib.sha256(json.dumps(hashed, sort_keys=True).encode()).hexdigest()
 
 
@@ -62,7 +62,7 @@ def _sources() -> str:
 
 @cache
 def machine() -> dict[str, Any]:
-    """Tell what kind of machine this is, as far as its speed goes."""
+    """Return what kind of machine this is, as far as its speed goes."""
     model = platform.processor()
     with suppress(OSError):
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").splitlines()
@@ -77,7 +77,7 @@ def machine() -> dict[str, Any]:
 
 @cache
 def _commit() -> str | None:
-    """Tell the commit of drivegate's sources."""
+    """State the commit of drivegate's sources."""
     git = shutil.which("git")
     own = Path(__file__).resolve()
     if git is None:

@@ -26,7 +26,7 @@ STALE_WAIVERS: Final = ("waiver expired", "unexpectedly passes")
 
 
 def counted_levels(fail_on: str | None) -> tuple[str, ...]:
-    """Give the levels of checks whose failure fails a candidate; earlier results do not say, and mean required ones."""
+    """Return the levels of checks whose failure fails a candidate; earlier results state none, which means required."""
     return ("required", "advisory") if fail_on == "advisory" else ("required",)
 
 
@@ -228,7 +228,7 @@ class CheckResult:
             "exit_code": self.exit_code,
             "seed": self.seed,
             "effort": self.effort,
-            "judged_by": "own code" if KINDS[candidate.kind].comes_along else "playback",
+            "judged_by": "own code" if KINDS[candidate.kind].is_included else "playback",
             "isolation": None if self.isolation is None else list(self.isolation),
             "fail_on": self.fail_on,
             "contested": self.contested,

@@ -44,7 +44,7 @@ def signed(document: Mapping[str, Any], key: Ed25519PrivateKey) -> dict[str, Any
 
 
 def is_valid(signature: Mapping[str, str], digest: str) -> bool:
-    """Tell whether a signature is that of the key beside it, over a content hash, character by character."""
+    """Return True if a signature is that of the key beside it, over a content hash, character by character."""
     from cryptography.exceptions import InvalidSignature, UnsupportedAlgorithm
     from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PublicKey
     from cryptography.hazmat.primitives.serialization import load_ssh_public_key
@@ -148,7 +148,7 @@ def _is_public(data: bytes) -> bool:
     return b"PUBLIC KEY" in data or data.lstrip().startswith((b"ssh-", b"ecdsa-"))
 
 
-def _loaded(load: Callable[[], object], where: str, wanted: str) -> Any:
+def _loaded(load: Callable[[], object], where: str, required: str) -> Any:
     from cryptography.exceptions import UnsupportedAlgorithm
 
     try:
@@ -159,7 +159,7 @@ def _loaded(load: Callable[[], object], where: str, wanted: str) -> Any:
             "unlock a copy with openssl pkey, or with ssh-keygen -p"
         ) from error
     except (ValueError, UnsupportedAlgorithm) as error:
-        raise InputError(f"{where} does not hold {wanted}") from error
+        raise InputError(f"{where} does not hold {required}") from error
 
 
 def _refuse_kind(key: object, where: str, remedy: str) -> NoReturn:

@@ -46,7 +46,7 @@ def check_outcomes(
 
 
 def machine_dependent(runs: Sequence[JudgedRun]) -> dict[str, dict[str, Any]]:
-    """Give the numbers of the checks that depend on the machine."""
+    """Return the numbers of the checks that depend on the machine."""
     numbers = {}
     for check in all_checks().values():
         items = considered(check.id, runs) if check.volatile else []

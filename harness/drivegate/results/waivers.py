@@ -52,7 +52,7 @@ class Waiver(Section):
     margin: float = Field(lt=0.0, description="margin below which it no longer holds, below 0")
 
     def expired(self, today: date) -> bool:
-        """Tell whether the waiver's last day is over."""
+        """Return True if the waiver's last day is over."""
         return today > self.expires
 
     def as_document(self) -> dict[str, Any]:
@@ -134,7 +134,7 @@ def _holds(waiver: Waiver, margin: float | None) -> bool:
 
 
 def present_day() -> date:
-    """Tell which day it is, in UTC."""
+    """Return which day it is, in UTC."""
     text = os.environ.get(DAY_VARIABLE)
     if text is None:
         return datetime.now(UTC).date()

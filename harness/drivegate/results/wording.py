@@ -29,7 +29,7 @@ def drive_option(document: Mapping[str, Any]) -> str:
 
 
 def runs_in_short(result: dict[str, Any]) -> str:
-    """Tell how many runs a result rests on."""
+    """State how many runs a result rests on."""
     corpus = f", {result['corpus_runs']} of them from the corpus" if result["corpus_runs"] else ""
     focus = result.get("focus") or {}
     only = f"only {', '.join(focus['only'])}, " if focus.get("only") else ""

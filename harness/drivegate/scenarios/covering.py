@@ -66,7 +66,7 @@ IMPOSSIBLE: Final[Mapping[frozenset[tuple[str, str]], str]] = {
 
 
 def is_possible(levels: Sequence[str]) -> bool:
-    """Tell whether a row, or the first levels of one, has no impossible pair."""
+    """Return True if a row, or the first levels of one, has no impossible pair."""
     given = zip(FACTORS, levels, strict=False)
     return not any(frozenset(pair) in IMPOSSIBLE for pair in combinations(given, 2))
 

@@ -121,21 +121,21 @@ class DriveScale:
         return 25.0 * self.settling_s
 
     def speed(self, share: float) -> float:
-        """Give a speed (rpm) by its share of the range from base speed to the highest."""
-        wanted = self.base_speed_rpm + share * (self.highest_loaded_rpm - self.base_speed_rpm)
-        return min(max(self._on_grain(wanted), self.lowest_loaded_rpm), self.highest_loaded_rpm)
+        """Return a speed (rpm) by its share of the range from base speed to the highest."""
+        wished = self.base_speed_rpm + share * (self.highest_loaded_rpm - self.base_speed_rpm)
+        return min(max(self._on_grain(wished), self.lowest_loaded_rpm), self.highest_loaded_rpm)
 
     def speed_beyond(self, share: float) -> float:
-        """Give a speed (rpm) by its share of the range from the highest to overspeed."""
-        wanted = self.highest_loaded_rpm + share * (self.overspeed_rpm - self.highest_loaded_rpm)
-        return min(max(self._on_grain(wanted), self.highest_loaded_rpm), self.overspeed_rpm)
+        """Return a speed (rpm) by its share of the range from the highest to overspeed."""
+        wished = self.highest_loaded_rpm + share * (self.overspeed_rpm - self.highest_loaded_rpm)
+        return min(max(self._on_grain(wished), self.highest_loaded_rpm), self.overspeed_rpm)
 
     def around_base(self, grains: int) -> float:
-        """Give a speed (rpm) so many grains above base speed, or below."""
+        """Return a speed (rpm) so many grains above base speed, or below."""
         return tidy(self.base_speed_rpm + grains * self.speed_grain_rpm)
 
     def units(self, count: float) -> float:
-        """Give a time of so many units (s)."""
+        """Return a time of so many units (s)."""
         return tidy(count * self.time_unit_s)
 
     def _on_grain(self, speed_rpm: float) -> float:
@@ -177,7 +177,7 @@ def scale_of(drive: DriveDocument) -> DriveScale:
 
 
 def _load_ramp(drive: DriveDocument) -> float:
-    """Give the time of a ramp to rated torque that costs a twentieth of base speed (s).
+    """Return the time of a ramp to rated torque that costs a twentieth of base speed (s).
 
     Against a ramp, a proportional-integral regulator is off by the ramp's slope over inertia and both its rates, and
     these are shares of the electrical frequency: beyond, torque ripple would be taken for speed.

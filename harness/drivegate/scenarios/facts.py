@@ -27,14 +27,14 @@ _UNITS: Final = {"torque_nm": "N·m", "power_w": "W"}
 
 
 def facts_of(scenario: Mapping[str, Any]) -> tuple[str, ...]:
-    """Tell what of a scenario, as plain data, is not as in the plain run; one text for each key that differs."""
+    """State what of a scenario, as plain data, is not as in the plain run; one text for each key that differs."""
     if scenario.get("kind") == "script":
         return (f"a script of {len(scenario.get('rows', ()))} rows",)
     return tuple(fact for key in scenario if key not in _TOLD_ELSEWHERE for fact in _facts(key, scenario))
 
 
 def facts_in_short(scenario: Mapping[str, Any]) -> str:
-    """Tell the facts of a scenario in one line."""
+    """State the facts of a scenario in one line."""
     return ", ".join(facts_of(scenario)) or PLAIN_RUN
 
 
@@ -44,7 +44,7 @@ def _facts(key: str, scenario: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _other(key: str, value: Any) -> Iterator[str]:
-    """Tell of a key that has no words of its own; each entry of a list is a fact."""
+    """Describe a key that has no words of its own; each entry of a list is a fact."""
     field = Scenario.model_fields.get(key)
     default = None if field is None else field.get_default(call_default_factory=True)
     if value == default or (not value and not default):
@@ -157,7 +157,7 @@ def _failure(scenario: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _duration(scenario: Mapping[str, Any]) -> Iterator[str]:
-    """Tell of a run that goes on for longer than a whole steady stretch after its last change."""
+    """Describe a run that goes on for longer than a whole steady stretch after its last change."""
     scale = scale_of_mapping(scenario["drive"])
     needed = _last_time(scenario) + scale.load_ramp_s + scale.dwell_s + scale.time_unit_s
     if scenario["duration_s"] > needed:
@@ -165,7 +165,7 @@ def _duration(scenario: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _last_time(scenario: Mapping[str, Any]) -> float:
-    """Give the time at which the last change is over."""
+    """Return the time at which the last change is over."""
     load = scenario["load"]
     profiles = [
         scenario["speed_rpm"],
@@ -181,7 +181,7 @@ def _last_time(scenario: Mapping[str, Any]) -> float:
 
 
 def _course(profile: Sequence[Sequence[float]], unit: str, scale: float = 1.0) -> str:
-    """Tell the values of a profile, and when they change."""
+    """State the values of a profile, and when they change."""
     values = [value for _, value in profile]
     levels = [value for place, value in enumerate(values) if place == 0 or value != values[place - 1]]
     times = dict.fromkeys(f"{before[0]:g}" for before, after in pairwise(profile) if before[1] != after[1])

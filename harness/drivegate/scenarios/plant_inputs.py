@@ -36,7 +36,7 @@ _SIGNALS = {"speed": sensors.SPEED, "currents": sensors.CURRENTS, "supply": sens
 
 
 def plant_load(scenario: Scenario) -> load.Load:
-    """Give a scenario's load as the plant takes it."""
+    """Return a scenario's load as the plant takes it."""
     given = scenario.load
     if isinstance(given, LockedLoad):
         return load.Load(load.LOCKED)
@@ -61,7 +61,7 @@ def plant_load(scenario: Scenario) -> load.Load:
 
 
 def plant_schedule(scenario: Scenario) -> Schedule:
-    """Give what happens in a scenario as the plant takes it."""
+    """Return what happens in a scenario as the plant takes it."""
     load_unit = _PERCENT if isinstance(scenario.load, VehicleLoad) else 1.0
     course = partial(plant_course, scenario)
     return Schedule(
@@ -75,7 +75,7 @@ def plant_schedule(scenario: Scenario) -> Schedule:
 
 
 def plant_course(scenario: Scenario, profile: Profile, unit: float = 1.0) -> Course:
-    """Give one of a scenario's profiles as the plant takes it."""
+    """Return one of a scenario's profiles as the plant takes it."""
     times, values = profile_arrays(profile, scenario.control_period_s)
     return Course(times, values * unit)
 
@@ -103,7 +103,7 @@ def plant_converters(
 
 
 def plant_dropouts(scenario: Scenario) -> NDArray[np.float64]:
-    """Give signal, start and end (s) of every dropout of a scenario, shape (d, 3)."""
+    """Return signal, start and end (s) of every dropout of a scenario, shape (d, 3)."""
     seen = partial(seen_at_s, control_period_s=scenario.control_period_s)
     rows = [(_signal(lost), seen(lost.start_s), seen(lost.end_s)) for lost in scenario.dropouts]
     return np.array(rows, np.float64).reshape(-1, 3)

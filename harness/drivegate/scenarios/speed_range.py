@@ -13,7 +13,7 @@ SpeedRange: TypeAlias = tuple[float, float]
 
 
 def loaded_range(drive: DriveDocument, declared_rpm: SpeedRange | None) -> SpeedRange:
-    """Give the speeds of loaded runs."""
+    """Return the speeds of loaded runs."""
     scale = scale_of(drive)
     lowest, highest = scale.lowest_loaded_rpm, scale.highest_loaded_rpm
     if declared_rpm is None:

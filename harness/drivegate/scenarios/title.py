@@ -124,7 +124,7 @@ def _load(scenario: Scenario) -> list[_Trait]:
 
 
 def _switched(whole: _Trait, factor: Profile) -> list[_Trait]:
-    """Tell shares of a load, except for the rise from nothing to all of it."""
+    """Return shares of a load, except for the rise from nothing to all of it."""
     levels = _levels(factor)
     if not any(levels) or whole.label in ("0Nm", "0W"):
         return [_Trait("unloaded", "unloaded")]
@@ -191,7 +191,7 @@ def _current_errors(scenario: Scenario) -> list[_Trait]:
 
 
 def _beginning(scenario: Scenario) -> list[_Trait]:
-    """Tell how the run begins, how often the controller steps, and when it is restarted."""
+    """Return how the run begins, how often the controller steps, and when it is restarted."""
     traits = []
     usual = scenario.drive.control_period_s or LONGEST_CONTROL_PERIOD_S
     if (period := scenario.control_period_s) != usual:

@@ -1,4 +1,4 @@
-"""The scenarios, operating points, sweeps, drive cycles and drives that come along, as a document."""
+"""The scenarios, operating points, sweeps, drive cycles and drives that are included, as a document."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ SCHEMA: Final = 1
 
 
 def cases_document() -> dict[str, Any]:
-    """List everything that comes along."""
+    """List everything that is included."""
     return {
         "schema": SCHEMA,
         "scenarios": _scenarios(),
@@ -90,7 +90,7 @@ def _drive_cycles() -> list[dict[str, Any]]:
 
 
 def _supply(drive: DriveDocument) -> str:
-    """Give the voltage of a drive's supply; one without a tap is no two halves to its user."""
+    """Return the voltage of a drive's supply; one without a tap is no two halves to its user."""
     half = drive.inverter.supply_voltage_v
     return f"2 × {half:g} V" if drive.has_split_supply else f"{2.0 * half:g} V"
 

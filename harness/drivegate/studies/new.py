@@ -94,7 +94,7 @@ KINDS: Final = MappingProxyType(
 def write_candidate(
     kind: str, name: str, folder: Path, today: date, drive: str | None = None
 ) -> tuple[Path, ...]:
-    """Write a new candidate, for a drive that comes along or a copy of a file of one."""
+    """Write a new candidate, for a drive that is included or a copy of a file of one."""
     if not _NAME.fullmatch(name):
         raise InputError(
             f"the name '{one_line(name)}' must begin with a letter and have letters, digits, '-' and '_' after it, "
@@ -124,8 +124,8 @@ def write_candidate(
         _name_drive(contents, drive, kind)
     try:
         folder.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(prefix=f".{name}-", dir=folder.parent) as beside:
-            made = Path(beside) / name
+        with tempfile.TemporaryDirectory(prefix=f".{name}-", dir=folder.parent) as scratch:
+            made = Path(scratch) / name
             for place, content in contents.items():
                 target = made / place
                 target.parent.mkdir(parents=True, exist_ok=True)
@@ -252,7 +252,7 @@ def drive_to_edit(name: str, start: DriveDocument) -> DriveDocument:
 
 
 def _not_stated(start: DriveDocument) -> dict[str, dict[str, str]]:
-    """Say of each value that nobody has said where it is from, and whose it is until it is changed."""
+    """Return for each value without a known source whose it is until it is changed."""
     values = start.to_mapping()
     return {
         table: {

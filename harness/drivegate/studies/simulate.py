@@ -14,7 +14,7 @@ from drivegate.contracts.catalogue import contract_of
 from drivegate.drives.running import recorded
 from drivegate.output.compiled_kernels import with_compiled_kernels
 from drivegate.output.console import number, plain, table
-from drivegate.output.pace import tell_slow
+from drivegate.output.pace import report_slow
 from drivegate_cases.scenario.scenario import Scenario
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ MOST_ROWS: Final = 1_000_000
 def simulated(candidate: Candidate, scenario: Scenario) -> Record | Fault:
     """Run a candidate through a scenario."""
     with_compiled_kernels([scenario.drive])
-    with Judge(candidate, on_slow=tell_slow) as judge:
+    with Judge(candidate, on_slow=report_slow) as judge:
         return judge.run(Job(run_once, scenario))
 
 

@@ -57,7 +57,7 @@ def verification(file: Path, key: Path | None) -> dict[str, Any]:
 
 
 def _stated_hash(document: dict[str, Any], file: Path) -> str:
-    """Find the content hash of a document that has all that is needed to compute it anew."""
+    """Find the content hash of a document that has all that is needed to compute it again."""
     provenance, faults = document.get("provenance"), document.get("faults")
     stated = provenance.get("content_hash") if isinstance(provenance, dict) else None
     if not isinstance(stated, str):

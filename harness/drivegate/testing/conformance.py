@@ -147,7 +147,7 @@ class Conformance:
             warnings.warn(self._message(outcome), ConformanceWarning, stacklevel=2)
 
     def _message(self, outcome: Mapping[str, Any]) -> str:
-        """Tell a check that is not met: what, by how much, and how to see it again."""
+        """State a check that is not met: what, by how much, and how to see it again."""
         from drivegate.checks.margin import margin_in_words
         from drivegate.output.explanations import explanations
         from drivegate.output.result_file import counterexample_name
@@ -173,7 +173,7 @@ class Conformance:
 
 
 def _faults(document: Mapping[str, Any]) -> str:
-    """Tell the candidate's faults; empty where it has none."""
+    """State the candidate's faults; empty where it has none."""
     from drivegate.output.explanations import distinct_faults, in_runs
 
     lines = []

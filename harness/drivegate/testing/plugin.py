@@ -93,7 +93,7 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 
 @pytest.fixture
 def conformance(request: pytest.FixtureRequest) -> Conformance:
-    """Give one check of the candidate; see `drivegate.conformance_tests`."""
+    """Return one check of the candidate; see `drivegate.conformance_tests`."""
     marker = request.node.get_closest_marker(MARKER)
     if marker is None:
         pytest.fail(

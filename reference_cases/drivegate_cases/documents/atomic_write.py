@@ -19,8 +19,8 @@ def write_atomically(path: str | Path, content: str | bytes) -> None:
     data = content.encode("utf-8") if isinstance(content, str) else content
     try:
         target = Path(path).resolve()
-        beside = target.with_name(f".{secrets.token_hex(12)}.partial")
-        _replace_flushed(beside, target, data)
+        partial = target.with_name(f".{secrets.token_hex(12)}.partial")
+        _replace_flushed(partial, target, data)
     except (*_WRONG_PLACE, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise InputError(
@@ -29,14 +29,14 @@ def write_atomically(path: str | Path, content: str | bytes) -> None:
         ) from error
 
 
-def _replace_flushed(beside: Path, target: Path, data: bytes) -> None:
+def _replace_flushed(partial: Path, target: Path, data: bytes) -> None:
     """Write the file beside its place and rename it, leaving nothing beside on failure."""
     try:
-        _write_flushed(beside, data)
-        beside.replace(target)
+        _write_flushed(partial, data)
+        partial.replace(target)
     except BaseException:
         with contextlib.suppress(OSError):
-            beside.unlink()
+            partial.unlink()
         raise
     _flush_folder(target.parent)
 

@@ -18,12 +18,17 @@ def packaged_names(folder: str) -> tuple[str, ...]:
 
 
 def load_named(
-    name_or_path: str | Path, model: type[DocumentT], folder: str, noun: str, *, beside: Path | None = None
+    name_or_path: str | Path,
+    model: type[DocumentT],
+    folder: str,
+    noun: str,
+    *,
+    relative_to: Path | None = None,
 ) -> DocumentT:
     """Load a document of the package by its name, or any other by its path."""
     if _is_path(name_or_path):
         path = Path(name_or_path)
-        return read_document(path if beside is None else beside / path, model)
+        return read_document(path if relative_to is None else relative_to / path, model)
     name = str(name_or_path)
     known = packaged_names(folder)
     if name not in known:

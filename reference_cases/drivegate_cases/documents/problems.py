@@ -56,7 +56,7 @@ def key_name(path: Location) -> str:
 
 
 def _report_unknown(details: ErrorDetails, path: Location, model: type[BaseModel]) -> str:
-    known = _keys_beside(model, details["loc"])
+    known = _sibling_keys(model, details["loc"])
     closest = nearest(str(path[-1]), known)
     advice = f"the nearest known key is '{closest}'" if closest else "no key is known there"
     return f"the key '{key_name(path)}' is unknown, {advice}"
@@ -177,7 +177,7 @@ def _kinds(model: type[BaseModel]) -> tuple[Any, ...]:
     return get_args(kind.annotation) if kind and get_origin(kind.annotation) is Literal else ()
 
 
-def _keys_beside(model: type[BaseModel], location: Location) -> list[str]:
+def _sibling_keys(model: type[BaseModel], location: Location) -> list[str]:
     """Take the keys that are known in the table where an error's last step stands."""
     _, annotation = list(_walk(model, location))[-1]
     models = [member for member in _members(annotation) if _is_model(member)]

@@ -82,7 +82,7 @@ def _toml_value(text: str) -> Any:
     except tomllib.TOMLDecodeError as error:
         place = re.search(r"\(at line (\d+), column", str(error))
         comma = _decimal_comma(text, int(place[1])) if place else None
-        raise ValueError(comma or _told_of_strings(str(error))) from error
+        raise ValueError(comma or _about_strings(str(error))) from error
 
 
 def _decimal_comma(text: str, line: int) -> str | None:
@@ -93,7 +93,7 @@ def _decimal_comma(text: str, line: int) -> str | None:
     return right and f"in line {line} the number {number} has a decimal comma; write it with a point, {right}"
 
 
-def _told_of_strings(sentence: str) -> str:
+def _about_strings(sentence: str) -> str:
     """Name a string that is not closed, which the parser tells by where it wanted the quotation mark."""
     line = re.search(r"Illegal character '\\n' \(at line (\d+),", sentence)
     if line is not None:

@@ -14,7 +14,7 @@ def significant(value: float, digits: int) -> float:
 
 
 def decimal_exponent(value: float) -> int:
-    """Give the power of ten of a number's first digit, without a logarithm, which differs between processors."""
+    """Return the power of ten of a number's first digit, without a logarithm, which differs between processors."""
     return int(f"{value:.17e}".partition("e")[2])
 
 

@@ -100,7 +100,7 @@ class DriveDocument(Document):
     @model_validator(mode="before")
     @classmethod
     def _keys_stand_in_their_tables(cls, values: Any) -> Any:
-        """Tell where a known key belongs; one that is not known is refused with the nearest."""
+        """Refuse a key outside its table, and state where it belongs; an unknown one is refused with the nearest."""
         if isinstance(values, Mapping):
             tables = cls.table_of_key()
             for place in ("", *cls.tables):
@@ -152,7 +152,7 @@ class DriveDocument(Document):
 
     @classmethod
     def table_of_key(cls) -> Mapping[str, str]:
-        """Give the table of each key; a key stands in one only, so that it may go without its table's name."""
+        """Return the table of each key; a key stands in one only, so that it may go without its table's name."""
         return _table_of_key(cls)
 
     @model_validator(mode="after")
@@ -223,7 +223,7 @@ class DriveDocument(Document):
         return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()
 
     def identity(self) -> dict[str, str]:
-        """Give name, kind and hash, by which results tell what drive they are of."""
+        """Return name, kind and hash, by which results tell what drive they are of."""
         return {"name": self.name, "kind": self.kind, "hash": self.values_hash}
 
     @property
@@ -263,7 +263,7 @@ class DriveDocument(Document):
         return ranges_of_current_fed(self)
 
     def value(self, key: str) -> Any:
-        """Give the value of a key of any table, by its bare name."""
+        """Return the value of a key of any table, by its bare name."""
         return getattr(getattr(self, self.table_of_key()[key]), key)
 
     def replaced(self, **changes: Any) -> Self:

@@ -13,9 +13,9 @@ from drivegate_cases.drive.pm_ac import document  # noqa: F401
 __all__ = ["PM_AC", "SPLIT_SUPPLY", "TABLE_KEYS", "DriveDocument", "drive_names", "load_drive"]
 
 
-def load_drive(name_or_path: str | Path, *, beside: Path | None = None) -> DriveDocument:
+def load_drive(name_or_path: str | Path, *, relative_to: Path | None = None) -> DriveDocument:
     """Load a drive that comes with drivegate, or one from a file."""
-    return load_named(name_or_path, DriveDocument, "drives", "drive", beside=beside)
+    return load_named(name_or_path, DriveDocument, "drives", "drive", relative_to=relative_to)
 
 
 def drive_names(*, but: str = "") -> tuple[str, ...]:

@@ -17,7 +17,7 @@ def _drive_by_name(value: Any, info: ValidationInfo) -> Any:
     if not isinstance(value, str):
         return value
     try:
-        return load_drive(value, beside=(info.context or {}).get("folder"))
+        return load_drive(value, relative_to=(info.context or {}).get("folder"))
     except InputError as error:
         raise ValueError(str(error)) from error
 

@@ -77,13 +77,13 @@ def limits_of(drive: DriveDocument) -> Limits:
 
 
 def speed_tolerance_of(drive: DriveDocument) -> float:
-    """Give the greatest speed error k1 of a drive of any kind (rpm)."""
+    """Return the greatest speed error k1 of a drive of any kind (rpm)."""
     stated = drive.requirements.speed_tolerance_rpm
     return SPEED_TOLERANCE_SHARE * drive.rating.base_speed_rpm if stated is None else stated
 
 
 def settling_of(drive: DriveDocument) -> float:
-    """Give the time in which the controller of a drive of any kind has to settle (s)."""
+    """Return the time in which the controller of a drive of any kind has to settle (s)."""
     stated = drive.requirements.settling_s
     return SETTLING_UNITS * time_unit(drive) if stated is None else stated
 
@@ -101,10 +101,10 @@ def time_unit(drive: DriveDocument) -> float:
     in electrical periods; the slower one rules. A drive that is faster gets no shorter times, since convergence is
     judged by means over 0.1 s, and searches decide no more often.
     """
-    return max(nearest_step(wanted_time_unit(drive), _STEPS_OF_TIME), SHORTEST_TIME_UNIT_S)
+    return max(nearest_step(ideal_time_unit(drive), _STEPS_OF_TIME), SHORTEST_TIME_UNIT_S)
 
 
-def wanted_time_unit(drive: DriveDocument) -> float:
+def ideal_time_unit(drive: DriveDocument) -> float:
     """Return the time that `time_unit` rounds to a step (s)."""
     speed = drive.rating.base_speed_rpm * RADIANS_PER_RPM
     electrical = 2.0 * math.pi / (drive.machine.pole_pairs * speed)
@@ -120,13 +120,13 @@ def mean_time(drive: DriveDocument) -> float:
 
 
 def mechanical_time(drive: DriveDocument) -> float:
-    """Give the time in which rated torque accelerates the shaft to base speed, J·ω/T (s)."""
+    """Return the time in which rated torque accelerates the shaft to base speed, J·ω/T (s)."""
     speed = drive.rating.base_speed_rpm * RADIANS_PER_RPM
     return drive.machine.inertia_kg_m2 * speed * speed / drive.rating.rated_power_w
 
 
 def nearest_step(value: float, steps: tuple[str, ...] = _STEPS) -> float:
-    """Give the nearest of 1, 2, 5 times a power of ten, or of other steps that people read easily; 0 of 0."""
+    """Return the nearest of 1, 2, 5 times a power of ten, or of other steps that people read easily; 0 of 0."""
     if value <= 0.0:
         return 0.0
     exponent = decimal_exponent(value)

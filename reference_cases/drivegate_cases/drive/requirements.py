@@ -25,7 +25,7 @@ LEAST: Final[dict[str, tuple[float, str]]] = {
 
 
 def _from_least(key: str) -> dict[str, Any]:
-    """Tell the JSON Schema the least value, which a validator refuses with its reason."""
+    """Return what a JSON Schema states of the least value, which a validator refuses with its reason."""
     return {"minimum": LEAST[key][0]}
 
 

@@ -38,22 +38,22 @@ class UsualRange:
     """Value that one turn a minute per volt corresponds to, where the quantity's inverse is common; otherwise 0."""
 
     def holds(self, value: float) -> bool:
-        """Tell whether a value is usual; 0 leaves something out, and is no wrong unit."""
+        """Return True if a value is usual; 0 leaves something out, and is no wrong unit."""
         return value == 0.0 or self.lowest <= value <= self.highest
 
     def warning(self, value: float) -> str:
-        """Tell a value that is not usual in one sentence."""
+        """State a value that is not usual in one sentence."""
         names = [name for name, size in self.mistaken if self.holds(value * size)]
         if self.speed_per_volt and self.holds(self.speed_per_volt / value):
             names.append("turns a minute per volt")
         questions = [f"is it in {_either(names[:_MOST_ASKED])}"] if names else []
         if self.power_slips and self.holds(value * _MILLI):
             questions.append("is rated_power_w in kilowatts")
-        asked = f": {', or '.join(questions)}?" if questions else ""
+        question = f": {', or '.join(questions)}?" if questions else ""
         return (
             f"the drive's {self.key} is {value:g}, but usual {self.kind} is {_short(self.lowest)} to "
             f"{_short(self.highest)}; "
-            f"it is expected in {self.unit}{asked}"
+            f"it is expected in {self.unit}{question}"
         )
 
 

@@ -93,14 +93,14 @@ def _conditions(dwell: Dwell) -> list[float]:
 
 
 def dwell_torque(scenario: Scenario, dwell: Dwell) -> float:
-    """Give the torque that the load demands while nothing changes."""
+    """Return the torque that the load demands while nothing changes."""
     if isinstance(scenario.load, LockedLoad) or dwell.load_factor == 0.0 == dwell.speed_rpm:
         return 0.0
     return scenario.load.torque_at(dwell.speed_rpm, dwell.load_factor)
 
 
 def dwell_scales(scenario: Scenario, dwell: Dwell) -> Scales:
-    """Give the plant's parameters while nothing changes."""
+    """Return the plant's parameters while nothing changes."""
     scales = scenario.scales
     return scales.model_copy(
         update={

@@ -10,5 +10,5 @@ Reference: TypeAlias = Literal["speed", "torque"]
 
 
 def reference_of(scenario: Scenario) -> Reference:
-    """Tell what the controller of a scenario is told to follow."""
+    """Return what the controller of a scenario is told to follow."""
     return "torque" if isinstance(scenario.load, DynamometerLoad) else "speed"

@@ -361,7 +361,7 @@ class Scenario(Document):
         return _STEADY if self.drift is None or self.drift.emf_constant is None else self.drift.emf_constant
 
     def nameplate(self) -> Nameplate:
-        """Give what the controller knows of its drive."""
+        """Return what the controller knows of its drive."""
         nameplate = self.drive.nameplate(self.control_period_s)
         if isinstance(self.load, VehicleLoad):
             return nameplate._replace(inertia=nameplate.inertia + self.load.inertia_kg_m2)

@@ -52,6 +52,6 @@ class Script(Document):
         return self
 
     def nameplate(self) -> Nameplate:
-        """Give what the controller knows of its drive."""
+        """Return what the controller knows of its drive."""
         drive: DriveDocument = self.drive
         return drive.nameplate(self.control_period_s)

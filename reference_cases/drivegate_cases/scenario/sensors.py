@@ -308,12 +308,12 @@ def has_edges(sensors: Sensors, drive: DriveDocument) -> bool:
 
 
 def counted_s(sensors: Mcs96Sensors | HallSensors | ShuntSensors, electrical_speed: float) -> float:
-    """Give the time over which edges are counted for the speed (s): the encoder's own, or an electrical cycle."""
+    """Return the time over which edges are counted for the speed (s): the encoder's own, or an electrical cycle."""
     return 2.0 * math.pi / electrical_speed if isinstance(sensors, HallSensors) else sensors.speed_window_s
 
 
 def refusal(sensors: Sensors, drive: DriveDocument) -> str | None:
-    """Tell why a drive cannot have such sensors, if so.
+    """State why a drive cannot have such sensors, if so.
 
     Three switches tell the angle of any rotor to 60 degrees, which is where the windows of three phases open and close,
     whether they are connected in a star or not; those of any other number of phases lie between the edges.

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from drivegate.studies.campaign.display import interval_text, probability_text, share_text, told_margins
+from drivegate.studies.campaign.display import interval_text, probability_text, share_text, shown_margins
 from drivegate.studies.campaign.summary import KIND, SCHEMA
 from drivegate_cases.documents.wording import counted
 from drivegate_reports.campaign import distributions
@@ -144,7 +144,7 @@ def _candidate(
 
 
 def _check_row(check: Row, shares: Sequence[float]) -> ShareRow:
-    least, of_few, median = map(_number, told_margins(shares, check))
+    least, of_few, median = map(_number, shown_margins(shares, check))
     advised = check["advisory_runs"]
     level = clean(check["level"])
     if advised:

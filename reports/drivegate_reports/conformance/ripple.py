@@ -1,4 +1,4 @@
-"""The torque that a check of the ideal regulator's ripple looks at, computed anew from what was recorded of the run."""
+"""The torque that a check of the ideal regulator's ripple looks at, computed again from the recorded run."""
 
 from __future__ import annotations
 

@@ -55,7 +55,7 @@ class PowerPoint:
 
 
 def ripple_percent(point: TorquePoint) -> float:
-    """Give the torque ripple of a steady state, peak to peak over mean (%)."""
+    """Return the torque ripple of a steady state, peak to peak over mean (%)."""
     return 100.0 * (point.torque_highest - point.torque_lowest) / point.torque
 
 

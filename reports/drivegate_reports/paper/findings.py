@@ -44,7 +44,7 @@ class RecomputedFinding:
 
 @cache
 def recomputed_findings(*, of_paper_drive_only: bool = False) -> tuple[RecomputedFinding, ...]:
-    """Compute the numbers of every finding anew, or of those only that need no other drive than the paper's."""
+    """Compute the numbers of every finding again, or of those only that need no other drive than the paper's."""
     # Those of stars compile a second plant, which takes longer than all others together.
     numbers = _NUMBERS if of_paper_drive_only else {**_NUMBERS, **CONVENTIONAL_NUMBERS}
     return tuple(

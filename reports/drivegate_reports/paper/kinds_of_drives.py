@@ -119,7 +119,7 @@ def _of_all_copper(three: DriveDocument, emf_factor: float) -> DriveDocument:
 
 
 def _fundamental() -> float:
-    """Give the fundamental of the EMF of the paper's drive over its height: 4 sin r / (pi r), with ramps of r."""
+    """Return the fundamental of the EMF of the paper's drive over its height: 4 sin r / (pi r), with ramps of r."""
     flat = reference_drive().machine.emf_flat_deg
     assert flat is not None, "the paper's drive has a trapezoidal EMF"
     ramp = radians(0.5 * (180.0 - flat))
@@ -170,7 +170,7 @@ def _of_duty_ratios(name: str, document: DriveDocument) -> KindOfDrive:
 
 @cache
 def common_power_w() -> float:
-    """Give the power at which the drives are compared: rated power of the one of three phases, the smallest (W)."""
+    """Return the power at which the drives are compared: rated power of the one of three phases, the smallest (W)."""
     return load_drive("pm-ac-surface").rating.rated_power_w
 
 
@@ -197,7 +197,7 @@ def range_in_words(drive: KindOfDrive, power_w: float) -> str:
 
 
 def numbers_of_kinds() -> list[tuple[str, str]]:
-    """Tell every drive's losses and ranges, as the numbers of a finding."""
+    """Return every drive's losses and ranges, as the numbers of a finding."""
     power, rated, speed = common_power_w(), reference_drive().rating.rated_power_w, HIGHEST_PUBLISHED_RPM
     rows: list[tuple[str, str]] = []
     for drive in kinds_of_drives():

@@ -40,7 +40,7 @@ def test_the_paper_drive_has_the_published_values() -> None:
 def test_a_drive_is_loaded_from_a_file(tmp_path: Path) -> None:
     path = tmp_path / "mine.json"
     path.write_text(PAPER.replaced(name="mine").to_json())
-    assert load_drive(str(path)) == load_drive("mine.json", beside=tmp_path)
+    assert load_drive(str(path)) == load_drive("mine.json", relative_to=tmp_path)
     assert load_drive(path).name == "mine"
 
 

@@ -3,7 +3,7 @@
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from drivegate.output.legend import legend_beside
+from drivegate.output.legend import side_legend
 
 
 def test_the_legend_hides_no_trace():
@@ -11,7 +11,7 @@ def test_the_legend_hides_no_trace():
     FigureCanvasAgg(figure)
     axes = figure.subplots()
     axes.plot([0.0, 1.0], [0.0, 1.0], label="a trace")
-    legend_beside(axes)
+    side_legend(axes)
     figure.draw_without_rendering()
     panel, legend = axes.get_window_extent(), axes.get_legend().get_window_extent()
     assert legend.x0 >= panel.x1, "the legend lies on the panel"

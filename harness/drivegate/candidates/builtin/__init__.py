@@ -1,1 +1,1 @@
-"""Controllers that come along, correct and faulty."""
+"""Controllers that are included, correct and faulty."""

@@ -57,5 +57,5 @@ _PREFIXED: Final = re.compile(f"({FAULTY_PREFIX}|{DESIGN_PREFIX}|{NEAR_PREFIX})[
 
 
 def is_builtin_name(text: str) -> bool:
-    """Tell whether a text has the form of the name of a candidate that comes with drivegate, and of nothing else."""
+    """Return True if a text has the form of the name of a candidate that comes with drivegate, and of nothing else."""
     return text in BUILTIN_CANDIDATES or text in DUTY_CANDIDATES or _PREFIXED.fullmatch(text) is not None

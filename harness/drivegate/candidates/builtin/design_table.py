@@ -26,7 +26,7 @@ _BEYOND_OVERSPEED: Final = 1.05
 
 @lru_cache(maxsize=_KEPT)
 def table_of(drive: DriveDocument) -> AngleTable:
-    """Give the table of a drive: the one that comes along, or one that is computed, in a second or two."""
+    """Return the table of a drive: the one that is included, or one that is computed, in a second or two."""
     packaged = load_drive(DRIVE)
     if _per_unit(drive) == _per_unit(packaged):
         return _in_units(drive, packaged)
@@ -37,7 +37,7 @@ def table_of(drive: DriveDocument) -> AngleTable:
 
 
 def _per_unit(drive: DriveDocument) -> tuple[Any, ...]:
-    """Give what the table of a drive follows from, in shares of its base values."""
+    """Return what the table of a drive follows from, in shares of its base values."""
     machine, inverter, rating = drive.machine, drive.inverter, drive.rating
     volts, amperes = inverter.supply_voltage_v, rating.current_limit_a
     speed = rating.base_speed_rpm
@@ -58,7 +58,7 @@ def _per_unit(drive: DriveDocument) -> tuple[Any, ...]:
 
 
 def _in_units(drive: DriveDocument, packaged: DriveDocument) -> AngleTable:
-    """Give the table that comes along, in the units of a drive that is alike."""
+    """Return the table that is included, in the units of a drive that is alike."""
     faster = drive.rating.base_speed_rpm / packaged.rating.base_speed_rpm
     larger = drive.rating.current_limit_a / packaged.rating.current_limit_a
     return AngleTable(

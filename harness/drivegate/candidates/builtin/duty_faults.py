@@ -26,7 +26,7 @@ class DutyFault:
     """Check that must catch it."""
     sentence: str
     """What the controller does wrong."""
-    told: Callable[[DutyNameplate], DutyNameplate] | None = None
+    believes: Callable[[DutyNameplate], DutyNameplate] | None = None
     """From a nameplate to the one that the controller is given."""
     alter: Callable[[Any], None] | None = None
     """Changes the record of the state, just reset."""
@@ -40,22 +40,22 @@ class DutyFault:
     @property
     def kind(self) -> str:
         """What kind of fault it is; the self-test counts by kind."""
-        if self.told is not None:
+        if self.believes is not None:
             return "Wrong numbers of the drive"
         return "Regulation" if self.alter is not None else "Senses and answers"
 
     def check_on(self, plate: DutyNameplate) -> str:
-        """Tell which check must catch it on a drive."""
+        """State which check must catch it on a drive."""
         ratio = plate.quadrature_inductance / plate.direct_inductance
         return (
             self.check if self.less_salient is None or ratio > self.less_salient[0] else self.less_salient[1]
         )
 
     def idles_on(self, plate: DutyNameplate) -> bool:
-        """Tell whether a controller that is told something wrong is told nothing but the truth."""
+        """Return True if a controller that is told something wrong is told nothing but the truth."""
         # A drive without dead time is also run with some, which the controller is told then.
         blanked = plate._replace(dead_time=plate.dead_time or plate.control_period)
-        return self.told is not None and self.told(blanked) == blanked
+        return self.believes is not None and self.believes(blanked) == blanked
 
 
 def _scaled(factor: float, *fields: str) -> Callable[[Any], None]:
@@ -100,27 +100,27 @@ DUTY_FAULTS: Final = {
     "wrong-pole-pairs": DutyFault(
         "ACC-1",
         "Counts one pole pair too many.",
-        told=lambda plate: plate._replace(pole_pairs=plate.pole_pairs + 1),
+        believes=lambda plate: plate._replace(pole_pairs=plate.pole_pairs + 1),
     ),
     "generous-current-limit": DutyFault(
         "OVC-1",
         "Takes a current limit that is 40 % too high.",
-        told=lambda plate: plate._replace(current_limit=1.4 * plate.current_limit),
+        believes=lambda plate: plate._replace(current_limit=1.4 * plate.current_limit),
     ),
     "lenient-current-limit": DutyFault(
         "OVC-2",
         "Takes a current limit that is 10 % too high.",
-        told=lambda plate: plate._replace(current_limit=1.1 * plate.current_limit),
+        believes=lambda plate: plate._replace(current_limit=1.1 * plate.current_limit),
     ),
     "weak-magnets-assumed": DutyFault(
         "ACC-1",
         "Converts torque to current with 80 % of the magnet's flux.",
-        told=lambda plate: plate._replace(magnet_flux=0.8 * plate.magnet_flux),
+        believes=lambda plate: plate._replace(magnet_flux=0.8 * plate.magnet_flux),
     ),
     "saliency-ignored": DutyFault(
         "MTP-1",
         "Takes the inductance of the magnet's axis for both axes.",
-        told=lambda plate: plate._replace(quadrature_inductance=plate.direct_inductance),
+        believes=lambda plate: plate._replace(quadrature_inductance=plate.direct_inductance),
         less_salient=(_LITTLE_SALIENCY, "FWK-2"),
     ),
     "no-speed-integral": DutyFault(
@@ -181,7 +181,7 @@ DUTY_FAULTS: Final = {
     "swapped-axes": DutyFault(
         "MTP-1",
         "Takes the inductances of the two axes for each other, and strengthens the field for reluctance torque.",
-        told=lambda plate: plate._replace(
+        believes=lambda plate: plate._replace(
             direct_inductance=plate.quadrature_inductance, quadrature_inductance=plate.direct_inductance
         ),
         less_salient=(_LITTLE_SALIENCY, "FWK-2"),
@@ -197,23 +197,23 @@ DUTY_FAULTS: Final = {
     "shy-current-limit": DutyFault(
         "FWK-1",
         "Takes a current limit that is 30 % too low.",
-        told=lambda plate: plate._replace(current_limit=0.7 * plate.current_limit),
+        believes=lambda plate: plate._replace(current_limit=0.7 * plate.current_limit),
     ),
     "strong-magnets-assumed": DutyFault(
         "FWK-2",
         "Counts on 30 % more of the magnet's flux, and weakens where the voltage is free.",
-        told=lambda plate: plate._replace(magnet_flux=1.3 * plate.magnet_flux),
+        believes=lambda plate: plate._replace(magnet_flux=1.3 * plate.magnet_flux),
         less_salient=(1.0, "ACC-1"),
     ),
     "resistance-overestimated": DutyFault(
         "FWK-1",
         "Takes five times the resistance, and leaves voltage unused for it.",
-        told=lambda plate: plate._replace(resistance=5.0 * plate.resistance),
+        believes=lambda plate: plate._replace(resistance=5.0 * plate.resistance),
     ),
     "direct-inductance-doubled": DutyFault(
         "ACC-1",
         "Takes twice the inductance of the magnet's axis.",
-        told=lambda plate: plate._replace(direct_inductance=2.0 * plate.direct_inductance),
+        believes=lambda plate: plate._replace(direct_inductance=2.0 * plate.direct_inductance),
     ),
     "slow-torque": DutyFault(
         "ACC-1",
@@ -248,7 +248,7 @@ DUTY_FAULTS: Final = {
     "dead-time-times-ten": DutyFault(
         "DTM-1",
         "Makes up for ten times the dead time.",
-        told=lambda plate: plate._replace(dead_time=10.0 * plate.dead_time),
+        believes=lambda plate: plate._replace(dead_time=10.0 * plate.dead_time),
     ),
     "small-current-offset": DutyFault(
         "RIP-4",

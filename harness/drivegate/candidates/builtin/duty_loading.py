@@ -32,8 +32,8 @@ class DutyController(CompiledController):
         """Write the constants and forget everything else; a nameplate of another contract is refused."""
         require_nameplate_of("duty", nameplate)
         fault = self._fault
-        told = nameplate if fault is None or fault.told is None else fault.told(nameplate)
-        reset_function()(self._state, duty_nameplate_record(told))
+        believed = nameplate if fault is None or fault.believes is None else fault.believes(nameplate)
+        reset_function()(self._state, duty_nameplate_record(believed))
         if fault is not None and fault.alter is not None:
             fault.alter(self._state)
 

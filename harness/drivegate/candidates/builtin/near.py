@@ -47,7 +47,7 @@ _ALL: Final = of_kind(
         "advances-from-540-rpm",
         "Begins the advance at {begins}, where rated power is required from about {required}.",
         constants=(("advance_begins", _BEGINS),),
-        told=(("begins", _BEGINS), ("required", _ABOVE_BASE)),
+        numbers=(("begins", _BEGINS), ("required", _ABOVE_BASE)),
     ),
     Mutation(
         "gain-doubled",

@@ -175,16 +175,16 @@ def _variables(model: Any) -> Iterator[Variable]:
 
 
 def _required(ports: Ports, version: int) -> str:
-    """Tell which variables a controller has."""
+    """State which variables a controller has."""
     real = REAL[version]
     needs = f"{real} input{'s' if len(ports.inputs) > 1 else ''} {', '.join(ports.inputs)}"
-    gives = f"{real} outputs {' and '.join((*(_elements(name) for name in ports.arrays), *ports.outputs))}"
+    answers = f"{real} outputs {' and '.join((*(_elements(name) for name in ports.arrays), *ports.outputs))}"
     may_take = " and ".join((", ".join(ports.more_inputs), *map(_elements, ports.input_arrays)))
-    may_give = ", ".join((*(_elements(name) for name in ports.more_arrays), *ports.more_outputs))
+    may_answer = ", ".join((*(_elements(name) for name in ports.more_arrays), *ports.more_outputs))
     plural = "s" if ports.more_arrays or len(ports.more_outputs) > 1 else ""
     return (
-        f"a controller has the {needs} and the {gives}, and may have the inputs {may_take}, the output{plural} "
-        f"{may_give} and parameters named like the nameplate's fields"
+        f"a controller has the {needs} and the {answers}, and may have the inputs {may_take}, the output{plural} "
+        f"{may_answer} and parameters named like the nameplate's fields"
     )
 
 

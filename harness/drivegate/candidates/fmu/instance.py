@@ -130,7 +130,7 @@ class FmuInstance(ABC):
 
     @abstractmethod
     def _freeing_function(self) -> Callable[[int], None]:
-        """Give the function that frees an instance."""
+        """Return the function that frees an instance."""
 
     @abstractmethod
     def _bind(self, component: int) -> None:
@@ -162,7 +162,7 @@ class FmuInstance(ABC):
 
 
 def block_of(references: ctypes.Array[ctypes.c_uint32]) -> tuple[int, int]:
-    """Tell where value references are, and how many."""
+    """Return where value references are, and how many."""
     return ctypes.addressof(references), len(references)
 
 

@@ -76,7 +76,7 @@ class UnpackedFmu:
                     "platform, with all that it needs"
                 ) from error
 
-    def give_way(self, instance: FmuInstance) -> None:
+    def make_room(self, instance: FmuInstance) -> None:
         """Make room for an instance of an FMU that can have only one in a process."""
         if not self.description.only_once:
             return
@@ -109,7 +109,7 @@ class FmuController(PythonController):
         super().__init__(self._fmu)
 
     def reset(self, nameplate: AnyNameplate) -> None:
-        """Instantiate the FMU anew before a run."""
+        """Instantiate the FMU again before a run."""
         connections = self._unpacked.description.connections
         require_nameplate_of(connections.contract, nameplate)
         phases = getattr(nameplate, "phases", LEGS)
@@ -119,7 +119,7 @@ class FmuController(PythonController):
                     f"{shown_path(self._unpacked.file)} takes {count} {name.replace('_', ' ')}, but the motor has "
                     f"{phases} phases; export it for that many, or without {name}"
                 )
-        self._unpacked.give_way(self._fmu)
+        self._unpacked.make_room(self._fmu)
         super().reset(nameplate)
 
 

@@ -40,7 +40,7 @@ class Bounds:
     """Size of each file that it writes."""
 
     def in_words(self) -> str:
-        """Tell the bounds."""
+        """State the bounds."""
         memory, file = self.memory_bytes / 2**30, self.file_bytes / 2**20
         return f"{self.seconds:g} s, {memory:g} GiB of memory and files of {file:g} MiB"
 

@@ -98,7 +98,7 @@ def _loaded(library: Path, name: str) -> tuple[Any, ContractName]:
 
 
 def _contract_of(functions: Any, name: str) -> ContractName:
-    """Tell which of the two steps a library exports; one with neither is taken for a controller of currents."""
+    """Return which of the two steps a library exports; one with neither is taken for a controller of currents."""
     if not hasattr(functions, STEPS["duty"]):
         return "current"
     if hasattr(functions, STEPS["current"]):

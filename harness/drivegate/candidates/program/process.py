@@ -113,7 +113,7 @@ class ProgramProcess:
         raise WrongAnswer("the program wrote a line that was not requested")
 
     def _raise_ended(self, otherwise: str, before: bytes) -> None:
-        """Tell how the program ended; one that only closed its streams goes on for some time, or for ever."""
+        """State how the program ended; one that only closed its streams goes on for some time, or for ever."""
         where = " in the middle of a line" if before else ""
         try:
             status = self._process.wait(_PATIENCE)

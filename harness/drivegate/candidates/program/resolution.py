@@ -80,9 +80,9 @@ def _program(words: Sequence[str], folder: Path, where: str, step_deadline: floa
     if "/" not in word:
         found = shutil.which(word)
         if found is None:
-            beside = "" if not (folder / word).is_file() else f", or ./{one_line(word)} for the file there"
+            hint = "" if not (folder / word).is_file() else f", or ./{one_line(word)} for the file there"
             raise InputError(
-                f"{where} starts '{one_line(word)}', which is no program in PATH; name an installed program{beside}"
+                f"{where} starts '{one_line(word)}', which is no program in PATH; name an installed program{hint}"
             )
         return Program(Path(found).absolute(), tuple(words), step_deadline)
     file = folder / word

@@ -78,7 +78,7 @@ class BridgedSteps(ABC):
             return
 
     def not_a_command(self, answer: object) -> Exception:
-        """Tell what is wrong with an answer that is no command of this contract."""
+        """Return what is wrong with an answer that is no command of this contract."""
         for other, found in _CONTRACTS.items():
             if other != self.contract and isinstance(answer, found.command):
                 return OtherContract(other_contract(other, self.contract))

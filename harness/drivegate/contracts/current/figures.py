@@ -57,14 +57,14 @@ _FAR_BEYOND: Final = 50.0
 
 
 def clamped_in_words(scenario: Scenario, run: ClosedLoopRun) -> list[str]:
-    """Tell the extremes of commands that were clamped before they reached the plant."""
+    """State the extremes of commands that were clamped before they reached the plant."""
     observed, limit = run.observed, scenario.drive.rating.current_limit_a
     words = []
     if observed.angle_highest > LARGEST_ANGLE:
         angle = observed.angle_highest
         wrong = _LEAST_IN_DEGREES <= angle <= _MOST_IN_DEGREES
-        asked = f"{angle:.4g} rad: degrees?" if wrong else f"{angle:.4g} rad ({degrees(angle):.4g}°)"
-        words.append(f"advance angle clamped to 90°: up to {asked}")
+        angle_text = f"{angle:.4g} rad: degrees?" if wrong else f"{angle:.4g} rad ({degrees(angle):.4g}°)"
+        words.append(f"advance angle clamped to 90°: up to {angle_text}")
     if observed.angle_lowest < 0.0:
         angle = observed.angle_lowest
         words.append(f"advance angle clamped to 0: down to {angle:.4g} rad ({degrees(angle):.4g}°)")

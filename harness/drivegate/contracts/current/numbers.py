@@ -42,7 +42,7 @@ def numbers(drive: DriveDocument) -> dict[str, str]:
 
 
 def sensors_of(drive: DriveDocument) -> str:
-    """Say what sensors a drive has."""
+    """State what sensors a drive has."""
     return _SENSORS[real_sensors(drive).kind]
 
 

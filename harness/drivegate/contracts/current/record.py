@@ -99,7 +99,7 @@ class CurrentRecord(Record):
 
 
 def rated_torque(scenario: Scenario, speed: float) -> float:
-    """Give the torque of the drive's rated power at a speed."""
+    """Return the torque of the drive's rated power at a speed."""
     return scenario.drive.rating.rated_power_w / speed
 
 

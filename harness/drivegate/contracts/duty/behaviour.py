@@ -76,7 +76,7 @@ def _step(record: DutyRecord) -> dict[str, Any] | None:
 
 
 def _path(record: DutyRecord) -> dict[str, Any]:
-    """Give the currents of the rotor frame through a run: densest where they move fastest."""
+    """Return the currents of the rotor frame through a run: densest where they move fastest."""
     direct, quadrature = (record.run.column(name) for name in ("direct", "quadrature"))
     steps = np.diff(direct, prepend=direct[0]), np.diff(quadrature, prepend=quadrature[0])
     # Roots and products are rounded alike everywhere, as hypot is not.
@@ -95,8 +95,8 @@ def _points(record: DutyRecord) -> Iterator[dict[str, Any]]:
     base, rated = record.document.rating.base_speed_rpm, record.limits.rated_torque_nm
     for window in efficiency_windows(record):
         own, least = losses(record, window)
-        wanted = window.dwell.speed_rpm / base, (window.torque_reference or 0.0) / rated
-        speed, torque = min(EFFICIENCY_POINTS, key=lambda point: _distance(point, wanted))
+        required = window.dwell.speed_rpm / base, (window.torque_reference or 0.0) / rated
+        speed, torque = min(EFFICIENCY_POINTS, key=lambda point: _distance(point, required))
         reached = efficiency(own, window.speed)
         known = isfinite(least.loss) and least.loss > 0.0
         yield {

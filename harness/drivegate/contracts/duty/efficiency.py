@@ -39,12 +39,12 @@ def efficiency_map(drive: PmAcDocument) -> dict[str, Any]:
 
 
 def known(value: float) -> float | None:
-    """Give a number of the oracle, or None for what is out of reach."""
+    """Return a number of the oracle, or None for what is out of reach."""
     return value if isfinite(value) else None
 
 
 def efficiency(state: SteadyState, speed: float) -> float | None:
-    """Give the mechanical power over that and the losses (%); None where no power is given to the shaft."""
+    """Return the mechanical power over that and the losses (%); None where no power is given to the shaft."""
     power = state.torque * speed
     return 100.0 * power / (power + state.loss) if power > 0.0 else None
 
@@ -56,7 +56,7 @@ def _efficiency(plant: PmAcDrive, limits: Limits, speed: float, torque: float) -
 
 
 def known_map(charted: Mapping[str, Any]) -> tuple[Rows, Rows, Rows]:
-    """Give speed, torque and efficiency of a map at the speeds where there is any torque; empty for fewer than two."""
+    """Return speed, torque and efficiency of a map at the speeds that have any torque; empty for fewer than two."""
     rows = zip(charted["speed_rpm"], charted["torque_nm"], charted["efficiency_percent"], strict=True)
     known = [row for row in rows if None not in (*row[1], *row[2])]
     if len(known) < 2:

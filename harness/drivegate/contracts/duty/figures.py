@@ -24,7 +24,7 @@ def signals(run: DutyClosedLoopRun) -> dict[str, NDArray[Any]]:
 
 
 def observe(finished: Record) -> dict[str, float]:
-    """Give what is observed of a run, without what it has no steady state for."""
+    """Return what is observed of a run, without what it has no steady state for."""
     record = duty_record(finished)
     run, duration = record.run, record.scenario.duration_s
     observed = {
@@ -101,7 +101,7 @@ def _windows(record: DutyRecord) -> list[Row]:
 
 
 def _clipped_in_words(run: DutyClosedLoopRun) -> list[str]:
-    """Tell the extremes of duty ratios that no bridge can make."""
+    """State the extremes of duty ratios that no bridge can make."""
     ratios = np.stack([run.commands[name] for name in DUTY_RATIOS])
     lowest, highest = float(ratios.min()), float(ratios.max())
     words = []

@@ -73,7 +73,7 @@ def _integrals(
 def _parts(
     half: NDArray[np.float64], cosine: NDArray[np.float64], sine: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Give ``sin x / x`` and ``(sin x - x cos x) / x**2``, by their series where that cancels."""
+    """Return ``sin x / x`` and ``(sin x - x cos x) / x**2``, by their series where that cancels."""
     small = half < _SMALL
     safe = np.where(small, 1.0, half)
     square = half * half
@@ -83,11 +83,11 @@ def _parts(
 
 
 def _phasors(angles: NDArray[np.float64]) -> _Phasors:
-    """Give cosines and sines by operations that every processor rounds alike."""
+    """Return cosines and sines by operations that every processor rounds alike."""
     pairs = np.array([cosine_sine(angle) for angle in angles.tolist()])
     return pairs[:, 0], pairs[:, 1]
 
 
 def _turned(phasors: _Phasors, step: _Phasors) -> _Phasors:
-    """Turn phasors by angles, which costs less than finding them anew."""
+    """Turn phasors by angles, which costs less than finding them again."""
     return phasors[0] * step[0] - phasors[1] * step[1], phasors[1] * step[0] + phasors[0] * step[1]

@@ -24,7 +24,7 @@ _MOST_PERIODS: Final = 200
 
 
 def steady_points(record: DutyRecord) -> list[Row]:
-    """Tell the steady states of a run whose reference is a torque, or a speed under a constant load."""
+    """Return the steady states of a run whose reference is a torque, or a speed under a constant load."""
     return [_steady_point(record, window) for window in record.steady]
 
 
@@ -34,7 +34,7 @@ def _steady_point(record: DutyRecord, window: DutyWindow) -> Row:
     least = least_within(plant_of(record), window.speed, window.link, own.torque, "current")
     return {
         "speed_rpm": window.dwell.speed_rpm,
-        **_asked(record, window),
+        **_required(record, window),
         "torque_nm": window.torque,
         "direct_current_a": own.direct,
         "quadrature_current_a": own.quadrature,
@@ -49,8 +49,8 @@ def _steady_point(record: DutyRecord, window: DutyWindow) -> Row:
     }
 
 
-def _asked(record: DutyRecord, window: DutyWindow) -> Row:
-    """Tell the torque that is asked for, of a speed reference the load's, and whether the reference is held."""
+def _required(record: DutyRecord, window: DutyWindow) -> Row:
+    """Return the torque that is asked for, of a speed reference the load's, and whether the reference is held."""
     limits, reference = record.limits, window.torque_reference
     if reference is not None:
         return {
@@ -67,7 +67,7 @@ def _asked(record: DutyRecord, window: DutyWindow) -> Row:
 
 
 def _input_power(record: DutyRecord, window: DutyWindow) -> float:
-    """Give the mean power that the link gives (W)."""
+    """Return the mean power that the link gives (W)."""
     period = record.scenario.control_period_s
     power = record.run.column("input_power")[round(window.start_s / period) : round(window.end_s / period)]
     return exact_mean(power)
@@ -78,7 +78,7 @@ def _above(own: float, least: float) -> float | None:
 
 
 def _swing(record: DutyRecord, window: DutyWindow) -> float:
-    """Give the greatest less the least torque at any instant of a sixth of an electrical period (N·m)."""
+    """Return the greatest less the least torque at any instant of a sixth of an electrical period (N·m)."""
     length = record.scenario.control_period_s
     turning = record.document.machine.pole_pairs * abs(window.speed)
     wanted = ceil(_SIXTH / (turning * length)) if turning > 0.0 else 0
@@ -88,7 +88,7 @@ def _swing(record: DutyRecord, window: DutyWindow) -> float:
 
 
 def step_rows(record: DutyRecord) -> Iterator[Row]:
-    """Tell the steps of the torque reference that the voltage leaves room for."""
+    """Return the steps of the torque reference that the voltage leaves room for."""
     for response in step_responses(record):
         step = response.step
         yield {

@@ -121,7 +121,7 @@ _MEANS = ("speed", "torque", "direct", "quadrature", "link")
 
 
 def exact_mean(values: NDArray[np.float64]) -> float:
-    """Give a mean whose sum is exact, so that no processor's way of adding shows in it."""
+    """Return a mean whose sum is exact, so that no processor's way of adding shows in it."""
     return math.fsum(values.tolist()) / len(values)
 
 

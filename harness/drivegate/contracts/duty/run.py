@@ -62,7 +62,7 @@ class DutyClosedLoopRun:
     """Digest of all commands, bit for bit."""
 
     def column(self, name: str) -> NDArray[np.float64]:
-        """Give one column of the trace, shape (n,)."""
+        """Return one column of the trace, shape (n,)."""
         values: NDArray[np.float64] = self.trace[:, self.columns.index(name)]
         return values
 
@@ -77,7 +77,7 @@ class DutyClosedLoopRun:
 
 
 def duty_nameplate(scenario: Scenario) -> DutyNameplate:
-    """Give what the controller of a scenario knows of its drive and of its reference."""
+    """Return what the controller of a scenario knows of its drive and of its reference."""
     drive = duty_document(scenario.drive)
     torque = isinstance(scenario.load, DynamometerLoad)
     nameplate = drive.duty_nameplate(scenario.control_period_s, torque_reference=torque)
@@ -135,7 +135,7 @@ def run_duty(
 
 
 def _options(scenario: Scenario, sensors: Any) -> dict[str, Any]:
-    """Give what a run is made of besides drive, load and schedule."""
+    """Return what a run is made of besides drive, load and schedule."""
     torque = None
     if isinstance(scenario.load, DynamometerLoad):
         torque = plant_course(scenario, scenario.load.torque_reference_nm)

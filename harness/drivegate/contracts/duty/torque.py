@@ -132,7 +132,7 @@ class _Replay:
         return instants[instants <= self.length]
 
     def _legs_at(self, time: float) -> NDArray[np.int64]:
-        """Tell what each leg does, as commands say it, once dead times are counted as off."""
+        """Return what each leg does, as commands say it, once dead times are counted as off."""
         gates = self.gates
         legs = np.empty(3, np.int64)
         for leg in range(3):

@@ -60,7 +60,7 @@ def _greatest(plant: PmAcDrive, limits: Limits, overspeed_rpm: float) -> list[di
 
 
 def _voltage_limit(plant: PmAcDrive, voltage: float, speed_rpm: float) -> dict[str, Any]:
-    """Give the currents that take a voltage, direction by direction: an ellipse."""
+    """Return the currents that take a voltage, direction by direction: an ellipse."""
     electrical = plant.pole_pairs * speed_rpm * RADIANS_PER_RPM
     along, across = electrical * plant.direct_inductance, electrical * plant.quadrature_inductance
     determinant = plant.resistance * plant.resistance + along * across

@@ -47,7 +47,7 @@ def duty_signals(trace: RecordedTrace) -> DutySignals:
 
 
 def duty_account(signals: DutySignals) -> tuple[str, ...]:
-    """Give an account of a run."""
+    """Return an account of a run."""
     words = titled(signals.scenario).description.rstrip(".")
     last = {name: float(values[-1]) for name, values in signals.columns.items()}
     peak = float(np.max(signals.columns["peak_current_a"]))

@@ -31,7 +31,7 @@ ENERGY_TOLERANCE: Final = 1e-9
 
 
 def run_correctness(scenario: Scenario, run: ClosedLoopRun) -> Correctness:
-    """Tell whether a run came to what it should."""
+    """Compare a run with its expected result."""
     speed = run.observed.speed_final / RADIANS_PER_RPM
     speed_reference = float(scenario.speed_rpm[-1][1])
     residual = run.observed.exchange_error

@@ -102,7 +102,7 @@ def planned(*, quick: bool, cold: bool) -> tuple[Planned, ...]:
 
 
 def run_setting(seconds: float, quick: bool) -> str:
-    """Say what a run in closed loop simulates."""
+    """State what a run in closed loop simulates."""
     return f"{seconds * (0.5 if quick else 1.0):g} s at a control period of 0.5 ms"
 
 

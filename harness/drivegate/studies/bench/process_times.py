@@ -36,7 +36,7 @@ def start_time(bench: Workbench, words: tuple[str, ...], expected: str) -> Value
 
 
 def help_words() -> tuple[str, ...]:
-    """Give the arguments of ``drivegate --help``."""
+    """Return the arguments of ``drivegate --help``."""
     return ("-c", _COMMAND_LINE, "--help")
 
 

@@ -64,7 +64,7 @@ class BenchDocument(Document):
 
 
 def load_now() -> float | None:
-    """Tell how busy the machine is."""
+    """Return how busy the machine is."""
     return os.getloadavg()[0] if hasattr(os, "getloadavg") else None
 
 

@@ -45,7 +45,7 @@ class Workbench:
         return 3 if self.quick else 11
 
     def simulated(self, seconds: float) -> float:
-        """Tell how much time a run simulates."""
+        """Return how much time a run simulates."""
         return 0.5 * seconds if self.quick else seconds
 
     def controller(self, kind: str) -> Controller:

@@ -36,8 +36,8 @@ def show_campaign(console: Console, document: dict[str, Any]) -> None:
             )
     console.print(plain(f"results: {document['output']}"))
     for page in document["pages"]:
-        told = "has the margins of all runs, and the commands that run the worst of them again"
-        console.print(plain(f"next: {page} {told}", "dim"))
+        contents = "has the margins of all runs, and the commands that run the worst of them again"
+        console.print(plain(f"next: {page} {contents}", "dim"))
     hint = _hint(document)
     if hint:
         console.print(plain(f"next: {hint}", "dim"))
@@ -48,7 +48,7 @@ def _rows(document: dict[str, Any], candidate: dict[str, Any]) -> list[dict[str,
     interval = f"{100.0 * document['confidence']:g} % interval"
     rows = []
     for check in candidate["checks"]:
-        margins = zip(_MARGINS, told_margins(document["quantiles"], check), strict=True)
+        margins = zip(_MARGINS, shown_margins(document["quantiles"], check), strict=True)
         worst = check["worst_run"]
         rows.append(
             {"check": check["id"], "level": check["level"], **_counted(check, interval)}
@@ -108,9 +108,9 @@ def share_text(stated: Mapping[str, Any]) -> str:
     return f"{stated['violations']} of {stated['runs']}" if stated["runs"] else "–"
 
 
-def told_margins(
+def shown_margins(
     shares: Sequence[float], check: Mapping[str, Any]
 ) -> tuple[float | None, float | None, float | None]:
-    """Give a check's least margin, that of 5 % of the runs and the median; None where no run had any."""
+    """Return a check's least margin, that of 5 % of the runs and the median; None where no run had any."""
     at = dict(zip(shares, check["margin_quantiles"], strict=False))
     return at.get(0.0), at.get(0.05), at.get(0.5)

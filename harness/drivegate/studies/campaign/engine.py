@@ -65,7 +65,7 @@ def make_runs(
 def require_loadable(plan: CampaignPlan) -> None:
     """Refuse candidates that cannot be used as they are before anything is run."""
     for candidate in plan.candidates:
-        if not KINDS[candidate.kind].comes_along:
+        if not KINDS[candidate.kind].is_included:
             with Judge(candidate) as judge:
                 judge.run(Job(_load, None))
 
@@ -169,9 +169,9 @@ def _require_versions(required: dict[str, Any]) -> None:
         )
 
 
-def _in_words(told: dict[str, Any]) -> str:
-    packages = ", ".join(f"{name} {number}" for name, number in told["packages"].items())
-    head = f"drivegate {told['drivegate']} ({told['sources']}), Python {told['python']} on {told['machine']}"
+def _in_words(used: dict[str, Any]) -> str:
+    packages = ", ".join(f"{name} {number}" for name, number in used["packages"].items())
+    head = f"drivegate {used['drivegate']} ({used['sources']}), Python {used['python']} on {used['machine']}"
     return one_line(f"{head}, {packages}")
 
 

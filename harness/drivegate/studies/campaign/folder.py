@@ -43,11 +43,11 @@ class CampaignFolder(ResumedFolder):
             (self.place / ROWS / name).mkdir(parents=True, exist_ok=True)
 
     def path_of(self, chunk: Chunk) -> Path:
-        """Give the file of some runs."""
+        """Return the file of some runs."""
         return self.place / ROWS / self._names[chunk.candidate] / f"part-{chunk.part:06d}.parquet"
 
     def is_complete(self, chunk: Chunk) -> bool:
-        """Tell whether some runs have been made."""
+        """Return True if some runs have been made."""
         path = self.path_of(chunk)
         if not path.exists():
             return False
@@ -61,7 +61,7 @@ class CampaignFolder(ResumedFolder):
 
 
 def _manifest_of(plan: CampaignPlan) -> dict[str, Any]:
-    """Tell everything that a campaign's results follow from."""
+    """Return everything that a campaign's results follow from."""
     import pyarrow
 
     used = versions()

@@ -106,7 +106,7 @@ class CampaignPlan:
                 yield Chunk(candidate, part, candidate * runs + first, min(length, runs - first))
 
     def run(self, number: int) -> CampaignRun:
-        """Give one run.
+        """Return one run.
 
         Its random numbers depend on the campaign's seed and on its place among the runs of its candidate, so
         that all candidates meet the same drives, and no run depends on another.
@@ -138,8 +138,8 @@ class CampaignPlan:
 
 def planned(campaign: Campaign, folder: Path, drive: DriveDocument | None = None) -> CampaignPlan:
     """Find what a campaign names; a drive that is given takes the place of every case's."""
-    candidates = tuple(resolve_candidate(beside(text, folder)) for text in campaign.candidates)
-    cases = tuple(load_scenario(beside(text, folder)) for text in campaign.cases)
+    candidates = tuple(resolve_candidate(below(text, folder)) for text in campaign.candidates)
+    cases = tuple(load_scenario(below(text, folder)) for text in campaign.cases)
     if drive is not None:
         cases = tuple(case.replaced(drive=drive) for case in cases)
     for noun, names in (
@@ -189,7 +189,7 @@ def _require_followed_references(plan: CampaignPlan) -> None:
                 )
 
 
-def beside(text: str, folder: Path) -> str:
+def below(text: str, folder: Path) -> str:
     """Let a relative path start from a folder."""
     path, colon, attribute = text.partition(".py:")
     file = f"{path}.py" if colon else text
@@ -252,7 +252,7 @@ def _changed_drive(case: Scenario, values: Mapping[str, float]) -> DriveDocument
 
 
 def _shared_load(case: Scenario, share: float) -> dict[str, Any]:
-    """Give a share of the load, or of the torque that a controller on a dynamometer is asked for."""
+    """Return a share of the load, or of the torque that a controller on a dynamometer is asked for."""
     load = case.load
     if isinstance(load, DynamometerLoad):
         return {**load.model_dump(), "torque_reference_nm": _times(load.torque_reference_nm, share)}

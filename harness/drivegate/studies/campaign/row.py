@@ -83,7 +83,7 @@ def run_row(loaded: JudgedCandidate, request: RowRequest) -> CampaignRow:
 
 
 def fault_row(fault: Fault) -> CampaignRow:
-    """Give the row of a run that the candidate's fault ended."""
+    """Return the row of a run that the candidate's fault ended."""
     return CampaignRow(fault.kind.value, bounded_line(fault.message))
 
 

@@ -63,14 +63,14 @@ class CandidateStatistics:
 
 
 def quantiles_of(margins: NDArray[np.float64]) -> tuple[float, ...]:
-    """Give the margins at `QUANTILES`."""
+    """Return the margins at `QUANTILES`."""
     if len(margins) == 0:
         return ()
     return tuple(float(value) for value in np.quantile(margins, QUANTILES, method="inverted_cdf"))
 
 
 def curve_of(margins: NDArray[np.float64]) -> tuple[float, ...]:
-    """Give a distribution as margins in order, the least and the greatest among them."""
+    """Return a distribution as margins in order, the least and the greatest among them."""
     ordered = np.sort(margins)
     if len(ordered) > CURVE_POINTS:
         ordered = ordered[np.linspace(0, len(ordered) - 1, CURVE_POINTS).round().astype(np.int64)]

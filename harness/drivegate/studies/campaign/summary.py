@@ -43,7 +43,7 @@ def summarised(plan: CampaignPlan, folder: CampaignFolder, confidence: float) ->
 
 
 def broken_harness(document: dict[str, Any]) -> bool:
-    """Tell whether the plant broke one of its own rules in some run."""
+    """Return True if the plant broke one of its own rules in some run."""
     return any(HARNESS_FAULT in candidate["verdicts"] for candidate in document["candidates"])
 
 

@@ -53,7 +53,7 @@ def table_bytes(
 
 
 def schema(parameters: Sequence[str], checks: Sequence[str], observations: Sequence[str]) -> pyarrow.Schema:
-    """Give the columns of a campaign's files."""
+    """Return the columns of a campaign's files."""
     import pyarrow
 
     columns = (*_FIXED, *parameters, *_JUDGED, *(MARGIN + check for check in checks), *observations)

@@ -25,7 +25,7 @@ WORST: Final = "worst"
 def worst_case(
     plan: CampaignPlan, folder: CampaignFolder, place: int, entry: CheckStatistics
 ) -> dict[str, Any]:
-    """Tell the run of a candidate with the least margin of a check, and write what runs it again.
+    """Return the run of a candidate with the least margin of a check, and write what runs it again.
 
     That is a counterexample where the check is violated, and the run's scenario elsewhere.
     """

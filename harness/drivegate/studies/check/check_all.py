@@ -227,7 +227,7 @@ def _options(effort: Effort, records: Records, names: Sequence[str]) -> dict[str
 
 
 def _finish(sign: Path | None) -> Callable[[CheckResult], dict[str, Any]]:
-    """Give what makes a document of a result, signed if there is a key; it is read before any candidate is."""
+    """Return what makes a document of a result, signed if there is a key; it is read before any candidate is."""
     if sign is None:
         return CheckResult.document
     from drivegate.results.signature import read_private_key, signed
@@ -283,7 +283,7 @@ def _check(
 
 
 def _unwritten(error: BaseException, place: Path) -> BaseException:
-    """Say of an error of the disk what a user can do about it."""
+    """Return an error of the disk with what a user can do about it."""
     if not is_of_the_disk(error):
         return error
     refusal = InputError(

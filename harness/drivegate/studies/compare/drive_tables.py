@@ -180,7 +180,7 @@ def _summary_row(
 
 
 def _held_up_to(full: Sequence[Row]) -> Row:
-    """Tell up to which of the run speeds rated power was held without a gap."""
+    """Return up to which of the run speeds rated power was held without a gap."""
     reached: Row = {"rated_power_held_up_to_rpm": None, "rated_power_held_up_to_pu": None}
     for row in sorted(full, key=lambda row: float(row["speed_rpm"])):
         if not row["held"]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from drivegate.contracts.contract import Contract
 from drivegate.output.console import plain, table
-from drivegate.output.legend import legend_beside
+from drivegate.output.legend import side_legend
 from drivegate.studies.diff.diff import Difference
 from drivegate.studies.diff.document import in_words
 from drivegate_cases.documents.atomic_write import write_atomically
@@ -118,7 +118,7 @@ def _draw_panels(all_axes: Any, found: Difference, contract: Contract, names: tu
         commands.step(steps, first, where="post", label=one_line(names[0]))
         commands.step(answered, second, where="post", label=one_line(names[1]), linestyle="--")
         commands.set_ylabel(f"{contract.outputs[field][0]} ({unit})")
-        legend_beside(commands)
+        side_legend(commands)
         apart.step(answered, second - first[: len(second)], where="post", color="tab:red")
         apart.set_ylabel(f"difference ({unit})")
     all_axes[-1].plot(steps, found.rows["sense"]["speed"] * RPM, color="tab:gray")

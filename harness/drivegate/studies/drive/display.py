@@ -167,7 +167,7 @@ def show_fit(console: Console, document: dict[str, Any], name: str) -> None:
 
 
 def _doubts(document: dict[str, Any]) -> list[str]:
-    """Tell what of the fit cannot be relied on."""
+    """State what of the fit cannot be relied on."""
     rows = document["constants"]
     unknown = [row for row in rows if row["uncertainty"] is None or row["uncertainty"] != row["uncertainty"]]
     doubts = []

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 from drivegate.contracts.duty.efficiency import known_map
-from drivegate.output.legend import legend_beside
+from drivegate.output.legend import side_legend
 from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.documents.wording import one_line
 
@@ -118,7 +118,7 @@ def _draw(
     axes.set_ylabel(label)
     axes.set_xlim(left=0.0)
     axes.grid(visible=True, alpha=0.3)
-    legend_beside(axes)
+    side_legend(axes)
 
 
 def _curve(document: dict[str, Any], key: str) -> tuple[list[float], list[float]]:
@@ -164,7 +164,7 @@ def _draw_plane(axes: Axes, document: dict[str, Any]) -> None:
     axes.set_xlabel("d current (A)")
     axes.set_ylabel("q current (A)")
     axes.grid(visible=True, alpha=0.3)
-    legend_beside(axes)
+    side_legend(axes)
 
 
 def _draw_map(axes: Axes, document: dict[str, Any]) -> None:

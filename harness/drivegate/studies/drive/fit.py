@@ -129,7 +129,7 @@ def _bounds(stored: Mapping[str, float]) -> tuple[list[float], list[float]]:
 
 
 def _starts(stored: Mapping[str, float]) -> list[list[float]]:
-    """Give the constants to begin with: the drive's own, and these with other flat widths."""
+    """Return the constants to begin with: the drive's own, and these with other flat widths."""
     others = [{**stored, _FLAT: flat} for flat in _FLATS] if _FLAT in stored else []
     lowest, highest = _bounds(stored)
     starts = [list(values.values()) for values in (stored, *others)]

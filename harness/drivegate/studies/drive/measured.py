@@ -39,7 +39,7 @@ class MeasuredTorque:
     """Standard uncertainty of the torque (N·m); NaN where it is not known."""
 
     def torque_of(self, oracle: Oracle, constants: Drive) -> float:
-        """Give the torque that a drive has there (N·m)."""
+        """Return the torque that a drive has there (N·m)."""
         # A current reference gives what it would as the limit.
         at = constants if isnan(self.current) else constants._replace(current_limit=self.current)
         speed = self.speed_rpm * RADIANS_PER_RPM
@@ -65,7 +65,7 @@ def read_measured(path: Path) -> tuple[MeasuredTorque, ...]:
 
 
 def _problem(point: MeasuredTorque) -> str:
-    """Tell the first value that cannot be."""
+    """State the first value that cannot be."""
     if not 0.0 < point.speed_rpm <= _HIGHEST_SPEED:
         return f"'speed_rpm' is {point.speed_rpm:g}, but must be above 0 and up to {_HIGHEST_SPEED:g}"
     if not (isnan(point.advance_deg) or 0.0 <= point.advance_deg <= _HIGHEST_ANGLE):

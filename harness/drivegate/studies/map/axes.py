@@ -48,7 +48,7 @@ class MapAxes:
         return prod(self.shape)
 
     def coordinates(self, first: int, last: int) -> dict[str, NDArray[np.float64]]:
-        """Give the coordinates of some points."""
+        """Return the coordinates of some points."""
         places = np.unravel_index(np.arange(first, last), self.shape)
         return {
             name: np.asarray(values, dtype=np.float64)[place]

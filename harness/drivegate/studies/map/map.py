@@ -28,7 +28,7 @@ class OperatingMap:
     """What became of each closed-loop run; empty of other maps."""
 
     def table(self) -> dict[str, Any]:
-        """Give the map as columns."""
+        """Return the map as columns."""
         columns: dict[str, Any] = dict(self.plan.axes.coordinates(0, self.plan.axes.points))
         if self.verdicts:
             columns["verdict"] = self.verdicts

@@ -84,7 +84,7 @@ class MapPlan:
 
 
 def single_parameters(plan: MapPlan) -> Iterator[dict[str, float]]:
-    """Give the values of a map's parameters one after the other, to see that each can be had."""
+    """Return the values of a map's parameters one after the other, to see that each can be had."""
     for name, values in zip(plan.axes.names, plan.axes.values, strict=True):
         if name in PARAMETERS:
             for value in values:

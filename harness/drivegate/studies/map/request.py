@@ -18,7 +18,7 @@ _TORQUES: Final = {"best": "1:25:25", "loop": "2:24:12"}
 
 
 def map_kind(candidate: str | None, texts: Mapping[str, str | None]) -> str:
-    """Tell the kind of map from the candidate and the axes that are given."""
+    """State the kind of map from the candidate and the axes that are given."""
     if candidate is None and texts["torque_nm"] is None:
         return "points"
     if texts["advance_deg"] is not None or texts["current_a"] is not None:

@@ -67,14 +67,14 @@ def made_map(
 
 
 def _title_of(plan: MapPlan) -> str:
-    """Tell whose map it is."""
+    """State whose map it is."""
     if plan.candidate is not None:
         return f"{plan.candidate.name} on {plan.drive.name}"
     return plan.drive.name if plan.kind == "points" else f"the best of {plan.drive.name}"
 
 
 def _document_of(made: OperatingMap, seconds: float, files: Sequence[str]) -> dict[str, Any]:
-    """Give the ranges of what was computed, and the files that it was written into."""
+    """Return the ranges of what was computed, and the files that it was written into."""
     plan = made.plan
     finite = np.isfinite(made.numbers)
     ranges = {

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 from drivegate.checks.margin import margin_in_words
 from drivegate.contracts.catalogue import contract_of
 from drivegate.output.console import plain
-from drivegate.output.legend import legend_beside
+from drivegate.output.legend import side_legend
 from drivegate.output.result_file import COUNTEREXAMPLES
 from drivegate.output.trace_files import write_plot
 from drivegate.results.counterexample import Counterexample
@@ -30,7 +30,7 @@ _PANELS: Final = (
 
 
 def next_step(document: dict[str, Any], file: Path, candidate: str | None) -> str:
-    """Tell what to do with a counterexample that still fails, or no longer does."""
+    """State what to do with a counterexample that still fails, or no longer does."""
     named = "" if candidate is None else f" --candidate {quote(candidate)}"
     again = f"drivegate replay {quote(str(file))}{named}"
     if document["verdict"] == NOT_REPRODUCED:
@@ -89,7 +89,7 @@ def _margin_text(measured: dict[str, Any]) -> str:
 
 
 def next_step_of_all(document: dict[str, Any], candidate: str | None) -> str:
-    """Tell what to do when one of a folder's counterexamples still fails, or none does."""
+    """State what to do when one of a folder's counterexamples still fails, or none does."""
     replays = document["replays"]
     failing = next((replay for replay in replays if replay["verdict"] == STILL_FAILS), None)
     parted = next((replay for replay in replays if replay["verdict"] == NOT_REPRODUCED), None)
@@ -125,15 +125,15 @@ def show_all_replays(console: Console, document: dict[str, Any], hint: str) -> N
         console.print(line)
     failing = document["counts"][STILL_FAILS]
     words = {STILL_FAILS: STILL_FAILS if failing == 1 else "still fail"}
-    told = [
+    counts = [
         f"{count} {words.get(verdict, verdict)}" for verdict, count in document["counts"].items() if count
     ]
-    console.print(plain(f"{counted(len(replays), 'counterexample')}: {', '.join(told)}", "bold"))
+    console.print(plain(f"{counted(len(replays), 'counterexample')}: {', '.join(counts)}", "bold"))
     console.print(plain(f"next: {hint}", "dim"))
 
 
 def _in_short(replay: dict[str, Any]) -> str:
-    """Tell in short what a counterexample came to, and was."""
+    """State in short what a counterexample came to, and was."""
     name, fault = replay["candidate"]["name"], replay["fault"]
     if fault is not None:
         return f"{fault['kind']}: {fault['message']}, by {name}"
@@ -180,7 +180,7 @@ def _draw_script(script: Script, ended: Replay, plot: Path, title: str) -> None:
             axes.set_ylabel(label)
             axes.ticklabel_format(axis="y", useOffset=False)
             axes.grid(visible=True, alpha=0.3)
-            legend_beside(axes)
+            side_legend(axes)
         all_axes[-1].xaxis.get_major_locator().set_params(integer=True)
         all_axes[-1].set_xlabel("row: one period of the search")
         measured = ended.margin.measured if ended.margin is not None else ""

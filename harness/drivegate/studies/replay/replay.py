@@ -29,7 +29,7 @@ from drivegate.gate.plan import REPEATED
 from drivegate.gate.repetition import Repetition, different_elsewhere, explanation_jobs, repetition_job
 from drivegate.output.account import account_of_run
 from drivegate.output.compiled_kernels import with_compiled_kernels
-from drivegate.output.pace import tell_slow
+from drivegate.output.pace import report_slow
 from drivegate.results.counterexample import Counterexample
 from drivegate.results.provenance import versions
 from drivegate.results.result import finite
@@ -75,14 +75,14 @@ class Replay:
 def candidate_for(stored: Counterexample, given: str | None) -> Candidate:
     """Choose the candidate to run: the given one, or the one that comes with drivegate and has the file's name.
 
-    A file never says what is executed: its candidate's name is looked up among those that come along.
+    A file never says what is executed: its candidate's name is looked up among those that are included.
     """
     if given is not None:
         return resolve_candidate(given)
     name = stored.candidate.name
     if is_builtin_name(name):
         candidate = resolve_candidate(name)
-        if _comes_along(candidate):
+        if _is_included(candidate):
             return candidate
     raise InputError(
         f"the counterexample is about the candidate '{one_line(name)}', which does not come with drivegate; "
@@ -90,9 +90,9 @@ def candidate_for(stored: Counterexample, given: str | None) -> Candidate:
     )
 
 
-def _comes_along(candidate: Candidate) -> bool:
-    """Tell whether all of a candidate's code is drivegate's own; resolving it has run none."""
-    if KINDS[candidate.kind].comes_along:
+def _is_included(candidate: Candidate) -> bool:
+    """Return True if all of a candidate's code is drivegate's own; resolving it has run none."""
+    if KINDS[candidate.kind].is_included:
         return True
     homes = [Path(package.__file__ or "").resolve().parent for package in (version, drivegate_models)]
     inside = (any(source.is_relative_to(home) for home in homes) for source in candidate.sources)
@@ -102,7 +102,7 @@ def _comes_along(candidate: Candidate) -> bool:
 def replayed(stored: Counterexample, candidate: Candidate) -> Replay | Fault:
     """Run a counterexample again."""
     with_compiled_kernels([stored.scenario.drive])
-    with Judge(candidate, on_slow=tell_slow) as judge:
+    with Judge(candidate, on_slow=report_slow) as judge:
         replay = judge.run(Job(run_replay, stored))
         if isinstance(replay, Fault) or isinstance(stored.scenario, Script) or stored.check != REPEATED:
             return replay
@@ -175,7 +175,7 @@ def marked_angle(stored: Counterexample, ended: Replay) -> tuple[float, float] |
 
 
 def verdict_on(ended: Replay | Fault, remark: str) -> str:
-    """Tell whether a check still fails."""
+    """State whether a check still fails."""
     if isinstance(ended, Fault):
         return STILL_FAILS
     if ended.margin is None:
@@ -186,7 +186,7 @@ def verdict_on(ended: Replay | Fault, remark: str) -> str:
 
 
 def remark_on(stored: Counterexample, candidate: Candidate, ended: Replay | Fault) -> str:
-    """Tell where the same candidate came to another margin than then, which the same commands cannot give."""
+    """State where the same candidate came to another margin than then, which the same commands cannot give."""
     if (
         isinstance(ended, Fault)
         or ended.margin is None
@@ -194,7 +194,7 @@ def remark_on(stored: Counterexample, candidate: Candidate, ended: Replay | Faul
     ):
         return ""
     # A file may also tell where it was found, on which nothing depends.
-    used = all(stored.versions.get(name) == told for name, told in versions().items())
+    used = all(stored.versions.get(name) == number for name, number in versions().items())
     same = used and stored.candidate.hash == candidate.content_hash
     return _PARTED if same and not check_of(stored).volatile else ""
 
@@ -231,7 +231,7 @@ def document_of(stored: Counterexample, candidate: Candidate, ended: Replay | Fa
 
 
 def _reason(check: Check, candidate: Candidate, drive: DriveDocument, verdict: str) -> str:
-    """Tell why a check does not apply; nothing where it does."""
+    """State why a check does not apply; nothing where it does."""
     if verdict != NOT_APPLICABLE:
         return ""
     reason = check.reason_not_applicable(candidate.declaration, drive)

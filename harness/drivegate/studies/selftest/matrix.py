@@ -74,7 +74,7 @@ class Matrix:
     """The correct designs, one row for each seed."""
 
     def problems(self) -> list[str]:
-        """Tell every miss and every false alarm."""
+        """State every miss and every false alarm."""
         return [*self._misses(), *self._false_alarms()]
 
     @property
@@ -83,7 +83,7 @@ class Matrix:
         return not self.problems()
 
     def remarks(self) -> list[str]:
-        """Tell which correct designs come near a limit that they are not made for; each is to be looked into."""
+        """State which correct designs come near a limit that they are not made for; each is to be looked into."""
         return [
             f"the correct design '{row.name}' meets {row.least.check} by {row.least.margin:.3g} alone with seed "
             f"{row.seed}: {row.least.measured}"

@@ -66,21 +66,23 @@ def try_faults(faults: Sequence[SeededFault], effort: SelftestEffort) -> Iterato
     """Put faulty controllers before the checks named for them."""
     drive = drive_for(None, effort.drive)
     compile_missing([effort.drive])
-    told = [fault.on(drive) for fault in faults]
+    resolved = [fault.on(drive) for fault in faults]
     jobs = [
         Job(run_trial, planned_trial(fault, effort))
-        for fault, on_drive in zip(faults, told, strict=True)
+        for fault, on_drive in zip(faults, resolved, strict=True)
         if on_drive.idle_because is None
     ]
     if not jobs:
-        yield from (_row(fault, on_drive, None, effort) for fault, on_drive in zip(faults, told, strict=True))
+        yield from (
+            _row(fault, on_drive, None, effort) for fault, on_drive in zip(faults, resolved, strict=True)
+        )
         return
     # The processes are started for the controller that has no fault; the faulty ones are loaded beside it.
     host = resolve_candidate(contract_of(drive).usual_candidate)
     count = effort.workers or os.cpu_count() or 1
     with WorkerPool(host, workers=min(count, len(jobs))) as pool:
         outcomes = pool.map(jobs)
-        for fault, on_drive in zip(faults, told, strict=True):
+        for fault, on_drive in zip(faults, resolved, strict=True):
             yield _row(fault, on_drive, next(outcomes) if on_drive.idle_because is None else None, effort)
 
 
@@ -117,7 +119,7 @@ def _jobs(plan: Sequence[Work], origins: Sequence[Origin], *, seeded: bool) -> t
 def _row(
     fault: SeededFault, on_drive: FaultOnDrive, outcome: TrialOutcome | Fault | None, effort: SelftestEffort
 ) -> FaultRow:
-    """Tell what has become of a fault; without an outcome, why it was not tried."""
+    """Return what has become of a fault; without an outcome, why it was not tried."""
     if outcome is None:
         outcome = TrialOutcome({}, (), 0, (), 0)
     if isinstance(outcome, Fault):
@@ -152,7 +154,7 @@ def design_check(design: CorrectDesign, seed: int, effort: SelftestEffort) -> It
 
 
 def judged_design(design: CorrectDesign, result: CheckResult) -> DesignRow:
-    """Tell from a whole check whether a correct design was accused."""
+    """Return whether a whole check accuses a correct design."""
     for outcome in result.checks:
         if outcome.subject == "plant" and outcome.verdict == "fail":
             raise HarnessFault(
@@ -240,7 +242,7 @@ def _judged(contract: str, effort: SelftestEffort) -> tuple[DesignRow, ...]:
 
 
 def _in_short(row: FaultRow) -> str:
-    """Tell in a few words what has become of a faulty controller."""
+    """State in a few words what has become of a faulty controller."""
     slowest = row.slowest
     if not row.applies:
         return f"{row.name}: does not apply"

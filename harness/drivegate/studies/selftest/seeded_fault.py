@@ -9,7 +9,7 @@ from typing import Final
 
 from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS, DutyFault
 from drivegate.candidates.builtin.faults.catalogue import MUTATIONS, find_fault
-from drivegate.candidates.builtin.faults.mutation import Mutation, idle_on, told_on
+from drivegate.candidates.builtin.faults.mutation import Mutation, idle_on, text_on
 from drivegate.candidates.kinds import FAULTY_PREFIX
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.contracts.catalogue import contract_of
@@ -23,7 +23,7 @@ FAULTS_OF: Final[Mapping[str, Mapping[str, Mutation | DutyFault]]] = {
     "duty": DUTY_FAULTS,
 }
 """The faulty controllers of each contract, by their names."""
-_TOLD_THE_TRUTH: Final = "what the controller is told wrong is right for this drive"
+_TRUE_HERE: Final = "what the controller is told wrong is right for this drive"
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ def chosen_faults(names: Sequence[str], drive: DriveDocument) -> tuple[SeededFau
 
 
 def seeded(name: str, fault: Mutation | DutyFault, drive: DriveDocument) -> SeededFault:
-    """Give a faulty controller as the self-test has it on a drive of its contract."""
+    """Return a faulty controller as the self-test has it on a drive of its contract."""
     if isinstance(fault, Mutation):
         return SeededFault(name, fault.kind, fault.check, fault.base, partial(_mutation_on, fault))
     on_drive = partial(_duty_fault_on, fault)
@@ -75,13 +75,13 @@ def seeded(name: str, fault: Mutation | DutyFault, drive: DriveDocument) -> Seed
 
 
 def _mutation_on(mutation: Mutation, drive: DriveDocument) -> FaultOnDrive:
-    sentence, shown_by = (told_on(mutation, text, drive) for text in (mutation.sentence, mutation.shown_by))
+    sentence, shown_by = (text_on(mutation, text, drive) for text in (mutation.sentence, mutation.shown_by))
     return FaultOnDrive(sentence, shown_by, idle_on(mutation, drive))
 
 
 def _duty_fault_on(fault: DutyFault, drive: DriveDocument) -> FaultOnDrive:
     idles = fault.idles_on(_nameplate(drive))
-    return FaultOnDrive(fault.sentence, "", _TOLD_THE_TRUTH if idles else None)
+    return FaultOnDrive(fault.sentence, "", _TRUE_HERE if idles else None)
 
 
 def _nameplate(drive: DriveDocument) -> DutyNameplate:

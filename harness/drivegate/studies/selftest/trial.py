@@ -145,7 +145,7 @@ class _Attempt:
 
 
 def _failed(run: JudgedRun) -> dict[str, Margin]:
-    """Give the margins that are not met, by check, without those that only advise."""
+    """Return the margins that are not met, by check, without those that only advise."""
     return {margin.check: margin for margin in run.margins if not margin.met and not margin.advisory}
 
 
@@ -154,7 +154,7 @@ _known: dict[tuple[str, str, str], frozenset[str]] = {}
 
 
 def _failing_without_fault(base: JudgedCandidate, run: JudgedRun, job: Job[ShardOutcome]) -> frozenset[str]:
-    """Tell which checks the controller without the fault fails in a run of the same scenario."""
+    """Return which checks the controller without the fault fails in a run of the same scenario."""
     key = (base.candidate.name, type(job.payload).__name__, content_key(run.scenario))
     if key not in _known:
         if isinstance(job.payload, DrawnRuns):

@@ -37,7 +37,7 @@ def alternative(moment: Moment, panels: tuple[Panel, ...]) -> str:
 
 
 def caption(moment: Moment) -> str:
-    """Say what the figure shows."""
+    """State what the figure shows."""
     marked = " Dashed red: references and limits; the ring is what was measured." if moment.column else ""
     return f"The moment of the run that decides, with its signals control period by control period.{marked}"
 

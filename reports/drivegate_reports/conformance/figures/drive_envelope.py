@@ -51,7 +51,7 @@ def alternative(envelope: Mapping[str, Any]) -> str:
 
 
 def caption(envelope: Mapping[str, Any], ripple_percent: float) -> str:
-    """Say what the figure shows."""
+    """State what the figure shows."""
     rating = envelope["rating"]
     return (
         f"At {rating['current_limit_a']:g} A; dotted: base speed and the highest of constant power. No controller "

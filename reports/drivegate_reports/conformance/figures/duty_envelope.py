@@ -44,7 +44,7 @@ def alternative(envelope: Mapping[str, Any]) -> str:
 
 
 def caption(envelope: Mapping[str, Any]) -> str:
-    """Say what the figure shows."""
+    """State what the figure shows."""
     return (
         f"Within {envelope['rating']['current_limit_a']:g} A and the undistorted "
         f"{envelope['undistorted_voltage_v']:.4g} V of a phase; dotted: base speed and the highest of constant power. "

@@ -28,7 +28,7 @@ def alternative(points: Sequence[EfficiencyPointSection]) -> str:
 
 
 def caption(limit_percent: float) -> str:
-    """Say what the figure shows."""
+    """State what the figure shows."""
     return (
         "Copper and core loss of the fundamental over the least that gives the same torque within the limits of "
         "current and voltage. The points are derived from those of IEC 61800-9-2: shares of base speed and rated "

@@ -43,7 +43,7 @@ def alternative(rows: Sequence[CheckMargins]) -> str:
 
 
 def caption(rows: Sequence[CheckMargins]) -> str:
-    """Say what the figure shows."""
+    """State what the figure shows."""
     beyond = sum(int(np.count_nonzero(np.abs(row.margins) > SHOWN)) for row in rows)
     hidden = f" {beyond} marks lie beyond the axis and are drawn at its border." if beyond else ""
     return (

@@ -54,7 +54,7 @@ def alternative(trajectories: Mapping[str, Any], limit: float, ways: Sequence[Wa
 
 
 def caption(trajectories: Mapping[str, Any]) -> str:
-    """Say what the figure shows of any controller."""
+    """State what the figure shows of any controller."""
     slow, fast = (f"{row['speed_rpm']:g} rpm" for row in trajectories["voltage_limits"])
     return (
         f"Circle: the current limit. Ellipses: currents that take the undistorted voltage, dashed at {slow}, dotted at "
@@ -89,7 +89,7 @@ def draw(
 
 
 def _reach(limit: float, ways: Sequence[Way]) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Give the ends of both axes: the circle where the magnet can be weakened, and the ways but for the furthest."""
+    """Return the ends of both axes: the circle where the magnet can be weakened, and the ways but for the furthest."""
     furthest = _FURTHEST * limit
     direct = [value for way in ways for value in way.direct]
     quadrature = [value for way in ways for value in way.quadrature]

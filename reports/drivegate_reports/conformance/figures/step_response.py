@@ -30,7 +30,7 @@ def alternative(step: StepSection) -> str:
 
 
 def caption(step: StepSection) -> str:
-    """Say what the figure shows."""
+    """State what the figure shows."""
     return (
         f"The step with the least margin, at {step.speed_rpm:g} rpm: means over control periods, currents at their "
         f"ends. Allowed are {step.allowed_ms:.3g} ms to 90 % and an overshoot of {step.overshoot_limit_percent:.3g} %, "

@@ -27,7 +27,7 @@ def alternative(ripple: Ripple) -> str:
 
 
 def caption(ripple: Ripple) -> str:
-    """Say what the figure shows."""
+    """State what the figure shows."""
     cycle = ripple.cycle
     words = (
         f"Steady state at {cycle.speed_rpm:.0f} rpm, {cycle.advance_deg:.1f}° and {cycle.current_reference_a:.2f} A "
@@ -71,7 +71,7 @@ def draw(ripple: Ripple) -> Figure:
 
 
 def _extremes(ripple: Ripple) -> tuple[float, float]:
-    """Give the least and the greatest torque that are drawn (N·m)."""
+    """Return the least and the greatest torque that are drawn (N·m)."""
     return float(ripple.cycle.torque_nm.min()), float(ripple.cycle.torque_nm.max())
 
 

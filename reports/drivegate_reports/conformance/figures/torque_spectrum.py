@@ -32,7 +32,7 @@ def alternative(torque: TorqueSection) -> str:
 
 
 def caption(torque: TorqueSection) -> str:
-    """Say what the figure shows."""
+    """State what the figure shows."""
     turns = "1 electrical period" if torque.turns == 1 else f"{torque.turns} electrical periods"
     return (
         f"Rated torque at {torque.speed_rpm:g} rpm: the recorded commands, given to the exact plant once more. Above, "

@@ -66,7 +66,7 @@ class ConventionalDrives:
     """The drives."""
 
     def ripple_at(self, speed_rpm: float) -> tuple[float, ...]:
-        """Give the ripple of every drive at a speed (%)."""
+        """Return the ripple of every drive at a speed (%)."""
         at = int(np.flatnonzero(self.speed_rpm == speed_rpm)[0])
         return tuple(float(drive.ripple_percent[at]) for drive in self.drives)
 
@@ -112,7 +112,7 @@ def alternative(data: ConventionalDrives) -> str:
 
 
 def caption(data: ConventionalDrives) -> str:
-    """Say what the figure shows."""
+    """State what the figure shows."""
     ranges = "; ".join(f"{drive.range_words} ({drive.name})" for drive in data.drives)
     return (
         f"Steady states of {data.power_w / 1000.0:g} kW at the angle of least Σ|i|, with ideal current regulators and "

@@ -76,7 +76,7 @@ class RippleMap:
     """At that angle, and further on."""
 
     def flats_where(self, holds: NDArray[np.bool_]) -> tuple[float, float]:
-        """Give the least and the greatest EMF width at which something holds for some inductance; NaN for none."""
+        """Return the least and the greatest EMF width at which something holds for some inductance; NaN for none."""
         widths = self.flat_deg[holds.any(axis=1)]
         return (float(widths[0]), float(widths[-1])) if widths.size else (math.nan, math.nan)
 
@@ -119,7 +119,7 @@ TITLE = "Where a conventional star has the ripple of the cited work (on section 
 
 
 def widths_in_words(data: RippleMap, holds: NDArray[np.bool_]) -> str:
-    """Say at which EMF widths something holds for some inductance."""
+    """State at which EMF widths something holds for some inductance."""
     low, high = data.flats_where(holds)
     if math.isnan(low):
         return "nowhere"
@@ -153,7 +153,7 @@ def _places(data: RippleMap) -> tuple[tuple[str, StarRipple], ...]:
 
 
 def caption(data: RippleMap) -> str:
-    """Say what the figure shows."""
+    """State what the figure shows."""
     low, high = PUBLISHED_PERCENT
     return (
         f"The star of the same iron and copper with other inductances and EMF widths, at {data.power_w / 1000.0:g} kW "

@@ -106,7 +106,7 @@ def alternative(data: CycleWaveforms) -> str:
 
 
 def caption(data: CycleWaveforms) -> str:
-    """Say what the figure shows."""
+    """State what the figure shows."""
     return (
         f"Steady state at {data.speed_rpm:.0f} rpm, {data.torque_nm:g} N·m and {data.advance_deg:g}° with an ideal "
         f"regulator. From 1 to 2 the supply exceeds the rotational EMF and the current rises, up to the reference of "

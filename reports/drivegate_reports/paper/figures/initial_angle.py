@@ -106,7 +106,7 @@ def alternative(data: InitialAngles) -> str:
 
 
 def caption(data: InitialAngles) -> str:
-    """Say what the figure shows."""
+    """State what the figure shows."""
     return (
         f"Constant power of {data.power_w / 1000.0:g} kW with ideal regulators. In the grey region no current up to "
         f"the limit gives the power. `published` starts from 0° + {PUBLISHED_LINE[1]:g}°/rpm above base "

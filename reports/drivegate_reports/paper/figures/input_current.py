@@ -113,7 +113,7 @@ def alternative(data: InputCurrentSweep) -> str:
 
 
 def caption(data: InputCurrentSweep) -> str:
-    """Say what the figure shows."""
+    """State what the figure shows."""
     return (
         f"Steady states of {data.power_w / 1000.0:g} kW with ideal current regulators and no core loss. Top: the "
         f"initial angle, {INITIAL_LINE[0]:g}° + {INITIAL_LINE[1]:g}°/rpm above base speed, and the angle of least "

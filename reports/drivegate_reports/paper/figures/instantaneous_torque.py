@@ -101,7 +101,7 @@ def alternative(data: TorqueCycle) -> str:
 
 
 def caption(data: TorqueCycle) -> str:
-    """Say what the figure shows."""
+    """State what the figure shows."""
     state = "certified periodic" if data.certified else "not exactly periodic"
     return (
         f"Steady state at {data.speed_rpm:.0f} rpm, {data.advance_deg:g}° and {data.current_reference_a:.2f} A with "

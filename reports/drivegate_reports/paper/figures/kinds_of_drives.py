@@ -95,7 +95,7 @@ def alternative(data: KindsOverSpeed) -> str:
 
 
 def caption(data: KindsOverSpeed) -> str:
-    """Say what the figure shows."""
+    """State what the figure shows."""
     ranges = "; ".join(
         f"{range_in_words(kind.drive, data.rated_power_w)} ({kind.drive.name})" for kind in data.kinds
     )

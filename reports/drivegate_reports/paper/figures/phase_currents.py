@@ -91,7 +91,7 @@ def alternative(figures: tuple[PhaseCurrents, ...]) -> str:
 
 
 def caption(figures: tuple[PhaseCurrents, ...]) -> str:
-    """Say what the figure shows."""
+    """State what the figure shows."""
     peaks = " and ".join(f"{data.peak_emf_v:.1f} V at {data.speed_rpm:.0f} rpm" for data in figures)
     return (
         "One electrical cycle of the steady state at the published operating points, with the hysteresis band, in "

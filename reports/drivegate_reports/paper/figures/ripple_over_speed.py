@@ -108,7 +108,7 @@ def alternative(data: RippleOverSpeed) -> str:
 
 
 def caption(data: RippleOverSpeed) -> str:
-    """Say what the figure shows."""
+    """State what the figure shows."""
     above = data.speed_rpm[
         (data.optimal_percent >= LIMIT_PERCENT) & (data.speed_rpm <= HIGHEST_PUBLISHED_RPM)
     ]

@@ -124,7 +124,7 @@ def alternative(data: SearchTrajectory) -> str:
 
 
 def caption(data: SearchTrajectory) -> str:
-    """Say what the figure shows."""
+    """State what the figure shows."""
     return (
         f"Closed loop at {data.speed_rpm:.0f} rpm and {data.torque_nm:g} N·m, means over each 100 ms of the search. "
         f"The least Σ|i| lies on the feasible edge, {data.optimum_deg:.1f}°. `reference` stops beside it at "

@@ -101,7 +101,7 @@ def alternative(data: SpeedLimit) -> str:
 
 
 def caption(data: SpeedLimit) -> str:
-    """Say what the figure shows."""
+    """State what the figure shows."""
     return (
         f"At 26 A with ideal regulators. Rated power is within reach far beyond three times base speed, at least up to "
         f"{data.reached_rpm:.0f} rpm, {data.reached_rpm / data.base_speed_rpm:.0f} times base speed. From "

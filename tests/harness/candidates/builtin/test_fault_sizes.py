@@ -6,7 +6,7 @@ import pytest
 
 from drivegate.candidates.builtin.faults import oracle_sizes, sizes
 from drivegate.candidates.builtin.faults.catalogue import MUTATIONS
-from drivegate.candidates.builtin.faults.mutation import Mutation, idle_on, number_on, told_on
+from drivegate.candidates.builtin.faults.mutation import Mutation, idle_on, number_on, text_on
 from drivegate.candidates.builtin.faulty_controller import FaultyController
 from drivegate.candidates.builtin.near import NEAR_DESIGNS
 from drivegate.scenarios.drive_scale import scale_of
@@ -138,16 +138,16 @@ def test_a_region_of_speeds_holds_speeds_that_are_drawn(drive: DriveDocument) ->
 def test_every_text_is_written_out(drive: DriveDocument) -> None:
     for mutation in ALL.values():
         for text in (mutation.sentence, mutation.shown_by):
-            assert not set("{}") & set(told_on(mutation, text, drive)), mutation.name
+            assert not set("{}") & set(text_on(mutation, text, drive)), mutation.name
 
 
 def test_a_text_has_the_numbers_of_its_drive() -> None:
     fan = load_drive("fan-3-phase")
     mutation = MUTATIONS["speed-six-rpm-off"]
-    assert told_on(mutation, mutation.sentence, PAPER) == "Keeps the speed 6 rpm too high, where k1 is 5 rpm."
-    assert told_on(mutation, mutation.sentence, fan) == "Keeps the speed 24 rpm too high, where k1 is 20 rpm."
+    assert text_on(mutation, mutation.sentence, PAPER) == "Keeps the speed 6 rpm too high, where k1 is 5 rpm."
+    assert text_on(mutation, mutation.sentence, fan) == "Keeps the speed 24 rpm too high, where k1 is 20 rpm."
     row = MUTATIONS["wrong-row"]
-    assert told_on(row, row.shown_by, fan) == "5350 rpm"
+    assert text_on(row, row.shown_by, fan) == "5350 rpm"
 
 
 @pytest.mark.parametrize(

@@ -49,7 +49,7 @@ BY_HALL = INTERIOR.with_overrides(["sensing.position=hall"])
 CONTRACT = contract_of(INTERIOR)
 
 
-def telling_runs(drive: DriveDocument = INTERIOR) -> tuple[Scenario, ...]:
+def revealing_runs(drive: DriveDocument = INTERIOR) -> tuple[Scenario, ...]:
     """Give runs that show every fault: great and small torque steps, weakening and its end, a free shaft, failures."""
     assert isinstance(drive, PmAcDocument)
     below, top = 1200.0, drive.rating.highest_speed_rpm
@@ -110,7 +110,7 @@ def failed_checks(name: str, runs: tuple[Scenario, ...]) -> frozenset[str]:
 
 @pytest.mark.parametrize("name", [name for name in DUTY_FAULTS if name not in rarer_runs()])
 def test_a_faulty_controller_is_caught_by_its_check(name: str) -> None:
-    assert DUTY_FAULTS[name].check in failed_checks(f"faulty:{name}", telling_runs())
+    assert DUTY_FAULTS[name].check in failed_checks(f"faulty:{name}", revealing_runs())
 
 
 @pytest.mark.parametrize("name", rarer_runs())
@@ -118,7 +118,7 @@ def test_a_fault_of_a_rarer_operation_is_caught_there_alone(name: str) -> None:
     run = rarer_runs()[name]
     assert unfair_because(run) is None
     assert failed_checks("foc", (run,)) == frozenset()
-    assert failed_checks(f"faulty:{name}", telling_runs()) == failed_checks("foc", telling_runs())
+    assert failed_checks(f"faulty:{name}", revealing_runs()) == failed_checks("foc", revealing_runs())
     assert DUTY_FAULTS[name].check in failed_checks(f"faulty:{name}", (run,))
 
 
@@ -130,7 +130,7 @@ def test_a_faulty_controller_is_caught_through_hall_switches_alone(name: str) ->
     controller = loaded.controller()
     margins = [
         margin
-        for scenario in telling_runs(BY_HALL)
+        for scenario in revealing_runs(BY_HALL)
         for margin in judged(recorded(loaded, scenario, controller), CONTRACT.checks()).margins
     ]
     assert DUTY_FAULTS[name].check in {margin.check for margin in margins if not margin.met}
@@ -182,7 +182,7 @@ def test_what_stops_the_edges_is_noticed_through_hall_switches_alone(
 @pytest.mark.parametrize("name", ["foc", "predictive-flux", "direct-torque"])
 def test_a_correct_controller_passes_the_same_runs_and_repeats_itself(name: str) -> None:
     with Judge(resolve_candidate(name)) as judge:
-        outcome = judge.run(Job(run_fixed, FixedRuns(telling_runs(), repeat=True)))
+        outcome = judge.run(Job(run_fixed, FixedRuns(revealing_runs(), repeat=True)))
     margins = [margin for run in outcome.runs for margin in run.margins]
     required = {check.id for check in CONTRACTS["duty"].checks() if check.level == "required"}
     assert [margin for margin in margins if not margin.met and margin.check in required] == []
@@ -194,7 +194,7 @@ def test_a_correct_controller_passes_the_same_runs_and_repeats_itself(name: str)
 @pytest.mark.parametrize("name", ["foc-loss-model", "foc-loss-search"])
 def test_controllers_of_least_loss_give_all_torque_that_the_limits_leave(name: str) -> None:
     loaded = own_candidate(resolve_candidate(name))
-    weakened = telling_runs()[1]
+    weakened = revealing_runs()[1]
     margins = judged(recorded(loaded, weakened, loaded.controller()), CONTRACT.checks()).margins
     assert "FWK-1" in {margin.check for margin in margins}
     failed = [margin for margin in margins if not margin.met]
@@ -237,7 +237,7 @@ def test_the_search_for_least_loss_does_not_drift_by_what_the_torque_changes_by(
 
 def test_the_controller_without_weakening_fails_for_it_and_names_the_speed() -> None:
     loaded = own_candidate(resolve_candidate("foc-mtpa"))
-    weakened = telling_runs()[1]
+    weakened = revealing_runs()[1]
     margins = judged(recorded(loaded, weakened, loaded.controller()), CONTRACT.checks()).margins
     failed = {margin.check: margin for margin in margins if not margin.met}
     assert "FWK-1" in failed
@@ -313,7 +313,7 @@ def test_drawn_runs_depend_on_their_seed_alone() -> None:
 
 def test_a_step_is_timed_on_what_was_sensed() -> None:
     loaded = own_candidate(resolve_candidate("foc"))
-    (run,) = time_steps(loaded, TimedSteps(telling_runs()[0])).runs
+    (run,) = time_steps(loaded, TimedSteps(revealing_runs()[0])).runs
     (margin,) = run.margins
     assert margin.check == "TIM-1"
     assert "native" in margin.measured
@@ -339,7 +339,7 @@ def test_a_fault_is_made_simple_recorded_and_told_on_the_page() -> None:
 
 def test_how_a_candidate_behaves_is_measured_where_it_is_judged() -> None:
     outcome = next(iter(check_outcomes([], NOTHING_DECLARED, INTERIOR, complete=True)))
-    step = replace(outcome, id="STP-1", scenario=telling_runs()[0].to_mapping(), counterexample=None)
+    step = replace(outcome, id="STP-1", scenario=revealing_runs()[0].to_mapping(), counterexample=None)
     job = behaviour_job(INTERIOR, NOTHING_DECLARED, [step])
     assert job is not None
     with Judge(resolve_candidate("foc")) as judge:

@@ -36,7 +36,7 @@ FAULTS: Final = of_kind(
         "Ends the advance at {ends} on the way down, with its hysteresis on the wrong side of base speed.",
         "ADV-1",
         factors=(("base_speed", 0.99),),
-        told=(("ends", sizes.share(0.99, sizes.BASE, digits=6)),),
+        numbers=(("ends", sizes.share(0.99, sizes.BASE, digits=6)),),
     ),
     Mutation(
         "one-step-late",
@@ -63,7 +63,7 @@ FAULTS: Final = of_kind(
         "Takes {taken} for the current limit of {current_limit}.",
         "CMD-1",
         factors=(("current_limit", 30.0 / 26.0),),
-        told=(("taken", sizes.share(30.0 / 26.0, sizes.CURRENT_LIMIT)),),
+        numbers=(("taken", sizes.share(30.0 / 26.0, sizes.CURRENT_LIMIT)),),
     ),
     Mutation(
         "current-below-zero",

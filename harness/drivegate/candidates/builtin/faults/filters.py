@@ -16,7 +16,7 @@ FAULTS: Final = of_kind(
         "CNV-1",
         fault=faults.SPEED_FILTERED,
         size=sizes.share(0.002, sizes.PACE),
-        told=(("time", sizes.per_pace(250.0, "ms")),),
+        numbers=(("time", sizes.per_pace(250.0, "ms")),),
     ),
     Mutation(
         "filter-for-50-microseconds",
@@ -24,7 +24,7 @@ FAULTS: Final = of_kind(
         "CNV-1",
         fault=faults.SPEED_FILTERED,
         size=sizes.share(0.005, sizes.PACE),
-        told=(("time", sizes.per_pace(10.0, "ms")),),
+        numbers=(("time", sizes.per_pace(10.0, "ms")),),
     ),
     Mutation(
         "base-speed-filtered",
@@ -60,7 +60,7 @@ FAULTS: Final = of_kind(
         "CNV-1",
         fault=faults.SUM_FILTERED,
         size=sizes.share(0.0002, sizes.PACE),
-        told=(("time", sizes.per_pace(2.5, "s")),),
+        numbers=(("time", sizes.per_pace(2.5, "s")),),
     ),
 )
 """Those of this kind."""

@@ -32,7 +32,7 @@ class Mutation:
     name: str
     """Its name; as a candidate it is named ``faulty:`` and this."""
     sentence: str
-    """What is wrong with it; the sizes in it stand by name, and `told_on` writes those of a drive."""
+    """What is wrong with it; the sizes in it stand by name, and `text_on` writes those of a drive."""
     check: str = ""
     """Identifier of the check that must catch it; empty for a controller that is right."""
     base: Literal["reference", "published"] = "reference"
@@ -52,10 +52,10 @@ class Mutation:
     """How large the fault is, in the units that the fault has; many faults have no second size."""
     region: tuple[Size, ...] = ()
     """Speeds from which and up to which the fault shows; empty where it shows at any."""
-    told: tuple[tuple[str, Size], ...] = ()
+    numbers: tuple[tuple[str, Size], ...] = ()
     """Other sizes in the texts, by name."""
     idle_because: Callable[[DriveDocument], str | None] | None = None
-    """Tells why the fault does nothing on a drive, or None where it does something."""
+    """State why the fault does nothing on a drive, or None where it does something."""
     keeps: tuple[str, ...] = ()
     """What a reset leaves in `CONTROLLER_STATE`, or of the fault's own memory in `FAULTY_STATE`."""
     shares: bool = False
@@ -66,18 +66,18 @@ class Mutation:
 
 
 def of_kind(kind: str, *mutations: Mutation) -> tuple[Mutation, ...]:
-    """State the kind of several mutations."""
+    """Return the kind of several mutations."""
     return tuple(replace(mutation, kind=kind) for mutation in mutations)
 
 
 def number_on(size: float | Size, drive: DriveDocument) -> float:
-    """Give a size as the controller takes it."""
+    """Return a size as the controller takes it."""
     return size.number(drive) if isinstance(size, Size) else size
 
 
-def told_on(mutation: Mutation, text: str, drive: DriveDocument) -> str:
+def text_on(mutation: Mutation, text: str, drive: DriveDocument) -> str:
     """Write a drive's own numbers into a text of a mutation."""
-    named = {**_QUANTITIES, "size": mutation.size, "extent": mutation.extent, **dict(mutation.told)}
+    named = {**_QUANTITIES, "size": mutation.size, "extent": mutation.extent, **dict(mutation.numbers)}
     named |= dict(zip(("first", "last"), mutation.region, strict=False))
     return text.format_map(
         {name: _Told(size, drive) for name, size in named.items() if isinstance(size, Size)}
@@ -85,7 +85,7 @@ def told_on(mutation: Mutation, text: str, drive: DriveDocument) -> str:
 
 
 def idle_on(mutation: Mutation, drive: DriveDocument) -> str | None:
-    """Tell why a fault does nothing on a drive; None where it does something."""
+    """State why a fault does nothing on a drive; None where it does something."""
     return None if mutation.idle_because is None else mutation.idle_because(drive)
 
 

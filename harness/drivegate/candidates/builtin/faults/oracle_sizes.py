@@ -33,7 +33,7 @@ _FINE_STEPS: Final = 21
 
 @lru_cache(maxsize=_KEPT)
 def _edge_at_rated_power(drive: DriveDocument, speed_rpm: float) -> float:
-    """Give the least angle that gives rated power (deg); NaN where none does."""
+    """Return the least angle that gives rated power (deg); NaN where none does."""
     from drivegate_models.steady.oracle import demanded_torque
 
     rating, plant = drive.rating, drive.plant()
@@ -43,7 +43,7 @@ def _edge_at_rated_power(drive: DriveDocument, speed_rpm: float) -> float:
 
 @lru_cache(maxsize=_KEPT)
 def _edge_at_point(drive: DriveDocument) -> float:
-    """Give the least angle that gives the required point of greatest speed (deg)."""
+    """Return the least angle that gives the required point of greatest speed (deg)."""
     point = max(limits_of(drive).points, key=lambda point: point.speed_rpm)
     return _edge(drive, point.speed_rpm * RADIANS_PER_RPM, point.torque_n_m)
 
@@ -59,14 +59,14 @@ def _below_point(drive: DriveDocument) -> float:
 
 
 def no_angle_below_point(drive: DriveDocument) -> str | None:
-    """Tell why there is no angle below what the required point takes."""
+    """State why there is no angle below what the required point takes."""
     if _below_point(drive) > 0.0:
         return None
     return "the required point needs no advance"
 
 
 def _edge_beyond(drive: DriveDocument) -> float:
-    """Give the least angle of rated power at the greatest speed up to overspeed that has one (deg)."""
+    """Return the least angle of rated power at the greatest speed up to overspeed that has one (deg)."""
     rating = drive.rating
     for part in _SHARES_BEYOND:
         speed = rating.highest_speed_rpm + part * (rating.overspeed_rpm - rating.highest_speed_rpm)
@@ -83,7 +83,7 @@ def _enough_to_highest(drive: DriveDocument) -> float:
 
 
 def no_more_angle_beyond(drive: DriveDocument) -> str | None:
-    """Tell why an angle that is enough at the highest speed is so beyond, too."""
+    """State why an angle that is enough at the highest speed is so beyond, too."""
     cap = _enough_to_highest(drive)
     if _edge_beyond(drive) - cap >= _VISIBLE and cap > 0.0:
         return None
@@ -92,7 +92,7 @@ def no_more_angle_beyond(drive: DriveDocument) -> str | None:
 
 @lru_cache(maxsize=_KEPT)
 def _nominal_line(drive: DriveDocument) -> tuple[float, float]:
-    """Give the angle at base speed (deg) and the slope (deg a rpm) of a line that is enough for the nominal machine.
+    """Return the angle at base speed (deg) and the slope (deg a rpm) of a line that is enough for the nominal machine.
 
     That of the drive, unless it is made for weaker machines too: then the one of least advance.
     """
@@ -102,7 +102,7 @@ def _nominal_line(drive: DriveDocument) -> tuple[float, float]:
 
 
 def line_of_nominal_machine() -> tuple[tuple[str, Size], ...]:
-    """Give the constants of a controller with such a line."""
+    """Return the constants of a controller with such a line."""
     return (
         ("angle_at_base", Size(lambda drive: _nominal_line(drive)[0], "°")),
         ("angle_slope", Size(lambda drive: _nominal_line(drive)[1], "° a rpm")),
@@ -129,7 +129,7 @@ def nominal_table(drive: DriveDocument) -> tuple[tuple[float, float], ...]:
 
 @lru_cache(maxsize=_KEPT)
 def _excesses(drive: DriveDocument, part: float, angles: tuple[float, ...]) -> tuple[float, ...]:
-    """Give what angles above the optimum (deg) cost at rated power, over the tolerance; a share of the range of speeds.
+    """Return what angles above the optimum (deg) cost at rated power, over the tolerance; a share of the speed range.
 
     NaN where an angle gives no torque any more.
     """
@@ -150,8 +150,8 @@ def _excesses(drive: DriveDocument, part: float, angles: tuple[float, ...]) -> t
     return tuple(float((found - best.current_sum) / allowed) for found in sums)
 
 
-def _beside_optimum(drive: DriveDocument) -> float:
-    """Give the least whole angle above the optimum that costs three times too much at the highest speed (deg)."""
+def _above_optimum(drive: DriveDocument) -> float:
+    """Return the least whole angle above the optimum that costs three times too much at the highest speed (deg)."""
     angles = tuple(map(float, range(1, _MOST_BESIDE)))
     excesses = zip(angles, _excesses(drive, 1.0, angles), strict=True)
     # An angle that gives no torque any more is far off, too.
@@ -159,7 +159,7 @@ def _beside_optimum(drive: DriveDocument) -> float:
 
 
 def _near_optimum(drive: DriveDocument) -> float:
-    """Give the greatest angle above the optimum that costs less than half of what is allowed at any speed (deg)."""
+    """Return the greatest angle above the optimum that costs less than half of what is allowed at any speed (deg)."""
     angles = tuple(round(_FINE_STEP * number, 2) for number in range(1, _FINE_STEPS))
     by_speed = [_excesses(drive, part, angles) for part in _SPEEDS_NEAR]
     cheap = [
@@ -172,7 +172,7 @@ BELOW_POINT: Final = Size(_below_point, "°")
 """An angle below what the required point takes."""
 ENOUGH_TO_HIGHEST: Final = Size(_enough_to_highest, "°")
 """An angle that gives rated power at the highest speed, and not beyond."""
-BESIDE_OPTIMUM: Final = Size(_beside_optimum, "°")
+ABOVE_OPTIMUM: Final = Size(_above_optimum, "°")
 """An angle above the optimum that costs too much."""
 NEAR_OPTIMUM: Final = Size(_near_optimum, "°")
 """An angle above the optimum that costs less than is allowed."""

@@ -12,7 +12,7 @@ _HALF_WORD: Final = 32.768
 
 
 def _never_overflows(drive: DriveDocument) -> str | None:
-    """Tell why 16 bits of milliamperes hold every current sum of a drive."""
+    """State why 16 bits of milliamperes hold every current sum of a drive."""
     greatest = drive.machine.phases * (drive.rating.current_limit_a + drive.inverter.hysteresis_band_a)
     if greatest >= _HALF_WORD:
         return None

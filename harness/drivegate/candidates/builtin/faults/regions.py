@@ -17,7 +17,7 @@ _MOST: Final = 90.0
 
 
 def _far_above_the_line(drive: DriveDocument) -> float:
-    """Give an angle that is 12° above the recommended line at the speed of the wrong row, or the greatest (deg)."""
+    """Return an angle that is 12° above the recommended line at the speed of the wrong row, or the greatest (deg)."""
     start, slope = advance_line(drive)
     speed = sizes.in_range(_ROW).number(drive) - sizes.BASE.number(drive)
     return min(round(degrees(start + slope * speed) + _ABOVE_THE_LINE, 1), _MOST)
@@ -33,7 +33,7 @@ FAULTS: Final = of_kind(
         size=radians(95.0),
         extent=sizes.share(0.384, sizes.RATED_SUM, digits=6),
         region=(sizes.in_range(0.68, -1.0), sizes.in_range(0.68, 1.0)),
-        told=(("middle", sizes.in_range(0.68)),),
+        numbers=(("middle", sizes.in_range(0.68)),),
         shown_by="{middle} with little load",
     ),
     Mutation(
@@ -43,7 +43,7 @@ FAULTS: Final = of_kind(
         fault=faults.WRONG_ROW,
         size=sizes.Size(_far_above_the_line, "°"),
         region=(sizes.in_range(_ROW, -0.5), sizes.in_range(_ROW, 0.5)),
-        told=(("middle", sizes.in_range(_ROW)),),
+        numbers=(("middle", sizes.in_range(_ROW)),),
         shown_by="{middle}",
     ),
     Mutation(

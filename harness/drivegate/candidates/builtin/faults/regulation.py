@@ -40,7 +40,7 @@ FAULTS: Final = of_kind(
         "Begins and ends the advance at one speed, and takes {taken} for base speed.",
         "CNV-1",
         factors=(("base_speed", 1.1), ("advance_begins", 550.0 / 510.0)),
-        told=(("taken", sizes.share(1.1, sizes.BASE, digits=6)),),
+        numbers=(("taken", sizes.share(1.1, sizes.BASE, digits=6)),),
     ),
     Mutation(
         "no-anti-windup",

@@ -60,7 +60,7 @@ FAULTS: Final = of_kind(
         "Searches by {phases} times the magnitude of the first phase's current.",
         "CNV-2",
         fault=faults.ONE_PHASE_FOR_ALL,
-        told=(("phases", sizes.PHASES),),
+        numbers=(("phases", sizes.PHASES),),
     ),
 )
 """Those of this kind."""

@@ -40,12 +40,12 @@ class Size:
     """A size that follows from the drive."""
 
     of: Quantity
-    """Gives it for a drive, in `unit`."""
+    """Return it for a drive, in `unit`."""
     unit: str = ""
     """The unit in texts; empty for a plain number."""
 
     def number(self, drive: DriveDocument) -> float:
-        """Give it as the controller takes it, in SI units."""
+        """Return it as the controller takes it, in SI units."""
         return _INTO_SI.get(self.unit, float)(self.of(drive))
 
     def words(self, drive: DriveDocument) -> str:
@@ -77,7 +77,7 @@ def _on_grid(drive: DriveDocument, lowest: float, highest: float, part: float, s
 
 @lru_cache(maxsize=_KEPT)
 def regulator(drive: DriveDocument) -> Any:
-    """Give the constants that the reference has on a drive."""
+    """Return the constants that the reference has on a drive."""
     # It brings the compiler, which the names and kinds of faults do not need.
     import numpy as np
 

@@ -30,14 +30,14 @@ FAULTS: Final = of_kind(
         "CNV-1",
         fault=faults.TORQUE_CYCLES,
         size=sizes.share(0.52, sizes.K2),
-        told=(("percent", sizes.share(52.0, sizes.K2)),),
+        numbers=(("percent", sizes.share(52.0, sizes.K2)),),
     ),
     Mutation(
         "rests-beside-the-optimum",
         "Rests {size} beside the angle that it has found.",
         "CNV-2",
         fault=faults.RESTS_BESIDE,
-        size=oracle_sizes.BESIDE_OPTIMUM,
+        size=oracle_sizes.ABOVE_OPTIMUM,
     ),
     Mutation(
         "settles-in-seven-seconds",
@@ -52,7 +52,7 @@ FAULTS: Final = of_kind(
         "Takes {taken} for the current limit of {current_limit}.",
         "CMD-1",
         factors=(("current_limit", 26.03 / 26.0),),
-        told=(("taken", sizes.share(26.03 / 26.0, sizes.CURRENT_LIMIT, digits=6)),),
+        numbers=(("taken", sizes.share(26.03 / 26.0, sizes.CURRENT_LIMIT, digits=6)),),
     ),
     Mutation(
         "power-a-billionth-off",

@@ -28,7 +28,7 @@ def holds_constant_power_beyond(record: CurrentRecord) -> Margin | None:
 
 
 def is_in(judged: JudgedSpeeds, window: SteadyWindow) -> bool:
-    """Tell whether a window is at one of the speeds that a check judges."""
+    """Return True if a window is at one of the speeds that a check judges."""
     lowest, highest = judged(window.scenario.drive)
     return lowest <= window.dwell.speed_rpm <= highest
 

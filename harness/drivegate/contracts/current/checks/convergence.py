@@ -33,7 +33,7 @@ ABOVE_BASE_SPEED = unless_speeds(above_base)
 
 
 def described(window: SteadyWindow) -> str:
-    """Tell where a window was observed; the torque of a shaft that stands means nothing."""
+    """State where a window was observed; the torque of a shaft that stands means nothing."""
     if is_stalled(window):
         return f" where {figure(window.dwell.speed_rpm)} rpm are demanded"
     torque = window.values.torque
@@ -41,17 +41,17 @@ def described(window: SteadyWindow) -> str:
 
 
 def speed_tolerance(window: SteadyWindow) -> float:
-    """Give k1 (rad/s)."""
+    """Return k1 (rad/s)."""
     return limits_of(window.scenario.drive).speed_tolerance_rpm * RADIANS_PER_RPM
 
 
 def is_stalled(window: SteadyWindow) -> bool:
-    """Tell whether the shaft stood."""
+    """Return True if the shaft stood."""
     return window.speed > 0.0 and window.values.speed_error >= _STALLED_SHARE * window.speed
 
 
 def speed_in_words(window: SteadyWindow) -> str:
-    """Tell how far the speed was off, or that the shaft stood."""
+    """State how far the speed was off, or that the shaft stood."""
     return (
         "stalled"
         if is_stalled(window)
@@ -60,7 +60,7 @@ def speed_in_words(window: SteadyWindow) -> str:
 
 
 def unseen_share(window: SteadyWindow) -> float:
-    """Give the share of the torque, and so of the current sum, that sensors cannot tell from a steady speed.
+    """Return the share of the torque, and so of the current sum, that sensors cannot tell from a steady speed.
 
     A speed that moves by one step of its measurement up or down takes the torque J·2Δω in the time of one mean.
     The step is the clock's over the time in which edges are counted.
@@ -76,7 +76,7 @@ def unseen_share(window: SteadyWindow) -> float:
 
 
 def judged_current_sum(window: SteadyWindow) -> float:
-    """Give the current sum that k2 is a share of: the mean one, or the least at a fifth of the rated power's torque.
+    """Return the current sum that k2 is a share of: the mean one, or the least at a fifth of the rated power's torque.
 
     Band, regulator and converters have a resolution in amperes, whatever the load.
     """
@@ -113,7 +113,7 @@ def window_convergence(window: SteadyWindow) -> tuple[float, str]:
 
 
 def is_feasible(window: SteadyWindow) -> bool:
-    """Tell whether some advance angle lets the plant give what the load requires."""
+    """Return True if some advance angle lets the plant give what the load requires."""
     scenario, dwell = window.scenario, window.dwell
     if isinstance(scenario.load, LockedLoad) or window.torque_required <= 0.0:
         return True
@@ -137,7 +137,7 @@ def worst_convergence(check: str, windows: Iterable[SteadyWindow]) -> Margin | N
 
 
 def is_beyond_range(window: SteadyWindow) -> bool:
-    """Tell whether a window lies above the range of constant power, where the paper requires no convergence."""
+    """Return True if a window lies above the range of constant power, where the paper requires no convergence."""
     return window.dwell.speed_rpm > window.scenario.drive.rating.highest_speed_rpm
 
 
@@ -187,7 +187,7 @@ def _excess(record: CurrentRecord, window: SteadyWindow) -> Margin:
 
 
 def _excess_in_words(mean: float, least: float, lost: str) -> str:
-    """Tell how far a current sum is from the least one; by how much it is below only with what is lost for it."""
+    """State how far a current sum is from the least one; by how much it is below only with what is lost for it."""
     excess = 100.0 * (mean / least - 1.0)
     if mean < least and not lost:
         return f"no more than the least {least:.4g} A"
@@ -195,7 +195,7 @@ def _excess_in_words(mean: float, least: float, lost: str) -> str:
 
 
 def _without_optimum(record: CurrentRecord, window: SteadyWindow, speed: float) -> str:
-    """Tell why there is no least Σ|i|."""
+    """State why there is no least Σ|i|."""
     mean, limit = window.values.current_sum, record.drive.current_limit
     if is_stalled(window):
         return f"stalled, with Σ|i| {mean:.4g} A{described(window)}"
@@ -204,7 +204,7 @@ def _without_optimum(record: CurrentRecord, window: SteadyWindow, speed: float) 
 
 
 def _lost_at_limit(record: CurrentRecord, window: SteadyWindow, speed: float) -> str:
-    """Tell that the window's angle gives the torque with less current than the limit alone; nothing if it does not."""
+    """State that the window's angle gives the torque with less current than the limit alone; nothing if it does not."""
     values = window.values
     found = point_at_torque(record.drive, speed, values.angle, values.torque, window.dwell.supply_v)
     if found.robust or not found.static:

@@ -18,27 +18,27 @@ JudgedSpeeds: TypeAlias = Callable[[DriveDocument], SpeedRange]
 
 
 def below_base(drive: DriveDocument) -> SpeedRange:
-    """Give the speeds below base speed."""
+    """Return the speeds below base speed."""
     return 0.0, math.nextafter(drive.rating.base_speed_rpm, 0.0)
 
 
 def above_base(drive: DriveDocument) -> SpeedRange:
-    """Give the speeds above base speed."""
+    """Return the speeds above base speed."""
     return drive.rating.base_speed_rpm, math.inf
 
 
 def constant_power(drive: DriveDocument) -> SpeedRange:
-    """Give the speeds at which constant power is required."""
+    """Return the speeds at which constant power is required."""
     return scale_of(drive).lowest_loaded_rpm, drive.rating.highest_speed_rpm
 
 
 def beyond_constant_power(drive: DriveDocument) -> SpeedRange:
-    """Give the speeds at which constant power is advised."""
+    """Return the speeds at which constant power is advised."""
     return math.nextafter(drive.rating.highest_speed_rpm, math.inf), drive.rating.overspeed_rpm
 
 
 def required_points(drive: DriveDocument) -> SpeedRange:
-    """Give the range of the speeds of the required points."""
+    """Return the range of the speeds of the required points."""
     speeds = [point.speed_rpm for point in limits_of(drive).points]
     return min(speeds), max(speeds)
 

@@ -13,5 +13,5 @@ FEASIBLE: Final = (
 
 
 def given_below_limit(reference: float) -> str:
-    """Tell what is lost where a current reference gives a torque, and the limit does not (A)."""
+    """State what is lost where a current reference gives a torque, and the limit does not (A)."""
     return f"{reference:.3g} A gives the torque, but a regulator at its limit may lose it"

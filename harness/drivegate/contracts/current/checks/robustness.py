@@ -17,7 +17,7 @@ _ROUNDING = 1e-9
 
 
 def claimed(drive: DriveDocument) -> dict[str, tuple[float, float]]:
-    """Give the ranges of the plant's parameters in which convergence is required, by key of `Scales`."""
+    """Return the ranges of the plant's parameters in which convergence is required, by key of `Scales`."""
     return {
         "resistance": (0.5, 2.0),
         "inductance": (0.8, 1.2),
@@ -27,7 +27,7 @@ def claimed(drive: DriveDocument) -> dict[str, tuple[float, float]]:
 
 
 def is_claimed(scales: Scales, drive: DriveDocument) -> bool:
-    """Tell whether convergence is required of a plant with such parameters."""
+    """Return True if convergence is required of a plant with such parameters."""
     ranges = claimed(drive)
     values = scales.model_dump(include=set(ranges))
     return all(

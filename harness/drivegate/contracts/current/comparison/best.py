@@ -28,7 +28,7 @@ class OraclePoint:
 
 
 def oracle_point(planned: PlannedRun) -> OraclePoint:
-    """Give the operating point of a planned run."""
+    """Return the operating point of a planned run."""
     assert planned.speed_rpm is not None, "an operating point has a speed"
     assert planned.share is not None, "an operating point has a load"
     drive = planned.scenario.drive

@@ -47,7 +47,7 @@ PHASES: Final = ("accelerating", "cruising", "slowing", "standing")
 
 @lru_cache(maxsize=_KEPT)
 def cycle_vehicle(drive: DriveDocument) -> VehicleLoad:
-    """Give the vehicle of a drive.
+    """Return the vehicle of a drive.
 
     On 1.5 kW at 1500 rpm it is a light electric scooter with its rider, 130 kg behind a gear of 3: at 50 km/h, and at
     the end of the hardest acceleration of the urban cycle, it takes what the drive can just give. Mass and drag area
@@ -87,7 +87,7 @@ def cycle_scenario(cycle: DriveCycle, drive: DriveDocument, *, noise_seed: int |
 
 
 def braking_grade(cycle: DriveCycle, drive: DriveDocument) -> Profile:
-    """Give the driver's brake as a grade of the road."""
+    """Return the driver's brake as a grade of the road."""
     points: list[tuple[float, float]] = []
     for (start, first), (end, last) in pairwise(cycle.speed_km_h):
         pieces = math.ceil((end - start) / _PIECE_S) if last < first else 1
@@ -122,7 +122,7 @@ def _grade(deceleration: float, speed: float, drive: DriveDocument, *, standing:
 
 
 def cycle_figures(scenario: Scenario, run: ClosedLoopRun) -> dict[str, Any]:
-    """Tell what a candidate spent on a cycle, and how well it followed."""
+    """Return what a candidate spent on a cycle, and how well it followed."""
     period = scenario.control_period_s
     columns = {name: run.trace[name] for name in observation.TRACE_COLUMNS}
     km_h = RADIANS_PER_RPM * cycle_vehicle(scenario.drive).lever_m * 3.6
@@ -149,7 +149,7 @@ def cycle_figures(scenario: Scenario, run: ClosedLoopRun) -> dict[str, Any]:
 
 
 def _phases(scenario: Scenario, times: Any) -> dict[str, Any]:
-    """Tell for each kind of stretch which control periods belong to it."""
+    """Return for each kind of stretch which control periods belong to it."""
     points = np.array(scenario.speed_rpm)
     stretch = np.clip(np.searchsorted(points[:, 0], times, side="right") - 1, 0, len(points) - 2)
     change = np.sign(points[stretch + 1, 1] - points[stretch, 1])

@@ -47,7 +47,7 @@ def measured(planned: PlannedRun, record: Record) -> Row:
 
 
 def steady_figures(run: ClosedLoopRun, limits: Limits) -> Row:
-    """Tell what the last steady stretch of a run came to; it is held within k1."""
+    """Return what the last steady stretch of a run came to; it is held within k1."""
     row = run.windows[-1]
     error = row.speed_error / RADIANS_PER_RPM
     return {
@@ -64,7 +64,7 @@ def steady_figures(run: ClosedLoopRun, limits: Limits) -> Row:
 
 
 def converged_after(columns: dict[str, NDArray[np.float64]], figures: Row, limits: Limits) -> float | None:
-    """Tell when a run had converged: from then on the speed is held and the angle stays near its last mean."""
+    """Return when a run had converged: from then on the speed is held and the angle stays near its last mean."""
     error = np.abs(columns["speed_rpm"] - columns["speed_reference_rpm"])
     moved = np.abs(columns["advance_deg"] - figures["advance_deg"])
     return _settled(
@@ -75,7 +75,7 @@ def converged_after(columns: dict[str, NDArray[np.float64]], figures: Row, limit
 def recovery_figures(
     columns: dict[str, NDArray[np.float64]], begins_s: float, change_s: float, limits: Limits
 ) -> Row:
-    """Tell how a candidate got over a disturbance, from when it begins and when it is over."""
+    """Return how a candidate got over a disturbance, from when it begins and when it is over."""
     times = columns["time_s"]
     error = np.abs(columns["speed_rpm"] - columns["speed_reference_rpm"])
     after = times >= change_s

@@ -83,7 +83,7 @@ def planned_runs(request: ComparisonRequest) -> tuple[PlannedRun, ...]:
 
 
 def operating_speed(drive: DriveDocument, share: float) -> float:
-    """Give the speed of an operating point (rpm) by its share, as `ComparisonEffort.speeds` has it."""
+    """Return the speed of an operating point (rpm) by its share, as `ComparisonEffort.speeds` has it."""
     scale = scale_of(drive)
     return scale.speed(share) if share <= 1.0 else scale.speed_beyond(share - 1.0)
 

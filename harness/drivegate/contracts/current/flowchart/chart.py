@@ -127,7 +127,7 @@ def _stepped(search: SearchState, direction: int, power: float, line: float, ste
 
 
 def described(sensed: Sensed, before: Sensed, profile: FlowchartProfile) -> str:
-    """Say which branch of the flowchart a decision is in."""
+    """State which branch of the flowchart a decision is in."""
     rpm = 30.0 / math.pi
     if abs(sensed.error) > profile.speed_tolerance:
         tolerance = profile.speed_tolerance * rpm

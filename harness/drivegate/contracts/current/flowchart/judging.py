@@ -189,7 +189,7 @@ def _departure(run: _ScriptRun, number: int, deviation: float, measured: str) ->
 
 
 def _deviation_text(run: _ScriptRun, number: int, options: frozenset[SearchState]) -> str:
-    """Say what is wrong with a decision."""
+    """State what is wrong with a decision."""
     begin = run.step(number)
     time = begin * run.script.control_period_s
     if _nearest(run, options, begin, begin + 1) <= ANGLE_ROUNDING:

@@ -122,7 +122,7 @@ def shortened(controller: AnyController, profile: FlowchartProfile, script: Scri
 
 
 def _simpler(script: Script) -> Iterator[Script]:
-    """Give scripts that are simpler in one thing each, what simplifies most first."""
+    """Return scripts that are simpler in one thing each, what simplifies most first."""
     rows = script.rows
     if len(rows) > 1:
         for index in range(len(rows)):

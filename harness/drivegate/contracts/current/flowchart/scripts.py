@@ -67,7 +67,7 @@ def script_of(
 
 
 def control_period(profile: FlowchartProfile) -> float:
-    """Give the control period of a script: the longest one that the search's period is a multiple of."""
+    """Return the control period of a script: the longest one that the search's period is a multiple of."""
     return profile.period / math.ceil(profile.period / LONGEST_CONTROL_PERIOD_S - 1e-9)
 
 

@@ -18,7 +18,7 @@ TORQUE_DIGITS = 3
 
 
 def coming_on(drive: DriveDocument) -> Profile:
-    """Give the shares of a load that comes on at the beginning, and stays."""
+    """Return the shares of a load that comes on at the beginning, and stays."""
     return ((0.0, 0.0), (scale_of(drive).load_ramp_s, 1.0))
 
 

@@ -219,7 +219,7 @@ def _changed(run: Scenario, row: Row, random: Random) -> Scenario:
 
 
 def _is_possible_on(drive: DriveDocument, level: str) -> bool:
-    """Tell whether a drive has what a change is about; without it, that of a row is left out."""
+    """Return True if a drive has what a change is about; without it, that of a row is left out."""
     match level:
         case "unequal halves":
             return drive.has_split_supply

@@ -66,7 +66,7 @@ class ProfileCourse:
         return tuple(points)
 
     def values(self) -> tuple[float, ...]:
-        """Give the values that it goes through."""
+        """Return the values that it goes through."""
         return self.first, *(change.value for change in self.changes)
 
     def steadier(self) -> Iterator[ProfileCourse]:

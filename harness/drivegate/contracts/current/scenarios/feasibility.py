@@ -57,7 +57,7 @@ class _Stretch(NamedTuple):
 
 
 def is_feasible(scenario: Scenario) -> bool:
-    """Tell whether the plant can give what a scenario requires wherever it goes, at some angle.
+    """Return True if the plant can give what a scenario requires wherever it goes, at some angle.
 
     Every corner of the profiles counts, however short the time spent there; a rising speed reference requires
     the torque that accelerates too. Unequal halves of the supply count as both the weaker one.
@@ -68,7 +68,7 @@ def is_feasible(scenario: Scenario) -> bool:
 
 
 def coasts(scenario: Scenario) -> bool:
-    """Tell whether the speed reference never falls faster than the shaft does by itself."""
+    """Return True if the speed reference never falls faster than the shaft does by itself."""
     if isinstance(scenario.load, LockedLoad):
         return True
     inertia = scenario.nameplate().inertia
@@ -85,7 +85,7 @@ def coasts(scenario: Scenario) -> bool:
 
 
 def is_driven_without_advance(scenario: Scenario) -> bool:
-    """Tell whether an angle of zero gives the torque wherever the reference is, or rises from, below base speed."""
+    """Return True if an angle of zero gives the torque wherever the reference is, or rises from, below base speed."""
     if isinstance(scenario.load, LockedLoad):
         return True
     base = scenario.drive.rating.base_speed_rpm
@@ -97,7 +97,7 @@ def is_driven_without_advance(scenario: Scenario) -> bool:
 
 
 def withstands_steps(scenario: Scenario) -> bool:
-    """Tell whether no load that comes at once takes the shaft below base speed before a controller can answer.
+    """Return True if no load that comes at once takes the shaft below base speed before a controller can answer.
 
     To a controller that is restarted the whole load comes at once.
     """
@@ -116,19 +116,19 @@ def _torque_added(scenario: Scenario, first: Dwell, last: Dwell) -> float:
 
 
 def _stays_fast(scenario: Scenario, conditions: Dwell, torque: float) -> bool:
-    """Tell whether a torque that nothing answers for a moment leaves the shaft above base speed."""
+    """Return True if a torque that nothing answers for a moment leaves the shaft above base speed."""
     base = scenario.drive.rating.base_speed_rpm * RADIANS_PER_RPM
     speed = conditions.speed_rpm * RADIANS_PER_RPM
     return speed <= base or speed - torque * REACTION_S / scenario.nameplate().inertia > base
 
 
 def is_fair(scenario: Scenario) -> bool:
-    """Tell whether a candidate may be judged on a scenario."""
+    """Return True if a candidate may be judged on a scenario."""
     return unfair_because(scenario) is None
 
 
 def unfair_because(scenario: Scenario) -> str | None:
-    """Tell why a candidate may not be judged on a scenario."""
+    """State why a candidate may not be judged on a scenario."""
     if scenario.initial_speed_rpm != scenario.speed_rpm[0][1]:
         return "it does not start at its speed reference"
     if not is_driven_without_advance(scenario):
@@ -220,16 +220,16 @@ def _drag(scenario: Scenario, conditions: Dwell) -> float:
     return dwell_torque(scenario, conditions) + _own_drag(drive, conditions.speed_rpm * RADIANS_PER_RPM)
 
 
-def coasted_rate(drive: DriveDocument, wanted_rpm_per_s: float) -> float:
-    """Give a rate (rpm/s) at which an unloaded shaft slows down near base speed: the wanted one, or what it coasts at.
+def coasted_rate(drive: DriveDocument, required_rpm_per_s: float) -> float:
+    """Return a rate (rpm/s) at which an unloaded shaft slows down near base speed: the required or the coasting one.
 
     It is 0 where the drive has next to no drag of its own, so that an unloaded shaft does not slow down in good time.
     """
     speed = drive.rating.base_speed_rpm * RADIANS_PER_RPM
     drag = _own_drag(_drive(drive, NOMINAL), speed)
     coasting = UNLOADED_COASTING_SHARE * drag / drive.machine.inertia_kg_m2 / RADIANS_PER_RPM
-    rate = min(wanted_rpm_per_s, coasting)
-    return rate if rate > SLOWEST_SHARE * wanted_rpm_per_s else 0.0
+    rate = min(required_rpm_per_s, coasting)
+    return rate if rate > SLOWEST_SHARE * required_rpm_per_s else 0.0
 
 
 def _own_drag(drive: AnyDrive, speed: float) -> float:
@@ -263,7 +263,7 @@ def _edge(drive: DriveDocument, scales: Scales, speed: float, torque: float, vol
 
 
 def beats_with_edges(scenario: Scenario) -> bool:
-    """Tell whether Hall edges fall on nearly the same instants of a control period, cycle after cycle, at some speed.
+    """Return True if Hall edges fall on nearly the same instants of a control period, cycle after cycle, at some speed.
 
     The instants at which the edges are seen then drift so slowly that the commutation they give moves for longer than
     the means last by which convergence is judged: Σ|i| moves by 1 % at an angle that no controller has changed.

@@ -197,7 +197,7 @@ def _rounder(quantity: Quantity) -> Simplification:
 
 
 def _grains(scenario: Scenario, quantity: Quantity) -> Iterator[float]:
-    """Give what a quantity is rounded to, the coarsest first."""
+    """Return what a quantity is rounded to, the coarsest first."""
     scale = scale_of(scenario.drive)
     match quantity:
         case "speed":

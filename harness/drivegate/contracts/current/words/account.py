@@ -21,7 +21,7 @@ _STANDING: Final = 0.02
 
 
 def account(signals: RunSignals) -> tuple[str, ...]:
-    """Give an account of a run."""
+    """Return an account of a run."""
     point = judged_point(signals)
     sentences = [_what_was_run(signals)]
     if lost_at(signals) is None:
@@ -38,7 +38,7 @@ def lost_at(signals: RunSignals) -> float | None:
 
 
 def passes_edge(signals: RunSignals) -> bool:
-    """Tell whether the angle passed the smallest one that gives the judged load."""
+    """Return True if the angle passed the smallest one that gives the judged load."""
     point = judged_point(signals)
     return point is not None and bool(_edge_passed(signals, point))
 
@@ -83,7 +83,7 @@ def _lost(signals: RunSignals, point: JudgedPoint | None) -> list[str]:
 
 
 def _not_to_blame(signals: RunSignals) -> list[str]:
-    """Say so where the speed was lost before anything disturbed the sensors."""
+    """State that the speed was lost before anything disturbed the sensors, if so."""
     disturbed = [lost.start_s for lost in signals.scenario.dropouts]
     disturbed += [glitch.time_s for glitch in signals.scenario.glitches]
     when = lost_at(signals)

@@ -43,7 +43,7 @@ def judged_point(signals: RunSignals) -> JudgedPoint | None:
 
 
 def _from_its_begin(scenario: Scenario, held: Sequence[Dwell]) -> Dwell:
-    """Give the last stretch, from where its conditions began: a sensor that fails meanwhile changes none of them."""
+    """Return the last stretch, from where its conditions began: a sensor that fails meanwhile changes none of them."""
     failures = {(lost.start_s, lost.end_s) for lost in scenario.dropouts}
     whole = held[-1]
     for earlier in reversed(held[:-1]):

@@ -29,10 +29,10 @@ def command_range(record: Record) -> Margin:
         farthest = float(np.max(np.abs(chosen / own - 1.0)))
     # Also where it is no number.
     away = farthest if farthest < GREATEST else GREATEST
-    told = f"control period changed by {100.0 * away:.3g} %"
+    finding = f"control period changed by {100.0 * away:.3g} %"
     return min(
         margin,
-        Margin("DUT-1", normalised(PERIOD_SHARE - away, PERIOD_SHARE), told),
+        Margin("DUT-1", normalised(PERIOD_SHARE - away, PERIOD_SHARE), finding),
         key=lambda one: one.value,
     )
 

@@ -136,13 +136,13 @@ def _current_excess(record: DutyRecord, window: DutyWindow) -> Margin:
 
 
 def _loss_above_least(record: DutyRecord, window: DutyWindow) -> float:
-    """Give the loss of the fundamental over the least one for its torque, less one; 0 where none is known (1)."""
+    """Return the loss of the fundamental over the least one for its torque, less one; 0 where none is known (1)."""
     own, least = losses(record, window)
     return own.loss / least.loss - 1.0 if isfinite(least.loss) and least.loss > 0.0 else 0.0
 
 
 def losses(record: DutyRecord, window: DutyWindow) -> tuple[SteadyState, SteadyState]:
-    """Give the steady state of a window's currents, and that of least loss for its torque."""
+    """Return the steady state of a window's currents, and that of least loss for its torque."""
     from drivegate_models.pm_ac.fundamental import steady_state
 
     own = steady_state(plant_of(record), window.speed, window.direct, window.quadrature)

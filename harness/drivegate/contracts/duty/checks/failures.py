@@ -85,7 +85,7 @@ def _ridden_through(record: DutyRecord, begin: int) -> Margin:
 
 
 def _claimed(record: DutyRecord) -> NDArray[np.bool_]:
-    """Tell in which control periods the controller says that it is in a safe state, shape (n,)."""
+    """Return in which control periods the controller says that it is in a safe state, shape (n,)."""
     commands = record.run.commands
     off = np.logical_and.reduce([commands[leg] == LEG_OFF for leg in LEGS])
     claimed: NDArray[np.bool_] = off | (commands["fault"] != 0)

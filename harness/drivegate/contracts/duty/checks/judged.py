@@ -39,7 +39,7 @@ def duty_record(record: Record) -> DutyRecord:
 
 
 def plant_of(record: DutyRecord) -> PmAcDrive:
-    """Give the plant that the run was made on."""
+    """Return the plant that the run was made on."""
     drive: Any = record.drive
     plant: PmAcDrive = drive
     return plant
@@ -63,5 +63,5 @@ def is_within_reach(record: DutyRecord, speed: float, link: float, torque: float
 
 
 def at(window: DutyWindow) -> str:
-    """Tell where in a run a window is."""
+    """State where in a run a window is."""
     return f"at {window.speed / RADIANS_PER_RPM:.5g} rpm, {window.start_s:.4g} to {window.end_s:.4g} s"

@@ -23,7 +23,7 @@ _UNLIMITED_V: Final = 1e9
 
 
 def undistorted(link: float) -> float:
-    """Give the greatest peak voltage of a phase that a link gives without distortion (V)."""
+    """Return the greatest peak voltage of a phase that a link gives without distortion (V)."""
     from drivegate_models.pm_ac.fundamental import LINEAR_LIMIT
 
     return LINEAR_LIMIT * link

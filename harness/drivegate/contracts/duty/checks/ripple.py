@@ -41,7 +41,7 @@ _LONGEST: Final = 2000
 
 
 def _watched(record: DutyRecord, window: DutyWindow) -> int:
-    """Give the control periods of a sixth of an electrical period, after which the torque repeats itself."""
+    """Return the control periods of a sixth of an electrical period, after which the torque repeats itself."""
     length = record.scenario.control_period_s
     turning = record.document.machine.pole_pairs * abs(window.speed) * length
     room = round((window.end_s - window.start_s) / length) - _LEAD
@@ -49,7 +49,7 @@ def _watched(record: DutyRecord, window: DutyWindow) -> int:
 
 
 def _swing(record: DutyRecord, window: DutyWindow) -> float:
-    """Give the greatest less the least torque at any instant of the end of a window (N·m)."""
+    """Return the greatest less the least torque at any instant of the end of a window (N·m)."""
     from drivegate_models.pm_ac.ripple import commanded_swing
 
     run, length, count = record.run, record.scenario.control_period_s, _watched(record, window)
@@ -184,8 +184,8 @@ def _over(
     if swing < LEAST_SWING_SHARE * record.limits.rated_torque_nm:
         return None
     ratio = swing / other
-    told = f"torque swings by {swing:.4g} N·m, {ratio:.4g} times the {other:.4g} N·m {words}, {at(window)}"
-    return Margin(check, at_most(ratio, limit), told)
+    finding = f"torque swings by {swing:.4g} N·m, {ratio:.4g} times the {other:.4g} N·m {words}, {at(window)}"
+    return Margin(check, at_most(ratio, limit), finding)
 
 
 RIP_4 = Check(

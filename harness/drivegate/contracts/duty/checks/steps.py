@@ -130,7 +130,7 @@ def _moment(record: DutyRecord, response: StepResponse) -> Moment:
 
 
 def is_free(record: DutyRecord, step: TorqueStep) -> bool:
-    """Tell whether a step is great enough to be judged, and leaves voltage for its own response."""
+    """Return True if a step is great enough to be judged, and leaves voltage for its own response."""
     smallest = SMALLEST_SHARE * record.limits.rated_torque_nm
     speed, link = step.speed_rpm * RADIANS_PER_RPM, record.document.inverter.link_voltage_v
     greatest = max(abs(step.before), abs(step.after))
@@ -173,12 +173,12 @@ def _response(record: DutyRecord, step: TorqueStep) -> StepResponse:
 
 
 def allowed_rise_s(record: DutyRecord, step: TorqueStep) -> float:
-    """Give the longest time of a step: what is stated, and what the voltage takes to move the current."""
+    """Return the longest time of a step: what is stated, and what the voltage takes to move the current."""
     return float(record.limits.rise_time_s + voltage_time_s(record, step))
 
 
 def voltage_time_s(record: DutyRecord, step: TorqueStep) -> float:
-    """Give the time in which the voltage that both ends leave moves the currents from one to the other."""
+    """Return the time in which the voltage that both ends leave moves the currents from one to the other."""
     drive = plant_of(record)
     first, last = (least_state(record, step, torque) for torque in (step.before, step.after))
     flux = hypot(

@@ -142,8 +142,8 @@ def _step_size(record: DutyRecord, step: TorqueStep) -> float:
     """Return the torque by which a release is measured: what was possible before it, at least rated torque (N·m)."""
     link = float(record.run.column("link")[step.rows.start])
     greatest = greatest_at(plant_of(record), abs(step.speed_rpm) * RADIANS_PER_RPM, link).torque
-    asked = abs(step.before)
-    before = min(asked, greatest) if isfinite(greatest) else asked
+    required = abs(step.before)
+    before = min(required, greatest) if isfinite(greatest) else required
     return max(before, record.limits.rated_torque_nm)
 
 

@@ -36,12 +36,12 @@ PERIODS_AT_A_TIME: Final = 10
 
 
 def torque_of(drive: PmAcDocument, speed_rpm: float, share: float) -> float:
-    """Give a share of rated torque at a speed (N·m)."""
+    """Return a share of rated torque at a speed (N·m)."""
     return rounded(share * rated_torque_at(drive, speed_rpm), TORQUE_DIGITS)
 
 
 def slow_torque(drive: PmAcDocument, speed_rpm: float, share: float = 1.0) -> float:
-    """Give a share of the load that a speed regulator must bear at low speed, which grows with the speed (N·m)."""
+    """Return a share of the load that a speed regulator must bear at low speed, which grows with the speed (N·m)."""
     return torque_of(drive, speed_rpm, share * slow_load_share(speed_rpm, drive))
 
 

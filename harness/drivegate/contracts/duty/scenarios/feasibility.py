@@ -41,7 +41,7 @@ _ROUNDING: Final = 0.01
 
 
 def unfair_because(scenario: Scenario) -> str | None:
-    """Tell why a candidate may not be judged on a scenario; a torque reference out of reach is judged as such."""
+    """State why a candidate may not be judged on a scenario; a torque reference out of reach is judged as such."""
     differs = scenario.scales != NOMINAL
     if differs and abs(scenario.initial_speed_rpm) > scenario.drive.rating.base_speed_rpm:
         return "it begins above base speed, on a plant that the controller does not know"

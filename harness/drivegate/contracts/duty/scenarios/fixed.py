@@ -106,7 +106,7 @@ def _failures(drive: PmAcDocument) -> list[Scenario]:
 
 
 def speed_of(drive: PmAcDocument, share: float) -> float:
-    """Give a speed between base speed (0) and the highest (1), or below (negative: -1 is standstill) (rpm)."""
+    """Return a speed between base speed (0) and the highest (1), or below (negative: -1 is standstill) (rpm)."""
     rating = drive.rating
     base, highest = rating.base_speed_rpm, rating.highest_speed_rpm
     speed = base + share * (highest - base if share >= 0.0 else base)

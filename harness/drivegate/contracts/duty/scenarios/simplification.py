@@ -38,7 +38,7 @@ def _levels(profile: Profile) -> list[float]:
 
 
 def _fields_of(made: Scenario) -> Fields:
-    """Give all that a plain scenario says, so that whatever else there was goes."""
+    """Return all that a plain scenario says, so that whatever else there was goes."""
     return {key: getattr(made, key) for key in _KEPT}
 
 

@@ -77,7 +77,7 @@ def _events_s(scenario: Scenario) -> frozenset[float]:
 
 
 def run_up_s(drive: PmAcDocument, speed_change_rpm: float, inertia_factor: float = 1.0) -> float:
-    """Give the time in which a free shaft is to have changed its speed (s)."""
+    """Return the time in which a free shaft is to have changed its speed (s)."""
     torque = drive.rating.rated_power_w / (drive.rating.highest_speed_rpm * RADIANS_PER_RPM)
     return (
         RUN_UP_SHARE

@@ -113,7 +113,7 @@ def _named(numbers: list[int]) -> str:
 
 
 def _next_step(document: Mapping[str, Any]) -> str:
-    """Tell how to see more of what is worst; of a drive that passes, what it can do."""
+    """State how to see more of what is worst; of a drive that passes, what it can do."""
     if document["failures"]:
         worst = document["failures"][0]["worst"]
         effort = "" if document["effort"] == "default" else f" --effort {document['effort']}"

@@ -55,14 +55,14 @@ class DrivesFolder(ResumedFolder):
                 raise InputError(
                     f"{where} was begun with other versions of drivegate or of what it computes with; name a new folder"
                 )
-            told = short_line(str(theirs.get(key)))
+            stored = short_line(str(theirs.get(key)))
             raise InputError(
-                f"{where} was begun with {key.replace('_', ' ')} {told}, not {value}; "
+                f"{where} was begun with {key.replace('_', ' ')} {stored}, not {value}; "
                 "name a new folder, or give the same"
             )
 
     def drive_path(self, number: int) -> Path:
-        """Give the file of a drive."""
+        """Return the file of a drive."""
         return self.place / "drives" / f"{number:03d}.toml"
 
     def keep_drive(self, number: int, drawn: DrawnDrive) -> None:

@@ -76,7 +76,7 @@ def selftest_on_drives(request: DrivesRequest, display: Display) -> dict[str, An
 
 
 def _drawn(request: DrivesRequest, folder: DrivesFolder, display: Display) -> dict[int, DrawnDrive]:
-    """Draw all drives anew, which takes a moment, and write those that are not there."""
+    """Draw all drives again, which takes a moment, and write those that are not there."""
     report_progress = with_rate(display, "drawing", request.drives, "drives")
     report_progress(0, 0)
     drawn = {}

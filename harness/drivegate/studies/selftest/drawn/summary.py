@@ -72,7 +72,7 @@ def summarised(
 
 
 def applies(trial: Mapping[str, Any]) -> bool:
-    """Tell whether a fault does something on the drive of a trial."""
+    """Return True if a fault does something on the drive of a trial."""
     return trial.get("does_not_apply") is None
 
 
@@ -82,7 +82,7 @@ def _share(happened: int, of: int) -> dict[str, Any]:
 
 
 def _failures(drives: Sequence[JudgedDrive]) -> list[dict[str, Any]]:
-    """Tell for each reason how many drives it fails, and the worst of them."""
+    """Return for each reason how many drives it fails, and the worst of them."""
     found: dict[str, list[tuple[JudgedDrive, GateRow, FailedCheck]]] = {}
     for drive in drives:
         for row in (row for row in drive.rows if not row.passed):

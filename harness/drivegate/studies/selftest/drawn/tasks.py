@@ -67,7 +67,7 @@ def _outcome(row: FaultRow) -> dict[str, Any]:
 
 
 def _broken(fault: SeededFault, error: Exception) -> dict[str, Any]:
-    """Tell of a trial that came to no end; a fault that was not judged is not caught."""
+    """Describe a trial that came to no end; a fault that was not judged is not caught."""
     outcome = {"caught": False, "runs": 0, "also_failing": [], "message": _why(error), "does_not_apply": None}
     return {"fault": fault.name, "check": fault.check} | outcome
 
@@ -85,7 +85,7 @@ def _gate(seed: int, effort: SelftestEffort) -> GateRow:
 
 
 def _why(error: Exception) -> str:
-    """Tell an error on one line, of a long text its beginning and its end."""
+    """State an error on one line, of a long text its beginning and its end."""
     text = str(error) if isinstance(error, (InputError, HarnessFault)) else f"{type(error).__name__}: {error}"
     words = " ".join(text.split())
     return words if len(words) <= 2 * _TOLD else f"{words[:_TOLD]} … {words[-_TOLD:]}"

@@ -47,7 +47,7 @@ def step(state, sense, command):
 
 @numba.njit
 def regulate(state, error):
-    """Give the current reference (A); the integral waits while the limit leaves nothing to do."""
+    """Return the current reference (A); the integral waits while the limit leaves nothing to do."""
     integral = min(max(state.integral + state.integral_step * error, 0.0), state.limit)
     reference = state.proportional * error + integral
     if reference > state.limit:
@@ -64,7 +64,7 @@ def regulate(state, error):
 
 @numba.njit
 def angle(state, speed):
-    """Give the advance angle (rad, electrical). Below base speed it must be 0 exactly (check ADV-1)."""
+    """Return the advance angle (rad, electrical). Below base speed it must be 0 exactly (check ADV-1)."""
     if speed < state.base_speed:
         return 0.0
     # Your search for the angle of least input power would add its own part here (check CNV-2).

@@ -91,7 +91,7 @@ class Controller:
     def references(
         self, reference: float, speed: float, electrical: float, voltage: float
     ) -> tuple[float, float]:
-        """Give the currents for what is asked for, as far as the limits allow (A)."""
+        """Return the currents for what is asked for, as far as the limits allow (A)."""
         error, torque = reference - speed, reference
         if not self.regulates_torque:
             self.speed_integral += self.speed_step * error
@@ -109,7 +109,7 @@ class Controller:
         return direct, between(quadrature, sqrt(self.limit * self.limit - direct * direct))
 
     def direct_for(self, torque: float, electrical: float, voltage: float) -> float:
-        """Give the direct current for a torque, at least 0 (A).
+        """Return the direct current for a torque, at least 0 (A).
 
         It is that of least magnitude, weakened as far as the voltage asks for, or that of the greatest torque where
         the limits leave less.
@@ -135,7 +135,7 @@ class Controller:
         return chosen
 
     def possible(self, direct: float, electrical: float, voltage: float) -> float:
-        """Give the greatest torque at a direct current within the limits (N·m); negative where there is none."""
+        """Return the greatest torque at a direct current within the limits (N·m); negative where there is none."""
         room = self.limit * self.limit - direct * direct
         along = electrical * (self.direct_inductance * direct + self.flux)
         reactance, resistance = electrical * self.quadrature_inductance, self.resistance
@@ -152,7 +152,7 @@ class Controller:
         return self.per_ampere(direct) * quadrature
 
     def least_current(self, torque: float) -> float:
-        """Give the direct current with which a torque takes least current (A)."""
+        """Return the direct current with which a torque takes least current (A)."""
         direct = 0.0
         if self.saliency < 1e-3 * self.direct_inductance:
             return direct
@@ -162,11 +162,11 @@ class Controller:
         return direct
 
     def per_ampere(self, direct: float) -> float:
-        """Give the torque of an ampere across the magnet's axis (N·m/A)."""
+        """Return the torque of an ampere across the magnet's axis (N·m/A)."""
         return 1.5 * self.pole_pairs * (self.flux - self.saliency * direct)
 
     def torque_at(self, degree: int) -> float:
-        """Give the torque at the current limit, by the angle of the current (N·m)."""
+        """Return the torque at the current limit, by the angle of the current (N·m)."""
         ahead = radians(degree)
         return self.per_ampere(-self.limit * sin(ahead)) * self.limit * cos(ahead)
 
@@ -177,14 +177,14 @@ def between(value: float, bound: float) -> float:
 
 
 def rotor_currents(currents: tuple[float, float, float], angle: float) -> tuple[float, float]:
-    """Give the currents along and across the magnet's axis (A)."""
+    """Return the currents along and across the magnet's axis (A)."""
     first, second, third = currents
     along, across = (2.0 * first - second - third) / 3.0, (second - third) / ROOT_THREE
     return cos(angle) * along + sin(angle) * across, cos(angle) * across - sin(angle) * along
 
 
 def duty_ratios(along: float, across: float, supply: float) -> tuple[float, float, float]:
-    """Give the duty ratios of a voltage in the frame that stands still, about the middle of the link."""
+    """Return the duty ratios of a voltage in the frame that stands still, about the middle of the link."""
     second = -0.5 * along + 0.5 * ROOT_THREE * across
     third = -0.5 * along - 0.5 * ROOT_THREE * across
     middle = 0.5 * (max(along, second, third) + min(along, second, third))

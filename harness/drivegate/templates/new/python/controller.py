@@ -33,7 +33,7 @@ class Controller:
         )
 
     def regulate(self, error: float) -> float:
-        """Give the current reference (A); the integral waits while the limit leaves nothing to do."""
+        """Return the current reference (A); the integral waits while the limit leaves nothing to do."""
         integral = min(max(self.integral + self.integral_step * error, 0.0), self.limit)
         reference = self.proportional * error + integral
         if reference > self.limit:
@@ -48,7 +48,7 @@ class Controller:
         return reference
 
     def angle(self, speed: float) -> float:
-        """Give the advance angle (rad, electrical). Below base speed it must be 0 exactly (check ADV-1)."""
+        """Return the advance angle (rad, electrical). Below base speed it must be 0 exactly (check ADV-1)."""
         if speed < self.base_speed:
             return 0.0
         # Your search for the angle of least input power would add its own part here (check CNV-2).
