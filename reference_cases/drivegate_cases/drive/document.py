@@ -13,7 +13,7 @@ from pydantic import Field, field_validator, model_validator
 
 from drivegate_cases.documents.document import Document, Section, parse_document
 from drivegate_cases.documents.overrides import parse_overrides
-from drivegate_cases.documents.wording import shown
+from drivegate_cases.documents.wording import nearest, shown
 from drivegate_cases.drive.advance import Advance, advance_line
 from drivegate_cases.drive.data_sheet import (
     Provenance,
@@ -120,6 +120,20 @@ class DriveDocument(Document):
     def _rating_follows_from_its_currents(cls, values: Any) -> Any:
         """Fill in what of the rating follows from the currents of a data sheet."""
         return completed(values, cls.model_validate) if isinstance(values, Mapping) else values
+
+    @model_validator(mode="before")
+    @classmethod
+    def _kind_is_known(cls, values: Any) -> Any:
+        """Refuse an unknown kind alone: nothing else can be judged, since the tables depend on it."""
+        # Pydantic runs the validator that is defined last before the others.
+        kind = values.get("kind") if isinstance(values, Mapping) else None
+        known = get_args(DriveDocument.model_fields["kind"].annotation)
+        if isinstance(kind, str) and kind not in known:
+            raise ValueError(
+                f"the key 'kind' is {shown(kind)}, but must be {', '.join(map(repr, known[:-1]))} or {known[-1]!r}; "
+                f"the nearest is '{nearest(kind, known)}'"
+            )
+        return values
 
     @classmethod
     def _refuse_other_kinds_key(cls, place: str, key: str, kind: object) -> None:

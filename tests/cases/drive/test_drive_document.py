@@ -171,14 +171,21 @@ def test_a_huge_provenance_is_refused_in_a_short_sentence(
     assert len(refusal(parse_document, mapping, DriveDocument, "here")) < 500
 
 
-@pytest.mark.parametrize("kind", ["pmac", "half_bridge", 5])
+@pytest.mark.parametrize("name", ["paper-5-phase", "pm-ac-surface"])
+@pytest.mark.parametrize(
+    ("kind", "closest"),
+    [("pmac", "; the nearest is 'pm-ac'"), ("half_bridge", "; the nearest is 'half-bridge'"), (5, "")],
+)
 def test_a_kind_that_there_is_not_is_refused_with_those_that_there_are(
-    refusal: Callable[..., str], kind: object
+    refusal: Callable[..., str], name: str, kind: object, closest: str
 ) -> None:
-    message = refusal(parse_document, PAPER.to_mapping() | {"kind": kind}, DriveDocument, "here")
-    assert message.endswith(
-        f"the key 'kind' is {json.dumps(kind)}, but must be 'half-bridge', 'star' or 'pm-ac'"
-    )
+    mapping = load_drive(name).to_mapping() | {"kind": kind}
+    message = refusal(parse_document, mapping, DriveDocument, "here")
+    words = f"the key 'kind' is {json.dumps(kind)}, but must be 'half-bridge', 'star' or 'pm-ac'{closest}"
+    if isinstance(kind, str):
+        assert message == f"here: {words}", "a slip in the kind must not be followed by one for each key"
+    else:
+        assert words in message
 
 
 def test_keys_of_another_kind_are_unknown(refusal: Callable[..., str]) -> None:
