@@ -56,6 +56,15 @@ class Witness:
     made_for: Callable[[Scenario], Any] | None = None
     """Make a controller in Python for one scenario, of a witness that knows the scenario; None for a candidate that
     its string names."""
+    only_on: tuple[str, ...] = ()
+    """The checks that it is heard on, where it shares the part that all others judge with an earlier witness; all
+    without any."""
+    silent_on: tuple[str, ...] = ()
+    """Checks that it is not heard on, since it shares or lacks the part that they judge."""
+
+    def is_heard_on(self, check: str) -> bool:
+        """Return True if it can tell something on a check that earlier witnesses cannot."""
+        return check not in self.silent_on and (not self.only_on or check in self.only_on)
 
 
 @dataclass(frozen=True)

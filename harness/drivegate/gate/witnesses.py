@@ -69,6 +69,11 @@ def witnesses_for(drive: DriveDocument) -> tuple[Witness, ...]:
     return tuple(witness for witness in contract_of(drive).witnesses if drive.kind in witness.kinds)
 
 
+def witnesses_on(check: str, drive: DriveDocument) -> tuple[Witness, ...]:
+    """Return those of them that are heard on a check."""
+    return tuple(witness for witness in witnesses_for(drive) if witness.is_heard_on(check))
+
+
 def accusations(
     outcomes: Iterable[CheckOutcome], runs: Sequence[JudgedRun], drive: DriveDocument
 ) -> list[Accusation]:
@@ -113,7 +118,7 @@ def hear_witnesses(loaded: JudgedCandidate, accusation: Accusation) -> Acquittal
     heard: tuple[Witness, ...] = ()
     for place, (mapping, _) in enumerate(accusation.failures):
         scenario = parse_document(mapping, Scenario, "the scenario")
-        heard = witnesses_for(scenario.drive)
+        heard = witnesses_on(accusation.check, scenario.drive)
         for witness in heard:
             margin = _margin(witness, scenario, declaration, accusation.check)
             if margin is not None and margin.met:

@@ -27,7 +27,7 @@ from drivegate.gate.witnesses import (
 )
 from drivegate.results.result import CheckOutcome, Found, Witnessed
 from drivegate.results.verdict import candidate_verdict
-from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.scenario.scenario import load_scenario
 
 PAPER = load_drive("paper-5-phase")
@@ -150,7 +150,7 @@ def test_a_witness_that_fails_as_well_contests_the_accusation(monkeypatch: pytes
 def test_the_informed_witness_meets_what_only_a_plant_that_is_known_allows(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    (informed,) = [witness for witness in witnesses.witnesses_for(PAPER) if witness.made_for is not None]
+    (informed,) = _informed(PAPER)
     monkeypatch.setattr(witnesses, "witnesses_for", lambda _drive: (informed,))
     accused = own_candidate(resolve_candidate("published"))
     weaker = LOCK_UP | {"duration_s": 16.0, "scales": {"inductance": 1.2}}
@@ -161,6 +161,26 @@ def test_the_informed_witness_meets_what_only_a_plant_that_is_known_allows(
         assert ending.witnessed.sentence().startswith(
             "informed, which knows more than its nameplate, meets it"
         )
+
+
+def _informed(drive: DriveDocument) -> list[Witness]:
+    return [witness for witness in witnesses.witnesses_for(drive) if witness.made_for is not None]
+
+
+def test_the_informed_witness_of_duty_ratios_weakens_and_brakes_as_required(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    drive = load_drive("pm-ac-interior")
+    (informed,) = _informed(drive)
+    monkeypatch.setattr(witnesses, "witnesses_for", lambda _drive: (informed,))
+    accused = own_candidate(resolve_candidate("foc-mtpa"))
+    fixed = CONTRACTS["duty"].fixed_scenarios(drive, accused.candidate.declaration)
+    (weakened,) = [run for run in fixed if run.name == "6000rpm-torque-0-2.387-0Nm"]
+    for check in ("ACC-1", "FWK-1", "FWK-3", "OVC-1", "OVC-2"):
+        ending = hear_witnesses(accused, Accusation(check, ((weakened.to_mapping(), MARGIN),)))
+        assert isinstance(ending, Defence), check
+    silent = hear_witnesses(accused, Accusation("SAF-1", ((weakened.to_mapping(), MARGIN),)))
+    assert silent == Acquittal(())
 
 
 @pytest.mark.parametrize("kind", DRIVE_KINDS.values(), ids=lambda kind: kind.name)

@@ -110,13 +110,27 @@ def _behaviour(
     return behaviour(run, duty_document(drive), step)
 
 
+_KINDS: Final = ("pm-ac",)
+
 DUTY: Final = Contract(
     name="duty",
     candidates="duty-ratio candidates",
     default_drive="pm-ac-interior",
     usual_candidate="foc",
-    witnesses=tuple(
-        Witness(name, ("pm-ac",)) for name in ("foc", "predictive-flux", "direct-torque", "foc-loss-model")
+    witnesses=(
+        Witness("foc", _KINDS),
+        # These regulate otherwise, and detect failures as the first one does.
+        *(Witness(name, _KINDS, silent_on=("SAF-1",)) for name in ("predictive-flux", "direct-torque")),
+        # This is the first one but for the currents that it chooses.
+        Witness("foc-loss-model", _KINDS, only_on=("EFF-1",)),
+        # This detects no failure.
+        Witness(
+            "informed",
+            _KINDS,
+            knows_plant=True,
+            made_for=Later("drivegate.contracts.duty.informed", "InformedController"),
+            silent_on=("SAF-1",),
+        ),
     ),
     checks=Later("drivegate.contracts.duty.checks.catalogue", "DUTY_CHECKS").value,
     families=(
