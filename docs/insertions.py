@@ -28,16 +28,16 @@ from varied_keys import (
 
 from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS
 from drivegate.candidates.builtin.faults.catalogue import MUTATIONS
-from drivegate.candidates.builtin.faults.mutation import told_on
+from drivegate.candidates.builtin.faults.mutation import text_on
 from drivegate.candidates.builtin.near import NEAR_DESIGNS
 from drivegate.commands.command_line import COMMANDS, command_line
 from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.contracts.current.scenarios.drawn.families import FAMILY_GROUPS, Family
 from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
-from drivegate.contracts.traceability import family_name, traced_checks, traced_facts
+from drivegate.contracts.traceability import family_name, traced_checks
 from drivegate.drives.drawn.kinds import DRAWN_KINDS
 from drivegate.drives.kinds import DEFAULT_DRIVE, DEFAULT_DRIVES
-from drivegate.scenarios.covering import FACTORS, IMPOSSIBLE, covering_rows
+from drivegate.scenarios.covering import FACTORS, covering_rows
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.drive.rating import FOLLOWING
 from drivegate_cases.scenario.sensors import PLAIN
@@ -47,6 +47,8 @@ from drivegate_models.contract.duty import signals as duty_signals
 DOCS: Final = Path(__file__).parent
 PLACE: Final = re.compile(r"<!-- inserted: ([\w-]+)(?: (\S+))? -->\n.*?<!-- end -->", re.DOTALL)
 LANGUAGES: Final = {".py": "python", ".sh": "sh", ".c": "c", ".h": "c", ".rs": "rust", ".toml": "toml"}
+MEASURED: Final = re.compile(r"<!-- ([\w ]+): begin -->\n.*?<!-- \1: end -->", re.DOTALL)
+"""Tables that other commands write, each named by its page."""
 SIGNALS: Final = MappingProxyType({"current": current_signals, "duty": duty_signals})
 
 
@@ -92,27 +94,20 @@ def _check_rows(contract: str, name: str) -> dict[str, str]:
         "Requirement": row["requirement"],
         "Why": row["why"],
         "Limit": f"{row['limit']} ({level})",
-        "Margin": row["formula"],
         "Judged on": row["scenarios"],
-        "Source": ", ".join(fact["id"] for fact in row["facts"]) or row["source"],
+        "Source": ", ".join(fact["id"] for fact in row["facts"]),
     }
     faults = _known_faults(contract, name)
-    return {head: _plain(text) for head, text in stated.items()} | (
+    return {head: _plain(text) for head, text in stated.items() if text} | (
         {"Faulty controllers": faults} if faults else {}
     )
 
 
 def _known_faults(contract: str, name: str) -> str:
-    """The faulty controllers for one check, each with its fault."""
-    if contract:
-        faults = {fault: found.sentence for fault, found in DUTY_FAULTS.items() if found.check == name}
-    else:
-        drive = load_drive(DEFAULT_DRIVE)
-        faults = {
-            fault.name: told_on(fault, fault.sentence, drive)
-            for fault in MUTATIONS.values()
-            if fault.check == name
-        }
+    """The faulty controllers for one check; those of duty ratios with their faults."""
+    if not contract:
+        return ", ".join(f"`faulty:{fault.name}`" for fault in MUTATIONS.values() if fault.check == name)
+    faults = {fault: found.sentence for fault, found in DUTY_FAULTS.items() if found.check == name}
     return "".join(f"\n  - `faulty:{fault}`: {_plain(sentence)}" for fault, sentence in faults.items())
 
 
@@ -120,23 +115,27 @@ def near_designs(_: str) -> str:
     """The correct controllers that are near a limit by design."""
     drive = load_drive(DEFAULT_DRIVE)
     rows = (
-        (f"`near:{design.name}`", _plain(told_on(design, design.sentence, drive)))
+        (f"`near:{design.name}`", _plain(text_on(design, design.sentence, drive)))
         for design in NEAR_DESIGNS.values()
     )
     return _table(("design", "what it does"), rows)
 
 
-def drawn_bounds(kind: str) -> str:
-    """The bounds within which drives of a kind are drawn."""
-    rows = (
-        (
-            _plain(bound.quantity),
-            f"{bound.lowest:g} to {bound.highest:g}",
-            _plain(bound.unit),
+def drawn_bounds(named: str) -> str:
+    """The bounds within which drives of each kind are drawn: ``half-bridge,star``."""
+    kinds = {kind: DRAWN_KINDS[kind].bounds for kind in named.split(",")}
+    quantities = {bound.quantity: bound.unit for bounds in kinds.values() for bound in bounds.values()}
+    rows = []
+    for quantity, unit in quantities.items():
+        ranges = (
+            next(
+                (f"{one.lowest:g} to {one.highest:g}" for one in bounds.values() if one.quantity == quantity),
+                "–",
+            )
+            for bounds in kinds.values()
         )
-        for bound in DRAWN_KINDS[kind].bounds.values()
-    )
-    return _table(("quantity", "bounds", "unit"), rows)
+        rows.append((_plain(quantity), *ranges, _plain(unit)))
+    return _table(("quantity", *kinds, "unit"), rows)
 
 
 def fixed_table(_: str) -> str:
@@ -146,20 +145,7 @@ def fixed_table(_: str) -> str:
 
 def drawn_table(_: str) -> str:
     """The families that are drawn, from the docstrings of the functions that draw them."""
-    rows = (_family(family) for group in FAMILY_GROUPS for family in group)
-    every_run = ", ".join(check.id for check in CHECKS if check.every_run)
-    return _table(("family", "drawn", f"exercises, beside {every_run}"), rows)
-
-
-def fact_table(_: str) -> str:
-    """Every fact of the paper with what covers it."""
-    rows = []
-    for fact in traced_facts():
-        by = fact["covered_by"]
-        tests = "; ".join(name.partition("::")[2].removeprefix("test_") for name in by["properties"])
-        cells = (fact["id"], fact["title"], ", ".join(by["checks"]), tests, ", ".join(by["figures"]))
-        rows.append(tuple(_plain(text.replace("_", " ")) for text in cells))
-    return _table(("fact", "stated", "checks", "tests", "figures"), rows)
+    return "\n".join(_family(family) for group in FAMILY_GROUPS for family in group)
 
 
 _WRITTEN: Final = ("schema", "name", "description")
@@ -172,7 +158,7 @@ def coverage_table(contract: str) -> str:
         if row.key in _WRITTEN or (contract and not row.families):
             continue
         if contract or row.key not in NOT_VARIED:
-            rows.append((f"`{row.key}`", _plain(_range(row))))
+            rows.append((row.key, _plain(_range(row))))
         else:
             fixed.setdefault(NOT_VARIED[row.key], []).append(f"`{row.key}`")
     reasons = (f"- {', '.join(keys)}: {_plain(reason)}" for reason, keys in fixed.items())
@@ -191,8 +177,8 @@ def signals(named: str) -> str:
         assert isinstance(field, ast.AnnAssign)
         assert isinstance(text, ast.Expr)
         assert isinstance(text.value, ast.Constant)
-        rows.append((f"`{ast.unparse(field.target)}`", _plain(str(text.value.value)).replace("`", "")))
-    return _table((record, "is"), rows)
+        rows.append((ast.unparse(field.target), _plain(str(text.value.value)).replace("`", "")))
+    return f"**{record}**\n\n{_list(rows)}"
 
 
 SHARED_OPTIONS: Final = MappingProxyType(
@@ -212,7 +198,7 @@ SHARED_OPTIONS: Final = MappingProxyType(
 
 def shared_options(_: str) -> str:
     """The options that several commands have."""
-    return _table(("option", "does"), ((f"`{name}`", text) for name, text in SHARED_OPTIONS.items()))
+    return _list(SHARED_OPTIONS.items())
 
 
 def command_table(_: str) -> str:
@@ -241,17 +227,14 @@ def signal_table(_: str) -> str:
 
 
 def joint_table(_: str) -> str:
-    """The factors that are varied jointly, and the pairs that are impossible."""
+    """The factors that are varied jointly."""
     factors = (
         (factor, _plain(", ".join(levels)), str(sum(row[factor] != levels[0] for row in covering_rows())))
         for factor, levels in FACTORS.items()
     )
-    pairs = (
-        (_plain(" with ".join(f"{factor} {level}" for factor, level in sorted(pair))), _plain(reason))
-        for pair, reason in IMPOSSIBLE.items()
+    return _table(
+        ("factor", "levels, the plain one first", f"rows of {len(covering_rows())} that change it"), factors
     )
-    heads = ("factor", "levels, the plain one first", f"rows of {len(covering_rows())} that change it")
-    return f"{_table(heads, factors)}\n\n{_table(('impossible pair', 'reason'), pairs)}"
 
 
 def _range(row: Varied) -> str:
@@ -267,14 +250,12 @@ def _range(row: Varied) -> str:
 def drive_keys(kind: str) -> str:
     """Every key of a PM AC drive, or those of the other kinds that differ from it."""
     rows = _key_rows(DriveDocument.of_kind({"kind": "pm-ac"}))
-    if kind != "pm-ac":
-        rows = [row for row in _key_rows(DriveDocument) if row not in rows]
-    return _table(("key", "is", "left out"), rows)
+    return _list(rows if kind == "pm-ac" else [row for row in _key_rows(DriveDocument) if row not in rows])
 
 
-def _key_rows(document: type[DriveDocument]) -> list[tuple[str, str, str]]:
+def _key_rows(document: type[DriveDocument]) -> list[tuple[str, str]]:
     return [
-        (f"`{prefix}{key}`", _plain(field.description or ""), _left_out_of_drive(key, field))
+        (f"{prefix}{key}", _key_text(field, optional=key in FOLLOWING or not field.is_required()))
         for prefix, model in (
             ("", document),
             *((f"{name}.", table) for name, table in document.tables.items()),
@@ -284,30 +265,19 @@ def _key_rows(document: type[DriveDocument]) -> list[tuple[str, str, str]]:
     ]
 
 
-def _left_out_of_drive(key: str, field: FieldInfo) -> str:
-    return "follows" if key in FOLLOWING else _left_out(field.is_required(), field.default)
-
-
-def _left_out(required: bool, default: object) -> str:
-    if required:
-        return "refused"
-    if isinstance(default, str):
-        return default
-    return f"{default:g}" if isinstance(default, int | float) else "none"
+def _key_text(field: FieldInfo, *, optional: bool) -> str:
+    """Describe a key, with what holds where it is left out."""
+    text = _plain(field.description or "")
+    stated = field.default if isinstance(field.default, str | int | float) else None
+    if not optional or (stated is None and "by default" in text):
+        return text
+    return f"{text} ({'optional' if stated is None else f'{stated:g}' if not isinstance(stated, str) else stated})"
 
 
 def sensor_keys(kind: str) -> str:
     """Every key of a kind of sensors."""
-    rows = [
-        (
-            f"`{key}`",
-            _plain(field.description or ""),
-            "–" if field.default is None else _left_out(False, field.default),
-        )
-        for key, field in type(PLAIN[kind]).model_fields.items()
-        if key != "kind"
-    ]
-    return _table(("key", "is", "left out"), rows)
+    fields = type(PLAIN[kind]).model_fields
+    return _list((key, _key_text(field, optional=True)) for key, field in fields.items() if key != "kind")
 
 
 def source(path: str) -> str:
@@ -330,7 +300,6 @@ INSERTED: Final = MappingProxyType(
         "drawn-bounds": drawn_bounds,
         "fixed-scenarios": fixed_table,
         "drawn-scenarios": drawn_table,
-        "fact-table": fact_table,
         "coverage-table": coverage_table,
         "signal-table": signal_table,
         "signals": signals,
@@ -368,18 +337,17 @@ def renewed(text: str, made: MappingProxyType[str, Callable[[str], str]] = INSER
     return PLACE.sub(inserted, text)
 
 
-def _family(family: Family) -> tuple[str, str, str]:
-    """Take a family's words from the docstring of its function."""
+def _family(family: Family) -> str:
+    """Describe a family in the words of its function's docstring."""
     text = inspect.getdoc(family) or ""
     summary = text.partition("\n")[0].removeprefix("Draw ").rstrip(".")
     returned = re.search(r"Of scenarios ?(.*?)\.?(\n\n|\Z)", text, re.DOTALL)
     detail = "" if returned is None else " ".join(returned[1].split())
-    name = family_name(family.__name__)
-    return (
-        name,
-        _plain(f"{summary}: {detail}" if detail else summary),
-        ", ".join(sorted(check.id for check in CHECKS if name in check.families)),
-    )
+    return f"- {family_name(family.__name__)}: {_plain(f'{summary}: {detail}' if detail else summary)}"
+
+
+def _list(rows: Iterable[tuple[str, str]]) -> str:
+    return "\n".join(f"- `{name}`: {text}" for name, text in rows)
 
 
 def _table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
@@ -393,13 +361,13 @@ def _plain(text: str) -> str:
 
 
 def words(text: str) -> tuple[int, int]:
-    """Count the words of a page: by hand, and inserted."""
-    inserted = sum(len(place[0].split()) for place in PLACE.finditer(text))
-    return len(text.split()) - inserted, inserted
+    """Count the words of a page: by hand, and generated."""
+    generated = sum(len(place[0].split()) for kind in (PLACE, MEASURED) for place in kind.finditer(text))
+    return len(text.split()) - generated, generated
 
 
 def word_counts() -> dict[str, tuple[int, int]]:
-    """Count the words of every page: by hand, and inserted."""
+    """Count the words of every page: by hand, and generated."""
     return {
         page.relative_to(DOCS).as_posix(): words(page.read_text(encoding="utf-8"))
         for page in sorted(DOCS.rglob("*.md"))
@@ -409,8 +377,8 @@ def word_counts() -> dict[str, tuple[int, int]]:
 def _print_words() -> None:
     counts = word_counts()
     total = tuple(sum(column) for column in zip(*counts.values(), strict=True))
-    for name, (by_hand, inserted) in {**counts, "all": total}.items():
-        sys.stdout.write(f"{by_hand:6} by hand {inserted:6} generated  {name}\n")
+    for name, (by_hand, generated) in {**counts, "all": total}.items():
+        sys.stdout.write(f"{by_hand:6} by hand {generated:6} generated  {name}\n")
 
 
 if __name__ == "__main__":
