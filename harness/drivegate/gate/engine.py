@@ -194,11 +194,7 @@ def check_candidate(
     def ends() -> bool:
         return is_ended() or progress.is_overdue()
 
-    kinds = uncompiled_kinds([judged_on])
-    if kinds:
-        yield Compiling(kinds)
-        with suppress(WorkEnded):
-            compile_kernels(kinds, ends)
+    yield from _compile_missing(judged_on, ends)
     with WorkerPool(candidate, workers=count, on_slow=on_slow, is_ended=ends) as pool:
         yield Running()
         try:
@@ -258,6 +254,14 @@ def _drive_from(candidate: Candidate, named: DriveDocument | None) -> DriveFrom:
     if named is not None:
         return "user"
     return "default" if candidate.drive is None else "manifest"
+
+
+def _compile_missing(drive: DriveDocument, is_ended: Callable[[], bool]) -> Iterator[Event]:
+    kinds = uncompiled_kinds([drive])
+    if kinds:
+        yield Compiling(kinds)
+        with suppress(WorkEnded):
+            compile_kernels(kinds, is_ended)
 
 
 def _run_all(pool: WorkerPool, work: Sequence[Work], progress: _Progress) -> Iterator[Event]:
