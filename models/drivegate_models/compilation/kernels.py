@@ -57,7 +57,7 @@ def cache_key() -> str:
     digest = hashlib.sha256(_digest_of_sources().encode())
     for package in ("numba", "numpy", "llvmlite"):
         digest.update(importlib.metadata.version(package).encode())
-    digest.update(f"{sys.version}{platform.machine()}{requested_target()}".encode())
+    digest.update(f"{sys.implementation.cache_tag}{platform.machine()}{requested_target()}".encode())
     return digest.hexdigest()[:16]
 
 
@@ -117,6 +117,7 @@ KEEPS_CACHE = _FOLDER is not None
 
 import numba  # noqa: E402  (target and cache folder must be known before numba is imported)
 from numba.core import caching  # noqa: E402
+from numba.core.runtime import nrt  # noqa: E402
 
 # If other code imported numba first, numba has already read the variables.
 adopt_target(vars(numba.config))
@@ -235,16 +236,40 @@ def _trusted_content(path: str) -> bytes | None:
     return content if is_trusted else None
 
 
+def _load_overload(self: Any, signature: Any, target_context: Any) -> Any:
+    """Load compiled code without numba's libraries, which only a compilation needs and which take long to import."""
+    if _is_own(self._py_func):
+        nrt.rtsys.initialize(target_context)
+    else:
+        target_context.refresh()
+    with self._guard_against_spurious_io_errors():
+        return self._load_overload(signature, target_context)
+
+
+# This also applies to functions called by address, which numba's own decorator caches.
+caching.Cache.load_overload = _load_overload  # type: ignore[method-assign]
+
+
 class _KernelCache(caching.FunctionCache):
-    """numba's cache of a function's compiled code, safe with several processes that compile at once."""
+    """numba's cache of a function's compiled code, safe with several processes that compile at once.
+
+    It is completed when it is first used. Most kernels of a process are part of another one's compiled code.
+    """
 
     def __init__(self, function: Callable[..., object], purpose: str) -> None:
-        super().__init__(function)
+        self._py_func = function
+        self._purpose = purpose
+
+    def __getattr__(self, name: str) -> Any:
+        if name not in ("_name", "_impl", "_cache_path", "_cache_file", "_enabled"):
+            raise AttributeError(name)
+        super().__init__(self._py_func)
         self._cache_file = _FilesNamedByContent(
             cache_path=self._cache_path,
-            filename_base=self._impl.filename_base + purpose,
+            filename_base=self._impl.filename_base + self._purpose,
             source_stamp=self._impl.locator.get_source_stamp(),
         )
+        return getattr(self, name)
 
     def _index_key(self, signature: Any, codegen: Any) -> Any:
         """Distinguish functions of one factory by their closure, and kernels in it by their code.

@@ -132,7 +132,7 @@ def _command(
     return copy_command(exchange, room.ratios, room.legs, delay), restarted
 
 
-@inlined
+@unallocating
 def _settle_before_start(
     drive: PmAcDrive, phases: PmAcPhases, load: Load, schedule: Schedule, timing: DutyTiming, room: DutyRoom
 ) -> int:
@@ -257,7 +257,6 @@ def _run_from_initial_state(
     return COMPLETED, timing.steps
 
 
-@unallocating
 def run_periods(
     drive: PmAcDrive,
     phases: PmAcPhases,
@@ -280,6 +279,8 @@ def run_periods(
     `schedule`: external conditions. The supply is half of the link voltage, and the speed is the reference. `torque`:
     torque reference (N m). Returns `status`, `steps`: `COMPLETED` or the reason for an early end, and the number of
     completed control periods.
+
+    This function is not compiled: as one kernel, both parts would pass through the compiler a second time.
     """
     if _settle_before_start(drive, phases, load, schedule, timing, room):
         return PLANT_FAULT, 0
