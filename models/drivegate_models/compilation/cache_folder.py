@@ -22,6 +22,8 @@ KERNELS_VARIABLE: Final = "DRIVEGATE_KERNELS"
 KEY: Final = re.compile("[0-9a-f]{16}")
 """Name of a folder of compiled code: a key of the sources and of the compiler's versions."""
 
+PACKAGED: Final = Path(__file__).resolve().parents[1] / "compiled"
+"""Folder with the compiled kernels that a wheel may carry, in a folder for each key."""
 _ROOT: Final = 0
 _WRITABLE_BY_OTHERS: Final = stat.S_IWGRP | stat.S_IWOTH
 
@@ -40,8 +42,8 @@ def choose_folder(key: str) -> CacheChoice:
     """Choose the folder for compiled code, and create it with access for its owner alone.
 
     The order is: `DRIVEGATE_CACHE`, `NUMBA_CACHE_DIR`, `XDG_CACHE_HOME/drivegate`, `~/.cache/drivegate`, and
-    `drivegate-UID` in the folder for temporary files. Code that root has compiled in an earlier one for all users, for
-    example in a container image, is copied.
+    `drivegate-UID` in the folder for temporary files. An empty folder is filled with copies of code that root has
+    compiled in an earlier one for all users, for example in a container image, or that was installed with drivegate.
 
     `key`: key of the sources and of the compiler's versions, used as the folder's name inside the first usable one.
     Result: the folder, and the reasons why others are not used.
@@ -50,7 +52,7 @@ def choose_folder(key: str) -> CacheChoice:
     for parent, is_own in _parents():
         reason = _why_unusable(parent, key, is_own)
         if not reason:
-            _copy_compiled(refusals, parent / key)
+            _copy_compiled((*refusals, PACKAGED), parent / key)
             return CacheChoice(parent / key, tuple(refusals.values()))
         refusals[parent] = f"{parent} {reason}"
     return CacheChoice(None, tuple(refusals.values()))
@@ -96,7 +98,7 @@ def _why_unusable(parent: Path, key: str, is_own: bool) -> str:
 
 
 def _copy_compiled(parents: Iterable[Path], folder: Path) -> None:
-    """Fill an empty folder with the compiled code of the first trusted folder that cannot be written."""
+    """Fill an empty folder with the compiled code of the first trusted folder that has some."""
     with contextlib.suppress(OSError):
         for parent in parents:
             source = parent / folder.name

@@ -144,6 +144,21 @@ def test_what_root_has_compiled_for_all_users_is_copied(home: Path, monkeypatch:
     assert list(in_home(home).iterdir()) == [], "others could have put it there"
 
 
+def test_what_was_installed_with_drivegate_is_copied(home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    installed = home / "site-packages"
+    monkeypatch.setattr("drivegate_models.compilation.cache_folder.PACKAGED", installed)
+    (installed / KEY).mkdir(parents=True)
+    (installed / KEY / "kernel.nbi").write_text("code", encoding="utf-8")
+    (installed / KEY).chmod(0o777)
+    assert choose_folder(KEY).folder == in_home(home)
+    assert list(in_home(home).iterdir()) == [], "others could have put it there"
+    (installed / KEY).chmod(0o755)
+    for _ in range(2):
+        assert choose_folder(KEY).folder == in_home(home)
+        assert (in_home(home) / "kernel.nbi").read_text(encoding="utf-8") == "code"
+        (in_home(home) / "kernel.nbi").write_text("code", encoding="utf-8")
+
+
 def test_numba_uses_the_next_folder(home: Path) -> None:
     (home / "file").touch()
     command = "from drivegate_models.machine.winding_current import phi4; print(phi4._cache.cache_path)"
