@@ -26,7 +26,11 @@ if TYPE_CHECKING:
 
 @click.command("bench")
 @click.option("--quick", is_flag=True, help="Few and short rounds, and the gate at quick effort.")
-@click.option("--cold", is_flag=True, help="Measure the gate with nothing compiled yet, too.")
+@click.option(
+    "--cold",
+    is_flag=True,
+    help="Also measure a check on each kind of drive, warm and with nothing compiled.",
+)
 @click.option(
     "--only",
     "names",
@@ -119,12 +123,15 @@ def _command(program: str, quick: bool, cold: bool, names: tuple[str, ...]) -> s
 
 
 def _measured(plan: Sequence[Planned], bench: Workbench) -> list[BenchRow]:
+    from drivegate.drives.kinds import DRIVE_KINDS
     from drivegate.gate.warm_up import compile_missing
     from drivegate.output.progress import progress_on
+    from drivegate_cases.drive.drive_document import load_drive
 
     # A gate starts its own processes; everything else is compiled by the first round, which is not timed.
-    if any(one.name.startswith("gate.") for one in plan):
-        compile_missing()
+    names = {one.name for one in plan}
+    warm = [kind for kind in DRIVE_KINDS.values() if f"gate.warm.{kind.name}" in names]
+    compile_missing(load_drive(kind.default_drive) for kind in warm)
     rows = []
     with progress_on(sys.stderr) as display:
         display.begin("bench", len(plan))

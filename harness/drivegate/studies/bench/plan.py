@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, Final
 
+from drivegate.contracts.catalogue import CONTRACTS
+from drivegate.drives.kinds import DEFAULT_KIND, DRIVE_KINDS
 from drivegate.drives.running import run_scenario
 from drivegate.studies.bench.loop_rates import (
     CANDIDATES,
@@ -220,17 +222,22 @@ def _points_setting(quick: bool) -> str:
 
 def _processes(quick: bool, cold: bool) -> list[Planned]:
     effort = "quick" if quick else "default"
+    measured = (
+        [(kind, state) for kind in DRIVE_KINDS.values() for state in ("warm", "cold")]
+        if cold
+        else [(DEFAULT_KIND, "warm")]
+    )
     gates = [
         Planned(
-            f"gate.{state}",
-            f"check reference, {state}",
+            f"gate.{state}.{kind.name}",
+            f"check {CONTRACTS[kind.contract].usual_candidate} on {kind.default_drive}, {state}",
             f"{effort} effort",
             "s",
             "less",
             None if quick else GATE_BARS[state],
-            partial(gate_time, effort=effort, cold=state == "cold"),
+            partial(gate_time, effort=effort, kind=kind, cold=state == "cold"),
         )
-        for state in (("warm", "cold") if cold else ("warm",))
+        for kind, state in measured
     ]
     shown = partial(start_time, words=help_words(), expected="Commands")
     imported = partial(

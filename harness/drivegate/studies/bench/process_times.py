@@ -11,6 +11,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Final
 
+from drivegate.contracts.catalogue import CONTRACTS
+from drivegate.drives.drive_kind import DriveKind
 from drivegate.studies.bench.measurement import Correctness, NotMeasured, Value, duration
 from drivegate.studies.bench.workbench import Workbench
 
@@ -40,16 +42,17 @@ def help_words() -> tuple[str, ...]:
     return ("-c", _COMMAND_LINE, "--help")
 
 
-def gate_time(bench: Workbench, effort: str, *, cold: bool) -> Value:
-    """Measure one whole gate: ``drivegate check reference``."""
-    output = bench.scratch / f"gate-{'cold' if cold else 'warm'}"
+def gate_time(bench: Workbench, effort: str, *, kind: DriveKind, cold: bool) -> Value:
+    """Measure ``drivegate check`` of the usual candidate on the default drive of a kind, with the report's pages."""
+    output = bench.scratch / f"gate-{kind.name}-{'cold' if cold else 'warm'}"
+    check = ("check", CONTRACTS[kind.contract].usual_candidate, "--drive", kind.default_drive)
     environment = dict(os.environ)
     if cold:
         # Whatever names a folder of compiled code here must not lead there.
         for name in CACHE_VARIABLES:
             environment.pop(name, None)
-        environment["DRIVEGATE_CACHE"] = str(bench.scratch / "nothing-compiled")
-    words = ("-c", _COMMAND_LINE, "check", "reference", "--effort", effort, "--output", str(output), "--json")
+        environment["DRIVEGATE_CACHE"] = str(bench.scratch / f"nothing-compiled-{kind.name}")
+    words = ("-c", _COMMAND_LINE, *check, "--effort", effort, "--output", str(output), "--json")
     began = time.perf_counter()
     code, out = _ended(words, bench.scratch, environment)
     seconds = time.perf_counter() - began

@@ -4,6 +4,7 @@ import json
 
 import pytest
 
+from drivegate.drives.kinds import HALF_BRIDGE
 from drivegate.studies.bench import loop_rates, process_times
 from drivegate.studies.bench.measurement import Correctness, NotMeasured, Value
 from drivegate.studies.bench.plan import Planned
@@ -160,13 +161,13 @@ def test_a_gate_is_right_only_with_its_verdict(workbench, monkeypatch):
         monkeypatch.setattr(process_times, "_ended", run)
 
     ended(0, "pass")
-    assert gate_time(workbench, "quick", cold=False).correctness.valid
+    assert gate_time(workbench, "quick", kind=HALF_BRIDGE, cold=False).correctness.valid
     ended(1, "fail")
-    assert not gate_time(workbench, "quick", cold=False).correctness.valid
-    assert seen[0][0][2:4] == ("check", "reference")
+    assert not gate_time(workbench, "quick", kind=HALF_BRIDGE, cold=False).correctness.valid
+    assert seen[0][0][2:6] == ("check", "reference", "--drive", "paper-5-phase")
     monkeypatch.setenv("NUMBA_CACHE_DIR", "/nowhere")
     ended(0, "pass")
-    gate_time(workbench, "quick", cold=True)
+    gate_time(workbench, "quick", kind=HALF_BRIDGE, cold=True)
     environment = seen[-1][1]
     assert "NUMBA_CACHE_DIR" not in environment, "it would win over the empty folder"
     assert environment["DRIVEGATE_CACHE"].startswith(str(workbench.scratch))

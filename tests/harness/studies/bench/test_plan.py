@@ -2,6 +2,7 @@
 
 import pytest
 
+from drivegate.drives.kinds import DRIVE_KINDS
 from drivegate.studies.bench.plan import chosen, planned
 from drivegate_models.errors import InputError
 
@@ -18,7 +19,8 @@ def test_every_candidate_speed_and_sensor_is_measured():
         for speed in (500, 1000, 1500, 2000)
         for sensors in ("ideal", "mcs96")
     }
-    others = {"steady.band", "steady.ideal", "oracle.least-sum", "gate.warm", "gate.cold", "start.help"}
+    others = {"steady.band", "steady.ideal", "oracle.least-sum", "start.help"}
+    others |= {f"gate.{state}.{kind}" for state in ("warm", "cold") for kind in DRIVE_KINDS}
     others |= {"start.import", "memory.run", "overhead.python"}
     others |= {"star.loop.500", "star.loop.1000", "star.loop.1500", "star.steady"}
     assert others <= set(NAMES)
@@ -33,12 +35,14 @@ def test_bars_are_those_of_the_design():
     assert bars["loop.exec.1500.ideal"] == 3.0
     assert bars["overhead.python"] == 5.0
     assert bars["steady.band"] == bars["steady.ideal"] == 50_000.0
-    assert (bars["gate.warm"], bars["gate.cold"], bars["start.help"]) == (60.0, 120.0, 0.3)
+    gates = (bars["gate.warm.half-bridge"], bars["gate.cold.pm-ac"])
+    assert (*gates, bars["start.help"]) == (60.0, 120.0, 0.3)
     assert bars["start.import"] == 0.15
 
 
 def test_the_cold_gate_is_measured_only_where_requested():
-    assert set(NAMES) - {one.name for one in planned(quick=False, cold=False)} == {"gate.cold"}
+    asked = set(NAMES) - {one.name for one in planned(quick=False, cold=False)}
+    assert asked == {name for name in NAMES if name.startswith("gate.")} - {"gate.warm.half-bridge"}
 
 
 def test_quick_work_is_another_setting():

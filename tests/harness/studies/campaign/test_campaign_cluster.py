@@ -47,7 +47,7 @@ def cluster(folder: Path):
 
 
 def test_a_killed_worker_costs_no_result_and_the_bytes_are_the_local_ones(
-    write, start, finish_alone, folder, cluster, bytes_of
+    write, start, finish, folder, cluster, bytes_of
 ):
     address, workers = cluster
     file = write(
@@ -57,7 +57,7 @@ def test_a_killed_worker_costs_no_result_and_the_bytes_are_the_local_ones(
         runs_per_file=2,
         checks=["CMD-1", "ROB-1"],
     )
-    finish_alone(file, "local", 1)
+    finish(file, "local")
     process = start("campaign", file, "--output", "out", "--backend", "dask", "--scheduler", address)
     wait_until(lambda: any((folder / "out").rglob("*.parquet")), process)
     os.kill(workers[0].pid, signal.SIGKILL)
@@ -68,6 +68,7 @@ def test_a_killed_worker_costs_no_result_and_the_bytes_are_the_local_ones(
     assert out == local, f"these differ: {[name for name in local if out.get(name) != local[name]]}"
 
 
-def test_no_scheduler_is_one_sentence(write, refused):
+def test_no_scheduler_is_one_sentence(write, refused, monkeypatch):
+    monkeypatch.setattr("drivegate.containment.backend._CONNECTION_SECONDS", 1.0)
     sentence = refused(write(), "--backend", "dask", "--scheduler", "tcp://127.0.0.1:9")
     assert "no dask scheduler answers at tcp://127.0.0.1:9" in sentence

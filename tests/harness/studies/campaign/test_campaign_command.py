@@ -18,9 +18,9 @@ from drivegate_cases.drive.drive_document import load_drive
 from drivegate_reports.campaign.report import REPORT_FILE
 
 
-def test_the_bytes_do_not_depend_on_the_number_of_workers(write, finish_alone, folder, bytes_of):
+def test_the_bytes_do_not_depend_on_the_number_of_workers(write, finish, finish_alone, folder, bytes_of):
     file = write(candidates=["reference", "controllers.py:Counting"], draws=4)
-    finish_alone(file, "one", 1)
+    finish(file, "one")
     summary = finish_alone(file, "two", 2)
     one, two = bytes_of(folder / "one"), bytes_of(folder / "two")
     assert one == two, f"these differ: {[name for name in one | two if one.get(name) != two.get(name)]}"

@@ -29,12 +29,12 @@ def wait_for(output: Path, files: int, process) -> None:
         time.sleep(0.01)
 
 
-def test_killed_at_any_moment_it_goes_on_to_the_same_bytes(write, start, finish_alone, folder, bytes_of):
+def test_killed_at_any_moment_it_goes_on_to_the_same_bytes(write, start, finish, folder, bytes_of):
     # Of short runs nothing would be left to go on with a tenth of a second later.
-    minute = load_scenario("fig5-search").replaced(name="minute", duration_s=60.0)
-    (folder / "minute.json").write_text(minute.to_json(), encoding="utf-8")
-    file = write(cases=["minute.json"], draws=DRAWS, runs_per_file=1, checks=["CMD-1", "ROB-1"])
-    finish_alone(file, "whole", 1)
+    long = load_scenario("fig5-search").replaced(name="long", duration_s=30.0)
+    (folder / "long.json").write_text(long.to_json(), encoding="utf-8")
+    file = write(cases=["long.json"], draws=DRAWS, runs_per_file=1, checks=["CMD-1", "ROB-1"])
+    finish(file, "whole")
     chance = random.Random(5)
     output = folder / "out"
     process = start("campaign", file, "--output", "out", "--workers", 2)
@@ -46,12 +46,12 @@ def test_killed_at_any_moment_it_goes_on_to_the_same_bytes(write, start, finish_
     kept = results(output)
     assert len(kept) < DRAWS, "it was killed when all was done"
     assert (output / LOCK).exists(), "a killed campaign cannot tidy up, and the next one must cope"
-    document = finish_alone(file, "out", 2)
+    document = finish(file, "out")
     assert document["timing"]["runs_made"] == DRAWS - len(kept)
     finished = results(output)
     assert {path: finished.get(path) for path in kept} == kept, "finished files must not be touched"
     assert bytes_of(output) == bytes_of(folder / "whole")
-    again = finish_alone(file, "out", 2)
+    again = finish(file, "out")
     assert again["timing"]["runs_made"] == 0
 
 
