@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from drivegate.candidates.contract import AnyNameplate, ContractName, require_nameplate_of
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind
+from drivegate.candidates.native.global_state import GlobalState
 from drivegate_models.contract.current.records import STATE_ALIGNMENT, nameplate_record
 from drivegate_models.contract.duty.records import duty_nameplate_record
 from drivegate_models.contract.duty.signals import DutyNameplate
@@ -49,7 +50,8 @@ def same_arithmetic() -> Iterator[None]:
 class NativeController:
     """One instance of a native candidate: its state, and the functions that it shares.
 
-    The state is zeroed once, here; forgetting an earlier run is for the candidate's reset.
+    The state is zeroed once, here; forgetting an earlier run is for the candidate's reset. A candidate without such a
+    state has it in global variables, which are put back to their initial values before each reset.
 
     Attributes
     ----------
@@ -64,9 +66,15 @@ class NativeController:
     """
 
     def __init__(
-        self, step_address: int, reset: ResetFunction, state_size: int, contract: ContractName = "current"
+        self,
+        step_address: int,
+        reset: ResetFunction,
+        state_size: int,
+        contract: ContractName = "current",
+        variables: GlobalState | None = None,
     ) -> None:
         self.contract = contract
+        self._variables = variables
         self.step_address = step_address
         self.state_size = state_size
         self._fault: Fault | None = None
@@ -84,6 +92,8 @@ class NativeController:
         """Have the candidate prepare for a run; a nameplate of another contract is refused."""
         require_nameplate_of(self.contract, nameplate)
         record = record_of(nameplate)
+        if self._variables is not None:
+            self._variables.restore()
         with same_arithmetic():
             status = self._reset(self.state_address, record.ctypes.data)
         self._fault = self._why_not_reset(status)

@@ -10,6 +10,7 @@ from drivegate.candidates.contract import HEADERS, ContractName
 from drivegate.candidates.controller import Controller
 from drivegate.candidates.fault import bounded_line
 from drivegate.candidates.native.controller import RESETS, STEPS, NativeController, same_arithmetic
+from drivegate.candidates.native.global_state import GlobalState
 from drivegate_cases.documents.wording import one_line
 from drivegate_models.contract.current.records import ABI_MAJOR, ABI_MINOR
 from drivegate_models.errors import HarnessFault, InputError
@@ -26,7 +27,8 @@ _VERSIONS_IN_ONE: Final = 1000
 def load_controller(candidate: Candidate) -> Controller:
     """Make a new instance of a native candidate; its library is loaded once a process.
 
-    A candidate whose state is in globals has one instance in a process, which is returned again.
+    A candidate whose state is in globals has one instance in a process, which is returned again. Each of its resets
+    begins with the values that the globals have after loading.
     """
     if not isinstance(candidate.details, NativeBuild):
         raise HarnessFault(f"the candidate {candidate.name} of kind {candidate.kind} was not built")
@@ -43,9 +45,9 @@ def _instance_of(library: Path, name: str) -> NativeController:
             f"{name}: drivegate_state_size returned {size}, but must return the size of the state in bytes, "
             f"0 to {LARGEST_STATE}"
         )
-    return (
-        _new_instance(functions, contract, size) if size else _single_instance(library, functions, contract)
-    )
+    if size:
+        return _new_instance(functions, contract, size)
+    return _single_instance(library, name, functions, contract)
 
 
 def require_version(version: int, name: str) -> None:
@@ -59,17 +61,20 @@ def require_version(version: int, name: str) -> None:
 
 
 @cache
-def _single_instance(
-    library: Path,  # noqa: ARG001  (tells libraries apart)
-    functions: Any,
-    contract: ContractName,
+def _single_instance(library: Path, name: str, functions: Any, contract: ContractName) -> NativeController:
+    variables = GlobalState(library)
+    if variables.size > LARGEST_STATE:
+        raise InputError(
+            f"{name} has {variables.size} bytes of global variables, but a state may have at most {LARGEST_STATE}"
+        )
+    return _new_instance(functions, contract, 0, variables)
+
+
+def _new_instance(
+    functions: Any, contract: ContractName, size: int, variables: GlobalState | None = None
 ) -> NativeController:
-    return _new_instance(functions, contract, 0)
-
-
-def _new_instance(functions: Any, contract: ContractName, size: int) -> NativeController:
     step_address = ctypes.cast(getattr(functions, STEPS[contract]), ctypes.c_void_p).value or 0
-    return NativeController(step_address, getattr(functions, RESETS[contract]), size, contract)
+    return NativeController(step_address, getattr(functions, RESETS[contract]), size, contract, variables)
 
 
 @cache

@@ -273,6 +273,35 @@ def test_without_a_state_there_is_one_instance_and_no_address(tmp_path, written,
     assert run_scenario(scenario, controller).steps == 500
 
 
+ALL_STATIC = """
+static int started = 1, runs, table[3] = {1, 2, 3};
+static const int *chosen = &table[1];
+"""
+
+
+def test_state_in_global_variables_is_that_of_power_on_at_every_reset(
+    tmp_path, written, controller_source, scenario
+):
+    """Firmware whose variables have initial values, and which never clears them itself."""
+    source = controller_source(
+        top=GLOBALS + ALL_STATIC,
+        size="int64_t drivegate_state_size(void) { return 0; }\n",
+        reset="if (!started || runs++ || chosen != &table[1] || table[0]++ != 1) return 9;\nstarted = 0; chosen = 0;",
+    )
+    source = source.replace("controller *self = state;", "controller *self = state_of(state);")
+    controller = load_controller(resolve_candidate(str(written(tmp_path / "one", source))))
+    assert [run_scenario(scenario, controller).steps for _ in range(2)] == [500, 500]
+
+
+def test_more_global_variables_than_a_state_may_have_are_refused(tmp_path, written, controller_source):
+    source = controller_source(
+        top=GLOBALS + "char huge[65 << 20];\n", size="int64_t drivegate_state_size(void) { return 0; }\n"
+    )
+    source = source.replace("controller *self = state;", "controller *self = state_of(state);")
+    with pytest.raises(InputError, match=r"bytes of global variables, but a state may have at most 67108864"):
+        load_controller(resolve_candidate(str(written(tmp_path / "one", source))))
+
+
 SET_ROUNDING = (
     "#include <fenv.h>\n__attribute__((constructor)) static void begin(void) { fesetround(FE_UPWARD); }\n"
 )
