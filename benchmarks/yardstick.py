@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.candidates.native.bounded_command import COMPILATION, run_bounded
-from drivegate.candidates.native.compiler import c_compiler, include_folder
+from drivegate.candidates.native.compiler import C, found_compiler, include_folder
 from drivegate.scenarios.plant_inputs import plant_load, plant_schedule
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_models.errors import HarnessFault, InputError
@@ -181,7 +181,7 @@ def build_yardstick(folder: Path, scratch: Path, name: str = SOURCE) -> Path:
     """Compile a yardstick."""
     library = scratch / Path(name).with_suffix(".so")
     source = str(folder.resolve() / name)
-    words = [*c_compiler(), *FLAGS, "-fPIC", "-shared", f"-I{include_folder()}", source]
+    words = [*found_compiler(C), *FLAGS, "-fPIC", "-shared", f"-I{include_folder()}", source]
     environment = {"LC_ALL": "C", "TMPDIR": str(scratch)}
     ended = run_bounded(
         [*words, "-o", str(library), "-lm"], folder=scratch, environment=environment, bounds=COMPILATION

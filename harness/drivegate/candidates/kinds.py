@@ -51,8 +51,8 @@ class Kind:
     """How a user writes such a candidate, as messages show it."""
     prefixes: tuple[str, ...] = ()
     """What the string of such a candidate begins with."""
-    suffix: str = ""
-    """Suffix of the file that such a candidate is as a whole; empty for none."""
+    suffixes: tuple[str, ...] = ()
+    """Suffixes of the file that such a candidate is as a whole."""
     manifest_keys: tuple[str, ...] = ()
     """Keys of a manifest that are for this kind alone."""
     is_included: bool = False
@@ -84,17 +84,23 @@ class Kind:
 _ALL: Final = (
     Kind("python", "python", ways=("module:Class", "file.py:Class")),
     Kind("builtin", "builtin", prefixes=(FAULTY_PREFIX, DESIGN_PREFIX, NEAR_PREFIX), is_included=True),
-    Kind("c", "native", ways=("file.c",), suffix=".c", manifest_keys=("include", "flags")),
-    Kind("so", "native", ways=("file.so",), suffix=".so"),
+    Kind(
+        "c",
+        "native",
+        ways=("file.c", "file.cpp"),
+        suffixes=(".c", ".cpp", ".cc", ".cxx"),
+        manifest_keys=("include", "flags"),
+    ),
+    Kind("so", "native", ways=("file.so",), suffixes=(".so",)),
     Kind(
         "elf",
         "elf",
         ways=("file.elf",),
-        suffix=".elf",
+        suffixes=(".elf",),
         manifest_keys=("start", "ram"),
         way_of_running="an emulated target",
     ),
-    Kind("fmu", "fmu", ways=("file.fmu",), suffix=".fmu", way_of_running="FMU"),
+    Kind("fmu", "fmu", ways=("file.fmu",), suffixes=(".fmu",), way_of_running="FMU"),
     Kind(
         "exec",
         "program",
@@ -111,7 +117,7 @@ _ALL: Final = (
 KINDS: Final[Mapping[str, Kind]] = {kind.name: kind for kind in _ALL}
 """Every kind by its name, in the order in which messages list them."""
 
-WHOLE_FILE_SUFFIXES: Final = (MANIFEST_SUFFIX, *(kind.suffix for kind in _ALL if kind.suffix))
+WHOLE_FILE_SUFFIXES: Final = (MANIFEST_SUFFIX, *(suffix for kind in _ALL for suffix in kind.suffixes))
 """Suffixes of candidates that are a file as a whole."""
 
 

@@ -1,7 +1,8 @@
 """The manifest `candidate.toml`: what a candidate is made of, and what it declares of itself."""
 
+from itertools import islice
 from math import radians
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 from pydantic import Field, model_validator
@@ -32,6 +33,9 @@ _KEYS_OF_OTHERS = {
     }
 }
 """For each contract, keys of the contract of duty ratios alone, and why it has none."""
+
+_MOST_MATCHES = 1000
+"""Greatest number of files that one pattern may match."""
 
 Text = Annotated[str, Field(min_length=1)]
 Positive = Annotated[float, Field(gt=0)]
@@ -84,7 +88,9 @@ class Manifest(Document):
     name: Text = Field(description="name of the candidate, which waivers match")
     kind: KindName = Field(description="kind of candidate")
     entry: Text = Field(description="class, function, file or command to start the candidate by")
-    sources: tuple[Text, ...] = Field(default=(), description="files that the candidate's hash covers")
+    sources: tuple[Text, ...] = Field(
+        default=(), description="files that the candidate's hash covers, or patterns such as 'src/**/*.c'"
+    )
     include: tuple[Text, ...] = Field(default=(), description="folders of headers")
     flags: tuple[Text, ...] = Field(default=(), description="further flags of the compiler")
     profile: Literal["outcome", "flowchart"] = Field(
@@ -200,13 +206,18 @@ class Manifest(Document):
 
     def files(self, specification: str, folder: Path) -> tuple[Path, tuple[Path, ...]]:
         """Find the file that the entry is, whose suffix is the kind's, and the further sources."""
-        if Path(self.entry).suffix.lower() != KINDS[self.kind].suffix:
+        suffixes = KINDS[self.kind].suffixes
+        if Path(self.entry).suffix.lower() not in suffixes:
             raise InputError(
                 f"{shown_path(specification)}: the key 'entry' is '{one_line(self.entry)}', but for the kind "
-                f"'{self.kind}' must be a file *{KINDS[self.kind].suffix}"
+                f"'{self.kind}' must be a file *{' or *'.join(suffixes)}"
             )
-        file = existing_file(folder / self.entry)
-        return file, tuple(existing_file(folder / source) for source in self.sources)
+        return existing_file(folder / self.entry), self.source_files(folder)
+
+    def source_files(self, folder: Path) -> tuple[Path, ...]:
+        """Find the further sources, those that a pattern such as ``src/**/*.c`` matches in the order of their names."""
+        found = (file for source in self.sources for file in _matching(folder, source))
+        return tuple(dict.fromkeys(found))
 
     def declaration(self) -> Declaration:
         """What the candidate declares of itself, in SI units."""
@@ -219,6 +230,30 @@ class Manifest(Document):
             self.detects,
             self.reverses,
         )
+
+
+def _matching(folder: Path, source: str) -> tuple[Path, ...]:
+    if not set(source) & set("*?["):
+        return (existing_file(folder / source),)
+    pattern = PurePath(source)
+    if pattern.is_absolute() or ".." in pattern.parts:
+        raise InputError(
+            f"the pattern '{one_line(source)}' in 'sources' leaves the manifest's folder; name files outside it one by "
+            "one"
+        )
+    try:
+        files = sorted(islice((file for file in folder.glob(source) if file.is_file()), _MOST_MATCHES + 1))
+    except (ValueError, OSError) as error:
+        raise InputError(
+            f"the pattern '{one_line(source)}' in 'sources' is none: {one_line(str(error))}"
+        ) from error
+    if not 0 < len(files) <= _MOST_MATCHES:
+        count = "no file" if not files else f"more than {_MOST_MATCHES} files"
+        raise InputError(
+            f"the pattern '{one_line(source)}' in 'sources' matches {count} in {shown_path(folder)}; write one that "
+            "matches the sources alone"
+        )
+    return tuple(file.resolve() for file in files)
 
 
 def _profile(flowchart: Flowchart | None) -> FlowchartProfile | None:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from drivegate.candidates.builtin.candidates import BUILTIN_CANDIDATES, DUTY_CANDIDATES
 from drivegate.candidates.candidate import Candidate
-from drivegate.candidates.kinds import KINDS, MANIFEST_SUFFIX
+from drivegate.candidates.kinds import KINDS, MANIFEST_SUFFIX, WHOLE_FILE_SUFFIXES
 from drivegate_cases.documents.wording import nearest, one_line, shown_path
 from drivegate_models.errors import InputError
 
@@ -41,7 +41,7 @@ def resolve_candidate(text: str) -> Candidate:
     if suffix == MANIFEST_SUFFIX:
         return _from_manifest(specification)
     for kind in KINDS.values():
-        if kind.suffix and suffix == kind.suffix:
+        if suffix in kind.suffixes:
             return kind.from_text(specification)
     if suffix in _OTHER_TABLES or (_is_folder(specification) and not _is_name(specification)):
         raise InputError(_instead_of(specification))
@@ -63,7 +63,7 @@ def _instead_of(specification: str) -> str:
         manifest = one_line(Path(specification).with_suffix(MANIFEST_SUFFIX).name)
         return f"the candidate '{named}' is no manifest that drivegate reads; write it as TOML, such as {manifest}"
     folder = Path(specification)
-    endings = {MANIFEST_SUFFIX, ".py", *(kind.suffix for kind in KINDS.values() if kind.suffix)}
+    endings = {".py", *WHOLE_FILE_SUFFIXES}
     inside = [name for name in _readable(specification) if Path(name).suffix.lower() in endings]
     manifests = [name for name in inside if name.endswith(MANIFEST_SUFFIX)]
     chosen = next(iter([*manifests, *inside]), f"candidate{MANIFEST_SUFFIX}")

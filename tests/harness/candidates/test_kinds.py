@@ -25,13 +25,13 @@ def test_the_folder_of_a_kind_has_what_its_row_promises(kind: Kind) -> None:
         "folder",
     ]
     assert [*inspect.signature(loading.load_controller).parameters] == ["candidate"]
-    if kind.ways or kind.prefixes or kind.suffix:
+    if kind.ways or kind.prefixes or kind.suffixes:
         assert [*inspect.signature(resolution.from_text).parameters] == ["specification"]
 
 
 def test_no_two_kinds_claim_the_same_strings_or_keys() -> None:
     prefixes = [*chain.from_iterable(kind.prefixes for kind in KINDS.values())]
-    suffixes = [kind.suffix for kind in KINDS.values() if kind.suffix]
+    suffixes = [*chain.from_iterable(kind.suffixes for kind in KINDS.values())]
     keys = [*chain.from_iterable(kind.manifest_keys for kind in KINDS.values())]
     for claimed in (prefixes, suffixes, keys):
         assert len(set(claimed)) == len(claimed)

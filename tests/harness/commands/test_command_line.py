@@ -257,7 +257,7 @@ def test_the_package_is_a_program_too():
 def test_the_help_of_check_names_every_kind_of_candidate(command):
     shown = " ".join(command("check", "--help").out.split())
     for kind in KINDS.values():
-        for mark in filter(None, (*kind.ways, *kind.prefixes, kind.suffix)):
+        for mark in filter(None, (*kind.ways, *kind.prefixes)):
             assert mark in shown, f"a candidate may be written with '{mark}', which the help leaves out"
     for mark in ("file.py:Class", "module:Class", "file.py:name", MANIFEST_SUFFIX, "reference", "composed"):
         assert mark in shown, f"the help leaves out {mark}"

@@ -31,7 +31,7 @@ def from_manifest(manifest: Manifest, specification: str, folder: Path) -> Candi
         )
     given = {name: getattr(manifest.blocks, name) for name in BLOCKS}
     found = {name: _found(where, name, entry, folder) for name, entry in given.items() if entry is not None}
-    further = tuple(existing_file(folder / source) for source in manifest.sources)
+    further = manifest.source_files(folder)
     sources = tuple(dict.fromkeys((*(file for _, files in found.values() for file in files), *further)))
     names = (f"{name}={entry.rpartition(':')[2]}" for name, (entry, _) in found.items())
     identity = " ".join((f"drivegate {__version__} {manifest.entry}", *names))

@@ -1,7 +1,7 @@
 """Compiled candidates and where they are kept.
 
-A candidate's C sources are compiled where it is resolved, in the parent process, before any worker starts: once
-for all workers, and what does not compile is refused before anything runs. Compiling runs the compiler, never the
+A candidate's sources in C and C++ are compiled where it is resolved, in the parent process, before any worker starts:
+once for all workers, and what does not compile is refused before anything runs. Compiling runs the compiler, never the
 candidate; the library is only loaded in a worker process.
 
 The library's name in the cache is a hash of all that it is made of, so one that is there is never out of date.
@@ -22,9 +22,10 @@ from drivegate.candidates.native.compiler import (
     FLAGS,
     Compilation,
     CompilationError,
-    c_compiler,
+    Compilers,
     compile_library,
     compiler_version,
+    found_compiler,
     include_folder,
     require_working,
     used_files,
@@ -45,15 +46,16 @@ def built_library(plan: Compilation) -> tuple[Path, tuple[Path, ...]]:
 
     The compiler's first warning is logged, when it compiles.
     """
-    compiler = c_compiler()
+    compilers = {language: found_compiler(language) for language in plan.languages}
     folder = _cache_folder()
     complete_output = folder / f"{_digest(str(plan.folder), *plan.sources)}.txt"
     try:
         with tempfile.TemporaryDirectory(prefix=".compiling-", dir=folder) as scratch:
             try:
-                return _built(compiler, plan, folder, Path(scratch), complete_output)
+                return _built(compilers, plan, folder, Path(scratch), complete_output)
             except CompilationError:
-                require_working(compiler, Path(scratch))
+                for language, compiler in compilers.items():
+                    require_working(language, compiler, Path(scratch))
                 raise
     except CompilationError as error:
         if not error.output:
@@ -70,12 +72,12 @@ def built_library(plan: Compilation) -> tuple[Path, tuple[Path, ...]]:
 
 
 def _built(
-    compiler: Sequence[str], plan: Compilation, folder: Path, scratch: Path, complete_output: Path
+    compilers: Compilers, plan: Compilation, folder: Path, scratch: Path, complete_output: Path
 ) -> tuple[Path, tuple[Path, ...]]:
-    files = used_files(compiler, plan, scratch)
-    library = folder / f"{_key(compiler, plan, files)}.so"
+    files = used_files(compilers, plan, scratch)
+    library = folder / f"{_key(compilers, plan, files)}.so"
     if not library.exists():
-        compiled, output = compile_library(compiler, plan, scratch)
+        compiled, output = compile_library(compilers, plan, scratch)
         warnings = warnings_in_words(output)
         if warnings:
             write_atomically(complete_output, output)
@@ -85,13 +87,18 @@ def _built(
     return library, tuple(file for file in files if own not in file.parents)
 
 
-def _key(compiler: Sequence[str], plan: Compilation, files: Sequence[Path]) -> str:
+def _key(compilers: Compilers, plan: Compilation, files: Sequence[Path]) -> str:
     """Hash all that decides on the compiled code; with `-march=native`, that is the processor too."""
     from llvmlite.binding import get_host_cpu_name
 
     machine = (platform.machine(), get_host_cpu_name())
     places = (str(plan.folder), *plan.sources, *plan.include)
-    words = (compiler_version(compiler), *compiler, *FLAGS, *plan.flags, *machine, *places)
+    tools = [
+        word
+        for language, compiler in compilers.items()
+        for word in (compiler_version(compiler), *compiler, language.standard)
+    ]
+    words = (*tools, *FLAGS, *plan.flags, *machine, *places)
     return hash_of((*files, *plan.further_files), _digest(*words))[:32]
 
 

@@ -1,4 +1,4 @@
-"""Compiling a candidate's C sources with the system's compiler.
+"""Compiling a candidate's sources in C and C++ with the system's compilers.
 
 The sources may be hostile, so the compiler runs within bounds. What it complains about becomes one sentence.
 """
@@ -9,9 +9,10 @@ import os
 import re
 import shlex
 import shutil
-from collections.abc import Sequence
-from dataclasses import dataclass
-from pathlib import Path
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path, PurePath
 from typing import Final
 
 from drivegate.candidates.fault import bounded_line
@@ -21,13 +22,59 @@ from drivegate_cases.documents.wording import one_line
 from drivegate_models import contract
 from drivegate_models.errors import InputError
 
-FLAGS: Final = ("-std=c11", "-O2", "-ffp-contract=off", "-fPIC", "-Wall", "-Wextra")
-"""Flags of every compilation; a candidate's own come after them."""
+FLAGS: Final = ("-O2", "-ffp-contract=off", "-fPIC", "-Wall", "-Wextra")
+"""Flags of every compilation, after those of the language; a candidate's own come after them."""
 
-_HOW_TO_GET_ONE: Final = (
-    "install one (Debian and Ubuntu: apt install gcc; Fedora: dnf install gcc; macOS: xcode-select --install) "
-    "or name it in the environment variable CC"
+
+@dataclass(frozen=True)
+class Language:
+    """A language that candidates are compiled from."""
+
+    name: str
+    """Its name in sentences."""
+    suffixes: tuple[str, ...]
+    """Suffixes of its sources."""
+    option: str
+    """Its name in the compiler's option -x."""
+    standard: str
+    """Flag of the language's standard, unless the candidate has another."""
+    standards: str
+    """What the flags of this language's standards begin with, which no other language's compiler takes."""
+    variable: str
+    """Environment variable that names the compiler."""
+    program: str
+    """The compiler where the variable is not set."""
+    packages: str
+    """The package that has the compiler, by distribution."""
+
+
+C: Final = Language(
+    "C",
+    (".c",),
+    "c",
+    "-std=c11",
+    "-std=(c|gnu)[^+]*",
+    "CC",
+    "cc",
+    "Debian and Ubuntu: apt install gcc; Fedora: dnf install gcc",
 )
+CPP: Final = Language(
+    "C++",
+    (".cpp", ".cc", ".cxx"),
+    "c++",
+    "-std=c++17",
+    r"-std=(c|gnu)\+\+.*",
+    "CXX",
+    "c++",
+    "Debian and Ubuntu: apt install g++; Fedora: dnf install gcc-c++",
+)
+_LANGUAGES: Final = {suffix: language for language in (C, CPP) for suffix in language.suffixes}
+SOURCE_SUFFIXES: Final = tuple(_LANGUAGES)
+"""Suffixes of what is compiled."""
+
+Compilers = Mapping[Language, Sequence[str]]
+"""The command of each language's compiler."""
+
 _LONGEST_MESSAGE: Final = 300
 _ERROR = re.compile(
     r"^(?P<file>[^\s:][^:\n]*):(?P<line>\d+):(?:\d+:)?\s*(?:fatal\s+)?error:\s*(?P<message>.*)$", re.MULTILINE
@@ -48,7 +95,7 @@ class Compilation:
     folder: Path
     """Where the compiler runs; relative paths start from it."""
     sources: tuple[str, ...]
-    """The C sources, as they are named to the compiler."""
+    """The sources, as they are named to the compiler."""
     include: tuple[str, ...] = ()
     """Folders of headers."""
     flags: tuple[str, ...] = ()
@@ -57,6 +104,12 @@ class Compilation:
     """Files that are not compiled, but on which the result depends."""
     bounds: Bounds = COMPILATION
     """What the compiler may use."""
+
+    @property
+    def languages(self) -> tuple[Language, ...]:
+        """The languages of the sources, that which links them last."""
+        used = {language_of(source) for source in self.sources}
+        return tuple(language for language in (C, CPP) if language in used)
 
 
 class CompilationError(InputError):
@@ -72,36 +125,49 @@ def include_folder() -> Path:
     return Path(contract.__file__).resolve().with_name("include")
 
 
-def c_compiler() -> tuple[str, ...]:
-    """Find the C compiler: the one that the environment variable `CC` names, or `cc`."""
-    chosen = os.environ.get("CC", "").strip()
+def language_of(source: str) -> Language:
+    """Return the language of a source by its suffix."""
+    return _LANGUAGES[PurePath(source).suffix.lower()]
+
+
+def found_compiler(language: Language) -> tuple[str, ...]:
+    """Find a language's compiler: the one that the environment variable names, or the usual one."""
+    chosen = os.environ.get(language.variable, "").strip()
     try:
-        words = shlex.split(chosen) or ["cc"]
+        words = shlex.split(chosen) or [language.program]
     except ValueError as error:
         raise InputError(
-            f"the environment variable CC is '{one_line(chosen)}', which is no command line: {error}"
+            f"the environment variable {language.variable} is '{one_line(chosen)}', which is no command line: {error}"
         ) from error
     program = shutil.which(words[0])
     if program is None:
         named = (
-            f"the environment variable CC names '{one_line(words[0])}', which is not there" if chosen else ""
+            f"the environment variable {language.variable} names '{one_line(words[0])}', which is not there"
+            if chosen
+            else f"a candidate in {language.name} needs a {language.name} compiler, but there is no {language.program}"
         )
-        raise InputError(
-            f"{named or 'a candidate in C needs a C compiler, but there is no cc'}; {_HOW_TO_GET_ONE}"
-        )
+        raise InputError(f"{named}; {_how_to_get(language)}")
     return (program, *words[1:])
 
 
-def require_working(compiler: Sequence[str], scratch: Path) -> None:
+def _how_to_get(language: Language) -> str:
+    return (
+        f"install one ({language.packages}; macOS: xcode-select --install) or name it in the environment variable "
+        f"{language.variable}"
+    )
+
+
+def require_working(language: Language, compiler: Sequence[str], scratch: Path) -> None:
     """Refuse a compiler that cannot compile one line, such as a shim without a toolchain."""
-    (scratch / "one.c").write_text("int one(void) { return 1; }\n", encoding="utf-8")
+    source = f"one{language.suffixes[0]}"
+    (scratch / source).write_text("int one(void) { return 1; }\n", encoding="utf-8")
     try:
-        compile_library(compiler, Compilation(scratch, ("one.c",)), scratch)
+        compile_library({language: compiler}, Compilation(scratch, (source,)), scratch)
     except CompilationError as error:
         first = next(filter(None, map(str.strip, error.output.splitlines())), "it printed nothing")
         raise InputError(
-            f"the C compiler '{one_line(shlex.join(compiler))}' does not work, it cannot compile a single line: "
-            f"{_bounded(first)}; {_HOW_TO_GET_ONE}"
+            f"the {language.name} compiler '{one_line(shlex.join(compiler))}' does not work, it cannot compile a "
+            f"single line: {_bounded(first)}; {_how_to_get(language)}"
         ) from error
 
 
@@ -111,28 +177,34 @@ def compiler_version(compiler: Sequence[str]) -> str:
     return bounded_line(next(iter(ended.output.splitlines()), ""))
 
 
-def used_files(compiler: Sequence[str], plan: Compilation, scratch: Path) -> tuple[Path, ...]:
-    """Request from the compiler the files that the sources are made of, those of the system apart."""
+def used_files(compilers: Compilers, plan: Compilation, scratch: Path) -> tuple[Path, ...]:
+    """Request from the compilers the files that the sources are made of, those of the system apart."""
     # Of several sources, each would overwrite what is reported of the one before.
-    lists = (_used_by(source, compiler, plan, scratch / "dependencies") for source in plan.sources)
+    lists = (_used_by(source, compilers, plan, scratch / "dependencies") for source in plan.sources)
     return tuple(dict.fromkeys(file for files in lists for file in files))
 
 
-def _used_by(source: str, compiler: Sequence[str], plan: Compilation, rule: Path) -> list[Path]:
-    _run([*compiler, "-MM", "-MF", str(rule), *_options(plan), *_named([source])], plan, rule.parent)
+def _used_by(source: str, compilers: Compilers, plan: Compilation, rule: Path) -> list[Path]:
+    _run(["-MM", "-MF", str(rule), *_named(source)], language_of(source), compilers, plan, rule.parent)
     # The rule is `target: file file`, continued over lines.
     text = _ESCAPED.sub(lambda found: "\0" if found[1] == " " else found[1] or found[2] or " ", _text(rule))
     names = text.partition(": ")[2].split()
     return [(plan.folder / name.replace("\0", " ")).resolve() for name in names]
 
 
-def compile_library(compiler: Sequence[str], plan: Compilation, scratch: Path) -> tuple[Path, str]:
-    """Compile sources to a shared library."""
-    library = scratch / "library.so"
+def compile_library(compilers: Compilers, plan: Compilation, scratch: Path) -> tuple[Path, str]:
+    """Compile sources, each in its language, and link them to a shared library."""
+    library, objects, output = scratch / "library.so", [], ""
+    deadline = time.monotonic() + plan.bounds.seconds
+    for number, source in enumerate(plan.sources):
+        objects.append(str(scratch / f"{number}.o"))
+        left = replace(plan, bounds=replace(plan.bounds, seconds=max(deadline - time.monotonic(), 0.1)))
+        output += _run(
+            ["-c", "-o", objects[-1], *_named(source)], language_of(source), compilers, left, scratch
+        )
     libraries = [flag for flag in plan.flags if flag.startswith("-l")]
-    command = [*compiler, *_options(plan), "-shared", "-o", str(library), *_named(plan.sources)]
-    output = _run([*command, *libraries, "-lm"], plan, scratch)
-    return library, output
+    linked = ["-shared", "-o", str(library), *objects, *libraries, "-lm"]
+    return library, output + _run(linked, plan.languages[-1], compilers, plan, scratch)
 
 
 def warnings_in_words(output: str) -> str:
@@ -145,29 +217,30 @@ def warnings_in_words(output: str) -> str:
     return f"{_place(found[0])}: warning: {_bounded(found[0]['message'])}{more}"
 
 
-def _options(plan: Compilation) -> list[str]:
+def _options(plan: Compilation, language: Language) -> list[str]:
     folders = [f"-I{folder}" for folder in (*plan.include, str(include_folder()))]
-    return [*FLAGS, *folders, *(flag for flag in plan.flags if not flag.startswith("-l"))]
+    own = [flag for flag in plan.flags if not flag.startswith("-l")]
+    # A standard of the other language is a warning in this one.
+    own = [flag for flag in own if not flag.startswith("-std=") or re.fullmatch(language.standards, flag)]
+    return [language.standard, *FLAGS, *folders, *own]
 
 
-def _named(sources: Sequence[str]) -> list[str]:
-    """Name the sources so that none is taken for an option or for another language."""
-    return [
-        "-x",
-        "c",
-        *(f"./{source}" if source.startswith("-") else source for source in sources),
-        "-x",
-        "none",
-    ]
+def _named(source: str) -> list[str]:
+    """Name a source so that it is not taken for an option or for another language."""
+    return ["-x", language_of(source).option, f"./{source}" if source.startswith("-") else source]
 
 
-def _run(command: Sequence[str], plan: Compilation, scratch: Path) -> str:
+def _run(
+    words: Sequence[str], language: Language, compilers: Compilers, plan: Compilation, scratch: Path
+) -> str:
+    compiler = compilers[language]
     environment = {"LC_ALL": "C", "TMPDIR": str(scratch)}
     # Flags and sources may start programs, or take in any file.
+    command = [*compiler, *_options(plan, language), *words]
     isolated = isolated_command(command, requested_layers(), _places(command[0], plan, scratch))
     ended = run_bounded(isolated, folder=plan.folder, environment=environment, bounds=plan.bounds)
     if ended.status != 0:
-        raise CompilationError(_sentence(ended, plan, Path(command[0]).name), ended.output)
+        raise CompilationError(_sentence(ended, plan, language, Path(command[0]).name), ended.output)
     return ended.output
 
 
@@ -180,7 +253,7 @@ def _places(compiler: str, plan: Compilation, scratch: Path) -> Places:
     return Places(tuple(str(place.resolve()) for place in readable), (str(scratch),))
 
 
-def _sentence(ended: Ended, plan: Compilation, compiler: str) -> str:
+def _sentence(ended: Ended, plan: Compilation, language: Language, compiler: str) -> str:
     sources = ", ".join(map(one_line, plan.sources))
     if ended.status is None:
         return f"{sources}: {compiler} did not come to an end; compiling a candidate may take {plan.bounds.in_words()}"
@@ -190,7 +263,7 @@ def _sentence(ended: Ended, plan: Compilation, compiler: str) -> str:
         more = f" (and {others} more error{'s' if others > 1 else ''})" if others else ""
         return (
             f"{_place(errors[0])}: {_bounded(errors[0]['message'])}{more}; "
-            f"the sources must compile with {compiler} {' '.join(FLAGS[:1])}"
+            f"the sources must compile with {compiler} {language.standard}"
         )
     lines = [found[0] for found in _LINKER.finditer(ended.output)] or ended.output.strip().splitlines()
     reason = _bounded(lines[0]) if lines else f"it ended with status {ended.status} and reported nothing"

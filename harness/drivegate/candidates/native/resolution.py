@@ -1,4 +1,4 @@
-"""From a C source, a shared library or their manifest to a candidate; a source is compiled here, but not run."""
+"""From a source in C or C++, a library or their manifest to a candidate; a source is compiled here, but not run."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 from drivegate.candidates.candidate import Candidate, NativeBuild, existing_file, hash_of
 from drivegate.candidates.contract import ContractName
 from drivegate.candidates.declaration import Declaration
-from drivegate.candidates.native.compiler import Compilation
+from drivegate.candidates.native.compiler import SOURCE_SUFFIXES, Compilation
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_models.errors import InputError
 
@@ -35,7 +35,6 @@ _MACHINES: Final = {
     258: "loongarch64",
 }
 _OTHER_NAMES: Final = {"amd64": "x86_64", "arm64": "aarch64", "ppc64": "ppc64le"}
-_SUFFIXES: Final = {".c": "c", ".so": "so"}
 # A name in a table of symbols ends with a zero byte and begins behind one, on macOS with an underscore.
 _STEP_NAMES: Final[dict[ContractName, re.Pattern[bytes]]] = {
     "current": re.compile(rb"[\0_]drivegate_step\0"),
@@ -62,7 +61,7 @@ def from_text(specification: str) -> Candidate:
     """Find the candidate that a C source or a shared library is."""
     file = existing_file(Path(specification))
     name = Path(specification).name
-    if _SUFFIXES[file.suffix.lower()] == "so":
+    if file.suffix.lower() == ".so":
         return _library_candidate(name, specification, file, ())
     return _source_candidate(name, specification, file, Compilation(file.parent, (file.name,)))
 
@@ -70,13 +69,7 @@ def from_text(specification: str) -> Candidate:
 def from_manifest(manifest: Manifest, specification: str, folder: Path) -> Candidate:
     """Find the native candidate that a manifest describes."""
     where = shown_path(specification)
-    entry = existing_file(folder / manifest.entry)
-    if _SUFFIXES.get(entry.suffix.lower()) != manifest.kind:
-        raise InputError(
-            f"{where}: the key 'entry' is '{one_line(manifest.entry)}', but for the kind '{manifest.kind}' must be "
-            f"a file *.{manifest.kind}"
-        )
-    further = tuple(existing_file(folder / source) for source in manifest.sources)
+    entry, further = manifest.files(specification, folder)
     declaration = manifest.declaration()
     if manifest.kind == "so":
         return _library_candidate(manifest.name, specification, entry, further, declaration)
@@ -85,12 +78,17 @@ def from_manifest(manifest: Manifest, specification: str, folder: Path) -> Candi
             raise InputError(f"{where}: the key 'include' names '{one_line(include)}', which is no folder")
     for flag in manifest.flags:
         _check_flag(flag, where)
-    compiled = dict.fromkeys(
-        name for name in (manifest.entry, *manifest.sources) if name.lower().endswith(".c")
-    )
-    others = tuple(file for file in further if file.suffix.lower() != ".c")
-    plan = Compilation(folder, tuple(compiled), manifest.include, manifest.flags, others)
+    files = dict.fromkeys((entry, *further))
+    compiled = tuple(_named(file, folder) for file in files if file.suffix.lower() in SOURCE_SUFFIXES)
+    others = tuple(file for file in further if file.suffix.lower() not in SOURCE_SUFFIXES)
+    plan = Compilation(folder, compiled, manifest.include, manifest.flags, others)
     return _source_candidate(manifest.name, specification, entry, plan, declaration)
+
+
+def _named(file: Path, folder: Path) -> str:
+    """Name a source as messages of the compiler show it: in the manifest's folder without that folder."""
+    own = folder.resolve()
+    return str(file.relative_to(own)) if file.is_relative_to(own) else str(file)
 
 
 def _check_flag(flag: str, where: str) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from drivegate.candidates.candidate import STEP_DEADLINE, Candidate, Program, existing_file, hash_of
+from drivegate.candidates.candidate import STEP_DEADLINE, Candidate, Program, hash_of
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.kinds import EXEC_PREFIX
 from drivegate_cases.documents.wording import one_line, shown_path
@@ -35,7 +35,7 @@ def from_manifest(manifest: "Manifest", specification: str, folder: Path) -> Can
     words = _words(manifest.entry, where, "write a command line, such as 'python3 controller.py'")
     deadline = STEP_DEADLINE if manifest.step_deadline_s is None else manifest.step_deadline_s
     program = _program(words, folder, where, deadline)
-    further = tuple(existing_file(folder / source) for source in manifest.sources)
+    further = manifest.source_files(folder)
     return _candidate(
         manifest.name, specification, manifest.entry, folder, program, manifest.declaration(), further
     )

@@ -40,7 +40,7 @@ def from_manifest(manifest: Manifest, specification: str, folder: Path) -> Candi
             f"{shown_path(specification)}: the key 'entry' is '{one_line(manifest.entry)}', "
             "but must be module:Class or file.py:Class"
         )
-    sources = tuple(existing_file(folder / source) for source in manifest.sources)
+    sources = manifest.source_files(folder)
     return _candidate(
         manifest.name,
         specification,

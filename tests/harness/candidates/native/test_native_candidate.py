@@ -14,6 +14,7 @@ from drivegate.candidates.native.bounded_command import Bounds, run_bounded
 from drivegate.candidates.native.build import FOLDER, built_library
 from drivegate.candidates.native.compiler import Compilation, include_folder
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate_cases.drive.drive_document import load_drive
 from drivegate_models.compilation.cache_folder import CacheChoice
 from drivegate_models.errors import InputError
 
@@ -22,7 +23,8 @@ from drivegate_models.errors import InputError
 def folder(tmp_path, monkeypatch):
     """An empty folder to work in, and an empty cache."""
     monkeypatch.setenv("DRIVEGATE_CACHE", str(tmp_path / "cache"))
-    monkeypatch.delenv("CC", raising=False)
+    for variable in ("CC", "CXX"):
+        monkeypatch.delenv(variable, raising=False)
     work = tmp_path / "work"
     work.mkdir()
     monkeypatch.chdir(work)
@@ -117,6 +119,83 @@ def test_a_manifest_compiles_several_sources(folder, written, controller_source)
     assert [file.name for file in found.sources] == ["mine.c", "limited.c"]
     assert found.declaration == Declaration(estimates_power=True)
     load_controller(found)
+
+
+IN_CPP = """#include "drivegate.h"
+#include <memory>
+#include <vector>
+
+extern "C" double limited(double);
+
+namespace {
+class Controller {
+public:
+    explicit Controller(const drivegate_nameplate &nameplate) : limits_{nameplate.current_limit} {}
+    double reference() const { return limited(0.5 * limits_.front()); }
+private:
+    std::vector<double> limits_;
+};
+std::unique_ptr<Controller> controller;
+}
+
+int64_t drivegate_abi_version(void) { return DRIVEGATE_ABI_VERSION; }
+int64_t drivegate_state_size(void) { return 0; }
+int drivegate_reset(void *, const drivegate_nameplate *nameplate) {
+    controller = std::make_unique<Controller>(*nameplate);
+    return 0;
+}
+void drivegate_step(void *, const drivegate_sense *, drivegate_command *command) {
+    command->current_reference = controller->reference();
+    command->advance_angle = 0.0;
+}
+"""
+
+
+def test_sources_in_c_and_cpp_that_a_pattern_names(folder, written, caplog):
+    written(folder, IN_CPP, "mine.cpp")
+    written(folder / "src" / "parts", "double limited(double value) { return value; }\n", "limited.c")
+    written(folder / "src", "#error not matched\n", "other.txt")
+    lines = ('sources = ["src/**/*.c"]', 'flags = ["-std=c++20", "-std=c99"]')
+    found = resolve_candidate(manifest(folder, *lines, entry="mine.cpp"))
+    assert [file.name for file in found.sources] == ["mine.cpp", "limited.c"]
+    assert caplog.records == [], "a standard of one language is for its own compiler"
+    controller = load_controller(found)
+    nameplate = load_drive("paper-5-phase").nameplate(1e-3)
+    for _ in range(2):
+        controller.reset(nameplate)
+        assert controller.fault is None
+
+
+def test_a_source_in_cpp_is_a_candidate_by_itself(folder, written):
+    alone = IN_CPP.replace('extern "C" double limited(double);', "#define limited(x) (x)")
+    written(folder, alone, "mine.cpp")
+    found = resolve_candidate("mine.cpp")
+    assert (found.kind, found.contract) == ("c", "current")
+    written(folder, alone.replace("std::vector<double> limits_;", "std::vector<double> limits;"), "mine.cpp")
+    message = refusal("mine.cpp")
+    assert message.startswith("mine.cpp, line 10: ")
+    assert "the sources must compile with c++ -std=c++17" in message
+
+
+@pytest.mark.parametrize(
+    ("pattern", "sentence"),
+    [
+        ("src/**/*.c", "the pattern 'src/**/*.c' in 'sources' matches no file in "),
+        ("../**/*.c", "the pattern '../**/*.c' in 'sources' leaves the manifest's folder"),
+        ("/usr/**/*.c", "the pattern '/usr/**/*.c' in 'sources' leaves the manifest's folder"),
+    ],
+)
+def test_a_pattern_that_names_no_sources_is_refused(folder, written, controller_source, pattern, sentence):
+    written(folder, controller_source())
+    assert sentence in refusal(manifest(folder, f'sources = ["{pattern}"]'))
+
+
+def test_without_a_cpp_compiler_it_is_said_what_to_install(folder, monkeypatch, written):
+    written(folder, IN_CPP, "mine.cpp")
+    monkeypatch.setenv("PATH", str(folder))
+    assert "there is no c++; install one (Debian and Ubuntu: apt install g++" in refusal("mine.cpp")
+    monkeypatch.setenv("CXX", "absent-c++")
+    assert "CXX names 'absent-c++', which is not there; install one" in refusal("mine.cpp")
 
 
 def test_a_manifest_for_a_library(folder, written, controller_source):
