@@ -12,10 +12,8 @@ from drivegate.candidates.fault import Fault
 class CompiledController:
     """The step and the state of one instance; a subclass resets the state.
 
-    Attributes
-    ----------
-    step_address, state_address : int
-        Addresses of the compiled step and of the state; valid as long as this object lives.
+    `step_address`, `state_address`: addresses of the compiled step and of the state; valid as long as this object
+    lives.
     """
 
     def __init__(self, step: Any, state: NDArray[Any]) -> None:

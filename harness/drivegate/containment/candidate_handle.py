@@ -34,13 +34,7 @@ _PACKETS = socket.SOCK_SEQPACKET if sys.platform.startswith("linux") else socket
 
 
 class CandidateHandle:
-    """One running process with a candidate, and a keeper that lets nothing outlive it.
-
-    Attributes
-    ----------
-    progress : SharedProgress
-        Memory that tells what the process is doing.
-    """
+    """One running process with a candidate, and a keeper that lets nothing outlive it."""
 
     def __init__(self, candidate: Candidate, layers: tuple[Layer, ...]) -> None:
         self.progress = SharedProgress.create()

@@ -55,12 +55,8 @@ class PlayedCommands(CommandPlayer):
 class ContainedController:
     """One instance of a candidate in its process; after a crash the next run makes a new one.
 
-    Attributes
-    ----------
-    is_python : bool
-        Whether it is stepped by the Python interpreter.
-    state_size : int
-        Bytes of its state, where it is native; otherwise 0.
+    `is_python`: whether it is stepped by the Python interpreter. `state_size`: bytes of its state, where it is native;
+    otherwise 0.
     """
 
     def __init__(self, process: CandidateProcess) -> None:

@@ -24,10 +24,7 @@ class Restarter:
     Nothing here refers to itself, so that the controller is kept no longer than this object: what a candidate does
     when its instance is deleted happens there, and not whenever Python collects cycles.
 
-    Attributes
-    ----------
-    failures : list of BaseException
-        What the reset raised that stopped the run; empty where all went well.
+    `failures`: what the reset raised that stopped the run; empty where all went well.
     """
 
     def __init__(self, controller: Controller, nameplate: Nameplate) -> None:

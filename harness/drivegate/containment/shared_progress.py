@@ -35,10 +35,8 @@ _ACTIVITIES: Final = frozenset(int(activity) for activity in Activity)
 class SharedProgress:
     """The shared memory, seen from either side.
 
-    Attributes
-    ----------
-    steps : array of int64, shape (1,)
-        Steps that the current run has begun; the closed loop counts each before it asks the controller.
+    `steps`, shape (1,): steps that the current run has begun; the closed loop counts each before it asks the
+    controller.
     """
 
     def __init__(self, descriptor: int) -> None:

@@ -22,11 +22,6 @@ class TemporaryFolder:
     """A folder that is locked for as long as its process lives, however that ends.
 
     The first one of a process removes the folders that earlier processes could not remove.
-
-    Attributes
-    ----------
-    path : Path
-        The folder, which nobody else can read.
     """
 
     def __init__(self) -> None:

@@ -28,10 +28,7 @@ _ROUNDS: Final = 5
 class GivenSteps:
     """A controller that is reset, and then stepped through Senses that are given in pieces.
 
-    Attributes
-    ----------
-    last_answers : ndarray, shape (n,)
-        Commands of the last piece up to a fault, as records of the contract.
+    `last_answers`, shape (n,): commands of the last piece up to a fault, as records of the contract.
     """
 
     def __init__(

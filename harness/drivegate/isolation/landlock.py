@@ -39,18 +39,9 @@ def landlock_version() -> int:
 def restrict_to(readable: Iterable[str], writable: Iterable[str], *, without_tcp: bool) -> None:
     """Restrict this process, for good and with all that it starts.
 
-    Parameters
-    ----------
-    readable, writable : iterable of str
-        Files and folders that may be read and executed, and those that may also be changed. What does not exist is
-        left out.
-    without_tcp : bool
-        True to deny TCP connections.
-
-    Raises
-    ------
-    OSError
-        If the kernel has no Landlock, or `no_new_privs` is not set.
+    `readable`, `writable`: files and folders that may be read and executed, and those that may also be changed. What
+    does not exist is left out. `without_tcp`: true to deny TCP connections. Raises OSError if the kernel has no
+    Landlock, or `no_new_privs` is not set.
     """
     version = landlock_version()
     everything = (1 << _FILE_RIGHTS[min(max(version, 1), 5)]) - 1

@@ -118,10 +118,7 @@ def isolation_requested(value: str) -> Iterator[None]:
 def requested_layers() -> tuple[Layer, ...]:
     """Return the layers that isolate candidates: all that this machine has, unless the user wants none.
 
-    Raises
-    ------
-    InputError
-        If ``strict`` is requested, and the machine lacks a layer.
+    Raises InputError if ``strict`` is requested, and the machine lacks a layer.
     """
     requested = os.environ.get(ISOLATION_VARIABLE, Isolation.AUTO)
     if requested not in set(Isolation):
@@ -172,14 +169,8 @@ def _works(layer: Layer) -> bool:
 def isolated_command(words: Sequence[str], layers: Sequence[Layer], places: Places) -> list[str]:
     """Return the command that isolates itself and then becomes the given one.
 
-    Parameters
-    ----------
-    words : sequence of str
-        The program, found along ``PATH``, and its arguments.
-    layers : sequence of Layer
-        What isolates it. With namespaces, the process that becomes isolated is a child of the command.
-    places : Places
-        What it can use, next to what every program may read.
+    `words`: the program, found along ``PATH``, and its arguments. `layers`: what isolates it. With namespaces, the
+    process that becomes isolated is a child of the command.
     """
     return python_command(
         "drivegate.isolation.layers", "become_isolated", written_order(layers, places), *words
@@ -235,17 +226,7 @@ def refuse_inspection() -> None:
 def isolate(layers: Sequence[Layer], places: Places) -> None:
     """Isolate this process, for good and with all that it starts.
 
-    Parameters
-    ----------
-    layers : sequence of Layer
-        What isolates it; nothing is done without any.
-    places : Places
-        What it can use.
-
-    Raises
-    ------
-    OSError
-        If the machine does not allow a layer.
+    `layers`: what isolates it; nothing is done without any. Raises OSError if the machine does not allow a layer.
     """
     if not layers:
         return

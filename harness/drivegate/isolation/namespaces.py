@@ -40,10 +40,7 @@ def enter_process_namespace() -> None:
 
     When the first process ends, the kernel kills every process in the table. It ends with this process.
 
-    Raises
-    ------
-    OSError
-        If the system forbids it.
+    Raises OSError if the system forbids it.
     """
     _enter_user_namespace()
     succeeded(SYSTEM.unshare(_PROCESSES), "unshare")
@@ -78,16 +75,8 @@ def _reap_for_ever() -> None:
 def enter_file_system(readable: Iterable[str], writable: Iterable[str]) -> None:
     """Give this process a file system that has only what is listed, and a network without a way out.
 
-    Parameters
-    ----------
-    readable, writable : iterable of str
-        Files and folders that can be read and executed, and those that can also be changed. What does not exist is
-        left out.
-
-    Raises
-    ------
-    OSError
-        If the system forbids it.
+    `readable`, `writable`: files and folders that can be read and executed, and those that can also be changed. What
+    does not exist is left out. Raises OSError if the system forbids it.
     """
     here = Path.cwd()
     succeeded(SYSTEM.unshare(_MOUNTS | _IPC | _NETWORK), "unshare")

@@ -63,10 +63,7 @@ _SET_SECCOMP, _FILTER = 22, 2
 def refuse_calls(*, without_sockets: bool) -> None:
     """Install the filter in this process, for good and with all that it starts.
 
-    Raises
-    ------
-    OSError
-        If the kernel refuses, as it does without `no_new_privs`, or the processor has no filter here.
+    Raises OSError if the kernel refuses, as it does without `no_new_privs`, or the processor has no filter here.
     """
     if platform.machine() not in _ARCHITECTURES:
         raise OSError(errno.ENOSYS, os.strerror(errno.ENOSYS), "seccomp")

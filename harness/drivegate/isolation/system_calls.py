@@ -88,10 +88,7 @@ SYSTEM: Final = ctypes.CDLL(None, use_errno=True)
 def system_call(name: str, *arguments: int | bytes | None) -> int:
     """Make a system call, and return its result.
 
-    Raises
-    ------
-    OSError
-        If the call fails.
+    Raises OSError if the call fails.
     """
     given = [ctypes.c_long(a) if isinstance(a, int) else ctypes.c_char_p(a) for a in arguments]
     SYSTEM.syscall.restype = ctypes.c_long

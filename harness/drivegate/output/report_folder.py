@@ -26,13 +26,6 @@ class ReportFolder:
     """A folder that is written as a whole or not at all.
 
     Files that others have put into an earlier report's folder are kept.
-
-    Attributes
-    ----------
-    place : Path
-        The same, absolute.
-    staging : Path
-        The folder to write into, while the context lasts.
     """
 
     def __init__(self, place: Path) -> None:

@@ -19,13 +19,7 @@ from drivegate_models.errors import InputError
 
 
 class ResumedFolder(ABC):
-    """A folder of results, held for one process alone as long as the context lasts.
-
-    Attributes
-    ----------
-    place : Path
-        Where it is.
-    """
+    """A folder of results, held for one process alone as long as the context lasts."""
 
     def __init__(self, place: Path, *, kind: str, manifest: str, lock: str) -> None:
         """Name the folder, what its results are called, and the files that tell whose it is and who writes."""

@@ -68,10 +68,7 @@ class Question:
     def read(self, text: str) -> Amount:
         """Read an answer.
 
-        Raises
-        ------
-        InputError
-            If it is no number above 0 with one of the units, or makes no whole number of pole pairs.
+        Raises InputError if it is no number above 0 with one of the units, or makes no whole number of pole pairs.
         """
         plain = _IGNORED.sub("", text.lower())
         for spelling, unit in _SPELLINGS:
@@ -198,17 +195,8 @@ QUESTIONS: Final[Mapping[str, Question]] = MappingProxyType(
 def data_sheet_drive(name: str, answers: Mapping[str, Amount]) -> DriveDocument:
     """Make a PM AC drive from a data sheet.
 
-    Parameters
-    ----------
-    name : str
-        Name of the drive.
-    answers : mapping
-        An answer to each of the questions.
-
-    Raises
-    ------
-    InputError
-        If the values make no drive.
+    `name`: name of the drive. `answers`: an answer to each of the questions. Raises InputError if the values make no
+    drive.
     """
     pairs = round(answers["poles"].value)
     stated = answers["constant"]

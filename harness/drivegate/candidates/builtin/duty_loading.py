@@ -17,10 +17,7 @@ from drivegate_models.faults.duty.perturbed import perturbed_state, perturbed_st
 class DutyController(CompiledController):
     """One instance of a controller of duty ratios.
 
-    Attributes
-    ----------
-    state_size : int
-        Size of the state (bytes).
+    `state_size`: size of the state (bytes).
     """
 
     def __init__(self, name: str = "foc", fault: DutyFault | None = None) -> None:

@@ -81,10 +81,7 @@ def _design_controller(design: str) -> "DesignController":
 class BuiltinController(CompiledController):
     """One instance of a built-in controller.
 
-    Attributes
-    ----------
-    state_size : int
-        Size of the state (bytes).
+    `state_size`: size of the state (bytes).
     """
 
     def __init__(self, number: int, code: ControllerCode = SEARCHING) -> None:

@@ -65,10 +65,7 @@ class Image:
 def read_image(file: Path) -> Image:
     """Read an image.
 
-    Raises
-    ------
-    InputError
-        If it is damaged, too large, or for another kind of processor.
+    Raises InputError if it is damaged, too large, or for another kind of processor.
     """
     try:
         with file.open("rb") as stream:

@@ -48,14 +48,8 @@ def load_controller(candidate: Candidate) -> TargetController:
 class TargetController:
     """One instance of an image, stepped by address.
 
-    Attributes
-    ----------
-    step_address : int
-        Address of the C function that steps it.
-    state_address : int
-        Address of what that function needs.
-    state_size : int
-        Size of the controller's own state in the memory of the target (bytes).
+    `step_address`: address of the C function that steps it. `state_address`: address of what that function needs.
+    `state_size`: size of the controller's own state in the memory of the target (bytes).
     """
 
     def __init__(self, image: Image, target: Target, contract: ContractName, name: str) -> None:

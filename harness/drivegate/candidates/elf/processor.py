@@ -119,10 +119,7 @@ class CortexM:
     def call(self, function: int, *arguments: int) -> int:
         """Call a function, and return its result.
 
-        Raises
-        ------
-        TargetFault
-            If it does what the processor or the memory does not allow.
+        Raises TargetFault if it does what the processor or the memory does not allow.
         """
         for register, value in zip(_REGISTERS, self.call_registers(*arguments), strict=True):
             self._engine.reg_write(register, value)

@@ -37,17 +37,7 @@ def load_controller(candidate: Candidate) -> "FmuController":
 
 
 class UnpackedFmu:
-    """An FMU in a temporary folder, which goes when the process ends.
-
-    Attributes
-    ----------
-    file : Path
-        The FMU.
-    folder : Path
-        Where its files are.
-    description : FmuDescription
-        What it says of itself.
-    """
+    """An FMU in a temporary folder, which goes when the process ends."""
 
     def __init__(self, file: Path) -> None:
         self.file = file

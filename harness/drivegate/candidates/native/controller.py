@@ -53,16 +53,7 @@ class NativeController:
     The state is zeroed once, here; forgetting an earlier run is for the candidate's reset. A candidate without such a
     state has it in global variables, which are put back to their initial values before each reset.
 
-    Attributes
-    ----------
-    step_address : int
-        As given.
-    state_address : int
-        Address of the state, aligned as the header says; 0 for none. Valid as long as this object lives.
-    state_size : int
-        As given.
-    contract : str
-        As given.
+    `state_address`: address of the state, aligned as the header says; 0 for none. Valid as long as this object lives.
     """
 
     def __init__(

@@ -38,13 +38,7 @@ class PythonCandidate(Protocol):
 
 
 class PythonController:
-    """One instance of a Python candidate, steppable by address, by the contract of the nameplate that resets it.
-
-    Attributes
-    ----------
-    instance : object
-        The candidate.
-    """
+    """One instance of a Python candidate, steppable by address, by the contract of the nameplate that resets it."""
 
     state_address = 0
     """The state is in the Python object."""

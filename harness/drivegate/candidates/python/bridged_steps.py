@@ -42,14 +42,8 @@ class InvalidOutput(Exception):
 class BridgedSteps(ABC):
     """What a callback works on; `step` is the C function's body.
 
-    Attributes
-    ----------
-    fault : Fault or None
-        What ended the run.
-    refusal : InputError or None
-        What ended it, where that is the drive and no fault: the candidate answers by the other contract.
-    candidate_step : callable
-        The candidate's method.
+    `refusal`: what ended it, where that is the drive and no fault: the candidate answers by the other contract.
+    `candidate_step`: the candidate's method.
     """
 
     contract: ClassVar[ContractName]
