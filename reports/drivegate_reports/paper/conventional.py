@@ -50,8 +50,6 @@ def _ripple(percent: float, quantity: str, reason: str) -> ComparedStatement:
         quantity=quantity,
         published=f"{percent:g} %",
         ours=f"{low:.0f} to {high:.0f} %",
-        residual="",
-        tolerance="",
         verdict=_in_kind(bool(reached)),
         note=f"a conventional star of the same iron and copper, its EMF flat over 120 to {WIDE_DEG:g}°, at 1.5 kW, "
         f"{data.speed_rpm:g} rpm and the least Σ|i|; {_published_range()} lies {within} at the smallest angle that "
@@ -95,8 +93,6 @@ def _changes_sign() -> ComparedStatement:
         published="changes its sign",
         ours=f"{_extremes(point)} at {SIGN_ANGLE_DEG:g}°, with an EMF flat over {WIDE_DEG:g}° and {SIGN_SHARE:g} of "
         "the inductance",
-        residual="",
-        tolerance="",
         verdict=_in_kind(bool(changes)),
         note=f"it changes its sign {necessary} at the smallest angle that gives the power, "
         f"{data.further.further_deg:g}° further on {further}; at their least Σ|i| the stars above stay at "
@@ -117,8 +113,6 @@ def _less_ripple() -> ComparedStatement:
         quantity="ripple of the 5-phase drive against theirs",
         published="considerably less",
         ours=f"{five.ripple_percent:.0f} % against {low:.0f} to {high:.0f} %",
-        residual="",
-        tolerance="",
         verdict="reproduced" if five.ripple_percent < 0.5 * low else "not reproduced",
         note="both at 1.5 kW, 1500 rpm and the least Σ|i|; a star with windows of 150° has as little (finding F8)",
         numbers=(

@@ -23,7 +23,7 @@ class Number:
     """Its unit; empty for a pure number."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ComparedStatement:
     """A published statement beside ours."""
 
@@ -34,8 +34,8 @@ class ComparedStatement:
     published: str
     ours: str
     """Both with their units."""
-    residual: str
-    tolerance: str
+    residual: str = ""
+    tolerance: str = ""
     """Ours minus the published value, and what is allowed; empty where they have no number."""
     verdict: Verdict
     """``reproduced``, ``not reproduced``, ``open in the paper``, ``reproduced in kind`` for an effect of a
