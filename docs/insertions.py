@@ -28,8 +28,6 @@ from varied_keys import (
 
 from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS
 from drivegate.candidates.builtin.faults.catalogue import MUTATIONS
-from drivegate.candidates.builtin.faults.mutation import text_on
-from drivegate.candidates.builtin.near import NEAR_DESIGNS
 from drivegate.commands.command_line import COMMANDS, command_line
 from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.contracts.current.scenarios.drawn.families import FAMILY_GROUPS, Family
@@ -109,16 +107,6 @@ def _known_faults(contract: str, name: str) -> str:
         return ", ".join(f"`faulty:{fault.name}`" for fault in MUTATIONS.values() if fault.check == name)
     faults = {fault: found.sentence for fault, found in DUTY_FAULTS.items() if found.check == name}
     return "".join(f"\n  - `faulty:{fault}`: {_plain(sentence)}" for fault, sentence in faults.items())
-
-
-def near_designs(_: str) -> str:
-    """The correct controllers that are near a limit by design."""
-    drive = load_drive(DEFAULT_DRIVE)
-    rows = (
-        (f"`near:{design.name}`", _plain(text_on(design, design.sentence, drive)))
-        for design in NEAR_DESIGNS.values()
-    )
-    return _table(("design", "what it does"), rows)
 
 
 def drawn_bounds(named: str) -> str:
@@ -296,7 +284,6 @@ INSERTED: Final = MappingProxyType(
     {
         "check-table": check_table,
         "check": check,
-        "near-designs": near_designs,
         "drawn-bounds": drawn_bounds,
         "fixed-scenarios": fixed_table,
         "drawn-scenarios": drawn_table,
