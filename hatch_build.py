@@ -53,7 +53,9 @@ class KernelHook(BuildHookInterface[Any]):
 
 def _compile(interpreter: str, root: Path, environment: Path, kernels: Path) -> dict[str, Any]:
     """Compile kernels with an interpreter, and return its version and those of the compilers."""
-    plain = {name: value for name, value in os.environ.items() if name != VARIABLE}
+    # pip tells its build processes by variables, which the new environment must not see.
+    dropped = (VARIABLE, "PIP_BUILD_TRACKER", "PYTHONPATH", "NUMBA_CACHE_DIR")
+    plain = {name: value for name, value in os.environ.items() if name not in dropped}
     subprocess.run([interpreter, "-m", "venv", str(environment)], check=True, env=plain)
     python = str(environment / "bin" / "python")
     subprocess.run([python, "-m", "pip", "install", "--quiet", str(root)], check=True, env=plain)

@@ -134,10 +134,10 @@ def test_a_ripple_out_of_reach_leads_to_the_one_that_is_not(command):
 
 
 def test_a_drive_that_can_do_nothing_of_its_rating_is_shown(command):
-    ended = command("drive", "--set", "current_limit_a=2")
+    ended = command("drive", *QUICK, "--set", "current_limit_a=2")
     assert ended.code == 2
     assert "line of initial angles: none" in ended.out
-    document = command("drive", "--set", "current_limit_a=2", "--json").document
+    document = command("drive", *QUICK, "--set", "current_limit_a=2", "--json").document
     assert document["line"]["start_deg"] is None
     assert document["time_scales"]["search_s"] is None
 
@@ -161,7 +161,7 @@ def test_the_figure_is_drawn_and_the_same_every_time(command, tmp_path):
     assert "written: drive.svg" in text
     assert "next: drivegate map reference --drive paper-5-phase" in text
     assert (tmp_path / "drive.svg").read_bytes() == drawn
-    command("drive", "--set", "current_limit_a=2", "--plot", "drive.png")
+    command("drive", *QUICK, "--set", "current_limit_a=2", "--plot", "drive.png")
     assert (tmp_path / "drive.png").read_bytes().startswith(b"\x89PNG")
 
 
@@ -211,7 +211,7 @@ def test_constants_are_fitted_to_published_points_and_can_be_set_as_printed(comm
 def test_what_a_fit_cannot_tell_is_said(command, tmp_path):
     rows = "".join(f"5,0,{1.2 * current},{current}\n" for current in (1, 2, 3, 4, 5))
     (tmp_path / "slow.csv").write_text(f"speed_rpm,advance_deg,torque_nm,current_a\n{rows}", encoding="utf-8")
-    told = command("drive", "--fit", "slow.csv").out
+    told = command("drive", *QUICK, "--fit", "slow.csv").out
     assert "the points do not tell resistance_ohm; keep it with --keep resistance_ohm" in told
     assert "next: the same with more points" in told
 
