@@ -48,6 +48,8 @@ class Target:
     """Function that is called before each reset, such as one that runs constructors; None for none."""
     ram: tuple[tuple[int, int], ...] = ()
     """Address and size of further memory, such as where peripherals are (bytes)."""
+    step_instructions: int | None = None
+    """Greatest number of instructions that a step may execute; None for no such limit."""
 
 
 @dataclass(frozen=True)
@@ -100,6 +102,11 @@ class Candidate:
     contract: ContractName | None = "current"
     """What it answers with: ``current``, a current reference and an advance angle, or ``duty``, duty ratios.
     None where nothing tells before its code runs: then it is asked for what its drive takes."""
+
+    @property
+    def step_instructions(self) -> int | None:
+        """Greatest number of instructions that a step may execute; None where it states none."""
+        return self.details.step_instructions if isinstance(self.details, Target) else None
 
 
 def existing_file(path: Path) -> Path:

@@ -97,7 +97,7 @@ _ALL: Final = (
         "elf",
         ways=("file.elf",),
         suffixes=(".elf",),
-        manifest_keys=("start", "ram"),
+        manifest_keys=("start", "ram", "step_instructions"),
         way_of_running="an emulated target",
     ),
     Kind("fmu", "fmu", ways=("file.fmu",), suffixes=(".fmu",), way_of_running="FMU"),

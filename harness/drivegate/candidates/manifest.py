@@ -149,6 +149,12 @@ class Manifest(Document):
         default=(), max_length=64, description="address and size of further memory of an image, in bytes"
     )
 
+    step_instructions: Annotated[int, Field(gt=0, le=2**31)] | None = Field(
+        default=None,
+        description="greatest number of instructions of an image that a step may execute, those that a condition skips "
+        "included",
+    )
+
     blocks: Blocks | None = Field(default=None, description="blocks of its own, of the kind 'compose'")
 
     @model_validator(mode="after")

@@ -50,6 +50,8 @@ class Answered:
     """Digest of what the plant there came to."""
     fault: Fault | None
     """What ended the run, where it is known there."""
+    most_instructions: int = 0
+    """Greatest number of instructions of a step; 0 where nobody counts them."""
 
 
 class CandidateProcess:
@@ -112,7 +114,7 @@ class CandidateProcess:
         commands = self._running.copied_commands(order.commands, min(count, steps))
         if fault is not None:
             self._end_without_memory(fault)
-        return Answered(commands, status, reply.check, fault)
+        return Answered(commands, status, reply.check, fault, reply.most_instructions)
 
     def _end_without_memory(self, fault: Fault) -> None:
         """End a process whose memory the candidate may still hold."""

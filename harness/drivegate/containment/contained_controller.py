@@ -56,7 +56,8 @@ class ContainedController:
     """One instance of a candidate in its process; after a crash the next run makes a new one.
 
     `is_python`: whether it is stepped by the Python interpreter. `state_size`: bytes of its state, where it is native;
-    otherwise 0.
+    otherwise 0. `most_instructions`: greatest number of instructions of a step through given Senses; 0 where nobody
+    counts them.
     """
 
     def __init__(self, process: CandidateProcess) -> None:
@@ -65,6 +66,7 @@ class ContainedController:
         self._generation = process.generation
         self.is_python = made.is_python
         self.state_size = made.state_size
+        self.most_instructions = 0
 
     def reset(self, nameplate: Nameplate | DutyNameplate) -> None:
         """Reset the instance."""
@@ -79,4 +81,6 @@ class ContainedController:
 
     def answers(self, order: GiveSenses) -> Answered:
         """Step the instance through given Senses, which follow on those since the reset."""
-        return self._process.answered(order, len(order.senses))
+        answered = self._process.answered(order, len(order.senses))
+        self.most_instructions = max(self.most_instructions, answered.most_instructions)
+        return answered

@@ -19,7 +19,7 @@ LONGEST_REPLY: Final = 2**17
 CHECK_BYTES: Final = 16
 """Bytes of the digest of what the plant in the candidate's process came to."""
 
-_HEADER = Struct(f"=8sqqqqq{CHECK_BYTES}s")
+_HEADER = Struct(f"=8sqqqqqq{CHECK_BYTES}s")
 _FIELDS = ("kind", "message", "phase", "error", "traceback", "step")
 
 
@@ -50,6 +50,8 @@ class Reply:
     """Whether the instance is stepped by the Python interpreter."""
     state_size: int = 0
     """Bytes of a native instance's state; 0 where nobody tells."""
+    most_instructions: int = 0
+    """Greatest number of instructions of a step; 0 where nobody counts them."""
     check: bytes = bytes(CHECK_BYTES)
     """Digest of what the plant came to, of `CHECK_BYTES` bytes."""
     text: str = ""
@@ -59,7 +61,14 @@ class Reply:
 def packed(reply: Reply) -> bytes:
     """Write a reply as bytes."""
     header = _HEADER.pack(
-        WORD, reply.ending, reply.status, reply.steps, reply.is_python, reply.state_size, reply.check
+        WORD,
+        reply.ending,
+        reply.status,
+        reply.steps,
+        reply.is_python,
+        reply.state_size,
+        reply.most_instructions,
+        reply.check,
     )
     return header + reply.text.encode(errors="replace")[: LONGEST_REPLY - len(header)]
 
@@ -67,11 +76,11 @@ def packed(reply: Reply) -> bytes:
 def unpacked(message: bytes) -> Reply:
     """Read a reply; whatever is not one raises `UnreadableReply`."""
     try:
-        word, ending, status, steps, is_python, state_size, check = _HEADER.unpack_from(message)
-        if word != WORD or len(message) > LONGEST_REPLY or steps < 0 or state_size < 0:
+        word, ending, status, steps, is_python, state_size, instructions, check = _HEADER.unpack_from(message)
+        if word != WORD or len(message) > LONGEST_REPLY or min(steps, state_size, instructions) < 0:
             raise UnreadableReply
         text = message[_HEADER.size :].decode(errors="replace")
-        return Reply(Ending(ending), status, steps, bool(is_python), state_size, check, text)
+        return Reply(Ending(ending), status, steps, bool(is_python), state_size, instructions, check, text)
     except (StructError, ValueError) as error:
         raise UnreadableReply from error
 

@@ -203,7 +203,8 @@ class _Server:
         with self._progress.running():
             status, answered = steps(*pending.pop())
         if status == COMPLETED:
-            return Reply(Ending.DONE, int(status), int(answered))
+            instructions = getattr(self._instance, "most_instructions", 0)
+            return Reply(Ending.DONE, int(status), int(answered), most_instructions=instructions)
         return self._stopped(int(status), int(answered))
 
     def _steps_made_ready(self, pending: list[Any], memory: SharedMemory) -> Callable[..., Any]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum, auto
 from typing import Final
 
@@ -11,7 +11,7 @@ from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.kinds import KINDS
 from drivegate.candidates.python.bridge import PythonController
 from drivegate.checks.judging import JudgedRun, ShardOutcome
-from drivegate.checks.margin import Margin, below
+from drivegate.checks.margin import Margin, at_most, below
 from drivegate.checks.timing import LARGEST_SHARE
 from drivegate.containment.contained_controller import ContainedController
 from drivegate.containment.messages import AnyController, Job, JudgedCandidate
@@ -218,9 +218,10 @@ def time_steps(loaded: JudgedCandidate, plan: TimedSteps) -> ShardOutcome:
     record = recorded(loaded, scenario, controller, trace_every=1)
     step_time = contract_of(scenario.drive).step_seconds(controller, record)
     way = way_of_running(loaded.candidate.kind, controller)
-    return ShardOutcome(
-        (JudgedRun(scenario.to_mapping(), (timing_margin(way, step_time, scenario.control_period_s),)),)
-    )
+    margin = timing_margin(way, step_time, scenario.control_period_s)
+    if isinstance(controller, ContainedController) and controller.most_instructions:
+        margin = instruction_margin(controller.most_instructions, loaded.candidate.step_instructions, margin)
+    return ShardOutcome((JudgedRun(scenario.to_mapping(), (margin,)),))
 
 
 def way_of_running(kind: str, controller: AnyController) -> str:
@@ -231,6 +232,14 @@ def way_of_running(kind: str, controller: AnyController) -> str:
         else isinstance(controller, PythonController)
     )
     return KINDS[kind].way_of_running or ("Python" if is_python else "native")
+
+
+def instruction_margin(instructions: int, limit: int | None, timed: Margin) -> Margin:
+    """Judge the instructions of the longest step, or its time where the candidate states no limit of them."""
+    counted = f"at most {instructions} instructions a step"
+    if limit is None:
+        return replace(timed, measured=f"{counted}, none stated in 'step_instructions'; {timed.measured}")
+    return Margin(_CHECK, at_most(instructions, limit), f"{counted}, {limit} stated in 'step_instructions'")
 
 
 def timing_margin(way: str, step_time: float, control_period: float) -> Margin:

@@ -20,7 +20,7 @@ from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.contracts.catalogue import contract_of
 from drivegate.drives.running import recorded
-from drivegate.gate.plan import NOTHING_DECLARED
+from drivegate.gate.plan import NOTHING_DECLARED, TimedSteps, time_steps
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import InputError
@@ -120,6 +120,49 @@ def image(tmp_path: Path) -> Callable[..., Path]:
 def run(candidate: str, scenario: Scenario) -> object:
     with Judge(resolve_candidate(candidate)) as judge:
         return judge.once(Job(digest_of, scenario))
+
+
+@pytest.mark.parametrize(
+    ("step", "more"),
+    [
+        ('__asm__ volatile(".rept 100\\n nop\\n .endr");', 100),
+        # Of 16 and of 32 bits by turns.
+        ('__asm__ volatile(".rept 50\\n nop\\n nop.w\\n .endr");', 100),
+        # What a condition skips is fetched like any other; before the ten rounds the counter is set.
+        (
+            '__asm__ volatile("mov r3, #10\\n 1: subs r3, #1\\n it mi\\n nopmi\\n bne 1b" ::: "r3", "cc");',
+            1 + 10 * 4,
+        ),
+    ],
+)
+def test_the_instructions_of_a_step_are_counted(image: Callable[..., Path], step: str, more: int) -> None:
+    scenario = scenario_of("paper-5-phase")
+    counts = []
+    for name, code in (("one.elf", ";"), ("two.elf", step)):
+        file = image(CURRENT, code)
+        controller = load_controller(resolve_candidate(str(file.rename(file.with_name(name)))))
+        loaded = JudgedCandidate(resolve_candidate("reference"), lambda own=controller: own)
+        recorded(loaded, scenario, controller)
+        counts.append(controller.most_instructions)
+    assert counts[1] - counts[0] == more
+
+
+@pytest.mark.parametrize(
+    ("limit", "is_met"), [("step_instructions = 100000", True), ("step_instructions = 10", False)]
+)
+def test_a_step_is_judged_by_the_instructions_that_the_manifest_allows(
+    image: Callable[..., Path], limit: str, is_met: bool
+) -> None:
+    file = image().with_name("candidate.toml")
+    file.write_text(
+        f'schema = 1\nname = "mine"\nkind = "elf"\nentry = "mine.elf"\n{limit}\n', encoding="utf-8"
+    )
+    with Judge(resolve_candidate(str(file))) as judge:
+        outcome = judge.once(Job(time_steps, TimedSteps(scenario_of("paper-5-phase"))))
+    assert not isinstance(outcome, Fault), outcome
+    ((margin,),) = (run.margins for run in outcome.runs)
+    assert margin.met is is_met, margin.measured
+    assert margin.measured.endswith(f"{limit.split()[-1]} stated in 'step_instructions'")
 
 
 @pytest.mark.parametrize(("source", "drive"), [(CURRENT, "paper-5-phase"), (DUTY, "pm-ac-surface")])

@@ -95,6 +95,11 @@ class TargetController:
         self.state_address: int = words.ctypes.data
 
     @property
+    def most_instructions(self) -> int:
+        """Greatest number of instructions of a step since the reset."""
+        return int(self._words[processor.MOST_INSTRUCTIONS])
+
+    @property
     def fault(self) -> Fault | None:
         """What ended the last run, in the reset or in a step."""
         error = int(self._words[processor.ERROR])
@@ -108,7 +113,7 @@ class TargetController:
         record = record_of(nameplate)
         phases = _PHASES_OF_DUTY if isinstance(nameplate, DutyNameplate) else nameplate.phases
         self._words[processor.CURRENTS_BYTES] = 8 * phases
-        self._words[processor.ERROR] = 0
+        self._words[processor.ERROR] = self._words[processor.MOST_INSTRUCTIONS] = 0
         self._processor.power_on()
         self._mail[:] = 0
         self._mail[: record.nbytes] = record.view("u1").reshape(-1)

@@ -18,8 +18,10 @@ from numba.np.numpy_support import carray
 from numpy.typing import NDArray
 
 from drivegate.candidates.elf.image import Image, hexadecimal, place_of
+from drivegate.candidates.elf.instruction_count import COUNT, counter, counting_function
 from drivegate_models.compilation.calling import copy_bytes
 from drivegate_models.contract.current.records import STOP
+from drivegate_models.errors import HarnessFault
 
 # The package has types for a part of its functions only.
 unicorn: Any = import_module("unicorn")
@@ -37,7 +39,7 @@ _TRANSLATIONS: Final = 32 * 2**20
 # Words of the state that the C function gets.
 ENGINE, BEGIN, UNTIL, SELF, ERROR, STOP_WORD, SCRATCH = range(7)
 HOST_SENSE, SENSE_BYTES, CURRENTS_OFFSET, HOST_CURRENTS, GUEST_CURRENTS, CURRENTS_BYTES = range(7, 13)
-HOST_COMMAND, COMMAND_BYTES, ARGUMENTS = range(13, 16)
+HOST_COMMAND, COMMAND_BYTES, COUNTER, MOST_INSTRUCTIONS, ARGUMENTS = range(13, 18)
 WORDS: Final = ARGUMENTS + 5
 
 _REGISTERS: Final = (
@@ -92,6 +94,8 @@ class CortexM:
         self._map(self._base + _RETURN, PAGE, False, True)
         self._refused: tuple[int, int] | None = None
         self._engine.hook_add(unicorn.UC_HOOK_MEM_INVALID, self._note_refused)
+        self._counter = counter(image)
+        self._count_blocks()
         self.power_on()
 
     @property
@@ -158,7 +162,22 @@ class CortexM:
         words[BEGIN], words[UNTIL] = step | 1, self._base + _RETURN
         words[SELF] = words.ctypes.data
         words[STOP_WORD] = STOP
+        words[COUNTER] = self._counter[COUNT:].ctypes.data
         return words
+
+    def _count_blocks(self) -> None:
+        """Have the emulator call the compiled function before each block; its package passes Python functions only."""
+        status = binding.uclib.uc_hook_add(
+            self._engine._uch,
+            ctypes.byref(binding.uc_hook_h()),
+            unicorn.UC_HOOK_BLOCK,
+            ctypes.c_void_p(counting_function().address),
+            ctypes.c_void_p(self._counter.ctypes.data),
+            ctypes.c_uint64(1),
+            ctypes.c_uint64(0),
+        )
+        if status != unicorn.UC_ERR_OK:
+            raise HarnessFault(f"the emulator cannot count instructions: {unicorn.UcError(status)}")
 
     def _note_refused(
         self, _engine: Any, access: int, address: int, _size: int, _value: int, _data: Any
@@ -205,7 +224,11 @@ def step_function() -> Any:
         write_register(words[ENGINE], _R2, own + 8 * (ARGUMENTS + 2))
         write_register(words[ENGINE], _SP, own + 8 * (ARGUMENTS + 3))
         write_register(words[ENGINE], _LR, own + 8 * (ARGUMENTS + 4))
+        words[SCRATCH] = 0
+        copy_bytes(own + 8 * SCRATCH, words[COUNTER], 8)
         words[ERROR] = start(words[ENGINE], words[BEGIN], words[UNTIL], 0, 0)
+        copy_bytes(words[COUNTER], own + 8 * SCRATCH, 8)
+        words[MOST_INSTRUCTIONS] = max(words[MOST_INSTRUCTIONS], words[SCRATCH])
         if words[ERROR] != 0:
             copy_bytes(own + 8 * STOP_WORD, command, 8)
             return

@@ -29,7 +29,7 @@ def from_text(specification: str) -> Candidate:
 def from_manifest(manifest: Manifest, specification: str, folder: Path) -> Candidate:
     """Find the image that a manifest describes."""
     file, further = manifest.files(specification, folder)
-    target = Target(manifest.start, manifest.ram)
+    target = Target(manifest.start, manifest.ram, manifest.step_instructions)
     return _candidate(manifest.name, specification, file, further, manifest.declaration(), target)
 
 
