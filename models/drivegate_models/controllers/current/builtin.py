@@ -202,6 +202,7 @@ def search(state: Any, sense: Any, reference: float) -> None:
         if state.search == FLOWCHART:
             decide_by_flowchart(state, sense.speed_reference - sense.speed)
         else:
+            state.lowest = -line_angle(state, max(sense.speed, state.base_speed))
             decide_guarded(state)
         begin_interval(state)
 

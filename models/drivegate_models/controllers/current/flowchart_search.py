@@ -15,7 +15,11 @@ from drivegate_models.controllers.current.another_load import (
     may_step_farther,
     rearm_unless_repeated,
 )
-from drivegate_models.controllers.current.forbidden_angle import MARGIN, forget_other_load
+from drivegate_models.controllers.current.forbidden_angle import (
+    first_direction,
+    forget_other_load,
+    lowest_offset,
+)
 from drivegate_models.controllers.current.protection import begin_settling, take_step
 from drivegate_models.controllers.current.retry import (
     is_edge_distance_costly,
@@ -69,7 +73,7 @@ def rest_or_confirm(state: Any, current_sum: float) -> None:
     start the search therefore confirms its result with new steps like the first. `current_sum` is the mean of the
     interval (A).
     """
-    at_edge = state.offset - state.first_step < state.forbidden + MARGIN
+    at_edge = state.offset - state.first_step < lowest_offset(state)
     if at_edge and is_edge_distance_costly(state) and may_retry(state, True):
         retry(state, True)
         state.step = SMALLEST_STEP
@@ -83,7 +87,7 @@ def rest_or_confirm(state: Any, current_sum: float) -> None:
         return
     state.confirmed = 1
     state.step = state.first_step
-    state.direction = -1.0
+    state.direction = first_direction(state)
     begin_settling(state)
 
 
@@ -93,7 +97,7 @@ def may_widen(state: Any) -> bool:
 
     Once per load. False on the way to more angle, near a forbidden angle, and while small steps look for the edge.
     """
-    room: bool = state.offset - state.first_step >= state.forbidden + MARGIN
+    room: bool = state.offset - state.first_step >= lowest_offset(state)
     small: bool = state.direction < 0.0 and state.step < state.first_step
     return room and small and state.retried == NOT_RETRIED and state.widened == 0
 
@@ -109,7 +113,7 @@ def move(state: Any, current_sum: float, change: float) -> None:
     while (
         state.step >= SMALLEST_STEP
         and state.direction < 0.0
-        and state.offset - state.step < state.forbidden + MARGIN
+        and state.offset - state.step < lowest_offset(state)
     ):
         state.step = 0.5 * state.step
     has_risen = change > 0.0 and state.moved != 0.0
@@ -160,6 +164,8 @@ def decide_guarded(state: Any) -> None:
     if action == BEGINNING:
         state.worse_from = current_sum
         state.worse = 0
+        if state.direction < 0.0:
+            state.direction = first_direction(state)
         move(state, current_sum, change)
         return
     if change <= 0.0:

@@ -50,6 +50,19 @@ def forbid(state: Any) -> None:
 
 
 @inlined
+def lowest_offset(state: Any) -> float:
+    """Return the lowest offset that a search may try (rad electrical)."""
+    lowest: float = max(state.forbidden + MARGIN, state.lowest)
+    return lowest
+
+
+@inlined
+def first_direction(state: Any) -> float:
+    """Return the direction of a first step: toward less angle, or toward more where none is left."""
+    return 1.0 if state.offset - state.first_step < state.lowest else -1.0
+
+
+@inlined
 def is_explained_by_return(state: Any, current_sum: float) -> bool:
     """Return True if the return to the initial angle explains a mean current sum (A).
 

@@ -81,6 +81,7 @@ def rearm(state: Any) -> None:
     state.jolted_at = inf
     state.lost_speed = inf
     state.initial_power = 0.0
+    state.lowest = -inf
     begin_settling(state)
 
 

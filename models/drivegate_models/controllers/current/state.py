@@ -63,6 +63,8 @@ CONTROLLER_STATE: Final = np.dtype(
         ("advancing", np.int64),
         # Search: the offset from the initial angle and how it moves.
         ("offset", np.float64),
+        # The offset at which the angle is zero.
+        ("lowest", np.float64),
         ("step", np.float64),
         ("direction", np.float64),
         ("old_power", np.float64),

@@ -15,6 +15,7 @@ from drivegate.contracts.current.checks.robustness import ROB_2, ROB_3
 from drivegate.contracts.current.record import CurrentRecord
 from drivegate.contracts.current.scenarios.building import coming_on, steady_scenario, vehicle_scenario
 from drivegate.drives.drawn.kinds import HALF_BRIDGE
+from drivegate.drives.drawn.kinds import STAR as DRAWN_STAR
 from drivegate.drives.running import run_scenario
 from drivegate.scenarios.changes import with_load_factor, with_scales
 from drivegate_cases.drive.drive_document import load_drive
@@ -119,6 +120,11 @@ RUNS = (
     steady_scenario(TRACTION, 3320.0, power_share=0.1, constant_power=False),
     steady_scenario(BARE_ROTOR, 550.0, power_share=1.0, constant_power=True),
     steady_scenario(BARE_ROTOR, 1500.0, power_share=0.5, constant_power=False),
+    # Where no advance is needed, the line is zero and the optimum lies above it.
+    *(
+        steady_scenario(next(DRAWN_STAR.draws(0, number)), speed, power_share=1.0, constant_power=True)
+        for number, speed in ((1, 630.0), (2, 2720.0))
+    ),
 )
 # Past the current of greatest torque, more current reference gives less torque.
 FALLING_ON = (
