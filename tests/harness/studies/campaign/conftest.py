@@ -4,23 +4,12 @@ import json
 import subprocess
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from tests.harness.ended import Ended, ended
 
-from drivegate.commands.command_line import main
 from drivegate_cases.scenario.scenario import load_scenario
-
-
-@dataclass(frozen=True)
-class Ended:
-    """What a command printed, and its exit code."""
-
-    code: int
-    out: str
-    err: str
-
 
 CONTROLLERS = """
 import os
@@ -133,10 +122,7 @@ def run(
     monkeypatch.chdir(folder)
 
     def ran(*words: object) -> Ended:
-        with pytest.raises(SystemExit) as ended:
-            main([str(word) for word in words])
-        printed = capsys.readouterr()
-        return Ended(int(ended.value.code or 0), printed.out, printed.err)
+        return ended(capsys, *words)
 
     return ran
 

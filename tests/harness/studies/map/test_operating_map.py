@@ -7,9 +7,9 @@ import numpy as np
 import pandas
 import psutil
 import pytest
+from tests.harness.ended import ended
 
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.commands.command_line import main
 from drivegate.containment.backend import Backend
 from drivegate.studies.map.axes import MapAxes, axis_within, parameter_axis
 from drivegate.studies.map.map import computed
@@ -35,10 +35,8 @@ def command(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
 
     def run(*words: object) -> tuple[int, str, str]:
-        with pytest.raises(SystemExit) as ended:
-            main(["map", *map(str, words)])
-        printed = capsys.readouterr()
-        return int(ended.value.code or 0), printed.out, printed.err
+        of_map = ended(capsys, "map", *words)
+        return of_map.code, of_map.out, of_map.err
 
     return run
 
