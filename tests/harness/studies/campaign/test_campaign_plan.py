@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from drivegate.studies.campaign.file import NormalSpread, UniformSpread, read_campaign
-from drivegate.studies.campaign.plan import beside, drawn, planned
+from drivegate.studies.campaign.plan import below, drawn, planned
 from drivegate_models.errors import InputError
 
 
@@ -128,8 +128,8 @@ def test_drawn_values_have_the_distribution_that_was_requested():
 
 
 def test_relative_paths_start_beside_the_campaign(tmp_path):
-    assert beside("own.py:Mine", tmp_path) == f"{tmp_path}/own.py:Mine"
-    assert beside("own.c", tmp_path) == f"{tmp_path}/own.c"
-    assert beside("/abs/own.toml", tmp_path) == "/abs/own.toml"
+    assert below("own.py:Mine", tmp_path) == f"{tmp_path}/own.py:Mine"
+    assert below("own.c", tmp_path) == f"{tmp_path}/own.c"
+    assert below("/abs/own.toml", tmp_path) == "/abs/own.toml"
     for untouched in ("reference", "faulty:slope-doubled", "module:Class", "exec:./own --flag x.py"):
-        assert beside(untouched, tmp_path) == untouched
+        assert below(untouched, tmp_path) == untouched
