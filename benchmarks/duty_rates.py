@@ -84,7 +84,7 @@ def interior_drive(dead_time: float) -> PmAcDrive:
 
 
 def interior_nameplate(drive: PmAcDrive) -> DutyNameplate:
-    """Return what its controller is told."""
+    """Return the nameplate of its controller."""
     return DutyNameplate(
         PM_AC,
         SPEED_REFERENCE,

@@ -113,7 +113,7 @@ def _in_turns(ours: Callable[[], float], peer: Any, turns: int, dead_time: float
     ours()
     own, others, speed = [], [], 0.0
     for _ in range(turns):
-        # motulator-export tells the time of the whole call, too.
+        # motulator-export shows the time of the whole call, too.
         seconds, *_, speed = peer.simulated(dead_time)
         others.append(seconds / peer.SIMULATED_S)
         own.append(ours())

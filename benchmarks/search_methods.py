@@ -120,7 +120,7 @@ def _by_hypothesis(
         point = tuple(step / GRID for step in steps)
         varied = ticket in tickets
         tickets.add(ticket)
-        # As a shard does: a variation keeps its ticket, and what tells nothing new does not count.
+        # As a shard does: a variation keeps its ticket, and what shows nothing new does not count.
         assume(not unrelated or (not (varied and trial.runs < unrelated) and not trial.knows(point)))
         margin = trial(point)
         if climbs:

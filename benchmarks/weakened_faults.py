@@ -2,7 +2,7 @@
 
 A *gradual* fault is weakened by its own constant, such as degrees a second, and so breaks its check in a smaller and
 smaller part of the cube. A *sudden* one has its full size inside a pocket of the cube and is no fault elsewhere, so
-that no margin tells the way there; it is weakened by shrinking the pocket.
+that no margin shows the way there; it is weakened by shrinking the pocket.
 """
 
 from __future__ import annotations
@@ -180,7 +180,7 @@ class WeakenedFault:
 
     @property
     def shape(self) -> Shape:
-        """Whether margins tell the way."""
+        """Whether margins show the way."""
         return "gradual" if self.pocket is None else "sudden"
 
     def at(self, severity: float) -> Mutation:

@@ -101,7 +101,7 @@ class Candidate:
     """The drive that its manifest names."""
     contract: ContractName | None = "current"
     """What it answers with: ``current``, a current reference and an advance angle, or ``duty``, duty ratios.
-    None where nothing tells before its code runs: then it is asked for what its drive takes."""
+    None where nothing shows it before its code runs: then it is asked for what its drive takes."""
 
     @property
     def step_instructions(self) -> int | None:

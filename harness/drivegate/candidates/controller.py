@@ -24,7 +24,7 @@ class Controller(Protocol):
         """What ended the last run, if the controller itself knows."""
 
     def reset(self, nameplate: Any) -> None:
-        """Prepare for a run, told by the nameplate of its contract."""
+        """Prepare for a run, with the nameplate of its contract."""
 
 
 @runtime_checkable

@@ -60,7 +60,7 @@ class Kind:
     reports_output: bool = False
     """Whether a fault without a traceback is reported with what the candidate's process printed."""
     way_of_running: str = ""
-    """How its steps run, without which their time says little; empty where the controller itself tells."""
+    """How its steps run, without which their time says little; empty where the controller itself states it."""
 
     def from_text(self, specification: str) -> Candidate:
         """Find the candidate that a string names."""

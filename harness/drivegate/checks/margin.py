@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Final
 
 GREATEST: Final = 1e12
-"""Greatest size of a margin: beyond it a miss tells nothing more, and sums and means of margins stay finite."""
+"""Greatest size of a margin: beyond it a miss shows nothing more, and sums and means of margins stay finite."""
 GREATEST_SHOWN: Final = 10.0
 """Greatest size of a margin that people are shown."""
 _LEAST: Final = math.ulp(0.0)

@@ -63,7 +63,7 @@ def command(
 ) -> Outcome:
     """Compare every CANDIDATE over the same operating points, disturbances, noise and drive cycle.
 
-    The report ranks them, and tells who wins where and by how much. A CANDIDATE is whatever drivegate check takes.
+    The report ranks them, and shows who wins where and by how much. A CANDIDATE is whatever drivegate check takes.
     With more than one --drive, the same candidates run on each at the same shares of its range and rating, and the
     report puts the drives side by side, absolute and per unit. Controllers of duty ratios are compared by losses,
     currents and ripple over what is possible, and by their steps.

@@ -31,9 +31,9 @@ if TYPE_CHECKING:
 @isolation_option
 @json_option
 def command(file: Path, candidate: str | None, plot: Path | None) -> Outcome:
-    """Run the counterexample in FILE again, and tell whether its check STILL FAILS or is FIXED.
+    """Run the counterexample in FILE again, and show whether its check STILL FAILS or is FIXED.
 
-    Of a FOLDER, such as drivegate-report, every counterexample is run again, and told on one line.
+    Of a FOLDER, such as drivegate-report, every counterexample is run again, and shown on one line.
 
     The exit code is 1 when one still fails, or is not reproduced by the very candidate that was at fault; it is 0 when
     all are fixed or do not apply to the candidate.

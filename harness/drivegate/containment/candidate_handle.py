@@ -66,7 +66,7 @@ class CandidateHandle:
 
     @property
     def waitables(self) -> list[Any]:
-        """What becomes readable when the process has something to tell."""
+        """What becomes readable when the process has something to report."""
         return [self._channel] if self._output_ended else [self._channel, self._output]
 
     def send(self, order: Order, room: int = 0) -> None:
@@ -170,7 +170,7 @@ class CandidateHandle:
         return self.last_output()
 
     def exit_status(self) -> int:
-        """End the process if it still lives, and tell how it ended."""
+        """End the process if it still lives, and return how it ended."""
         self.end()
         return self._kept.exit_status()
 

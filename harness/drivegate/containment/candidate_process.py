@@ -28,7 +28,7 @@ from drivegate_models.errors import HarnessFault, InputError
 from drivegate_models.loop.exchange import COMPLETED, STOPPED
 
 LOOK_EVERY: Final = 0.05
-"""Time between two looks at a process that tells nothing by itself (s)."""
+"""Time between two looks at a process that reports nothing by itself (s)."""
 
 # What isolation makes of an attempt to use a file, a device or the network.
 _OF_ISOLATION = ("PermissionError", "FileNotFoundError", "OSError", "ConnectionRefusedError")
@@ -141,7 +141,7 @@ class CandidateProcess:
     def _start(self) -> None:
         self._handle = CandidateHandle(self.candidate, self._layers)
         self.generation += 1
-        # Only before this can anything but the candidate be at fault, whatever the process tells later.
+        # Only before this can anything but the candidate be at fault, whatever the process reports later.
         self._is_set_up = False
         self._memory_watch = None
         self._replied(Setup(self.candidate, self._limits.memory_bytes), 0)
@@ -254,7 +254,7 @@ class CandidateProcess:
         return fault
 
     def _located(self, handle: CandidateHandle, fault: Fault) -> Fault:
-        """Add to a fault what the shared memory tells of the step in which it happened."""
+        """Add to a fault what the shared memory shows of the step in which it happened."""
         progress = handle.progress
         if progress.activity is Activity.LETTING_GO:
             return replace(fault, phase="step", message=f"{fault.message} in the deletion of an instance")

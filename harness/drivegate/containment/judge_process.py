@@ -51,7 +51,7 @@ class JudgeProcess:
         self._stopped_since: float | None = None
 
     def start(self, job: Job[Any]) -> None:
-        """Begin a job; `poll` tells its end."""
+        """Begin a job; `poll` shows its end."""
         if self._connection is None:
             self._begin()
         assert self._connection is not None, "a process was started"

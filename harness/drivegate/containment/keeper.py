@@ -111,7 +111,7 @@ def _killed(worker: int) -> int | None:
 
 
 def _descendants(ancestor: int) -> list[int]:
-    """Find the processes that came from one, where the system tells; zombies among them."""
+    """Find the processes that came from one, where the system lists them; zombies among them."""
     children: dict[int, list[int]] = {}
     for place in Path("/proc").glob("[0-9]*/stat"):
         with suppress(OSError, ValueError, IndexError):

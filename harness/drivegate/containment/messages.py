@@ -70,4 +70,4 @@ class Broken:
 
 
 Outcome: TypeAlias = Finished | Faulted | Refused | Broken
-"""How a job ended, as a judge's process tells it."""
+"""How a job ended, as a judge's process reports it."""

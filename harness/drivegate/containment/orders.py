@@ -45,7 +45,7 @@ class Reset:
     """Reset the instance."""
 
     nameplate: Nameplate | DutyNameplate
-    """What it is told."""
+    """What it gets."""
 
 
 @dataclass(frozen=True)

@@ -53,7 +53,7 @@ class PaceWatch:
         self._reported = False
 
     def slow(self, begun: int, now: float) -> SlowRun | None:
-        """Look at the number of steps begun; gives what is to be told, once."""
+        """Look at the number of steps begun; return what is to be reported, once."""
         # The first step may compile, and says nothing about the others.
         if self._reported or begun < 2:
             return None

@@ -156,7 +156,7 @@ class _Schedule(Generic[ResultT]):
             self._suspects.append(index)
             return
         self._outcomes[index] = fault
-        # One that cannot be loaded will not be next time; and to wait for the same hang again and again tells nothing.
+        # One that cannot be loaded will not be next time; and to wait for the same hang again and again shows nothing.
         if fault.phase == "loading" or is_hang(fault):
             self.final = fault
             self._give_up(fault)
@@ -168,7 +168,7 @@ class _Schedule(Generic[ResultT]):
 
 
 def _once(on_slow: Callable[[SlowRun], None]) -> Callable[[SlowRun], None]:
-    """Make what tells of the first slow run alone."""
+    """Make what reports the first slow run alone."""
     left = [on_slow]
 
     def report(run: SlowRun) -> None:

@@ -49,7 +49,7 @@ class Reply:
     is_python: bool = False
     """Whether the instance is stepped by the Python interpreter."""
     state_size: int = 0
-    """Bytes of a native instance's state; 0 where nobody tells."""
+    """Bytes of a native instance's state; 0 if unknown."""
     most_instructions: int = 0
     """Greatest number of instructions of a step; 0 where nobody counts them."""
     check: bytes = bytes(CHECK_BYTES)

@@ -1,6 +1,6 @@
 """Memory that a candidate's process shares with its judge: what it is doing, and how many steps it has begun.
 
-The judge can still read it when the process has died or hangs, so a verdict tells the step.
+The judge can still read it when the process has died or hangs, so a verdict shows the step.
 """
 
 import mmap

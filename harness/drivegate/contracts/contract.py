@@ -63,7 +63,7 @@ class Witness:
     """Checks that it is not heard on, since it shares or lacks the part that they judge."""
 
     def is_heard_on(self, check: str) -> bool:
-        """Return True if it can tell something on a check that earlier witnesses cannot."""
+        """Return True if it can show something on a check that earlier witnesses cannot."""
         return check not in self.silent_on and (not self.only_on or check in self.only_on)
 
 

@@ -32,7 +32,7 @@ class Parting:
     """That number in the repetition and in the first run, in SI units."""
 
     def __str__(self) -> str:
-        """State the step, its time and both numbers, with as many digits as it takes to tell them apart."""
+        """State the step, its time and both numbers, with as many digits as it takes to distinguish them."""
         name, unit = self.output
         return (
             f"differs from step {self.step} on, at {self.time:g} s: "

@@ -20,7 +20,7 @@ MOST_POINTS: Final = 300
 """Maximum number of points recorded of a run, each the mean of a stretch of it."""
 _DIGITS: Final = 5
 _TIME_DIGITS: Final = 9
-"""Enough to tell control periods apart late in a run."""
+"""Enough to distinguish control periods late in a run."""
 _MOST_POINTS: Final = 5_000
 _GREATEST: Final = 1e9
 

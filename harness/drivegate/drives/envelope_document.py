@@ -31,7 +31,7 @@ _KEPT: Final = 100
 
 @lru_cache(maxsize=_KEPT)
 def envelope_of(document: DriveDocument) -> dict[str, Any] | None:
-    """Compute what a drive can do at a few speeds, as the results of its candidates tell it; None without angles."""
+    """Compute what a drive can do at a few speeds, as the results of its candidates show it; None without angles."""
     if kind_of(document).angles is None:
         return None
     drive = rated_drive(document)
@@ -43,7 +43,7 @@ def envelope_of(document: DriveDocument) -> dict[str, Any] | None:
 def envelope_document(drive: RatedDrive, line: AdvanceLine, points: Sequence[SpeedPoint]) -> dict[str, Any]:
     """Put together what a drive can do at some speeds, those of `few_speeds_of` among them."""
     rating = drive.rating
-    # Of the same speeds whatever else there is, so that a result and `drivegate drive` tell the same.
+    # Of the same speeds whatever else there is, so that a result and `drivegate drive` show the same.
     few = few_speeds_of(rating)
     shared = [point for point in points if point.speed in few]
     loaded = [point for point in shared if _is_loaded(point, rating)]

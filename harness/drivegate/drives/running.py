@@ -65,7 +65,7 @@ def recorded(
 def with_repetitions(
     loaded: JudgedCandidate, record: Record, kept: NDArray[Any], controller: AnyController
 ) -> Record:
-    """Repeat a finished run whose commands were kept, and tell where the repetitions part from it."""
+    """Repeat a finished run whose commands were kept, and return where the repetitions part from it."""
     digests, partings = [], []
     # A new instance takes the place of the one before, so it is made after that has run.
     for new in (False, True):

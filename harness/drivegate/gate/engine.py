@@ -1,4 +1,4 @@
-"""The check of a candidate: plan, work in contained processes, verdict. It tells what it does as events."""
+"""The check of a candidate: plan, work in contained processes, verdict. It reports what it does as events."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ _TELLING: Final = frozenset(
     for check in checks
     if check.level == "required" and check.subject == "candidate" and not check.volatile
 )
-"""Checks whose margins progress tells; one of 0 that is met is a clamped command's."""
+"""Checks whose margins progress shows; one of 0 that is met is a clamped command's."""
 _GRACE_SECONDS: Final = 2.0
 """How long work that has begun may go on after the time has run out."""
 _VOLATILE: Final = frozenset(check.id for check in all_checks().values() if check.volatile)
@@ -149,7 +149,7 @@ def check_candidate(
     on_slow: Callable[[SlowRun], None] | None = None,
     is_ended: Callable[[], bool] = lambda: False,
 ) -> Iterator[Event]:
-    """Check a candidate on a drive, and tell what is done as events; `on_slow` is told of a run that will take long.
+    """Check a candidate on a drive, and report progress as events; `on_slow` is called with a run that will take long.
 
     Once `is_ended` returns True, the check ends with what its runs have shown by then.
     `drive_named` is the string that named the drive, which the result repeats.

@@ -1,4 +1,4 @@
-"""What the engine tells while it works; one loop follows these, `drivegate.output.event_loop`."""
+"""What the engine reports while it works; one loop follows these, `drivegate.output.event_loop`."""
 
 from __future__ import annotations
 

@@ -47,7 +47,7 @@ class Focus:
         return not self.only or check in self.only
 
     def outcomes(self, outcomes: Iterable[CheckOutcome]) -> tuple[CheckOutcome, ...]:
-        """Leave out the checks that are not judged; a plant that failed is always told."""
+        """Leave out the checks that are not judged; a plant that failed is always reported."""
         return tuple(
             outcome
             for outcome in outcomes

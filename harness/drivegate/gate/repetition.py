@@ -1,4 +1,4 @@
-"""The same scenario once more in another process: what `DET-1` cannot tell from within one (a process id, say)."""
+"""The same scenario once more in another process: what `DET-1` cannot see from within one (a process id, say)."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def run_repetition(loaded: JudgedCandidate, request: _Request) -> Repetition:
 
 
 def explanation_jobs(scenario: Scenario) -> list[Job[Repetition]]:
-    """Plan two runs in processes of their own, whose commands tell what two processes do differently.
+    """Plan two runs in processes of their own, whose commands show what two processes do differently.
 
     The commands of the run that the repetition differed from are not kept all the time.
     """

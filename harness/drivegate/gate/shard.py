@@ -129,7 +129,7 @@ class _Collector:
         self.infeasible: list[InfeasibleScenario] = []
 
     def margins(self, ticket: int, scenario: Scenario) -> tuple[Margin, ...] | None:
-        """Run a scenario; None where that would tell nothing new, the same for the same draw."""
+        """Run a scenario; None where that would show nothing new, the same for the same draw."""
         key = content_key(scenario.to_mapping())
         if (ticket, key) not in self._answers:
             self._answers[ticket, key] = self._new(ticket, key, scenario)
@@ -177,7 +177,7 @@ def run_drawn(loaded: JudgedCandidate, plan: DrawnRuns) -> ShardOutcome:
     def explore(ticket: int, scenario: Scenario) -> None:
         # Hypothesis would run again what raises; a fault ends the search behind its back.
         margins = collector.margins(ticket, scenario) if collector.fault is None else ()
-        # What tells nothing new does not count as an example.
+        # What shows nothing new does not count as an example.
         assume(margins is not None)
         for label, score in _scores(margins or ()).items():
             target(score, label=label)

@@ -29,7 +29,7 @@ from drivegate_models.units import RADIANS_PER_RPM
 _log = logging.getLogger("drivegate")
 
 MARKER = "all-kernels"
-"""Begin of the names of files in the cache folder, each of which tells that every kernel of a kind is compiled."""
+"""Begin of the names of files in the cache folder, each of which shows that every kernel of a kind is compiled."""
 
 
 def uncompiled_kinds(drives: Iterable[DriveDocument | None] = (None,)) -> tuple[str, ...]:

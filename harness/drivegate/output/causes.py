@@ -1,4 +1,4 @@
-"""What failed checks have in common: one cause that shows in the runs of several of them, told once."""
+"""What failed checks have in common: one cause that shows in the runs of several of them, reported once."""
 
 from __future__ import annotations
 

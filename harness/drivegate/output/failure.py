@@ -20,11 +20,11 @@ DEBUG_VARIABLE: Final = "DRIVEGATE_DEBUG"
 """Environment variable that adds the traceback to the sentence of a failure when it is 1."""
 
 ERROR_SCHEMA: Final = 1
-"""Version of the document that tells an error."""
+"""Version of the document that reports an error."""
 
 
 class ExitCode(IntEnum):
-    """What the process tells a script."""
+    """What the process reports to a script."""
 
     PASSED = 0
     FAILED = 1

@@ -54,7 +54,7 @@ def markdown(result: dict[str, Any]) -> str:
 
 
 def _drive(result: dict[str, Any]) -> str:
-    """Name the drive; results of earlier versions do not tell it."""
+    """Name the drive; results of earlier versions do not name it."""
     drive = result.get("drive")
     return "" if drive is None else f" on the drive {escaped(drive['name'])}"
 

@@ -180,7 +180,7 @@ def with_rate(
 
 
 def duration_in_words(seconds: float) -> str:
-    """Write a time as people tell it."""
+    """Write a time as people say it."""
     whole = round(seconds)
     if whole < 100:
         return f"{whole} s"

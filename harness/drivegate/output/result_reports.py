@@ -58,7 +58,7 @@ def workflow_commands(result: dict[str, Any]) -> list[str]:
 
 
 def _level(check: dict[str, Any], counted: tuple[str, ...]) -> str:
-    """State how serious a check's outcome is; empty where there is nothing to tell."""
+    """State how serious a check's outcome is; empty where there is nothing to report."""
     verdict = check["verdict"]
     if verdict in ("pass", "not applicable"):
         return ""

@@ -22,14 +22,14 @@ class ResumedFolder(ABC):
     """A folder of results, held for one process alone as long as the context lasts."""
 
     def __init__(self, place: Path, *, kind: str, manifest: str, lock: str) -> None:
-        """Name the folder, what its results are called, and the files that tell whose it is and who writes."""
+        """Name the folder, what its results are called, and the files that show whose it is and who writes."""
         self.place = place
         self._kind, self._manifest, self._lock_file = kind, manifest, lock
         self._lock = -1
 
     @abstractmethod
     def claim(self) -> None:
-        """Write the manifest, or refuse the folder because its manifest tells of other results."""
+        """Write the manifest, or refuse the folder because its manifest is of other results."""
 
     def __enter__(self) -> Self:
         """Make the folder or find it, take its lock, and see that it belongs to these results."""

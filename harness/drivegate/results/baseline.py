@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from drivegate.checks.judging import JudgedRun
 
 FEWEST_PAIRS: Final = 5
-"""Pairs below which no test could tell anything: with 4, the least p-value there is is 1/16."""
+"""Pairs below which no test could show anything: with 4, the least p-value there is is 1/16."""
 SIGNIFICANCE: Final = 0.05
 """p-value below which a loss is taken for real."""
 LEAST_LOSS: Final = 0.05

@@ -1,4 +1,4 @@
-"""How a controller of duty ratios behaves in plain runs, as a result tells it: every key with its type and meaning."""
+"""How a controller of duty ratios behaves in plain runs, as a result shows it: every key with its type and meaning."""
 
 from __future__ import annotations
 

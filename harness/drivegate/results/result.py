@@ -190,7 +190,7 @@ class CheckResult:
     traces: tuple[dict[str, list[float]], ...] = ()
     """Recorded signals: lists of equal length by column."""
     behaviour: dict[str, Any] | None = None
-    """What its report tells of a controller of duty ratios beside its checks; None where that was not
+    """What its report shows of a controller of duty ratios beside its checks; None where that was not
     measured."""
     focus: dict[str, Any] | None = None
     """Under ``only`` the checks that were judged (empty for all), under ``stopped_at_first`` whether the

@@ -77,7 +77,7 @@ def _outcome(
         verdict = "pass" if complete else "inconclusive"
         summary = f"met in {'its only run' if len(items) == 1 else f'all {len(items)} runs'}"
     if check.volatile:
-        # Which run was the worst, and by how much, another machine would tell otherwise.
+        # Which run was the worst, and by how much, another machine would find otherwise.
         message = f"{'not ' if failed else ''}met; the numbers depend on the machine and are with the times"
         return _made(check, verdict, None, len(items), message, None)
     if failed:

@@ -56,7 +56,7 @@ class Waiver(Section):
         return today > self.expires
 
     def as_document(self) -> dict[str, Any]:
-        """Write what a result tells of the waiver."""
+        """Write what a result shows of the waiver."""
         keys = {"drive", "reason", "owner", "expires", "margin"}
         return self.model_dump(mode="json", include=keys, exclude_none=True)
 

@@ -207,4 +207,4 @@ _WORDS: Final[Mapping[str, Callable[[Mapping[str, Any]], Iterator[str]]]] = {
     "glitches": _glitches,
     "failure": _failure,
 }
-"""How a key of a scenario is told; the others are told by their names."""
+"""How a key of a scenario is named in texts; the others have their own names."""

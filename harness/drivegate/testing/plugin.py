@@ -160,7 +160,7 @@ def _planned(requested: _Request) -> tuple[Candidate, Iterator[Event]]:
         corpus=() if requested.corpus is None else read_corpus(requested.corpus),
         waivers=() if requested.waivers is None else read_waivers(requested.waivers, [candidate.name]),
     )
-    # The engine refuses its options before it tells that it has started, and works only afterwards.
+    # The engine refuses its options before it reports that it has started, and works only afterwards.
     return candidate, chain([next(events)], events)
 
 
@@ -207,7 +207,7 @@ def _judge(requested: _Request, output: Path, taken: set[Path]) -> Judged:
             write_result(document, folder.staging, {})
             folder.commit()
     except Exception as error:
-        # Every item tells of it, and none tries again.
+        # Every item reports it, and none tries again.
         failure = failure_of(error)
         complain(failure, error)
         return Judged(requested.candidate, None, output, failure.message)

@@ -94,7 +94,7 @@ def _decimal_comma(text: str, line: int) -> str | None:
 
 
 def _about_strings(sentence: str) -> str:
-    """Name a string that is not closed, which the parser tells by where it wanted the quotation mark."""
+    """Name a string that is not closed, which the parser reports where it expects the quotation mark."""
     line = re.search(r"Illegal character '\\n' \(at line (\d+),", sentence)
     if line is not None:
         return f"in line {line[1]} a string is not closed; end it with the quotation mark that it begins with"

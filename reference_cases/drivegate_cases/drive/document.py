@@ -237,7 +237,7 @@ class DriveDocument(Document):
         return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()
 
     def identity(self) -> dict[str, str]:
-        """Return name, kind and hash, by which results tell what drive they are of."""
+        """Return name, kind and hash, by which results identify their drive."""
         return {"name": self.name, "kind": self.kind, "hash": self.values_hash}
 
     @property

@@ -95,7 +95,7 @@ class Requirements(Section):
     @field_validator(*LEAST)
     @classmethod
     def _can_be_resolved(cls, value: float | None, info: ValidationInfo) -> float | None:
-        """A limit is no finer than what the plant and its oracle can tell."""
+        """A limit is no finer than what the plant and its oracle can resolve."""
         least, reason = LEAST[str(info.field_name)]
         if value is not None and not value >= least:
             raise ValueError(f"must be at least {least:g}, since {reason}")

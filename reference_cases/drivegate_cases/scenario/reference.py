@@ -1,4 +1,4 @@
-"""What the controller of a scenario is told to follow."""
+"""What the controller of a scenario has to follow."""
 
 from typing import Literal, TypeAlias
 
@@ -10,5 +10,5 @@ Reference: TypeAlias = Literal["speed", "torque"]
 
 
 def reference_of(scenario: Scenario) -> Reference:
-    """Return what the controller of a scenario is told to follow."""
+    """Return what the controller of a scenario has to follow."""
     return "torque" if isinstance(scenario.load, DynamometerLoad) else "speed"

@@ -49,7 +49,7 @@ TrackOffset = Annotated[float, Field(ge=-0.2, le=0.2, description="offset of the
 ClockResolution = Annotated[
     float, Field(gt=0.0, le=1e-3, description="resolution of the edges' times, in seconds")
 ]
-"""How exactly a timer tells when an edge came."""
+"""How exactly a timer measures when an edge came."""
 CurrentRange = Annotated[
     float | None,
     Field(
@@ -315,7 +315,7 @@ def counted_s(sensors: Mcs96Sensors | HallSensors | ShuntSensors, electrical_spe
 def refusal(sensors: Sensors, drive: DriveDocument) -> str | None:
     """State why a drive cannot have such sensors, if so.
 
-    Three switches tell the angle of any rotor to 60 degrees, which is where the windows of three phases open and close,
+    Three switches show the angle of any rotor to 60 degrees, which is where the windows of three phases open and close,
     whether they are connected in a star or not; those of any other number of phases lie between the edges.
     """
     if sensors.kind not in drive.sensor_kinds:

@@ -51,7 +51,7 @@ def prepare_behaviour(drive: DriveDocument) -> None:
 
 
 def shown_behaviour(document: Mapping[str, Any], drive: DriveDocument) -> ShownBehaviour | None:
-    """Draw how the candidate of a result behaves; None where that is not told."""
+    """Draw how the candidate of a result behaves; None where that is not stated."""
     told = document.get("behaviour")
     if not isinstance(told, Mapping) or contract_of(drive).behaviour is None:
         return None

@@ -43,7 +43,7 @@ class ResultView:
     candidate_hash: str
     """The candidate."""
     drive: str
-    """The drive; empty in a result that does not tell it."""
+    """The drive; empty in a result that does not show it."""
     verdict: str
     tone: str
     meaning: str

@@ -20,7 +20,7 @@ ENCODER_EDGES: Final = 10_000
 
 @dataclass(frozen=True)
 class DutyFault:
-    """A fault that is made by changing what the controller is told or its state, or its senses and answers."""
+    """A fault that is made by changing the controller's nameplate or its state, or its senses and answers."""
 
     check: str
     """Check that must catch it."""
@@ -52,8 +52,8 @@ class DutyFault:
         )
 
     def idles_on(self, plate: DutyNameplate) -> bool:
-        """Return True if a controller that is told something wrong is told nothing but the truth."""
-        # A drive without dead time is also run with some, which the controller is told then.
+        """Return True if a controller with a wrong nameplate gets the true one on this drive."""
+        # A drive without dead time is also run with some, which is on the nameplate then.
         blanked = plate._replace(dead_time=plate.dead_time or plate.control_period)
         return self.believes is not None and self.believes(blanked) == blanked
 

@@ -133,7 +133,7 @@ def _refuse_wrong_arguments(function: Callable[..., object], call: str, argument
     try:
         signature = inspect.signature(function)
     except (TypeError, ValueError):
-        # What tells no signature, such as a function of an extension module, shows at its first call.
+        # What has no signature, such as a function of an extension module, shows at its first call.
         return
     try:
         signature.bind(*range(arguments))

@@ -81,7 +81,7 @@ def read_image(file: Path) -> Image:
 
 
 def place_of(image: Image, address: int) -> str:
-    """Name the function and, where the image tells, the line of the source at an address."""
+    """Name the function and, if the image has it, the line of the source at an address."""
     name = next(
         (name for name, start in image.functions.items() if start <= address < start + image.sizes[name]), ""
     )

@@ -31,7 +31,7 @@ class FmuDescription:
     only_once: bool
     """Whether a process may have only one instance of it at a time."""
     log_categories: tuple[str, ...]
-    """Categories of messages in which it tells what went wrong."""
+    """Categories of messages that report errors."""
     connections: Connections
     """Which of its variables carry what."""
 

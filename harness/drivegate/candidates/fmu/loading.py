@@ -135,5 +135,5 @@ def _loaded(description: FmuDescription, folder: Path) -> FmuInstance:
 
 @cache
 def _unpacked(file: Path, _content_hash: str) -> UnpackedFmu:
-    """Unpack a file once; the hash tells when it has changed."""
+    """Unpack a file once; the hash shows when it has changed."""
     return UnpackedFmu(file)

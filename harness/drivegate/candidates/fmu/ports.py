@@ -11,7 +11,7 @@ from drivegate_models.contract.current.signals import Nameplate, Sense
 from drivegate_models.contract.duty.signals import DutyNameplate, DutySense
 
 DUTY_RATIOS: Final = "duty_ratios"
-"""The output, an array or three of them, by which an FMU is told to answer with duty ratios."""
+"""The output, an array or three of them, by which an FMU answers with duty ratios."""
 LEGS: Final = 3
 """Values of a variable that has one for each leg."""
 

@@ -29,7 +29,7 @@ def _candidate(
 ) -> Candidate:
     sources = tuple(dict.fromkeys((file, *further)))
     digest = hash_of(sources, "")
-    # Its variables tell its contract, which only a worker process reads.
+    # Its variables show its contract, which only a worker process reads.
     return Candidate(
         name, "fmu", specification, str(file), file.parent, sources, digest, declaration, contract=None
     )

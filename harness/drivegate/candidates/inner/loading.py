@@ -45,7 +45,7 @@ class InnerController(CompiledController):
         return getattr(self._outer, "refusal", None)
 
     def reset(self, nameplate: AnyNameplate) -> None:
-        """Reset the controller, told of the drive in its own terms, and the loop."""
+        """Reset the controller, with a nameplate of its own contract, and the loop."""
         require_nameplate_of("duty", nameplate)
         assert isinstance(nameplate, DutyNameplate), "of this contract"
         if nameplate.reference_kind == TORQUE_REFERENCE:

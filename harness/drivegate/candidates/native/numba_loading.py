@@ -239,7 +239,7 @@ def _step_callback(step: Any, records: tuple[Any, ...]) -> Any:
 
 
 def _reset_callback(reset: Any, records: tuple[Any, ...]) -> Any:
-    """Put a reset behind a C function; it returns 0, since an exception tells that it failed."""
+    """Put a reset behind a C function; it returns 0, since an exception shows that it failed."""
 
     def drivegate_reset(state: Any, nameplate: Any) -> int:
         reset(carray(state, 1)[0], carray(nameplate, 1)[0])

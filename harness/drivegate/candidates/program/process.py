@@ -102,7 +102,7 @@ class ProgramProcess:
         return block
 
     def _looks_longer(self) -> bool:
-        """Count a request, and tell whether to wait before it: often at first, then now and then."""
+        """Count a request, and return whether to wait before it: often at first, then now and then."""
         number = self._requests
         self._requests += 1
         return number > 0 and (number & (number - 1) == 0 or number % _LOOKS_EVERY == 0)

@@ -1,4 +1,4 @@
-"""What the harness and a program tell each other: one JSON object a line, each message answered by one.
+"""What the harness and a program send each other: one JSON object a line, each message answered by one.
 
 Floats are written with as many digits as it takes to read back the same 64-bit number.
 """

@@ -54,7 +54,7 @@ def _candidate(
     sources = tuple(dict.fromkeys((*(file for file in named if file is not None), *further_sources)))
     entry = shlex.join(program.arguments)
     digest = hash_of(sources, entry)
-    # Only the program itself tells its contract.
+    # Only the program itself shows its contract.
     return Candidate(
         name, "exec", specification, command, folder, sources, digest, declaration, program, contract=None
     )

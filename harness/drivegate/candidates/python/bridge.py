@@ -2,7 +2,7 @@
 
 The callback runs once per control period, so it reads and writes the binary records with precompiled
 `struct` packings over cached views. Whatever the candidate does, no exception leaves the callback: what went
-wrong becomes a `Fault`, and the command tells the loop to stop.
+wrong becomes a `Fault`, and the command requests a stop of the loop.
 """
 
 from __future__ import annotations

@@ -23,7 +23,7 @@ AnySense: TypeAlias = Sense | DutySense
 
 
 class _Contract(NamedTuple):
-    """How a command of a contract is told of."""
+    """How texts name a command of a contract."""
 
     command: type
     example: str

@@ -98,7 +98,7 @@ def imported_contract(file: Path) -> ContractName | None:
     try:
         tree = ast.parse(file.read_bytes())
     except (OSError, SyntaxError, ValueError, RecursionError, MemoryError):
-        # Loading tells what is wrong.
+        # Loading reports what is wrong.
         return None
     imported = {
         name.name

@@ -17,7 +17,7 @@ _SENSORS: Final = {
 
 
 def numbers(drive: DriveDocument) -> dict[str, str]:
-    """Write the numbers that checks tell, and what sensors the drive has, by the names that stand in their texts."""
+    """Write the numbers that checks state, and what sensors the drive has, by the names that stand in their texts."""
     scale, limits, rating = scale_of(drive), limits_of(drive), drive.rating
     points = [f"{point.speed_rpm:g} rpm and {point.torque_n_m:g} N·m" for point in limits.points]
     return limit_words(limits) | {

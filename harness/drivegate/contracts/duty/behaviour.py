@@ -40,7 +40,7 @@ _AMPLITUDE_PLACES: Final = 4
 
 
 def behaviour(run: Run, drive: PmAcDocument, step: Scenario | None) -> dict[str, Any]:
-    """Run a candidate through plain scenarios, and the one that shows its steps; give what a report tells of it."""
+    """Run a candidate through plain scenarios, and the one that shows its steps; give what a report shows of it."""
     records = [duty_record(run(scenario)) for scenario in efficiency_scenarios(drive)]
     return {
         "step": None if step is None else _step(duty_record(run(step))),

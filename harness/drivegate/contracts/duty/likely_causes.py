@@ -23,7 +23,7 @@ class LikelyCause:
     words: str
     """What is wrong, in one clause."""
     signs: frozenset[str]
-    """What fails: checks, each with what its measured value shows where that tells causes apart."""
+    """What fails: checks, each with what its measured value shows where that distinguishes causes."""
     confirmed_by: str
     """What confirms it, in one clause."""
     faults: tuple[str, ...]

@@ -9,7 +9,7 @@ from drivegate_cases.drive.pm_ac.limits import DutyLimits, duty_limits_of
 
 
 def numbers(drive: DriveDocument) -> dict[str, str]:
-    """Write the numbers that checks of duty ratios tell, by the names that stand in their texts."""
+    """Write the numbers that checks of duty ratios state, by the names that stand in their texts."""
     limits, rating = duty_limits_of(duty_document(drive)), drive.rating
     return limit_words(limits) | {
         "base": f"{rating.base_speed_rpm:g} rpm",

@@ -30,7 +30,7 @@ def steady_rate(bench: Workbench, band: float, drive_name: str = DEFAULT_DRIVE) 
     from drivegate_models.steady.plant import make_phases
     from drivegate_models.steady.steady_state import KEPT_TIME
 
-    # Without core loss, which floating phases take from the shaft, powers add up from what a point tells.
+    # Without core loss, which floating phases take from the shaft, powers add up from what a point shows.
     drive = load_drive(drive_name).plant()._replace(hysteresis_band=band, core_loss_conductance=0.0)
     work, slices = make_phases(drive, KEPT_TIME), make_phases(drive)
     count = POINTS // 10 if bench.quick else POINTS

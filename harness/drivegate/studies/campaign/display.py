@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 _WORDS: Final = ("check", "level")
 _MARGINS: Final = ("worst margin", "5 %", "median")
-"""Columns of the margins that are told."""
+"""Columns of the margins that are shown."""
 _UNBOUNDED: Final = 10_000
 _SPARED: Final = ("5 %", "median", "probability", "level", "worst run")
 """Columns that a narrow console goes without, the first of them first."""

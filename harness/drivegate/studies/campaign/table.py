@@ -100,7 +100,7 @@ def columns_of(paths: Sequence[Path], columns: Sequence[str]) -> Iterator[pyarro
 
     for path in paths:
         try:
-            # The folder's name tells the candidate, which is no column here.
+            # The folder's name is the candidate, which is no column here.
             yield parquet.ParquetFile(path).read(columns=list(columns), use_threads=False)
         except (ArrowException, OSError) as error:
             raise _damaged(path, error) from error

@@ -52,7 +52,7 @@ def worst_case(
 def _counterexample(
     plan: CampaignPlan, folder: CampaignFolder, place: int, entry: CheckStatistics, measured: str
 ) -> str:
-    """Write the worst run of a check that it violates, and tell where."""
+    """Write the worst run of a check that it violates, and return where."""
     worst, candidate = plan.run(entry.worst_run or 0).scenario, plan.candidates[place]
     drive, scenario = worst.drive, worst.to_mapping()
     check = on_drive(check_of(drive.contract, entry.check), drive)

@@ -138,7 +138,7 @@ def _changes(refused: list[dict[str, Any]]) -> str:
 
 
 def show_fit(console: Console, document: dict[str, Any], name: str) -> None:
-    """Print points and constants, and what the points do not tell."""
+    """Print points and constants, and what the points do not determine."""
     heads = ("rpm", "°", "A", "N·m", "fitted N·m", "difference")
     points = table(*heads, right=heads)
     for point in document["points"]:

@@ -40,14 +40,14 @@ class FittedConstant:
     fitted: float
     """The fitted one."""
     uncertainty: float
-    """Its standard uncertainty: NaN where nothing tells it, infinite where the points do not tell the
+    """Its standard uncertainty: NaN where nothing determines it, infinite where the points do not determine the
     constant."""
     at_bound: bool
     """Whether the search has stopped at its bound."""
 
     @property
     def is_determined(self) -> bool:
-        """Whether nothing says that the points do not tell it."""
+        """Whether nothing says that the points do not determine it."""
         return not self.uncertainty > self.fitted
 
 
@@ -148,7 +148,7 @@ def _torques(
 
 
 def _variance(found: ConstantsFit, points: Sequence[MeasuredTorque]) -> float:
-    """Estimate the variance of the weighted torques; NaN where neither a rest nor the file tells it."""
+    """Estimate the variance of the weighted torques; NaN where neither a rest nor the file determines it."""
     spare = len(found.residuals) - len(found.values)
     scatter = float(found.residuals @ found.residuals) / spare if spare else nan
     if isnan(points[0].uncertainty):

@@ -45,7 +45,7 @@ from drivegate_models.errors import HarnessFault
 from drivegate_models.units import RADIANS_PER_RPM
 
 SOLVER_MARKER: Final = "map-solver"
-"""Name of the file in the cache folder that tells that the solver of many steady states has been compiled."""
+"""Name of the file in the cache folder that shows that the solver of many steady states has been compiled."""
 
 
 @dataclass(frozen=True)

@@ -193,7 +193,7 @@ def remark_on(stored: Counterexample, candidate: Candidate, ended: Replay | Faul
         or stored.margin in (None, finite(ended.margin.value))
     ):
         return ""
-    # A file may also tell where it was found, on which nothing depends.
+    # A file may also state where it was found, on which nothing depends.
     used = all(stored.versions.get(name) == number for name, number in versions().items())
     same = used and stored.candidate.hash == candidate.content_hash
     return _PARTED if same and not check_of(stored).volatile else ""

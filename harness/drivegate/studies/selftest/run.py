@@ -224,7 +224,7 @@ def _tried(faults: Sequence[SeededFault], effort: SelftestEffort) -> tuple[Fault
         display.begin(_TITLE, len(faults))
         for row in try_faults(faults, effort):
             rows.append(row)
-            # Each line tells of another controller, so none is left out.
+            # Each line is of another controller, so none is left out.
             display.advance(len(rows), len(faults), _in_short(row), always=True)
     return tuple(rows)
 

@@ -151,7 +151,7 @@ def draw(data: ConventionalDrives) -> Figure:
 
 
 def _draw_ranges(panel: Axes, data: ConventionalDrives) -> None:
-    """Draw the ranges, whose names tell the colours of all panels."""
+    """Draw the ranges, whose names have the colours of all panels."""
     for place, (drive, (colour, _)) in enumerate(zip(data.drives, _LOOKS, strict=True)):
         height = -float(place)
         panel.plot([drive.from_rpm, drive.to_rpm], [height, height], color=colour, linewidth=3.0)

@@ -180,7 +180,7 @@ def _draw_map(panel: Axes, data: RippleMap, one: StarRipple) -> None:
     grid = (data.inductance_mh, data.flat_deg)
     panel.contourf(*grid, one.ripple_percent, levels=_LEVELS, colors=_SHADES)
     lines = panel.contour(*grid, one.ripple_percent, levels=_LEVELS[1:-1], colors="#FFFFFF", linewidths=0.7)
-    # The orange band is told in the caption; a number on it would lie on that of the line beside it.
+    # The orange band is explained in the caption; a number on it would lie on that of the line beside it.
     panel.clabel(lines, levels=_LEVELS[1:5], fmt="%.0f %%", fontsize=8.0, colors="#22262E")
     panel.contour(*grid, one.lowest_nm, levels=[0.0], colors=VERMILION, linewidths=1.8)
     panel.plot(

@@ -137,7 +137,7 @@ def draw(data: KindsOverSpeed) -> Figure:
 
 
 def _draw_ranges(panel: Axes, data: KindsOverSpeed) -> None:
-    """Draw the ranges, thick those of rated power; their names tell the colours of all panels."""
+    """Draw the ranges, thick those of rated power; their names have the colours of all panels."""
     for place, (kind, (colour, _)) in enumerate(zip(data.kinds, _LOOKS, strict=True)):
         height = -float(place)
         for power, width in ((data.power_w, 1.2), (data.rated_power_w, 4.0)):

@@ -1,7 +1,7 @@
 """How large a fault is on a drive: shares of what the drive is required to meet, is rated for, or takes.
 
 A fault just beyond a tolerance has to be so on every drive: its size is a share of the drive's own quantities. Shares
-are rounded like the numbers that people write, so that the texts of faults tell them in full.
+are rounded like the numbers that people write, so that the texts of faults show them in full.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ class Size:
         return _INTO_SI.get(self.unit, float)(self.of(drive))
 
     def words(self, drive: DriveDocument) -> str:
-        """Write it as texts tell it."""
+        """Write it as in texts."""
         space = "" if not self.unit or self.unit.startswith("°") else " "
         return f"{self.of(drive):.6g}{space}{self.unit}"
 

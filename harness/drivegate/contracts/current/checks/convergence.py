@@ -60,7 +60,7 @@ def speed_in_words(window: SteadyWindow) -> str:
 
 
 def unseen_share(window: SteadyWindow) -> float:
-    """Return the share of the torque, and so of the current sum, that sensors cannot tell from a steady speed.
+    """Return the share of the torque, and so of the current sum, that sensors cannot distinguish from a steady speed.
 
     A speed that moves by one step of its measurement up or down takes the torque J·2Δω in the time of one mean.
     The step is the clock's over the time in which edges are counted.
@@ -130,7 +130,7 @@ def worst_convergence(check: str, windows: Iterable[SteadyWindow]) -> Margin | N
         if not window.is_loaded:
             continue
         value, measured = window_convergence(window)
-        # Feasibility takes much longer to tell than convergence, and matters only without it.
+        # Feasibility takes much longer to compute than convergence, and matters only without it.
         if value >= 0.0 or is_feasible(window):
             margins.append(Margin(check, value, measured + described(window), is_beyond_range(window)))
     return worst_required(margins)

@@ -38,7 +38,7 @@ def command_range(record: Record) -> Margin:
 
 
 def _inside(lowest: float, highest: float) -> float:
-    """Judge a range: at its ends is every controller that clamps, so that the distance from them tells nothing."""
+    """Judge a range: at its ends is every controller that clamps, so that the distance from them shows nothing."""
     outside = min(lowest, 1.0 - highest)
     return 1.0 if outside >= 0.0 else normalised(outside, 1.0)
 

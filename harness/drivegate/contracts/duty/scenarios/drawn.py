@@ -427,7 +427,7 @@ def failure_scenarios(
         held = torque_scenario(drive, speed, (torque,))
         run = held if reference == "torque" else speed_scenario(drive, (speed,), torque_nm=torque)
         if kind == "lost-edge":
-            # The number of a phase, which an edge has none of, tells whose edge it is.
+            # The number of a phase, which an edge has none of, shows whose edge it is.
             seen = with_edges(run, edge_positions(drive)[0 if phase == 1 else -1], seed)
         elif kind == "slip":
             seen = run

@@ -93,7 +93,7 @@ def _failures(drives: Sequence[JudgedDrive]) -> list[dict[str, Any]]:
 
 
 def _otherwise(row: GateRow) -> FailedCheck:
-    """Make of a verdict that no check has given what a failed check is told with."""
+    """Make of a verdict that no check has given what a failed check is shown with."""
     return FailedCheck(row.verdict, None, row.message, "", "")
 
 

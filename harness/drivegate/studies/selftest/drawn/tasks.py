@@ -22,7 +22,7 @@ from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.errors import HarnessFault, InputError
 
 _TOLD: Final = 300
-"""Letters that are told of the beginning and of the end of an error's text."""
+"""Letters that are shown of the beginning and of the end of an error's text."""
 
 
 def packed(effort: SelftestEffort, drives: Mapping[int, DriveDocument]) -> bytes:

@@ -76,7 +76,7 @@ class Controller:
         self.quadrature_integral += self.quadrature_step * (
             quadrature_error + (quadrature_given - quadrature_wanted) / self.quadrature_gain
         )
-        # Where the machine is not as on the nameplate, the voltage that is asked for tells.
+        # Where the machine is not as on the nameplate, the voltage that is asked for shows.
         self.weakening += self.weakening_step * (
             0.5 * (1.0 + VOLTAGE_SHARE) * limit - hypot(direct_wanted, quadrature_wanted)
         )
