@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+
+import numpy as np
 
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, normalised
+from drivegate.checks.moment import Mark, Moment, Point
+from drivegate.checks.record import Record
 from drivegate.contracts.current.checks.declared_speeds import below_base, unless_speeds
 from drivegate.contracts.current.record import CurrentRecord
 
 LARGEST_ANGLE = math.pi / 2.0
 """Greatest advance angle of the contract (rad electrical)."""
+SHOWN_PERIODS = 100
+"""Control periods before and after the deciding one that figures show."""
 
 
 def angle_below_base(record: CurrentRecord) -> Margin | None:
@@ -31,6 +38,50 @@ def angle_range(record: CurrentRecord) -> Margin:
     highest = record.run.observed.angle_highest
     value = normalised(min(lowest, LARGEST_ANGLE - highest), LARGEST_ANGLE)
     return Margin("ADV-2", value, f"{_in_words(lowest, 4)} to {_in_words(highest, 4)}")
+
+
+def below_base_moment(record: Record) -> Moment | None:
+    """Show the advance angle around the first step below base speed that has one."""
+    assert isinstance(record, CurrentRecord), "the check is of this contract"
+    run = record.run.observed
+    if run.steps_below_base == 0.0 or run.angle_below_base == 0.0:
+        return None
+    place = int(np.searchsorted(record.run.trace["time_s"], run.first_below_base))
+    return _moment(record, "advance_deg", place, "°", (0.0,))
+
+
+def angle_moment(record: Record) -> Moment:
+    """Show the advance angle where it comes nearest to an end of its range, or leaves it furthest."""
+    return _furthest(record, "advance_deg", "°", lambda _: math.degrees(LARGEST_ANGLE))
+
+
+def reference_moment(record: Record) -> Moment:
+    """Show the current reference where it comes nearest to an end of its range, or leaves it furthest."""
+    return _furthest(
+        record, "current_reference_a", " A", lambda judged: judged.scenario.drive.rating.current_limit_a
+    )
+
+
+def _furthest(record: Record, column: str, unit: str, limit: Callable[[CurrentRecord], float]) -> Moment:
+    assert isinstance(record, CurrentRecord), "the check is of this contract"
+    values, highest = record.run.trace[column], limit(record)
+    return _moment(record, column, int(np.argmin(np.minimum(values, highest - values))), unit, (0.0, highest))
+
+
+def _moment(record: CurrentRecord, column: str, place: int, unit: str, limits: tuple[float, ...]) -> Moment:
+    """Show a column around one of its rows, with its limits."""
+    times, values = record.run.trace["time_s"], record.run.trace[column]
+    place = min(place, len(times) - 1)
+    shown = times[max(place - SHOWN_PERIODS, 0) : place + SHOWN_PERIODS + 1]
+    return Moment(
+        start_s=float(shown[0]),
+        end_s=float(shown[-1]),
+        column=column,
+        levels=tuple(Mark(words=f"limit {limit:.4g}{unit}", value=limit) for limit in limits),
+        point=Point(
+            words=f"{values[place]:.4g}{unit} applied", time_s=float(times[place]), value=float(values[place])
+        ),
+    )
 
 
 def _in_words(angle: float, digits: int) -> str:
@@ -59,6 +110,7 @@ ADV_1 = Check(
     formula="1 when every such angle is exactly 0, else minus the largest of them in degrees",
     why="Below base speed the supply exceeds the EMF, and an advanced current only costs torque.",
     evaluate=angle_below_base,
+    moment=below_base_moment,
     reason_not_applicable=unless_speeds(below_base),
 )
 ADV_2 = Check(
@@ -72,6 +124,7 @@ ADV_2 = Check(
     formula="distance from the nearer end / 90°, before the plant clamps the angle",
     why="At 90° the greatest speed is reached; beyond it the torque falls again.",
     evaluate=angle_range,
+    moment=angle_moment,
 )
 CMD_1 = Check(
     id="CMD-1",
@@ -84,4 +137,5 @@ CMD_1 = Check(
     formula="distance from the nearer end / {current}, before the plant clamps the reference",
     why="The phase current is limited by its reference alone, and there is no braking with a negative one.",
     evaluate=reference_range,
+    moment=reference_moment,
 )

@@ -267,7 +267,7 @@ CNV_3 = Check(
     limit="k1 = {k1}, k2 = {k2} of Σ|i|, {angle}",
     scenarios="every loaded steady stretch of {stretch} or more above base speed after a change, on the nominal drive",
     formula="as CNV-1",
-    why="Fig. 4 taken literally stops for good once it has lost the speed, since its gate stays closed.",
+    why="A search that is active only near the reference stops for good once it has lost the speed.",
     evaluate=converges_again,
     reason_not_applicable=ABOVE_BASE_SPEED,
 )
