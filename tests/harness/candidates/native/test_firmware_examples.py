@@ -1,0 +1,121 @@
+"""Firmware of five styles meets the required checks; with one line changed it fails the check that names the fault."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from datetime import UTC, datetime
+from functools import partial
+from pathlib import Path
+from types import MappingProxyType
+from typing import NamedTuple
+
+import pytest
+
+from drivegate.candidates.kinds import load_controller
+from drivegate.candidates.native.compiler import include_folder
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.checks.judging import judged
+from drivegate.checks.margin import Margin
+from drivegate.containment.messages import JudgedCandidate
+from drivegate.contracts.catalogue import contract_of
+from drivegate.drives.running import recorded
+from drivegate.gate.plan import NOTHING_DECLARED
+from drivegate.studies.new import write_candidate
+from drivegate_cases.drive.drive_document import load_drive
+
+FOLDER = Path(__file__).parents[4] / "examples" / "firmware"
+DRIVE = load_drive("pm-ac-interior")
+CONTRACT = contract_of(DRIVE)
+SCENARIOS = {scenario.name: scenario for scenario in CONTRACT.fixed_scenarios(DRIVE, NOTHING_DECLARED)}
+BUILDS = MappingProxyType(
+    {
+        "crate": "mkdir -p target/release && rustc --edition 2021 --crate-type cdylib -C opt-level=3 -C panic=abort"
+        " --cap-lints allow -o target/release/libdrive.so src/lib.rs",
+        "image": f"make --silent INCLUDE={include_folder()}",
+    }
+)
+
+
+MANIFESTS = MappingProxyType({"image": "image.toml"})
+
+
+class Seeded(NamedTuple):
+    """A fault of one line, with the check that it fails."""
+
+    style: str
+    file: str
+    line: str
+    fault: str
+    check: str
+    scenario: str
+
+
+NO_DELAY = Seeded(
+    "embedded-coder",
+    "model/controller.c",
+    "    angle += electrical * rtP.Lead;\n",
+    "",
+    "FWK-3",
+    "6000rpm-torque-0-2.387-0Nm",
+)
+WRONG_SIGN = Seeded(
+    "objects",
+    "motor_control.cpp",
+    "- electrical * motor.quadrature_inductance * current.quadrature",
+    "+ electrical * motor.quadrature_inductance * current.quadrature",
+    "DEC-1",
+    "1040rpm-torque-0-2.046-1.137-0.2274-0Nm",
+)
+WRONG_CHANNEL = Seeded(
+    "interrupt", "firmware.c", "ADC1->JDR3", "ADC1->JDR2", "ACC-1", "1040rpm-torque-1.364Nm-clock-2147.4s"
+)
+NO_ANTI_WINDUP = Seeded(
+    "crate",
+    "src/foc.rs",
+    "            regulator.integral -= regulator.step * excess * *output / regulator.gain;\n",
+    "",
+    "STP-1",
+    "1050rpm-torque-0.5684-1.137-2.274Nm",
+)
+WRONG_SCALE = Seeded(
+    "image", "firmware.c", "/ 3.0F, beta", "/ 2.0F, beta", "RIP-4", "1040rpm-torque-1.364Nm-clock-2147.4s"
+)
+
+
+def margins_of(seeded: Seeded, folder: Path, line: str) -> dict[str, Margin]:
+    """Build the firmware with one line as given, run one scenario, and judge the run."""
+    if seeded.style == "embedded-coder":
+        write_candidate(seeded.style, "mine", folder, datetime.now(UTC).date())
+    else:
+        source = FOLDER / ("interrupt" if seeded.style == "image" else seeded.style)
+        shutil.copytree(source, folder, ignore=shutil.ignore_patterns("target", "*.elf"))
+    file = folder / seeded.file
+    text = file.read_text(encoding="utf-8")
+    assert text.count(seeded.line) == 1
+    file.write_text(text.replace(seeded.line, line), encoding="utf-8")
+    if seeded.style in BUILDS:
+        subprocess.run(BUILDS[seeded.style], shell=True, cwd=folder, check=True)
+    candidate = resolve_candidate(str(folder / MANIFESTS.get(seeded.style, "candidate.toml")))
+    loaded = JudgedCandidate(candidate, partial(load_controller, candidate))
+    record = recorded(loaded, SCENARIOS[seeded.scenario], loaded.controller())
+    return {margin.check: margin for margin in judged(record, CONTRACT.checks()).margins}
+
+
+@pytest.mark.parametrize(
+    "seeded",
+    [
+        pytest.param(NO_DELAY, id="generated-code-without-delay-compensation"),
+        pytest.param(WRONG_SIGN, id="objects-with-a-sign-wrong-on-the-d-axis"),
+        pytest.param(WRONG_CHANNEL, id="interrupt-handler-with-the-wrong-converter-channel"),
+        pytest.param(NO_ANTI_WINDUP, id="crate-without-anti-windup", marks=pytest.mark.needs("rustc")),
+        pytest.param(
+            WRONG_SCALE, id="image-with-a-wrong-Clarke-scale", marks=pytest.mark.needs("arm-none-eabi-gcc")
+        ),
+    ],
+)
+def test_a_fault_of_one_line_fails_its_check(seeded: Seeded, tmp_path: Path) -> None:
+    margins = margins_of(seeded, tmp_path / "right", seeded.line)
+    assert [m.measured for m in margins.values() if not m.met and not m.advisory] == []
+    assert margins[seeded.check].met
+    assert not margins_of(seeded, tmp_path / "wrong", seeded.fault)[seeded.check].met
