@@ -27,6 +27,9 @@ def unattended() -> Iterator[None]:
     ignored = signal.getsignal(signal.SIGINT) is signal.SIG_IGN
     with pytest.MonkeyPatch.context() as patched:
         patched.delenv("COLUMNS", raising=False)
+        if "PYTEST_XDIST_WORKER" in os.environ:
+            # The other processors have workers of their own, and each process of a check takes a second to start.
+            patched.setattr(os, "cpu_count", lambda: 1)
         if ignored:
             signal.signal(signal.SIGINT, signal.default_int_handler)
         yield

@@ -22,6 +22,7 @@ def compile_for_first_check() -> None:
         envelope_of(drive)
         scenario = contract_of(drive).fixed_scenarios(drive, NOTHING_DECLARED)[1]
         usual = contract_of(drive).usual_candidate
-        for name in dict.fromkeys((usual, *(witness.candidate for witness in witnesses_for(drive)))):
+        named = [witness.candidate for witness in witnesses_for(drive) if witness.made_for is None]
+        for name in dict.fromkeys((usual, *named)):
             loaded = own_candidate(resolve_candidate(name))
             recorded(loaded, scenario, loaded.controller())

@@ -20,6 +20,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from textwrap import dedent, indent
 
+import psutil
+
 from drivegate.candidates.fault import Fault
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import Judge
@@ -255,7 +257,7 @@ ATTACKS = (
     Attack(
         "moves a process to one processor",
         "os.sched_setaffinity(victim, {0})",
-        lambda scene: len(os.sched_getaffinity(scene.victim.pid)) == 1 != os.cpu_count(),
+        lambda scene: len(os.sched_getaffinity(scene.victim.pid)) == 1 != psutil.cpu_count(),
     ),
     # Ways out.
     Attack(
