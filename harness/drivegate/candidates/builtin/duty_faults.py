@@ -66,6 +66,11 @@ def _scaled(factor: float, *fields: str) -> Callable[[Any], None]:
     return alter
 
 
+def _weakens_little(state: Any) -> None:
+    """Allow a share of the weakening that a machine can use: more than that costs it little torque."""
+    state["deepest"] = 0.3 * max(state["deepest"], -state["magnet_flux"] / state["direct_inductance"])
+
+
 def _unseen_along(share: float) -> Callable[[DutyNameplate], dict[str, float]]:
     """Hide a current along the magnet's axis from the controller, of a share of the limit against the magnet."""
 
@@ -142,7 +147,7 @@ DUTY_FAULTS: Final = {
         "ACC-1",
         "Has an angle that is 5 electrical degrees off.",
         perturbed=lambda plate: {"angle_added": radians(5.0) / plate.pole_pairs},
-        less_salient=(1.0, "FWK-1"),
+        less_salient=(1.0, "FWK-2"),
     ),
     "current-sensor-offset": DutyFault(
         "ACC-1",
@@ -227,8 +232,8 @@ DUTY_FAULTS: Final = {
     ),
     "shallow-weakening": DutyFault(
         "FWK-1",
-        "Never weakens by more than 30 % of the current limit.",
-        alter=_scaled(0.3, "deepest"),
+        "Never weakens by more than 30 % of what cancels the magnet's flux, or of the current limit if that is less.",
+        alter=_weakens_little,
     ),
     "delay-overcompensated": DutyFault(
         "DEC-1",

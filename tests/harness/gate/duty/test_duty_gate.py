@@ -113,6 +113,14 @@ def test_a_faulty_controller_is_caught_by_its_check(name: str) -> None:
     assert DUTY_FAULTS[name].check in failed_checks(f"faulty:{name}", revealing_runs())
 
 
+@pytest.mark.parametrize(("name", "check"), [("shallow-weakening", "FWK-1"), ("angle-offset", "FWK-2")])
+def test_a_faulty_controller_is_caught_by_its_check_on_a_machine_without_saliency(
+    name: str, check: str
+) -> None:
+    drive = load_drive("pm-ac-surface").replaced(settling_s=0.3)
+    assert check in failed_checks(f"faulty:{name}", revealing_runs(drive)[1:2])
+
+
 @pytest.mark.parametrize("name", rarer_runs())
 def test_a_fault_of_a_rarer_operation_is_caught_there_alone(name: str) -> None:
     run = rarer_runs()[name]

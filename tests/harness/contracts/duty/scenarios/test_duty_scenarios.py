@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable
+from itertools import pairwise
 
 import pytest
 from hypothesis import HealthCheck, Phase, find, given, seed, settings
@@ -210,6 +211,20 @@ def test_edges_of_both_kinds_are_lost_under_a_torque_and_stay_of_their_kind() ->
     assert not [
         run for run in fixed_scenarios(INTERIOR, ("speed",), ("lost-edge",)) if run.failure is not None
     ]
+
+
+def test_a_fan_a_load_that_vanishes_and_a_wait_are_always_run() -> None:
+    fixed = fixed_scenarios(INTERIOR)
+    assert any(run.load.kind == "fan" for run in fixed)
+    shares = [[share for _, share in run.load_profile] for run in fixed]
+    assert any(0.0 in own[1:-1] and own[0] == own[-1] == 1.0 for own in shares)
+    waits = [
+        end - start
+        for run in fixed
+        for (start, first), (end, last) in pairwise(run.speed_rpm)
+        if first == last == 0.0
+    ]
+    assert max(waits) > 1.0
 
 
 def test_only_failures_that_a_candidate_detects_are_given() -> None:
