@@ -18,9 +18,7 @@ from typing import Final
 import click
 from pydantic.fields import FieldInfo
 from varied_keys import (
-    JUDGED,
     NOT_VARIED,
-    SENSED,
     Varied,
     drawn_by_family,
     varied_keys,
@@ -204,16 +202,6 @@ def command_table(_: str) -> str:
     return "\n".join(lines).strip()
 
 
-def signal_table(_: str) -> str:
-    """The fields of `Sense` and `Command`, and what reaches or judges them."""
-    rows = (
-        (f"`{kind}.{field}`", _plain(", ".join(given)))
-        for kind, fields in (("Sense", SENSED), ("Command", JUDGED))
-        for field, given in fields.items()
-    )
-    return _table(("field", "reached by the keys, or judged by the checks"), rows)
-
-
 def joint_table(_: str) -> str:
     """The factors that are varied jointly."""
     factors = (
@@ -288,7 +276,6 @@ INSERTED: Final = MappingProxyType(
         "fixed-scenarios": fixed_table,
         "drawn-scenarios": drawn_table,
         "coverage-table": coverage_table,
-        "signal-table": signal_table,
         "signals": signals,
         "shared-options": shared_options,
         "command-table": command_table,
