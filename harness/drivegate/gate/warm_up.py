@@ -119,4 +119,7 @@ def _contract(kind: str) -> Contract:
 
 
 if __name__ == "__main__":
-    compile_kernels(DRIVE_KINDS)
+    # A worker finds the functions of its jobs by the name of their module, which must not be __main__.
+    from drivegate.gate import warm_up  # noqa: PLW0406
+
+    warm_up.compile_kernels(DRIVE_KINDS)
