@@ -42,7 +42,15 @@ from drivegate_models.contract.duty import signals as duty_signals
 
 DOCS: Final = Path(__file__).parent
 PLACE: Final = re.compile(r"<!-- inserted: ([\w-]+)(?: (\S+))? -->\n.*?<!-- end -->", re.DOTALL)
-LANGUAGES: Final = {".py": "python", ".sh": "sh", ".c": "c", ".h": "c", ".rs": "rust", ".toml": "toml"}
+LANGUAGES: Final = {
+    ".py": "python",
+    ".sh": "sh",
+    ".c": "c",
+    ".h": "c",
+    ".cpp": "cpp",
+    ".rs": "rust",
+    ".toml": "toml",
+}
 MEASURED: Final = re.compile(r"<!-- ([\w ]+): begin -->\n.*?<!-- \1: end -->", re.DOTALL)
 """Tables that other commands write, each named by its page."""
 SIGNALS: Final = MappingProxyType({"current": current_signals, "duty": duty_signals})
@@ -262,6 +270,15 @@ def source(path: str) -> str:
     return f"```{LANGUAGES[Path(path).suffix]}\n{text}\n```"
 
 
+def function(named: str) -> str:
+    """One function of a file of the repository, ``examples/c/controller.c:drivegate_step``."""
+    path, _, name = named.rpartition(":")
+    text = (DOCS.parent / path).read_text(encoding="utf-8")
+    found = re.search(rf"^[^\n]*\b{name}\([^\n]*\{{\n.*?^\}}$", text, re.MULTILINE | re.DOTALL)
+    assert found is not None, named
+    return f"```{LANGUAGES[Path(path).suffix]}\n{found[0]}\n```"
+
+
 def opening_comment(path: str) -> str:
     """What a header says before its first directive, which is an example."""
     text = (DOCS.parent / path).read_text(encoding="utf-8")
@@ -283,6 +300,7 @@ INSERTED: Final = MappingProxyType(
         "drive-keys": drive_keys,
         "sensor-keys": sensor_keys,
         "source": source,
+        "function": function,
         "opening-comment": opening_comment,
     }
 )
