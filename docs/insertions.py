@@ -177,6 +177,7 @@ def signals(named: str) -> str:
 
 SHARED_OPTIONS: Final = MappingProxyType(
     {
+        "--output": "folder, or file, of what is written",
         "--drive": "a drive by its name, or a file of one",
         "--set": "set one key of the drive, KEY=VALUE; may be given again",
         "--workers": "number of processes; the results do not depend on it",
