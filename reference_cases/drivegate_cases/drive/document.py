@@ -127,7 +127,9 @@ class DriveDocument(Document):
         """Refuse an unknown kind alone: nothing else can be judged, since the tables depend on it."""
         # Pydantic runs the validator that is defined last before the others.
         kind = values.get("kind") if isinstance(values, Mapping) else None
-        known = get_args(DriveDocument.model_fields["kind"].annotation)
+        known = tuple(
+            dict.fromkeys((*get_args(DriveDocument.model_fields["kind"].annotation), *_OWN_DOCUMENTS))
+        )
         if isinstance(kind, str) and kind not in known:
             raise ValueError(
                 f"the key 'kind' is {shown(kind)}, but must be {', '.join(map(repr, known[:-1]))} or {known[-1]!r}; "
