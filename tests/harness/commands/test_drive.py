@@ -256,7 +256,7 @@ def test_a_pm_ac_drive_is_told_by_its_limits_of_current_and_voltage(command, tmp
     ("name", "changes", "value"),
     [
         ("pm-ac-interior", {"rated_power_w": 900.0}, "rated_power_w = 511"),
-        ("pm-ac-interior", {"inertia_kg_m2": 1000.0}, "inertia_kg_m2 = "),
+        ("pm-ac-interior", {"inertia_kg_m2": 0.3}, "inertia_kg_m2 = "),
         ("fan-3-phase", {"current_limit_a": 4.0, "hysteresis_band_a": 0.0}, "rated_power_w = "),
     ],
 )
