@@ -20,9 +20,9 @@ COMPILERS = ("numba", "llvmlite", "numpy")
 _COMPILE = f"""
 import importlib.metadata, json, sys
 from drivegate.gate.packaged import compile_for_first_check
-compile_for_first_check()
+checks = compile_for_first_check()
 versions = {{name: importlib.metadata.version(name) for name in {COMPILERS!r}}}
-print(json.dumps({{"python": "%d.%d" % sys.version_info[:2], "versions": versions}}))
+print(json.dumps({{"python": "%d.%d" % sys.version_info[:2], "versions": versions, "checks": checks}}))
 """
 
 
@@ -59,12 +59,13 @@ def _compile(interpreter: str, root: Path, environment: Path, kernels: Path) -> 
     subprocess.run([interpreter, "-m", "venv", str(environment)], check=True, env=plain)
     python = str(environment / "bin" / "python")
     subprocess.run([python, "-m", "pip", "install", "--quiet", str(root)], check=True, env=plain)
-    made = subprocess.run(
-        [python, "-c", _COMPILE],
-        check=True,
-        env=plain | {"DRIVEGATE_CACHE": str(kernels)},
-        stdout=subprocess.PIPE,
-        text=True,
-        cwd=environment,
-    )
-    return dict(json.loads(made.stdout.splitlines()[-1]))
+    caching = plain | {"DRIVEGATE_CACHE": str(kernels)}
+    printed = subprocess.run(
+        [python, "-c", _COMPILE], check=True, env=caching, stdout=subprocess.PIPE, text=True, cwd=environment
+    ).stdout
+    made: dict[str, Any] = json.loads(printed.splitlines()[-1])
+    for candidate, drive in made["checks"]:
+        # Pages use kernels of their own.
+        words = ("check", candidate, "--drive", drive, "--effort", "quick", "--quiet")
+        subprocess.run([python, "-m", "drivegate", *words], check=True, env=caching, cwd=environment)
+    return made

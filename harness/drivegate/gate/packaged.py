@@ -14,8 +14,11 @@ from drivegate.gate.witnesses import witnesses_for
 from drivegate_cases.drive.drive_document import load_drive
 
 
-def compile_for_first_check() -> None:
-    """Compile the kernels of all kinds of drives, of their envelopes and of their witnesses."""
+def compile_for_first_check() -> list[tuple[str, str]]:
+    """Compile the kernels of all kinds of drives, of their envelopes and of their witnesses.
+
+    Returns candidate and drive of checks whose pages use the remaining kernels.
+    """
     drives = [load_drive(kind.default_drive) for kind in DRIVE_KINDS.values()]
     compile_missing(drives)
     for drive in drives:
@@ -26,3 +29,4 @@ def compile_for_first_check() -> None:
         for name in dict.fromkeys((usual, *named)):
             loaded = own_candidate(resolve_candidate(name))
             recorded(loaded, scenario, loaded.controller())
+    return [(contract_of(drive).usual_candidate, drive.name) for drive in drives]

@@ -19,6 +19,7 @@ def test_every_kind_of_drive_and_its_named_controllers_are_compiled(monkeypatch:
     monkeypatch.setattr(
         packaged, "recorded", lambda loaded, scenario, _: ran.add((scenario.drive.kind, loaded.name))
     )
-    packaged.compile_for_first_check()
+    checks = packaged.compile_for_first_check()
+    assert [drive for _, drive in checks] == [kind.default_drive for kind in DRIVE_KINDS.values()]
     assert kinds == list(DRIVE_KINDS)
     assert {("half-bridge", "reference"), ("star", "reference"), ("pm-ac", "foc")} < ran
