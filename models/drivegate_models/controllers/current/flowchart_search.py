@@ -200,6 +200,7 @@ def decide_guarded(state: Any) -> None:
         elif (
             state.improvements >= _IMPROVEMENTS
             and state.reversals < _REVERSALS
+            and state.grows == 1
             and state.step < (_LONG_STEP_SMALL if needs_small_steps(state) else _LONG_STEP) * state.first_step
             and may_step_farther(state, current_sum, change)
         ):

@@ -78,6 +78,7 @@ def rearm(state: Any) -> None:
     state.confirmed = 0
     state.widened = 0
     state.reversals = 0
+    state.grows = 1
     state.jolted_at = inf
     state.lost_speed = inf
     state.initial_power = 0.0

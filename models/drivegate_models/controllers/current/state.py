@@ -54,7 +54,8 @@ CONTROLLER_STATE: Final = np.dtype(
         ("power_tolerance", np.float64),
         ("least_change", np.float64),
         # 1 if small steps may try forbidden angles again. The search then reverts more angle while the speed keeps
-        # falling, and under load a whole step alone does not prove that its angle loses the torque.
+        # falling, and under load a whole step alone does not prove that its angle loses the torque. After a long step
+        # that looks like another load, it goes on with short ones.
         ("tries_again", np.int64),
         ("first_step", np.float64),
         ("decision_steps", np.int64),
@@ -90,6 +91,8 @@ CONTROLLER_STATE: Final = np.dtype(
         ("improvements", np.int64),
         # Findings under the present load.
         ("reversals", np.int64),
+        # 0 once a step has been too long under the present load.
+        ("grows", np.int64),
         ("good_integral", np.float64),
         ("good_offset", np.float64),
         ("good_power", np.float64),

@@ -69,6 +69,8 @@ _SMALLEST_SHARE = 1.0 / TUNED_SUM
 _RESTLESS = 0.003
 # First steps beyond which the last step of a climb no longer indicates the distance to the edge.
 _FAR_CLIMB = 4.0
+# Steps that are long, in first steps.
+_LONG = 1.5
 
 
 @inlined
@@ -203,6 +205,18 @@ def settle(state: Any, current_sum: float, change: float, settled: bool) -> int:
 
 
 @inlined
+def leaves_search(state: Any, load_changed: bool, jolted: bool) -> bool:
+    """Settle or restart where the current sum or the speed shows another load, and return True; else return False."""
+    if jolted and state.tries_again == 1 and abs(state.moved) > _LONG * state.first_step:
+        # A long step may cost as much speed. Another load shows at this angle, from which shorter steps lead on.
+        state.step = state.first_step
+        state.grows = 0
+        begin_settling(state)
+        return True
+    return (load_changed or jolted) and rearm_unless_repeated(state)
+
+
+@inlined
 def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int, float]:
     """Make the part of a decision that is the same for every search, at the end of an interval.
 
@@ -252,7 +266,7 @@ def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int
         and state.retried == NOT_RETRIED
     )
     load_changed = conclusive and load_has_changed(state, current_sum, fall, rise)
-    if (load_changed or is_jolted(state, jolt)) and rearm_unless_repeated(state):
+    if leaves_search(state, load_changed, is_jolted(state, jolt)):
         return WAITING, change
     if state.mode == SETTLING:
         return settle(state, current_sum, change, settled), change

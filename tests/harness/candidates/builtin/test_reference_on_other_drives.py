@@ -125,6 +125,8 @@ RUNS = (
         steady_scenario(next(DRAWN_STAR.draws(0, number)), speed, power_share=1.0, constant_power=True)
         for number, speed in ((1, 630.0), (2, 2720.0))
     ),
+    # Sixty degrees from the optimum, a long step costs as much speed as another load.
+    steady_scenario(next(DRAWN_STAR.draws(0, 8)), 2190.0, power_share=1.0, constant_power=True),
 )
 # Past the current of greatest torque, more current reference gives less torque.
 FALLING_ON = (
