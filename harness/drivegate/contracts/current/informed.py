@@ -49,7 +49,7 @@ class InformedController:
         self._plate = plate
         torque_per_ampere = plate.conducting_phases * plate.emf_constant
         electrical = plate.pole_pairs * plate.base_speed
-        shaft = plate.rated_power / (plate.inertia * plate.base_speed**2)
+        shaft = plate.rated_power / (plate.inertia * plate.base_speed * plate.base_speed)
         bandwidth = max(_BANDWIDTH * electrical, min(_OF_SHAFT * shaft, _FASTEST * electrical))
         bandwidth = min(bandwidth, _IN_A_PERIOD / plate.control_period)
         self._proportional = bandwidth * plate.inertia / torque_per_ampere

@@ -6,8 +6,7 @@ knowing the plant. It detects no failure, so it has no say on `SAF-1`.
 
 from __future__ import annotations
 
-import cmath
-from math import isfinite, pi
+from math import isfinite, pi, sqrt
 from typing import TYPE_CHECKING, Any, Final
 
 from drivegate.contracts.duty.checks.optimum import greatest_at, least_within, undistorted
@@ -15,11 +14,12 @@ from drivegate_cases.scenario.load import VehicleLoad
 from drivegate_cases.scenario.piecewise import value_from
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.contract.duty.signals import TORQUE_REFERENCE, DutyCommand, DutyNameplate, DutySense
+from drivegate_models.machine.sine import cosine_sine
 
 if TYPE_CHECKING:
     from drivegate_models.pm_ac.plant.drive import PmAcDrive
 
-_THIRD: Final = cmath.exp(2j * pi / 3.0)
+_THIRD: Final = complex(-0.5, 0.5 * sqrt(3.0))
 # Shares of the voltage and of the current limit that references use. The rest is for the regulators (1).
 _VOLTAGE: Final = 0.975
 _CURRENT: Final = 0.995
@@ -32,6 +32,11 @@ _OBSERVED: Final = 0.15
 _SMALL: Final = 0.002
 # Digits of speed and torque that the oracle is asked with, since it remembers its answers.
 _DIGITS: Final = 4
+
+
+def _turn(angle: float) -> complex:
+    """Return the unit vector at an angle (rad), the same on every machine."""
+    return complex(*cosine_sine(angle))
 
 
 class InformedController:
@@ -70,14 +75,14 @@ class InformedController:
         speed, angle = drive.pole_pairs * sense.speed, self._electrical_angle(drive.pole_pairs, sense)
         link = max(sense.supply_voltage, 1e-9)
         first, second, third = sense.phase_currents
-        currents = 2.0 / 3.0 * (first + second * _THIRD + third / _THIRD) * cmath.exp(-1j * angle)
+        currents = 2.0 / 3.0 * (first + second * _THIRD + third / _THIRD) * _turn(-angle)
         if self._predicted is not None:
             missed = currents - self._predicted
             self._disturbance += _OBSERVED * self._inductive(drive, missed) / self._period
         turn = speed * self._period
         now = currents
         for number, voltage in enumerate(self._acting):
-            now = self._next(drive, now, voltage * cmath.exp(-1j * (angle + (number + 0.5) * turn)), speed)
+            now = self._next(drive, now, voltage * _turn(-(angle + (number + 0.5) * turn)), speed)
             if number == 0:
                 self._predicted = now
         wanted = self._reference(drive, sense, link)
@@ -87,11 +92,11 @@ class InformedController:
         limit = undistorted(link)
         if abs(voltage) > limit:
             voltage *= limit / abs(voltage)
-        at_rest = voltage * cmath.exp(1j * (angle + (self._delay + 0.5) * turn))
+        at_rest = voltage * _turn(angle + (self._delay + 0.5) * turn)
         if self._delay == 0:
             self._predicted = self._next(drive, now, voltage, speed)
         self._acting = [*self._acting, at_rest][1:] if self._delay else []
-        phases = middle * cmath.exp(1j * (angle + (self._delay + 0.5) * turn))
+        phases = middle * _turn(angle + (self._delay + 0.5) * turn)
         per_ampere = 1.5 * drive.pole_pairs * (drive.magnet_flux + self._saliency(drive) * currents.real)
         return DutyCommand(
             duty_ratios=self._ratios(drive, at_rest, phases, link), torque=per_ampere * currents.imag
