@@ -21,7 +21,8 @@ LONGEST_MESSAGE = 2_000
 LONGEST_TRACEBACK = 20_000
 
 OVERWRITTEN_SIZE: Final = (
-    "the command's struct_size was overwritten with a negative number; the harness sets it, leave it as it is"
+    "the command's struct_size was overwritten with a negative number; "
+    "the harness sets it, leave it unchanged"
 )
 _ADDRESS = re.compile(r"\b0x[0-9a-fA-F]{6,}\b")
 _CALLERS = ("drivegate", "importlib", "_frozen_importlib", "_frozen_importlib_external")

@@ -123,7 +123,7 @@ class Manifest(Document):
     detects: tuple[FailureKind, ...] = Field(
         default=(),
         description="failures that a candidate that answers with duty ratios brings its drive into a safe state for: "
-        "'open-phase', 'stuck-current', 'lost-position', 'locked-rotor', 'slip', and 'lost-edge', behind which it may "
+        "'open-phase', 'stuck-current', 'lost-position', 'locked-rotor', 'slip', and 'lost-edge', after which it may "
         "also keep the torque",
     )
 

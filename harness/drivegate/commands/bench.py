@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     "--compare",
     type=click.Path(path_type=Path),
     metavar="FILE",
-    help="Set each number beside that of a file that --output wrote before.",
+    help="Compare each number with that of a file that --output wrote before.",
 )
 @click.option(
     "--output", type=click.Path(path_type=Path), metavar="FILE", help="Keep the document in a JSON file."
@@ -53,7 +53,7 @@ def command(
 ) -> Outcome:
     """Measure how fast drivegate is on this machine.
 
-    Each number is the best of several rounds, and the work behind it is checked: the exit code is 1 when one gave a
+    Each number is the best of several rounds, and its work is checked: the exit code is 1 when one gave a
     wrong result. A bar that is missed is reported, and changes no exit code.
     """
     from drivegate.studies.bench.plan import planned

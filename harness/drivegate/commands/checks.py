@@ -52,4 +52,4 @@ def _show(console: Console, document: dict[str, Any]) -> None:
             plain(", ".join(name.replace("_", " ") for name in by["figures"])),
         )
     console.print(covered)
-    console.print(plain("next: drivegate check CANDIDATE applies them; --json tells more", "dim"))
+    console.print(plain("next: drivegate check CANDIDATE applies them; --json prints more", "dim"))

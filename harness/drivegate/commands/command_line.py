@@ -25,17 +25,17 @@ COMMANDS: Final = MappingProxyType(
         "map": "Compute an operating map: of a candidate, of the best there is, or of the plant.",
         "diff": "Compare two candidates step by step, up to the first difference.",
         "replay": "Run a counterexample again: does its check still fail?",
-        "report": "Make the reports of a kept result anew.",
+        "report": "Make the reports of a kept result again.",
         "verify": "Tell whether a kept result is unchanged, and who signed it.",
         "drive": "Show what a drive can do, before anyone is judged on it.",
         "point": "Compute the steady state at one operating point.",
         "selftest": "Check the checks: faulty controllers must be caught, correct ones must pass.",
-        "reproduce": "Compute every published figure and number beside what is published.",
+        "reproduce": "Compute every published figure and number, and compare it with the paper.",
         "bench": "Measure how fast drivegate is on this machine.",
         "new": "Write a small candidate to start from, with a test and a gate for CI.",
         "checks": "List the checks with their requirements and limits.",
         "include-dir": "Print the folder of drivegate.h and drivegate_duty.h, for a C compiler.",
-        "cases": "List the scenarios, operating points, sweeps and drives that come along.",
+        "cases": "List the scenarios, operating points, sweeps and drives that are included.",
     }
 )
 """One line about each command, by its name; each is the object `command` in a module of `drivegate.commands`.

@@ -31,9 +31,7 @@ _AROUND_IN_FIGURE = 100
 @click.command("diff")
 @click.argument("first")
 @click.argument("second")
-@click.option(
-    "--case", required=True, metavar="NAME|FILE", help="A scenario that comes along, or a file of one."
-)
+@click.option("--case", required=True, metavar="NAME|FILE", help="An included scenario, or a file of one.")
 @click.option(
     "--tolerance",
     type=bounded(0.0),

@@ -94,7 +94,7 @@ def bounded(lowest: float, highest: float = inf, *, above: bool = False) -> Call
 
 
 drive_option = click.option(
-    "--drive", metavar="NAME|FILE", help="A drive that comes along, or a TOML or JSON file of one."
+    "--drive", metavar="NAME|FILE", help="An included drive, or a TOML or JSON file of one."
 )
 """The option that names a drive."""
 drives_option = click.option(
@@ -102,7 +102,7 @@ drives_option = click.option(
     "drives",
     multiple=True,
     metavar="NAME|FILE",
-    help="A drive that comes along, or a TOML or JSON file of one; given again, drives are compared.",
+    help="An included drive, or a TOML or JSON file of one; given again, drives are compared.",
 )
 """The option that names one drive or several."""
 settings_option = click.option(

@@ -22,7 +22,7 @@ _COLUMNS = ("published", "ours", "residual", "tolerance", "verdict")
 @folder_option(DEFAULT_OUTPUT, "Folder of the page, the figures and the numbers.")
 @json_option
 def command(output: Path) -> Outcome:
-    """Compute every figure and number of the paper that physics can give, beside what is published.
+    """Compute every figure and number of the paper that physics can give, and compare it with what is published.
 
     The exit code is 0 when all were computed, whether or not they agree.
     """

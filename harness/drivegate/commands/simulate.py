@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 @click.command("simulate")
 @click.argument("candidate")
-@click.option("--case", metavar="NAME|FILE", help="A scenario that comes along, or a file of one.")
+@click.option("--case", metavar="NAME|FILE", help="An included scenario, or a file of one.")
 @click.option(
     "--from",
     "report",

@@ -71,7 +71,7 @@ def failure_of(error: BaseException) -> Failure:
     return Failure(
         _sentence(
             f"drivegate itself failed, which is no verdict on a candidate: {_ends(text)}; "
-            f"with {DEBUG_VARIABLE}=1 it tells where"
+            f"with {DEBUG_VARIABLE}=1 it prints where"
         ),
         ExitCode.HARNESS_FAULT,
     )

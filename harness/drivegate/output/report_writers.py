@@ -108,7 +108,7 @@ def reproduction_writer() -> Reproduce:
         return reproduce
     raise InputError(
         f"no installed package offers the entry point '{PUBLICATION}' of the group '{REPRODUCTION_GROUP}'; "
-        "install drivegate anew, which brings it"
+        "install drivegate again, which brings it"
     )
 
 

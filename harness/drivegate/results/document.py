@@ -226,7 +226,7 @@ class ResultDocument(Document):
     )
     envelope: EnvelopeSection | None = Field(
         default=None,
-        description="what the drive can do, as 'drivegate drive --json' tells it, at fewer speeds; null in results of "
+        description="what the drive can do, as 'drivegate drive --json' prints it, at fewer speeds; null in results of "
         "earlier versions",
     )
     verdict: Text = Field(description="verdict on the candidate")
@@ -236,7 +236,7 @@ class ResultDocument(Document):
     judged_by: Literal["playback", "own code"] = Field(
         default="own code",
         description="'playback' where the candidate's commands were played back in a process that never loaded it, "
-        "'own code' where the candidate comes along with drivegate and ran beside what judges it",
+        "'own code' where the candidate is included in drivegate and ran beside what judges it",
     )
     isolation: tuple[Literal["Landlock", "namespaces", "seccomp"], ...] | None = Field(
         default=None,

@@ -88,5 +88,5 @@ def _message(outcome: str, signer: str | None, expected: str | None) -> str:
     if outcome == "another key":
         return f"the signature is valid, but by the key {signer}; it must be signed by {expected}"
     if expected is None:
-        return f"unchanged, and signed by the key {signer}; --key tells whether that is the one you expect"
+        return f"unchanged, and signed by the key {signer}; --key checks whether that is the one you expect"
     return f"unchanged, and signed by the expected key {expected}"

@@ -62,7 +62,7 @@ class Fact(Section):
     source: _Sentence = Field(description="where in the paper it stands")
     kind: Literal["check", "plant_property", "figure", "assumption"] = Field(
         description="how it is held: by a check of candidates, by a property of the plant, "
-        "by a reproduced figure, or taken as it is"
+        "by a reproduced figure, or taken unchanged"
     )
     covered_by: Coverage = Field(
         default=Coverage(), description="checks, properties and figures that hold it"

@@ -1,4 +1,4 @@
-"""The reproduction of the paper: every figure and number that physics can give, beside what is published."""
+"""The reproduction of the paper: every figure and number that physics can give, next to what is published."""
 
 from __future__ import annotations
 

@@ -199,7 +199,7 @@ def test_constants_are_fitted_to_published_points_and_can_be_set_as_printed(comm
     words = ("drive", "--fit", "published.csv", "--keep", "resistance_ohm")
     ended = command(*words)
     assert ended.code == 0
-    assert "nothing tells how sure they are" in ended.out
+    assert "nothing shows how sure they are" in ended.out
     assert "--set emf_constant_v_s_per_rad=0.33813 --set inductance_h=0.0028879" in ended.out
     printed = ended.out.split("next: drivegate ")[1].split()
     again = command(*printed, "--fit", "published.csv", "--keep", "resistance_ohm", "--json").document
@@ -212,7 +212,7 @@ def test_what_a_fit_cannot_tell_is_said(command, tmp_path):
     rows = "".join(f"5,0,{1.2 * current},{current}\n" for current in (1, 2, 3, 4, 5))
     (tmp_path / "slow.csv").write_text(f"speed_rpm,advance_deg,torque_nm,current_a\n{rows}", encoding="utf-8")
     told = command("drive", *QUICK, "--fit", "slow.csv").out
-    assert "the points do not tell resistance_ohm; keep it with --keep resistance_ohm" in told
+    assert "the points do not show resistance_ohm; keep it with --keep resistance_ohm" in told
     assert "next: the same with more points" in told
 
 

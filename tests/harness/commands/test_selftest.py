@@ -95,6 +95,6 @@ def test_faults_of_duty_ratios_are_tried_on_a_drive_that_takes_them(command, ref
     assert ended.code == 0, ended.out
     swapped, ignored = ended.document["faults"]
     assert (swapped["named_check"], swapped["caught"], swapped["runs_to_first"]) == ("ACC-1", True, 1)
-    assert ignored["does_not_apply"] == "what the controller is told wrong is right for this drive"
+    assert ignored["does_not_apply"] == "the wrong value that the controller gets is right for this drive"
     assert ended.document["checks"][:2] == ["PWR-1", "DUT-1"], "the checks are those of the contract"
     assert "answers with duty ratios" in refused("selftest", "--fault", "swapped-phases")

@@ -170,7 +170,7 @@ DUTY_FAULTS: Final = {
     ),
     "unclamped-ratios": DutyFault(
         "DUT-1",
-        "Stretches its duty ratios by a fifth behind its limiter.",
+        "Stretches its duty ratios by a fifth after its limiter.",
         perturbed=lambda _plate: {"stretch": 1.2},
     ),
     "swapped-phases": DutyFault(
@@ -257,7 +257,7 @@ DUTY_FAULTS: Final = {
     ),
     "small-current-offset": DutyFault(
         "RIP-4",
-        "Reads the first phase current 3 % of the current limit too high, which its sum does not tell.",
+        "Reads the first phase current 3 % of the current limit too high, which the sum of the currents does not show.",
         perturbed=lambda plate: {"current_added": 0.03 * plate.current_limit},
     ),
     "clamped-phases": DutyFault(
@@ -272,7 +272,7 @@ DUTY_FAULTS: Final = {
     ),
     "short-encoder-counter": DutyFault(
         "ACC-1",
-        "Counts the edges of an encoder of 2500 lines in 16 bits, and takes the count that begins anew for the angle.",
+        "Counts the edges of an encoder of 2500 lines in 16 bits, and takes the count that wraps around for the angle.",
         perturbed=lambda _plate: {"wraps_after": 2.0 * pi * 2**16 / ENCODER_EDGES},
     ),
     "patient-stall-watch": DutyFault(

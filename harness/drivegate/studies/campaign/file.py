@@ -65,7 +65,7 @@ class Campaign(Document):
         min_length=1, description="list of candidates, each as drivegate check takes it"
     )
     cases: tuple[_Name, ...] = Field(
-        min_length=1, description="list of scenarios that come along, or of paths of files"
+        min_length=1, description="list of included scenarios, or of paths of files"
     )
     checks: tuple[str, ...] | None = Field(
         default=None, min_length=1, description="list of the checks that judge every run, by default all"

@@ -55,7 +55,7 @@ class CampaignFolder(ResumedFolder):
         if found != chunk.length:
             raise InputError(
                 f"{shown_path(path)} has {found} rows, but must have {chunk.length}; delete it and run the campaign "
-                "again, which makes only these runs anew"
+                "again, which makes only these runs again"
             )
         return True
 
@@ -125,7 +125,7 @@ def _refuse_other(place: Path, theirs: dict[str, Any], ours: dict[str, Any]) -> 
     if theirs.get("versions") != ours["versions"]:
         raise InputError(
             f"{where} was begun with other versions of drivegate or of what it computes with; name a new folder, or "
-            f"go on with the versions that {MANIFEST} there tells"
+            f"go on with the versions that {MANIFEST} there states"
         )
 
 

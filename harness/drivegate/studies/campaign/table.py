@@ -110,5 +110,5 @@ def _damaged(path: Path, error: Exception) -> InputError:
     reason = getattr(error, "strerror", None) or str(error)
     return InputError(
         f"{shown_path(path)} is damaged: {one_line(str(reason))}; delete it and run the campaign again, "
-        "which makes only these runs anew"
+        "which makes only these runs again"
     )

@@ -75,7 +75,7 @@ _DUTY_RATIOS: Final = _Layout(
     places=(),
     legend="most: torque and power within the current limit and the undistorted voltage, and the currents that give "
     "it; least: current for rated torque, its part along the magnet's axis, the voltage it takes and the loss "
-    "it costs, beside the least loss of all",
+    "it costs, next to the least loss of all",
     advice="drivegate check foc --drive {name}",
 )
 _LAYOUTS: Final = {"current": _ANGLES, "duty": _DUTY_RATIOS}
@@ -138,7 +138,7 @@ def _changes(refused: list[dict[str, Any]]) -> str:
 
 
 def show_fit(console: Console, document: dict[str, Any], name: str) -> None:
-    """Print points and constants, and what the points do not determine."""
+    """Print points and constants, and what the points do not show."""
     heads = ("rpm", "°", "A", "N·m", "fitted N·m", "difference")
     points = table(*heads, right=heads)
     for point in document["points"]:
@@ -173,14 +173,14 @@ def _doubts(document: dict[str, Any]) -> list[str]:
     doubts = []
     if unknown:
         doubts.append(
-            "as many constants as points: nothing tells how sure they are; give more points, or a column uncertainty_nm"
+            "as many constants as points: nothing shows how sure they are; give more points, or a column uncertainty_nm"
         )
     if not document["converged"]:
         doubts.append("the search has not come to rest: other constants explain the points as well")
     for row in rows:
         if not row["determined"]:
             doubts.append(
-                f"the points do not tell {row['key']}; keep it with --keep {row['key']}, or measure where it matters"
+                f"the points do not show {row['key']}; keep it with --keep {row['key']}, or measure where it matters"
             )
         elif row["at_bound"]:
             doubts.append(

@@ -23,7 +23,7 @@ FAULTS_OF: Final[Mapping[str, Mapping[str, Mutation | DutyFault]]] = {
     "duty": DUTY_FAULTS,
 }
 """The faulty controllers of each contract, by their names."""
-_TRUE_HERE: Final = "what the controller is told wrong is right for this drive"
+_TRUE_HERE: Final = "the wrong value that the controller gets is right for this drive"
 
 
 @dataclass(frozen=True)

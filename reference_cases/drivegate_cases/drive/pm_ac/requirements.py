@@ -78,7 +78,7 @@ class PmAcRequirements(Section):
     )
     failure_torque_percent: _Percent = Field(
         default=20.0,
-        description="greatest torque beyond the reference behind a failure, and in the safe state, in percent of rated "
+        description="greatest torque beyond the reference after a failure, and in the safe state, in percent of rated "
         "torque",
     )
     dead_time_ripple: Annotated[float, Field(ge=1.0, le=1000.0)] = Field(

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 CAPTION: Final = (
-    "A script has no plant behind it: each row is held for one period of the search, which has to answer the changes "
+    "A script has no plant: each row is held for one period of the search, which has to answer the changes "
     "as the flowchart does."
 )
 _DASHED: Final = (0, (4, 3))

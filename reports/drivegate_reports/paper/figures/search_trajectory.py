@@ -127,7 +127,7 @@ def caption(data: SearchTrajectory) -> str:
     """State what the figure shows."""
     return (
         f"Closed loop at {data.speed_rpm:.0f} rpm and {data.torque_nm:g} N·m, means over each 100 ms of the search. "
-        f"The least Σ|i| lies on the feasible edge, {data.optimum_deg:.1f}°. `reference` stops beside it at "
+        f"The least Σ|i| lies on the feasible edge, {data.optimum_deg:.1f}°. `reference` stops next to it at "
         f"{data.reference.advance_deg[-1]:.1f}°. `published`, Fig. 4 taken literally, steps over the edge: the "
         "torque is out of reach, the speed falls, the search freezes since the error exceeds k1, and nothing brings "
         "it back; its angle keeps falling only because Fig. 3's line follows the speed. Its smaller Σ|i| is no "

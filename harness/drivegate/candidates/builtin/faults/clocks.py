@@ -20,14 +20,14 @@ FAULTS: Final = of_kind(
     "Clocks and whole numbers",
     Mutation(
         "tick-counter-overflows",
-        "Counts control periods in 16 bits, and starts its search anew where the count wraps around, after 16.4 s.",
+        "Counts control periods in 16 bits, and restarts its search where the count wraps around, after 16.4 s.",
         "CNV-3",
         fault=faults.STEPS_OVERFLOW,
         size=2.0**15,
     ),
     Mutation(
         "milliseconds-overflow",
-        "Keeps milliseconds in 16 bits, and starts its search anew where they wrap around, after 32.8 s.",
+        "Keeps milliseconds in 16 bits, and restarts its search where they wrap around, after 32.8 s.",
         "CNV-1",
         fault=faults.MILLISECONDS_OVERFLOW,
         size=2.0**15,
@@ -102,7 +102,7 @@ FAULTS: Final = of_kind(
     ),
     Mutation(
         "twenty-restarts",
-        "Counts how often its search has started anew, and gives it up for the initial angle after twenty times.",
+        "Counts how often its search has restarted, and gives it up for the initial angle after twenty times.",
         "CNV-2",
         fault=faults.REARMS_COUNTED,
         size=20.0,

@@ -46,14 +46,14 @@ FAULTS: Final = of_kind(
     ),
     Mutation(
         "angle-unclamped",
-        "Adds {size} behind the limits of the angle, wherever the error exceeds k1.",
+        "Adds {size} after the limits of the angle, wherever the error exceeds k1.",
         "ADV-2",
         fault=faults.BOOST_BEHIND_LIMITS,
         size=sizes.Size(lambda drive: 5.0 / sizes.K1.of(drive), "° a rpm of error"),
     ),
     Mutation(
         "slope-doubled",
-        "Has too steep a line of initial angles, and no limit behind it: 108° at {overspeed}.",
+        "Has too steep a line of initial angles, and no limit after it: 108° at {overspeed}.",
         "ADV-2",
         constants=(("angle_slope", _SLOPE_TO_108_DEGREES),),
         fault=faults.UNLIMITED_LINE,

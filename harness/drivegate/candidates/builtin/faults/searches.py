@@ -69,7 +69,7 @@ FAULTS: Final = of_kind(
     ),
     Mutation(
         "falling-load-ignored",
-        "Starts the search anew when the load has risen, but not when it has fallen.",
+        "Restarts the search when the load has risen, but not when it has fallen.",
         "CNV-2",
         fault=faults.FALLING_LOAD_IGNORED,
     ),

@@ -34,7 +34,7 @@ FAULTS: Final = of_kind(
     ),
     Mutation(
         "rests-beside-the-optimum",
-        "Rests {size} beside the angle that it has found.",
+        "Settles {size} off the angle that it has found.",
         "CNV-2",
         fault=faults.RESTS_BESIDE,
         size=oracle_sizes.ABOVE_OPTIMUM,

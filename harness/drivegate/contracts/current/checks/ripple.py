@@ -94,7 +94,7 @@ def _where_limited(name: str, otherwise: ReasonNotApplicable) -> ReasonNotApplic
 
     def reason(declaration: Declaration, drive: DriveDocument) -> str | None:
         if math.isinf(getattr(limits_of(drive), name)):
-            return f"this drive states no requirements.{name}_percent; what can be met is told by drivegate drive"
+            return f"this drive states no requirements.{name}_percent; drivegate drive prints what can be met"
         return otherwise(declaration, drive)
 
     return reason

@@ -80,7 +80,7 @@ def _ridden_through(record: DutyRecord, begin: int) -> Margin:
     """Judge the torque of a drive that goes on: it stays at its reference."""
     torque, wanted = (record.run.column(name)[begin:] for name in ("torque", "torque_reference"))
     greatest = float(np.max(np.abs(torque - wanted)))
-    told = f"torque {greatest:.4g} N·m off its reference behind {_words(record)}"
+    told = f"torque {greatest:.4g} N·m off its reference after {_words(record)}"
     return Margin("SAF-1", at_most(greatest, record.limits.failure_torque_nm), told)
 
 
@@ -114,7 +114,7 @@ def _torque_until_then(record: DutyRecord, claimed: NDArray[np.bool_], begin: in
     torque, wanted = (record.run.column(name)[rows] for name in ("torque", "torque_reference"))
     beyond = np.maximum(torque - np.maximum(wanted, 0.0), np.minimum(wanted, 0.0) - torque)
     greatest = max(float(np.max(beyond)), 0.0)
-    told = f"torque {greatest:.4g} N·m beyond its reference behind {_words(record)}"
+    told = f"torque {greatest:.4g} N·m beyond its reference after {_words(record)}"
     return Margin("SAF-1", at_most(greatest, limits.failure_torque_nm), told)
 
 
@@ -132,7 +132,7 @@ SAF_1 = Check(
     id="SAF-1",
     families=("failure",),
     requirement=(
-        "Behind each failure that the candidate declares to detect the drive is soon in a safe state for good, and its "
+        "After each failure that the candidate declares to detect the drive is soon in a safe state for good, and its "
         "torque goes hardly beyond the reference until then; behind an edge that is lost it may also go on."
     ),
     source="the contract",
