@@ -82,11 +82,11 @@ def test_checks_that_look_at_one_scenario_share_a_recording() -> None:
 
 def test_a_run_is_recorded_with_the_stretch_that_was_judged() -> None:
     scenario = load_scenario("lock-up").to_mapping()
-    plan = RecordPlan(scenario, ("CMD-1", "CNV-1"), ("CMD-1", "CNV-1"))
+    plan = RecordPlan(scenario, ("CUR-1", "CNV-1"), ("CUR-1", "CNV-1"))
     with Judge(resolve_candidate("published")) as worker:
         ended = worker.run(recording_job(plan))
     assert not isinstance(ended, Fault)
-    assert ended.windows["CMD-1"] == (0.0, 20.0), "the whole run is judged"
+    assert ended.windows["CUR-1"] == (0.0, 20.0), "the whole run is judged"
     start, end = ended.windows["CNV-1"]
     assert 6.0 < start < end == 20.0, "only what follows on the time to converge is judged"
     assert ended.columns["speed_rpm"][-1] == pytest.approx(1264.0, abs=1.0), "it locks up"
