@@ -52,7 +52,7 @@ def test_a_dead_time_can_be_taken_wrongly_on_a_drive_that_is_run_with_one_all_th
 @pytest.mark.parametrize(
     ("name", "named"),
     [
-        ("angle-offset", ("ACC-1", "ACC-1", "FWK-1")),
+        ("angle-offset", ("ACC-1", "ACC-1", "FWK-2")),
         ("strong-magnets-assumed", ("FWK-2", "FWK-2", "ACC-1")),
         ("saliency-ignored", ("MTP-1", "FWK-2", "FWK-2")),
         ("swapped-phases", ("ACC-1", "ACC-1", "ACC-1")),

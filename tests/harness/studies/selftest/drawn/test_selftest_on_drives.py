@@ -294,4 +294,4 @@ def test_the_controller_and_the_faults_are_those_of_the_drive_s_kind(monkeypatch
     package = tasks.packed(SelftestEffort("quick"), {7: load_drive("pm-ac-surface")})
     tasks.run_gate(package, 7)
     tasks.run_faults(package, (7, ("angle-offset",)))
-    assert seen == ["foc", ("angle-offset", "FWK-1")]
+    assert seen == ["foc", ("angle-offset", "FWK-2")]
