@@ -16,7 +16,7 @@ from drivegate_models.machine import ledger
 from drivegate_models.machine.load import Load
 from drivegate_models.pm_ac.exchange import DutyExchange, make_exchange
 from drivegate_models.pm_ac.failure import Failure, make_failure
-from drivegate_models.pm_ac.loop_kernel import DutyRoom, DutyTiming, run_periods
+from drivegate_models.pm_ac.loop_kernel import DutyRoom, DutyTiming, run_periods, settle_before_start
 from drivegate_models.pm_ac.loop_records import DutyRecords, make_records
 from drivegate_models.pm_ac.plant.advance import make_phases
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
@@ -143,9 +143,12 @@ def prepared_duty_loop(
     shown = ideal_duty_sensors() if sensors is None else sensors
     fails = make_failure() if failure is None else failure
     resets = no_restarts() if restarts is None else restarts
+    phases = make_phases()
+    if settle_before_start(drive, phases, load, schedule, timing, room):
+        timing = timing._replace(has_no_start=True)
     arguments = (
         drive,
-        make_phases(),
+        phases,
         load,
         schedule,
         torque,

@@ -61,6 +61,8 @@ class DutyTiming(NamedTuple):
     """True if the controller's reference is a torque, False if it is a speed."""
     clock_start: float
     """Time in the controller's first Sense (s)."""
+    has_no_start: bool = False
+    """True if the plant has no steady state to start from, which ends the run."""
 
 
 class DutyRoom(NamedTuple):
@@ -133,10 +135,14 @@ def _command(
 
 
 @unallocating
-def _settle_before_start(
+def settle_before_start(
     drive: PmAcDrive, phases: PmAcPhases, load: Load, schedule: Schedule, timing: DutyTiming, room: DutyRoom
 ) -> int:
-    """Set the machine to its steady state with the legs off, at the initial speed of the run."""
+    """Set the machine to its steady state at the initial speed of the run, with the legs off until a command acts.
+
+    It is without current, or with the diodes' current. The transient to this state is not part of the run. Returns 0,
+    or another number if there is no such state. A kernel of its own passes through the compiler in half the time.
+    """
     begin = conditions_at(schedule, room.course_positions, 0.0)
     speed = begin.speed_reference if load.kind == LOCKED else timing.initial_speed
     plant = drifted(drive, begin.resistance_factor, begin.emf_factor)
@@ -155,7 +161,7 @@ def _settle_before_start(
 
 
 @unallocating
-def _run_from_initial_state(
+def run_periods(
     drive: PmAcDrive,
     phases: PmAcPhases,
     load: Load,
@@ -169,7 +175,14 @@ def _run_from_initial_state(
     restarts: Restarts,
     records: DutyRecords,
 ) -> tuple[int, int]:
-    """Run the control periods of a run whose machine is in its initial state; see `run_periods`."""
+    """Run a controller against the plant, whose machine `settle_before_start` has set to its initial state.
+
+    `schedule`: external conditions. The supply is half of the link voltage, and the speed is the reference. `torque`:
+    torque reference (N m). Returns `status`, `steps`: `COMPLETED` or the reason for an early end, and the number of
+    completed control periods.
+    """
+    if timing.has_no_start:
+        return PLANT_FAULT, 0
     length = timing.control_period
     period = room.period
     inertia = drive.inertia + load.inertia
@@ -255,38 +268,6 @@ def _run_from_initial_state(
     observed[0].steps = timing.steps
     observed[0].speed_final = speed
     return COMPLETED, timing.steps
-
-
-def run_periods(
-    drive: PmAcDrive,
-    phases: PmAcPhases,
-    load: Load,
-    schedule: Schedule,
-    torque: Course,
-    exchange: DutyExchange,
-    timing: DutyTiming,
-    room: DutyRoom,
-    sensors: DutySensors,
-    failure: Failure,
-    restarts: Restarts,
-    records: DutyRecords,
-) -> tuple[int, int]:
-    """Run a controller against the plant.
-
-    The legs are off until the first command acts. The machine begins in the corresponding steady state: without
-    current, or with the diodes' current. The transient to this state is not part of the run.
-
-    `schedule`: external conditions. The supply is half of the link voltage, and the speed is the reference. `torque`:
-    torque reference (N m). Returns `status`, `steps`: `COMPLETED` or the reason for an early end, and the number of
-    completed control periods.
-
-    This function is not compiled: as one kernel, both parts would pass through the compiler a second time.
-    """
-    if _settle_before_start(drive, phases, load, schedule, timing, room):
-        return PLANT_FAULT, 0
-    return _run_from_initial_state(
-        drive, phases, load, schedule, torque, exchange, timing, room, sensors, failure, restarts, records
-    )
 
 
 @inlined

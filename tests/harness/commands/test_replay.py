@@ -70,7 +70,7 @@ def test_a_check_of_the_whole_run_is_judged_on_the_whole_run(command, file, cont
     scenario = SCENARIO.replaced(duration_s=1.0).to_mapping()
     words = (
         "replay",
-        file(check="CMD-1", scenario=scenario),
+        file(check="CUR-1", scenario=scenario),
         "--candidate",
         f"{controllers}:Steady",
         "--json",
