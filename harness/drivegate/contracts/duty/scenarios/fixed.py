@@ -47,10 +47,10 @@ START_TORQUE_SHARE: Final = 0.5
 """Load of a start over rated torque (1)."""
 FAILURE_TIME_SHARE: Final = 0.6
 """When something fails, over the run's length (1)."""
-GONE_S: Final = 0.1
-"""Time for which a load vanishes (s)."""
-WAIT_S: Final = 1.0
-"""Time at standstill between a stop and low speed (s)."""
+GONE_PERIODS: Final = 1000
+"""Control periods for which a load vanishes: too few for a steady state, whatever the carrier."""
+WAIT_PERIODS: Final = 10_000
+"""Control periods at standstill between a stop and low speed: enough for a steady state."""
 DEAD_TIME_SPEED_SHARE: Final = 0.08
 """Speed at which dead time is looked at, over base speed (1)."""
 
@@ -167,7 +167,9 @@ def _speeds(drive: PmAcDocument) -> list[Scenario]:
         load_step_scenario(drive, fast, at_fast, (0.0, 1.0, 0.25)),
         load_step_scenario(drive, top, torque_of(drive, top, 0.8), (0.0, 1.0, 0.0)),
         supply_step_scenario(load_step_scenario(drive, fast, at_fast, (1.0,)), drive, (1.0, 0.9, 1.1)),
-        vanishing_load_scenario(drive, near, torque_of(drive, near, 0.5), GONE_S),
+        vanishing_load_scenario(
+            drive, near, torque_of(drive, near, 0.5), GONE_PERIODS * drive.control_period_s
+        ),
         with_fan(speed_scenario(drive, (below, fast, below), torque_nm=at_fast)),
     ]
 
@@ -179,7 +181,7 @@ def _slow_speeds(drive: PmAcDocument) -> list[Scenario]:
         load_step_scenario(drive, slowest, slow_torque(drive, slowest), (0.0, 1.0)),
         speed_scenario(drive, (slow,), torque_nm=slow_torque(drive, slow), initial_speed_rpm=0.0),
         speed_scenario(drive, (speed_of(drive, -0.5), 0.0, slow)),
-        stop_scenario(drive, speed_of(drive, 0.0), WAIT_S, slow),
+        stop_scenario(drive, speed_of(drive, 0.0), WAIT_PERIODS * drive.control_period_s, slow),
     ]
 
 
