@@ -28,4 +28,4 @@ def test_a_long_message_is_shortened_between_place_and_remedy(error: BaseExcepti
     assert "….py:Mine" not in failure.message
     assert ".py:Mine: " in failure.message
     assert "drive.toml" in failure.message
-    assert failure.message.endswith(("shorten it", "tells where"))
+    assert failure.message.endswith(("shorten it", "prints where"))
