@@ -96,7 +96,7 @@ def test_a_signed_result_is_valid(command: Any, signed: Path) -> None:
     assert ended.code == 0, ended.err
     assert "published: exception" in ended.out, "a verdict that fails is still the verdict that was signed"
     assert "valid: unchanged, and signed by the key SHA256:" in ended.out
-    assert "--key tells whether that is the one you expect" in ended.out
+    assert "--key checks whether that is the one you expect" in ended.out
 
 
 @pytest.mark.parametrize("public", ["mine.public.pem", "mine.pub"])

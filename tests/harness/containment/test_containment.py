@@ -128,7 +128,8 @@ def test_nothing_is_left_when_the_harness_is_ended(scratch, tmp_path, ending, is
         stderr=subprocess.DEVNULL,
     )
     wait_until(
-        lambda: any("65432" in process.cmdline() for process in below(harness)), "the daemon did not begin"
+        lambda: any("65432" in command_line(process) for process in below(harness)),
+        "the daemon did not begin",
     )
     kept = below(harness)
     harness.send_signal(ending)
@@ -145,6 +146,14 @@ def below(harness):
         for each in psutil.Process(harness.pid).children(recursive=True)
         if each.is_running() and each.status() != psutil.STATUS_ZOMBIE
     ]
+
+
+def command_line(process):
+    """Return the words of a process; none of one that ends meanwhile."""
+    try:
+        return process.cmdline()
+    except psutil.Error:
+        return []
 
 
 def wait_until(condition, otherwise):
