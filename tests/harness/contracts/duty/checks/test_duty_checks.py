@@ -272,7 +272,7 @@ def test_behind_a_lost_edge_a_drive_goes_on_or_is_safe(edge: DutyRecord) -> None
     went_on = judged("SAF-1", edge)
     assert went_on is not None
     assert went_on.met
-    assert "off its reference behind lost-edge" in went_on.measured
+    assert "off its reference after lost-edge" in went_on.measured
     claimed = np.arange(len(edge.run.commands)) >= 3100
     stopped = with_column(edge, "torque", lambda torque: np.where(claimed, 0.0, torque))
     silent = judged("SAF-1", stopped)
