@@ -11,6 +11,7 @@ from tests.working_programs import works
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 TOLD = {
     "browser": f"a browser ({', '.join(BROWSERS)}, or the one that `playwright install --with-deps chromium` brings)",
+    "c++": "a C++ compiler (c++)",
     "rustc": "the Rust compiler (rustc)",
     "arm-none-eabi-gcc": "the compiler for Arm microcontrollers (arm-none-eabi-gcc, with newlib)",
 }

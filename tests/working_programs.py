@@ -12,8 +12,12 @@ import tempfile
 from pathlib import Path
 
 _SECONDS = 60.0
-_SOURCES = {"cc": ("one.c", "int one(void) { return 1; }\n"), "rustc": ("one.rs", "pub fn one() {}\n")}
-_SHARED = {"cc": ("-shared", "-fPIC"), "rustc": ("--crate-type", "cdylib")}
+_SOURCES = {
+    "cc": ("one.c", "int one(void) { return 1; }\n"),
+    "c++": ("one.cpp", "#include <memory>\nint one() { return *std::make_unique<int>(1); }\n"),
+    "rustc": ("one.rs", "pub fn one() {}\n"),
+}
+_SHARED = {"cc": ("-shared", "-fPIC"), "c++": ("-shared", "-fPIC"), "rustc": ("--crate-type", "cdylib")}
 
 
 def works(program: str) -> bool:

@@ -14,6 +14,9 @@ SUITE = """import pytest
 
 def test_plain(): pass
 
+@pytest.mark.needs("c++")
+def test_object(): pass
+
 @pytest.mark.needs("rustc")
 def test_compiled(): pass
 
@@ -48,9 +51,10 @@ def told(suite: Path, *words: str, path: Path) -> tuple[int, str]:
 def test_what_cannot_run_is_left_out_and_told(suite: Path) -> None:
     code, shown = told(suite, path=suite)
     assert code == 0, shown
-    assert "1 passed, 3 deselected" in shown
+    assert "1 passed, 4 deselected" in shown
     assert [line.split(" (")[0] for line in shown.splitlines() if line.startswith("left out")] == [
         "left out: every test that needs a browser",
+        "left out: every test that needs a C++ compiler",
         "left out: every test that needs the Rust compiler",
         "left out: every test that needs the compiler for Arm microcontrollers",
     ]
@@ -67,7 +71,7 @@ BROKEN = "#!/bin/sh\necho 'error: no override and no default toolchain set' >&2\
 def programs(tmp_path: Path, content: str) -> Path:
     folder = tmp_path / "programs"
     folder.mkdir()
-    for name in ("rustc", "chromium", "arm-none-eabi-gcc"):
+    for name in ("c++", "rustc", "chromium", "arm-none-eabi-gcc"):
         (folder / name).write_text(content, encoding="utf-8")
         (folder / name).chmod(0o755)
     return folder
@@ -76,16 +80,16 @@ def programs(tmp_path: Path, content: str) -> Path:
 def test_nothing_is_left_out_where_everything_is_there(suite: Path, tmp_path: Path) -> None:
     path = programs(tmp_path, WORKING)
     code, shown = told(suite, path=path)
-    assert (code, "4 passed in" in shown, "left out" in shown) == (0, True, False), shown
+    assert (code, "5 passed in" in shown, "left out" in shown) == (0, True, False), shown
     code, shown = told(suite, "--require-programs", path=path)
-    assert (code, "3 passed, 1 deselected" in shown) == (0, True), shown
+    assert (code, "4 passed, 1 deselected" in shown) == (0, True), shown
 
 
 def test_a_program_that_does_not_work_counts_as_missing(suite: Path, tmp_path: Path) -> None:
     path = programs(tmp_path, BROKEN)
     code, shown = told(suite, path=path)
-    assert (code, "1 passed, 3 deselected" in shown) == (0, True), shown
-    assert shown.count("which is missing or does not work") == 3
+    assert (code, "1 passed, 4 deselected" in shown) == (0, True), shown
+    assert shown.count("which is missing or does not work") == 4
     code, shown = told(suite, "--require-programs", path=path)
     assert (code, "this test needs the Rust compiler (rustc)" in shown) == (1, True), shown
 

@@ -106,7 +106,9 @@ def margins_of(seeded: Seeded, folder: Path, line: str) -> dict[str, Margin]:
     "seeded",
     [
         pytest.param(NO_DELAY, id="generated-code-without-delay-compensation"),
-        pytest.param(WRONG_SIGN, id="objects-with-a-sign-wrong-on-the-d-axis"),
+        pytest.param(
+            WRONG_SIGN, id="objects-with-a-sign-wrong-on-the-d-axis", marks=pytest.mark.needs("c++")
+        ),
         pytest.param(WRONG_CHANNEL, id="interrupt-handler-with-the-wrong-converter-channel"),
         pytest.param(NO_ANTI_WINDUP, id="crate-without-anti-windup", marks=pytest.mark.needs("rustc")),
         pytest.param(

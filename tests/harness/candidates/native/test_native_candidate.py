@@ -151,6 +151,7 @@ void drivegate_step(void *, const drivegate_sense *, drivegate_command *command)
 """
 
 
+@pytest.mark.needs("c++")
 def test_sources_in_c_and_cpp_that_a_pattern_names(folder, written, caplog):
     written(folder, IN_CPP, "mine.cpp")
     written(folder / "src" / "parts", "double limited(double value) { return value; }\n", "limited.c")
@@ -166,6 +167,7 @@ def test_sources_in_c_and_cpp_that_a_pattern_names(folder, written, caplog):
         assert controller.fault is None
 
 
+@pytest.mark.needs("c++")
 def test_a_source_in_cpp_is_a_candidate_by_itself(folder, written):
     alone = IN_CPP.replace('extern "C" double limited(double);', "#define limited(x) (x)")
     written(folder, alone, "mine.cpp")
