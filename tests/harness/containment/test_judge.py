@@ -253,7 +253,13 @@ def test_a_judge_whose_idle_process_died_starts_another(candidate, jobs):
     with worker_of(candidate(top=BORN, answer="BORN")) as worker:
         first = worker.run(Job(jobs.drive, 1))
         keepers = psutil.Process().children()
-        kept = [process for keeper in keepers for process in keeper.children()]
+        # Other tests may have left some that have ended already.
+        kept = [
+            process
+            for keeper in keepers
+            for process in keeper.children()
+            if process.status() != psutil.STATUS_ZOMBIE
+        ]
         for process in kept:
             process.kill()
         while not any(process.status() == psutil.STATUS_ZOMBIE for process in kept):
