@@ -41,17 +41,7 @@ DOCS: Final = Path(__file__).parent
 PAGE: Final = DOCS / "gallery.md"
 TEMPLATE: Final = DOCS.parent / "harness" / "drivegate" / "templates" / "new" / "embedded-coder"
 MODEL: Final = Path("model") / "controller.c"
-DRIVE: Final = "pm-ac-interior"
 BEGIN, END = "<!-- gallery: begin -->", "<!-- gallery: end -->"
-MANIFEST: Final = """schema = 1
-name = "{name}"
-drive = "{drive}"
-kind = "c"
-entry = "adapter.c"
-contract = "duty"
-sources = ["model/controller.c"]
-include = ["model"]
-"""
 
 
 @dataclass(frozen=True)
@@ -96,9 +86,8 @@ class Fault:
         copytree(TEMPLATE, folder, dirs_exist_ok=True)
         (folder / MODEL).write_text(self.model(), encoding="utf-8")
         manifest = folder / "candidate.toml"
-        manifest.write_text(
-            MANIFEST.format(name=self.check.lower() or "sound", drive=DRIVE), encoding="utf-8"
-        )
+        text = manifest.read_text(encoding="utf-8").replace("@name@", self.check.lower() or "sound")
+        manifest.write_text(text, encoding="utf-8")
         return manifest
 
 
