@@ -32,8 +32,6 @@ class Language:
 
     name: str
     """Its name in sentences."""
-    suffixes: tuple[str, ...]
-    """Suffixes of its sources."""
     option: str
     """Its name in the compiler's option -x."""
     standard: str
@@ -50,7 +48,6 @@ class Language:
 
 C: Final = Language(
     "C",
-    (".c",),
     "c",
     "-std=c11",
     "-std=(c|gnu)[^+]*",
@@ -60,7 +57,6 @@ C: Final = Language(
 )
 CPP: Final = Language(
     "C++",
-    (".cpp", ".cc", ".cxx"),
     "c++",
     "-std=c++17",
     r"-std=(c|gnu)\+\+.*",
@@ -68,10 +64,6 @@ CPP: Final = Language(
     "c++",
     "Debian and Ubuntu: apt install g++; Fedora: dnf install gcc-c++",
 )
-_LANGUAGES: Final = {suffix: language for language in (C, CPP) for suffix in language.suffixes}
-SOURCE_SUFFIXES: Final = tuple(_LANGUAGES)
-"""Suffixes of what is compiled."""
-
 Compilers = Mapping[Language, Sequence[str]]
 """The command of each language's compiler."""
 
@@ -127,7 +119,7 @@ def include_folder() -> Path:
 
 def language_of(source: str) -> Language:
     """Return the language of a source by its suffix."""
-    return _LANGUAGES[PurePath(source).suffix.lower()]
+    return C if PurePath(source).suffix.lower() == ".c" else CPP
 
 
 def found_compiler(language: Language) -> tuple[str, ...]:
@@ -159,7 +151,7 @@ def _how_to_get(language: Language) -> str:
 
 def require_working(language: Language, compiler: Sequence[str], scratch: Path) -> None:
     """Refuse a compiler that cannot compile one line, such as a shim without a toolchain."""
-    source = f"one{language.suffixes[0]}"
+    source = f"one.{language.option}"
     (scratch / source).write_text("int one(void) { return 1; }\n", encoding="utf-8")
     try:
         compile_library({language: compiler}, Compilation(scratch, (source,)), scratch)

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 from drivegate.candidates.candidate import Candidate, NativeBuild, existing_file, hash_of
 from drivegate.candidates.contract import ContractName
 from drivegate.candidates.declaration import Declaration
-from drivegate.candidates.native.compiler import SOURCE_SUFFIXES, Compilation
+from drivegate.candidates.kinds import KINDS
+from drivegate.candidates.native.compiler import Compilation
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_models.errors import InputError
 
@@ -79,8 +80,9 @@ def from_manifest(manifest: Manifest, specification: str, folder: Path) -> Candi
     for flag in manifest.flags:
         _check_flag(flag, where)
     files = dict.fromkeys((entry, *further))
-    compiled = tuple(_named(file, folder) for file in files if file.suffix.lower() in SOURCE_SUFFIXES)
-    others = tuple(file for file in further if file.suffix.lower() not in SOURCE_SUFFIXES)
+    are_sources = {file: file.suffix.lower() in KINDS["c"].suffixes for file in files}
+    compiled = tuple(_named(file, folder) for file, is_source in are_sources.items() if is_source)
+    others = tuple(file for file in further if not are_sources[file])
     plan = Compilation(folder, compiled, manifest.include, manifest.flags, others)
     return _source_candidate(manifest.name, specification, entry, plan, declaration)
 
