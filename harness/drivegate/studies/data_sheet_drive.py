@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import isfinite, sqrt
 from types import MappingProxyType
@@ -12,8 +12,8 @@ from typing import Any, Final
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.documents.wording import one_line
 from drivegate_cases.drive.drive_document import PM_AC, DriveDocument
+from drivegate_cases.drive.pm_ac.flux_constant import FLUX_CONSTANTS
 from drivegate_models.errors import InputError
-from drivegate_models.units import RADIANS_PER_RPM
 
 _NUMBER: Final = re.compile(r"(?P<number>\d+\.?\d*(e[+-]?\d+)?|\.\d+)(/(?P<second>\d+\.?\d*))?(?P<unit>.*)")
 _SPELLINGS: Final = (
@@ -103,48 +103,6 @@ def _with_phase(units: Mapping[str, float]) -> Mapping[str, float]:
     }
 
 
-@dataclass(frozen=True)
-class Constant:
-    """A unit of what a data sheet states in place of the magnet's flux."""
-
-    flux: Callable[[float, int], float]
-    """Flux linkage (V·s) of the stated value and the pairs of poles."""
-    formula: str
-    """The conversion, as the drive's file states it."""
-
-
-_KRPM: Final = 1000.0 * RADIANS_PER_RPM
-_SQRT3: Final = sqrt(3.0)
-_CONSTANTS: Final[Mapping[str, Constant]] = MappingProxyType(
-    {
-        "rpm/v": Constant(
-            lambda value, pairs: 1.0 / (_SQRT3 * pairs * value * RADIANS_PER_RPM),
-            "60 / (2 pi sqrt(3) pole pairs Kv), with the peak EMF between two terminals",
-        ),
-        "nm/arms": Constant(
-            lambda value, pairs: value / (1.5 * sqrt(2.0) * pairs), "Kt / (1.5 sqrt(2) pole pairs)"
-        ),
-        "nm/apeak": Constant(lambda value, pairs: value / (1.5 * pairs), "Kt / (1.5 pole pairs)"),
-        "nm/adc": Constant(
-            lambda value, pairs: value / (_SQRT3 * pairs),
-            "Kt / (sqrt(3) pole pairs), since Kt of a dc current is the peak EMF between two terminals over speed",
-        ),
-        "v/krpmrms": Constant(
-            lambda value, pairs: value * sqrt(2.0) / (_SQRT3 * _KRPM * pairs),
-            "Ke sqrt(2) / (sqrt(3) 104.72 pole pairs), with the rms EMF between two terminals",
-        ),
-        "v/krpmpeak": Constant(
-            lambda value, pairs: value / (_SQRT3 * _KRPM * pairs),
-            "Ke / (sqrt(3) 104.72 pole pairs), with the peak EMF between two terminals",
-        ),
-        "vs": Constant(lambda value, _: value, "as stated"),
-        "mvs": Constant(lambda value, _: 1e-3 * value, "in volt seconds"),
-        "wb": Constant(lambda value, _: value, "a weber is a volt second"),
-        "mwb": Constant(lambda value, _: 1e-3 * value, "a weber is a volt second"),
-    }
-)
-_SAME_CONSTANT: Final = {"kv": "rpm/v", "vrms/krpm": "v/krpmrms", "vpeak/krpm": "v/krpmpeak"}
-
 QUESTIONS: Final[Mapping[str, Question]] = MappingProxyType(
     {
         "poles": Question(
@@ -156,7 +114,7 @@ QUESTIONS: Final[Mapping[str, Question]] = MappingProxyType(
         "constant": Question(
             "Kv, Kt or Ke",
             "'84 rpm/V', '0.12 N·m/A rms', '12 V/krpm rms' or '5.6 mV·s'",
-            dict.fromkeys((*_CONSTANTS, *_SAME_CONSTANT), 1.0),
+            dict.fromkeys(FLUX_CONSTANTS, 1.0),
             missing=": add 'rms', 'peak' or, for Kt of a dc current, 'dc'",
         ),
         "resistance": Question(
@@ -199,21 +157,14 @@ def data_sheet_drive(name: str, answers: Mapping[str, Amount]) -> DriveDocument:
     drive.
     """
     pairs = round(answers["poles"].value)
-    stated = answers["constant"]
-    constant = _CONSTANTS[_SAME_CONSTANT.get(stated.unit, stated.unit)]
-    inductance = answers["inductance"]
-    phase = "one phase" if inductance.unit.endswith("phase") else "half of the value between two terminals"
+    stated, inductance = answers["constant"], answers["inductance"]
+    constant = FLUX_CONSTANTS[stated.unit]
     values: dict[str, dict[str, tuple[Any, Amount, str]]] = {
         "machine": {
             "pole_pairs": (pairs, answers["poles"], "pairs of poles"),
-            "resistance_ohm": _converted(
-                answers["resistance"],
-                "one phase"
-                if answers["resistance"].unit.endswith("phase")
-                else "half of the value between two terminals",
-            ),
-            "direct_inductance_h": _converted(inductance, phase),
-            "quadrature_inductance_h": (_rounded(inductance.second or inductance.value), inductance, phase),
+            "resistance_ohm": _of_phase(answers["resistance"], answers["resistance"].value),
+            "direct_inductance_h": _of_phase(inductance, inductance.value),
+            "quadrature_inductance_h": _of_phase(inductance, inductance.second or inductance.value),
             "magnet_flux_v_s": (_rounded(constant.flux(stated.value, pairs)), stated, constant.formula),
             "inertia_kg_m2": _converted(answers["inertia"], "in kilogram square metres"),
         },
@@ -247,6 +198,11 @@ def data_sheet_drive(name: str, answers: Mapping[str, Amount]) -> DriveDocument:
     }
     tables = {table: {key: value for key, (value, _, _) in keys.items()} for table, keys in values.items()}
     return parse_document({**document, **tables}, DriveDocument, "the data sheet")
+
+
+def _of_phase(answer: Amount, value: float) -> tuple[float, Amount, str]:
+    is_phase = answer.unit.endswith("phase")
+    return _rounded(value), answer, "one phase" if is_phase else "half of the value between two terminals"
 
 
 def _converted(answer: Amount, how: str) -> tuple[float, Amount, str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
@@ -34,8 +34,8 @@ class UsualRange:
     """Units that the value may be in instead, each with its size in the expected one."""
     power_slips: bool = False
     """Whether a rated power in kilowatts has the same effect as a value in thousandths."""
-    speed_per_volt: float = 0.0
-    """Value that one turn a minute per volt corresponds to, where the quantity's inverse is common; otherwise 0."""
+    other_quantities: tuple[tuple[str, Callable[[float], float]], ...] = ()
+    """Units of other quantities that the value may be, each with the conversion to this one."""
 
     def holds(self, value: float) -> bool:
         """Return True if a value is usual; 0 leaves something out, and is no wrong unit."""
@@ -44,8 +44,7 @@ class UsualRange:
     def warning(self, value: float) -> str:
         """State a value that is not usual in one sentence."""
         names = [name for name, size in self.mistaken if self.holds(value * size)]
-        if self.speed_per_volt and self.holds(self.speed_per_volt / value):
-            names.append("turns a minute per volt")
+        names += [name for name, converted in self.other_quantities if self.holds(converted(value))]
         questions = [f"is it in {_either(names[:_MOST_ASKED])}"] if names else []
         if self.power_slips and self.holds(value * _MILLI):
             questions.append("is rated_power_w in kilowatts")

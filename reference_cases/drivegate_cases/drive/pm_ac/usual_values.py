@@ -2,21 +2,35 @@
 
 from __future__ import annotations
 
-from math import pi, sqrt
+from math import sqrt
 from typing import TYPE_CHECKING, Final
 
+from drivegate_cases.drive.pm_ac.flux_constant import (
+    MILLIVOLT_SECONDS,
+    RMS_PER_1000_RPM,
+    SPEED_PER_VOLT,
+    TORQUE_PER_PEAK_AMPERE,
+    VOLTS_PER_HERTZ,
+)
 from drivegate_cases.drive.usual_values import (
     UsualRange,
     range_of_current,
     ranges_of_supply_and_speed,
     usual_scale,
 )
-from drivegate_models.units import RADIANS_PER_RPM
 
 if TYPE_CHECKING:
     from drivegate_cases.drive.drive_values import DriveValues
 
 _LINE_OF_PHASE: Final = sqrt(3.0)
+_CONSTANTS: Final = {
+    "millivolt seconds": MILLIVOLT_SECONDS,
+    "newton metres per ampere": TORQUE_PER_PEAK_AMPERE,
+    "volts per 1000 turns a minute": RMS_PER_1000_RPM,
+    "volts per hertz": VOLTS_PER_HERTZ,
+    "turns a minute per volt": SPEED_PER_VOLT,
+}
+"""What a data sheet may state in place of the flux, by its name in words."""
 _HIGHEST_EMF: Final = 1.3
 """Greatest usual EMF at base speed over the voltage of a phase: above 1 only weakening reaches that speed (1)."""
 
@@ -27,8 +41,6 @@ def ranges_of_pm_ac(drive: DriveValues) -> tuple[tuple[UsualRange, ...], ...]:
     phase_voltage = link / _LINE_OF_PHASE
     scale = usual_scale(drive, phase_voltage, link)
     flux = phase_voltage / (pole_pairs * scale.speed)
-    per_1000_rpm = sqrt(2.0) / (_LINE_OF_PHASE * pole_pairs * 1000.0 * RADIANS_PER_RPM)
-    torque_per_ampere = 1.0 / (1.5 * pole_pairs)
     return (
         ranges_of_supply_and_speed("link_voltage_v"),
         range_of_current(drive, link, ""),
@@ -42,13 +54,9 @@ def ranges_of_pm_ac(drive: DriveValues) -> tuple[tuple[UsualRange, ...], ...]:
                 _HIGHEST_EMF * flux,
                 "volt seconds",
                 f"for {link:g} V {scale.geared}",
-                (
-                    ("millivolt seconds", 1e-3),
-                    ("newton metres per ampere", torque_per_ampere),
-                    ("volts per 1000 turns a minute", per_1000_rpm),
-                    ("volts per hertz", 1.0 / (2.0 * pi)),
+                other_quantities=tuple(
+                    (name, constant.of_pairs(pole_pairs)) for name, constant in _CONSTANTS.items()
                 ),
-                speed_per_volt=1.0 / (_LINE_OF_PHASE * pole_pairs * RADIANS_PER_RPM),
             ),
             *scale.shaft_and_core(),
         ),
