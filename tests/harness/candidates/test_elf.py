@@ -143,6 +143,9 @@ def test_the_instructions_of_a_step_are_counted(image: Callable[..., Path], step
         controller = load_controller(resolve_candidate(str(file.rename(file.with_name(name)))))
         loaded = JudgedCandidate(resolve_candidate("reference"), lambda own=controller: own)
         recorded(loaded, scenario, controller)
+        assert controller.most_instructions == 0, "a run is not slowed down by a count that nobody asks for"
+        controller.count_instructions()
+        recorded(loaded, scenario, controller)
         counts.append(controller.most_instructions)
     assert counts[1] - counts[0] == more
 

@@ -17,8 +17,6 @@ COUNT, SEGMENTS = range(2)
 """Words of the counter: the instructions so far, and the number of pieces of code."""
 _FIRST_PIECE: Final = 2
 _WORDS_PER_PIECE: Final = 3
-_MOST_PIECES: Final = 8
-_TABLES: Final = _FIRST_PIECE + _MOST_PIECES * _WORDS_PER_PIECE
 _LARGEST_CODE: Final = 2**22
 
 
@@ -36,13 +34,11 @@ def counter(image: Image) -> NDArray[np.int64]:
         The count, the pieces of code (first address, address after the last, place of the table), and for each
         halfword of their code the number of instructions from there to the end of the piece.
     """
-    code = [each for each in image.segments if each.is_executable and each.size <= _LARGEST_CODE][
-        :_MOST_PIECES
-    ]
+    code = [each for each in image.segments if each.is_executable and each.size <= _LARGEST_CODE]
     tables = [_instructions_to_the_end(each.content) for each in code]
-    head = np.zeros(_TABLES, np.int64)
+    begin = _FIRST_PIECE + len(code) * _WORDS_PER_PIECE
+    head = np.zeros(begin, np.int64)
     head[SEGMENTS] = len(code)
-    begin = _TABLES
     for number, (segment, table) in enumerate(zip(code, tables, strict=True)):
         first = _FIRST_PIECE + number * _WORDS_PER_PIECE
         head[first : first + _WORDS_PER_PIECE] = (

@@ -94,9 +94,13 @@ class TargetController:
         self.step_address: int = self._step.address
         self.state_address: int = words.ctypes.data
 
+    def count_instructions(self) -> None:
+        """Count the instructions of the steps from now on."""
+        self._words[processor.COUNTER] = self._processor.count_instructions()
+
     @property
     def most_instructions(self) -> int:
-        """Greatest number of instructions of a step since the reset."""
+        """Greatest number of instructions of a counted step since the reset; 0 where none is counted."""
         return int(self._words[processor.MOST_INSTRUCTIONS])
 
     @property
