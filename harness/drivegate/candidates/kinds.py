@@ -52,7 +52,7 @@ class Kind:
     prefixes: tuple[str, ...] = ()
     """What the string of such a candidate begins with."""
     suffixes: tuple[str, ...] = ()
-    """Suffixes of the file that such a candidate is as a whole."""
+    """Suffixes of the file that a candidate of this kind is as a whole."""
     manifest_keys: tuple[str, ...] = ()
     """Keys of a manifest that are for this kind alone."""
     is_included: bool = False

@@ -82,7 +82,7 @@ def _is_loaded(point: SpeedPoint, rating: Rating) -> bool:
 
 
 def _least_in_hand(drive: RatedDrive, line: AdvanceLine) -> dict[str, float | None]:
-    """Return how much torque the line has in hand over rated torque where it is least."""
+    """Return how much torque the line has above rated torque where it is least."""
     found = least_in_hand(drive, line)
     if found is None:
         return {"least_in_hand_percent": None, "least_in_hand_at_rpm": None}

@@ -190,7 +190,7 @@ ATTACKS = (
     # Code that runs later.
     Attack(
         "writes into the folder of compiled kernels",
-        # The folder is shared with other tests: the file is told from theirs by the victim's number.
+        # The folder is shared with other tests: the victim's number distinguishes the file from theirs.
         'Path(scene["kernels"], f"attack-{victim}").write_text("x")',
         lambda scene: (scene.kernels / f"attack-{scene.victim.pid}").exists(),
     ),

@@ -58,7 +58,7 @@ def _per_unit(drive: DriveDocument) -> tuple[Any, ...]:
 
 
 def _in_units(drive: DriveDocument, packaged: DriveDocument) -> AngleTable:
-    """Return the table that is included, in the units of a drive that is alike."""
+    """Return the table that is included, in the units of a drive with the same shares."""
     faster = drive.rating.base_speed_rpm / packaged.rating.base_speed_rpm
     larger = drive.rating.current_limit_a / packaged.rating.current_limit_a
     return AngleTable(

@@ -50,7 +50,7 @@ def same_arithmetic() -> Iterator[None]:
 class NativeController:
     """One instance of a native candidate: its state, and the functions that it shares.
 
-    The state is zeroed once, here; forgetting an earlier run is for the candidate's reset. A candidate without such a
+    The state is zeroed once, here; forgetting an earlier run is for the candidate's reset. A candidate without a
     state has it in global variables, which are put back to their initial values before each reset.
 
     `state_address`: address of the state, aligned as the header says; 0 for none. Valid as long as this object lives.

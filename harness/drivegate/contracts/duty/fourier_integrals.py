@@ -83,7 +83,7 @@ def _parts(
 
 
 def _phasors(angles: NDArray[np.float64]) -> _Phasors:
-    """Return cosines and sines by operations that every processor rounds alike."""
+    """Return cosines and sines by operations that every processor rounds the same way."""
     pairs = np.array([cosine_sine(angle) for angle in angles.tolist()])
     return pairs[:, 0], pairs[:, 1]
 

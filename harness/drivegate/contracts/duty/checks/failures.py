@@ -80,8 +80,8 @@ def _ridden_through(record: DutyRecord, begin: int) -> Margin:
     """Judge the torque of a drive that goes on: it stays at its reference."""
     torque, wanted = (record.run.column(name)[begin:] for name in ("torque", "torque_reference"))
     greatest = float(np.max(np.abs(torque - wanted)))
-    told = f"torque {greatest:.4g} N·m off its reference after {_words(record)}"
-    return Margin("SAF-1", at_most(greatest, record.limits.failure_torque_nm), told)
+    measured = f"torque {greatest:.4g} N·m off its reference after {_words(record)}"
+    return Margin("SAF-1", at_most(greatest, record.limits.failure_torque_nm), measured)
 
 
 def _claimed(record: DutyRecord) -> NDArray[np.bool_]:
@@ -98,8 +98,8 @@ def _reached(record: DutyRecord, claimed: NDArray[np.bool_], begin: int) -> Marg
     unsafe = np.flatnonzero(~(claimed & still)[begin:])
     time = float(unsafe[-1] + 1) * period if unsafe.size else 0.0
     reached = begin + round(time / period) < len(claimed)
-    told = f"safe {1e3 * time:.4g} ms after" if reached else f"not safe {1e3 * time:.4g} ms after"
-    return Margin("SAF-1", at_most(time, _longest_s(record)), f"{told} {_words(record)}")
+    measured = f"safe {1e3 * time:.4g} ms after" if reached else f"not safe {1e3 * time:.4g} ms after"
+    return Margin("SAF-1", at_most(time, _longest_s(record)), f"{measured} {_words(record)}")
 
 
 def _torque_until_then(record: DutyRecord, claimed: NDArray[np.bool_], begin: int) -> Margin:
@@ -114,8 +114,8 @@ def _torque_until_then(record: DutyRecord, claimed: NDArray[np.bool_], begin: in
     torque, wanted = (record.run.column(name)[rows] for name in ("torque", "torque_reference"))
     beyond = np.maximum(torque - np.maximum(wanted, 0.0), np.minimum(wanted, 0.0) - torque)
     greatest = max(float(np.max(beyond)), 0.0)
-    told = f"torque {greatest:.4g} N·m beyond its reference after {_words(record)}"
-    return Margin("SAF-1", at_most(greatest, limits.failure_torque_nm), told)
+    measured = f"torque {greatest:.4g} N·m beyond its reference after {_words(record)}"
+    return Margin("SAF-1", at_most(greatest, limits.failure_torque_nm), measured)
 
 
 def _words(record: DutyRecord) -> str:
