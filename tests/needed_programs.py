@@ -13,6 +13,7 @@ TOLD = {
     "browser": f"a browser ({', '.join(BROWSERS)}, or the one that `playwright install --with-deps chromium` brings)",
     "c++": "a C++ compiler (c++)",
     "rustc": "the Rust compiler (rustc)",
+    "cargo": "Rust's build system (cargo)",
     "arm-none-eabi-gcc": "the compiler for Arm microcontrollers (arm-none-eabi-gcc, with newlib)",
 }
 

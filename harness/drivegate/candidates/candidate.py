@@ -44,6 +44,8 @@ class Program:
 class Target:
     """How an image for a microcontroller is run."""
 
+    image: Path
+    """The linked image that a worker process loads."""
     start: str | None = None
     """Function that is called before each reset, such as one that runs constructors; None for none."""
     ram: tuple[tuple[int, int], ...] = ()
@@ -118,6 +120,11 @@ def existing_file(path: Path) -> Path:
     except OSError as error:
         problem = f"cannot be read: {error.strerror}"
     raise InputError(f"{shown_path(path)} {problem}; name an existing file")
+
+
+def existing_folder(file: Path) -> Path:
+    """Return the folder that a file is in; where only a build makes it, the nearest one that exists."""
+    return next(folder for folder in file.parents if folder.is_dir())
 
 
 def hash_of(sources: Sequence[Path], entry: str) -> str:

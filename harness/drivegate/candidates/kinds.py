@@ -54,7 +54,7 @@ class Kind:
     suffixes: tuple[str, ...] = ()
     """Suffixes of the file that a candidate of this kind is as a whole."""
     manifest_keys: tuple[str, ...] = ()
-    """Keys of a manifest that are for this kind alone."""
+    """Keys of a manifest that are for this kind, and for others that have them too."""
     is_included: bool = False
     """Whether all of its code is drivegate's own, and so needs no process to contain it."""
     reports_output: bool = False
@@ -91,13 +91,13 @@ _ALL: Final = (
         suffixes=(".c", ".cpp", ".cc", ".cxx"),
         manifest_keys=("include", "flags"),
     ),
-    Kind("so", "native", ways=("file.so",), suffixes=(".so",)),
+    Kind("so", "native", ways=("file.so",), suffixes=(".so",), manifest_keys=("build",)),
     Kind(
         "elf",
         "elf",
         ways=("file.elf",),
         suffixes=(".elf",),
-        manifest_keys=("start", "ram", "step_instructions"),
+        manifest_keys=("build", "start", "ram", "step_instructions"),
         way_of_running="an emulated target",
     ),
     Kind("fmu", "fmu", ways=("file.fmu",), suffixes=(".fmu",), way_of_running="FMU"),

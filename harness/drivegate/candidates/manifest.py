@@ -25,7 +25,11 @@ if TYPE_CHECKING:
 else:
     KindName = Literal[tuple(KINDS)]
 
-_KIND_OF_KEY = {key: kind.name for kind in KINDS.values() for key in kind.manifest_keys}
+_KINDS_OF_KEY = {
+    key: tuple(other.name for other in KINDS.values() if key in other.manifest_keys)
+    for kind in KINDS.values()
+    for key in kind.manifest_keys
+}
 _KEYS_OF_OTHERS = {
     "current": {
         "references": "whose controllers follow a speed",
@@ -90,6 +94,11 @@ class Manifest(Document):
     entry: Text = Field(description="class, function, file or command to start the candidate by")
     sources: tuple[Text, ...] = Field(
         default=(), description="files that the candidate's hash covers, or patterns such as 'src/**/*.c'"
+    )
+    build: tuple[Text, ...] = Field(
+        default=(),
+        max_length=16,
+        description="commands that make the entry from the sources, such as 'cargo build --release'",
     )
     include: tuple[Text, ...] = Field(default=(), description="folders of headers")
     flags: tuple[Text, ...] = Field(default=(), description="further flags of the compiler")
@@ -159,7 +168,7 @@ class Manifest(Document):
 
     @model_validator(mode="after")
     def _only_a_composition_has_blocks(self) -> Self:
-        composed = _KIND_OF_KEY["blocks"]
+        (composed,) = _KINDS_OF_KEY["blocks"]
         if self.kind == composed and self.blocks is None:
             raise ValueError(
                 f"the kind '{composed}' needs a table [blocks] with the blocks that are replaced"
@@ -182,9 +191,19 @@ class Manifest(Document):
 
     @model_validator(mode="after")
     def _has_no_key_of_another_kind(self) -> Self:
-        for key, kind in _KIND_OF_KEY.items():
-            if getattr(self, key) and kind != self.kind:
-                raise ValueError(f"the key '{key}' is for the kind '{kind}', but the kind is '{self.kind}'")
+        for key, kinds in _KINDS_OF_KEY.items():
+            if getattr(self, key) and self.kind not in kinds:
+                named = " and ".join(f"'{kind}'" for kind in kinds)
+                raise ValueError(
+                    f"the key '{key}' is for the kind{'s' if len(kinds) > 1 else ''} {named}, but the kind is "
+                    f"'{self.kind}'"
+                )
+        return self
+
+    @model_validator(mode="after")
+    def _what_is_built_has_sources(self) -> Self:
+        if self.build and not self.sources:
+            raise ValueError("the key 'build' needs 'sources', the files that the commands may read")
         return self
 
     @model_validator(mode="after")
@@ -211,14 +230,18 @@ class Manifest(Document):
         return self
 
     def files(self, specification: str, folder: Path) -> tuple[Path, tuple[Path, ...]]:
-        """Find the file that the entry is, whose suffix is the kind's, and the further sources."""
+        """Find the file that the entry is, whose suffix is the kind's, and the further sources.
+
+        What is built need not exist.
+        """
         suffixes = KINDS[self.kind].suffixes
         if Path(self.entry).suffix.lower() not in suffixes:
             raise InputError(
                 f"{shown_path(specification)}: the key 'entry' is '{one_line(self.entry)}', but for the kind "
                 f"'{self.kind}' must be a file *{' or *'.join(suffixes)}"
             )
-        return existing_file(folder / self.entry), self.source_files(folder)
+        entry = folder / self.entry
+        return entry if self.build else existing_file(entry), self.source_files(folder)
 
     def source_files(self, folder: Path) -> tuple[Path, ...]:
         """Find the further sources, those that a pattern such as ``src/**/*.c`` matches in the order of their names."""

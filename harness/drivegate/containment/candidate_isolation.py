@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from drivegate.candidates.candidate import Candidate, NativeBuild, OuterLoop, Program
+from drivegate.candidates.candidate import Candidate, NativeBuild, OuterLoop, Program, Target
 from drivegate.candidates.kinds import KINDS
 from drivegate.isolation.layers import Layer, requested_layers
 
@@ -22,6 +22,8 @@ def _own_places(candidate: Candidate) -> list[Path]:
     details = candidate.details
     if isinstance(details, NativeBuild):
         places.append(details.library)
+    elif isinstance(details, Target):
+        places.append(details.image)
     elif isinstance(details, Program):
         places += map(_installation_of, (details.executable, details.executable.resolve()))
     elif isinstance(details, OuterLoop):

@@ -29,7 +29,7 @@ def load_controller(candidate: Candidate) -> TargetController:
     """Make a new instance of an image: a processor with its memory."""
     if not isinstance(candidate.details, Target):
         raise HarnessFault(f"the candidate {candidate.name} is no image")
-    image = read_image(candidate.sources[0])
+    image = read_image(candidate.details.image)
     name = one_line(candidate.name)
     contract = _contract_of(image, name)
     required = (*COMMON, RESETS[contract], STEPS[contract], *filter(None, (candidate.details.start,)))

@@ -7,9 +7,9 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from drivegate.candidates.candidate import Candidate, Target, existing_file, hash_of
+from drivegate.candidates.candidate import Candidate, Target, existing_file, existing_folder, hash_of
 from drivegate.candidates.declaration import Declaration
-from drivegate.candidates.native.resolution import contract_served, elf_header
+from drivegate.candidates.native.resolution import built_or_given, contract_served, elf_header
 from drivegate_cases.documents.wording import shown_path
 from drivegate_models.errors import InputError
 
@@ -23,36 +23,44 @@ _CORTEX_M: Final = (1, 1, 2, 40)
 def from_text(specification: str) -> Candidate:
     """Find the candidate that an ELF image is."""
     file = existing_file(Path(specification))
-    return _candidate(Path(specification).name, specification, file, (), Declaration(), Target())
+    _require_emulator(file)
+    return _candidate(Path(specification).name, specification, file, (file,), Declaration(), Target(file), ())
 
 
 def from_manifest(manifest: Manifest, specification: str, folder: Path) -> Candidate:
     """Find the image that a manifest describes."""
     file, further = manifest.files(specification, folder)
-    target = Target(manifest.start, manifest.ram, manifest.step_instructions)
-    return _candidate(manifest.name, specification, file, further, manifest.declaration(), target)
+    _require_emulator(file)
+    image, sources = built_or_given(manifest, file, further, specification, folder)
+    target = Target(image, manifest.start, manifest.ram, manifest.step_instructions)
+    declaration = manifest.declaration()
+    return _candidate(manifest.name, specification, file, sources, declaration, target, manifest.build)
 
 
 def _candidate(
     name: str,
     specification: str,
     file: Path,
-    further: tuple[Path, ...],
+    sources: tuple[Path, ...],
     declaration: Declaration,
     target: Target,
+    commands: tuple[str, ...],
 ) -> Candidate:
+    _require_cortex_m(target.image)
+    # Where the image is says nothing of what it is.
+    digest = hash_of(sources, repr((replace(target, image=Path()), commands)))
+    candidate = Candidate(
+        name, "elf", specification, str(file), existing_folder(file), sources, digest, declaration, target
+    )
+    return replace(candidate, contract=contract_served(target.image))
+
+
+def _require_emulator(file: Path) -> None:
     if find_spec("unicorn") is None or find_spec("elftools") is None:
         raise InputError(
             f"{shown_path(file)} runs in an emulator that is not installed; install it with "
             "python -m pip install 'drivegate[elf]'"
         )
-    _require_cortex_m(file)
-    sources = tuple(dict.fromkeys((file, *further)))
-    digest = hash_of(sources, repr(target))
-    candidate = Candidate(
-        name, "elf", specification, str(file), file.parent, sources, digest, declaration, target
-    )
-    return replace(candidate, contract=contract_served(file))
 
 
 def _require_cortex_m(file: Path) -> None:

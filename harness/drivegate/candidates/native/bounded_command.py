@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Final
 
 KEPT_OUTPUT: Final = 64 * 1024
-"""Bytes of what a tool prints that are kept; it may print more."""
+"""Bytes that are kept of the beginning and of the end of what a tool prints; it may print more."""
 
 # The shell sets the limits before the tool starts, which no other process can do in time. Sizes are in KiB and in
 # blocks of 512 bytes; not every system can limit the memory.
@@ -24,7 +24,19 @@ _LIMITED: Final = (
 
 # What decides where a compiler finds its parts, headers and libraries; no secret of a CI job is among them.
 _PASSED: Final = frozenset(
-    ("PATH", "HOME", "CPATH", "C_INCLUDE_PATH", "LIBRARY_PATH", "LD_LIBRARY_PATH", "COMPILER_PATH", "SDKROOT")
+    (
+        "PATH",
+        "HOME",
+        "CPATH",
+        "C_INCLUDE_PATH",
+        "LIBRARY_PATH",
+        "LD_LIBRARY_PATH",
+        "COMPILER_PATH",
+        "SDKROOT",
+        "CARGO_HOME",
+        "RUSTUP_HOME",
+        "RUSTUP_TOOLCHAIN",
+    )
 )
 
 
@@ -56,7 +68,7 @@ class Ended:
     status: int | None
     """Exit status, negative for a signal; None when it was stopped because its time was up."""
     output: str
-    """The beginning of what it printed."""
+    """The beginning and the end of what it printed."""
 
 
 def run_bounded(
@@ -81,7 +93,7 @@ def run_bounded(
     )
     with process:
         try:
-            output = _beginning_of_output(process, deadline)
+            output = _output_of(process, deadline)
             with suppress(subprocess.TimeoutExpired):
                 process.wait(max(deadline - time.monotonic(), 0.0))
             status = process.returncode
@@ -92,15 +104,16 @@ def run_bounded(
     return Ended(status, output.decode(errors="replace"))
 
 
-def _beginning_of_output(process: "subprocess.Popen[bytes]", deadline: float) -> bytes:
-    """Read to the end, so that the tool never waits for a reader, but keep the beginning only."""
+def _output_of(process: "subprocess.Popen[bytes]", deadline: float) -> bytes:
+    """Read to the end, so that the tool never waits for a reader, but keep only what is bounded."""
     if process.stdout is None:
         return b""
     descriptor = process.stdout.fileno()
-    kept = b""
+    beginning = end = b""
     while wait([descriptor], max(deadline - time.monotonic(), 0.0)):
         block = os.read(descriptor, 65536)
         if not block:
             break
-        kept = (kept + block)[:KEPT_OUTPUT]
-    return kept
+        room = KEPT_OUTPUT - len(beginning)
+        beginning, end = beginning + block[:room], (end + block[room:])[-KEPT_OUTPUT:]
+    return beginning + end

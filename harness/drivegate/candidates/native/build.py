@@ -47,8 +47,8 @@ def built_library(plan: Compilation) -> tuple[Path, tuple[Path, ...]]:
     The compiler's first warning is logged, when it compiles.
     """
     compilers = {language: found_compiler(language) for language in plan.languages}
-    folder = _cache_folder()
-    complete_output = folder / f"{_digest(str(plan.folder), *plan.sources)}.txt"
+    folder = cache_folder()
+    complete_output = folder / f"{digest_of(str(plan.folder), *plan.sources)}.txt"
     try:
         with tempfile.TemporaryDirectory(prefix=".compiling-", dir=folder) as scratch:
             try:
@@ -99,15 +99,16 @@ def _key(compilers: Compilers, plan: Compilation, files: Sequence[Path]) -> str:
         for word in (compiler_version(compiler), *compiler, language.standard)
     ]
     words = (*tools, *FLAGS, *plan.flags, *machine, *places)
-    return hash_of((*files, *plan.further_files), _digest(*words))[:32]
+    return hash_of((*files, *plan.further_files), digest_of(*words))[:32]
 
 
-def _digest(*words: str) -> str:
+def digest_of(*words: str) -> str:
+    """Hash words."""
     joined = "\0".join(words)
     return hashlib.sha256(joined.encode(errors="surrogateescape")).hexdigest()[:32]
 
 
-def _cache_folder() -> Path:
+def cache_folder() -> Path:
     """Find the folder for compiled candidates."""
     from drivegate_models.compilation.kernels import required_cache_folder
 

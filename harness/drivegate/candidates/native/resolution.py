@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, NamedTuple
 
-from drivegate.candidates.candidate import Candidate, NativeBuild, existing_file, hash_of
+from drivegate.candidates.candidate import Candidate, NativeBuild, existing_file, existing_folder, hash_of
 from drivegate.candidates.contract import ContractName
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.kinds import KINDS
@@ -63,7 +63,7 @@ def from_text(specification: str) -> Candidate:
     file = existing_file(Path(specification))
     name = Path(specification).name
     if file.suffix.lower() == ".so":
-        return _library_candidate(name, specification, file, ())
+        return _library_candidate(name, specification, file, file, (file,))
     return _source_candidate(name, specification, file, Compilation(file.parent, (file.name,)))
 
 
@@ -73,7 +73,10 @@ def from_manifest(manifest: Manifest, specification: str, folder: Path) -> Candi
     entry, further = manifest.files(specification, folder)
     declaration = manifest.declaration()
     if manifest.kind == "so":
-        return _library_candidate(manifest.name, specification, entry, further, declaration)
+        library, sources = built_or_given(manifest, entry, further, specification, folder)
+        return _library_candidate(
+            manifest.name, specification, entry, library, sources, declaration, manifest.build
+        )
     for include in manifest.include:
         if not (folder / include).is_dir():
             raise InputError(f"{where}: the key 'include' names '{one_line(include)}', which is no folder")
@@ -110,13 +113,26 @@ def _library_candidate(
     name: str,
     specification: str,
     file: Path,
-    further: tuple[Path, ...],
+    library: Path,
+    sources: tuple[Path, ...],
     declaration: Declaration | None = None,
+    commands: tuple[str, ...] = (),
 ) -> Candidate:
+    _check_shared_library(library)
+    build = NativeBuild(library)
+    return _candidate(name, "so", specification, file, sources, "\0".join(commands), declaration, build)
 
-    _check_shared_library(file)
-    sources = tuple(dict.fromkeys((file, *further)))
-    return _candidate(name, "so", specification, file, sources, "", declaration, NativeBuild(file))
+
+def built_or_given(
+    manifest: Manifest, entry: Path, further: tuple[Path, ...], specification: str, folder: Path
+) -> tuple[Path, tuple[Path, ...]]:
+    """Return the file that is loaded, built if the manifest has commands for it, and the files of the hash."""
+    from drivegate.candidates.native.build_commands import ProjectBuild, built_artefact
+
+    if not manifest.build:
+        return entry, tuple(dict.fromkeys((entry, *further)))
+    build = ProjectBuild(shown_path(specification), folder, manifest.build, further, manifest.entry)
+    return built_artefact(build), further
 
 
 def _source_candidate(
@@ -145,7 +161,7 @@ def _candidate(
         kind,
         specification,
         str(file),
-        file.parent,
+        existing_folder(file),
         sources,
         hash_of(sources, flags),
         declaration or Declaration(),

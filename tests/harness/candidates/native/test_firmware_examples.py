@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shutil
-import subprocess
 from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
@@ -13,7 +12,6 @@ from typing import NamedTuple
 import pytest
 
 from drivegate.candidates.kinds import load_controller
-from drivegate.candidates.native.compiler import include_folder
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.judging import judged
 from drivegate.checks.margin import Margin
@@ -28,15 +26,6 @@ FOLDER = Path(__file__).parents[4] / "examples" / "firmware"
 DRIVE = load_drive("pm-ac-interior")
 CONTRACT = contract_of(DRIVE)
 SCENARIOS = {scenario.name: scenario for scenario in CONTRACT.fixed_scenarios(DRIVE, NOTHING_DECLARED)}
-BUILDS = MappingProxyType(
-    {
-        "crate": "mkdir -p target/release && rustc --edition 2021 --crate-type cdylib -C opt-level=3 -C panic=abort"
-        " --cap-lints allow -o target/release/libdrive.so src/lib.rs",
-        "image": f"make --silent INCLUDE={include_folder()}",
-    }
-)
-
-
 MANIFESTS = MappingProxyType({"image": "image.toml"})
 
 
@@ -94,8 +83,6 @@ def margins_of(seeded: Seeded, folder: Path, line: str) -> dict[str, Margin]:
     text = file.read_text(encoding="utf-8")
     assert text.count(seeded.line) == 1
     file.write_text(text.replace(seeded.line, line), encoding="utf-8")
-    if seeded.style in BUILDS:
-        subprocess.run(BUILDS[seeded.style], shell=True, cwd=folder, check=True)
     candidate = resolve_candidate(str(folder / MANIFESTS.get(seeded.style, "candidate.toml")))
     loaded = JudgedCandidate(candidate, partial(load_controller, candidate))
     record = recorded(loaded, SCENARIOS[seeded.scenario], loaded.controller())
@@ -110,7 +97,7 @@ def margins_of(seeded: Seeded, folder: Path, line: str) -> dict[str, Margin]:
             WRONG_SIGN, id="objects-with-a-sign-wrong-on-the-d-axis", marks=pytest.mark.needs("c++")
         ),
         pytest.param(WRONG_CHANNEL, id="interrupt-handler-with-the-wrong-converter-channel"),
-        pytest.param(NO_ANTI_WINDUP, id="crate-without-anti-windup", marks=pytest.mark.needs("rustc")),
+        pytest.param(NO_ANTI_WINDUP, id="crate-without-anti-windup", marks=pytest.mark.needs("cargo")),
         pytest.param(
             WRONG_SCALE, id="image-with-a-wrong-Clarke-scale", marks=pytest.mark.needs("arm-none-eabi-gcc")
         ),

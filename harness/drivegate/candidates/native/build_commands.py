@@ -1,0 +1,190 @@
+"""Building a candidate by the commands of its own project, such as ``cargo build --release``.
+
+The commands see a copy of the sources that the manifest names, and nothing else of the project. So what they make
+depends on the files that the candidate's hash covers, and is made again only when those or the commands change.
+Commands run as compilers do: isolated, and within bounds.
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+import platform
+import shlex
+import shutil
+import sysconfig
+import tempfile
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import MappingProxyType
+from typing import Final
+
+from drivegate.candidates.candidate import hash_of
+from drivegate.candidates.fault import bounded_line
+from drivegate.candidates.native.bounded_command import Bounds, Ended, run_bounded
+from drivegate.candidates.native.build import cache_folder, digest_of
+from drivegate.candidates.native.compiler import include_folder
+from drivegate.isolation.layers import Places, isolated_command, requested_layers
+from drivegate_cases.documents.atomic_write import write_atomically
+from drivegate_cases.documents.wording import one_line, shown_path
+from drivegate_models.errors import InputError
+
+BUILD: Final = Bounds(600.0, 8 * 2**30, 2**30)
+"""What all commands of a build may use together, and each of its processes."""
+
+_LAST_LINES: Final = 4
+_INSTALLATION: Final = MappingProxyType(
+    {
+        "cargo": "install Rust from https://rustup.rs",
+        "cmake": "apt install cmake, or pip install cmake",
+        "make": "apt install make",
+    }
+)
+
+_log = logging.getLogger("drivegate")
+
+
+@dataclass(frozen=True)
+class ProjectBuild:
+    """What is built, and how."""
+
+    manifest: str
+    """The manifest, as messages name it."""
+    folder: Path
+    """Its folder, in whose copy the commands run."""
+    commands: tuple[str, ...]
+    """Command lines, one after the other; no shell reads them."""
+    sources: tuple[Path, ...]
+    """The files that are copied."""
+    artefact: str
+    """Path of the file that the commands make, from the folder."""
+    bounds: Bounds = BUILD
+    """What the commands may use."""
+
+
+def built_artefact(build: ProjectBuild) -> Path:
+    """Run the commands, or find what they made of the same sources before.
+
+    Raises InputError if a command is missing or fails, or if the file is not made.
+    """
+    artefact = Path(build.artefact)
+    if artefact.is_absolute() or ".." in artefact.parts:
+        raise InputError(
+            f"{build.manifest}: the key 'entry' is '{one_line(build.artefact)}', but with 'build' must be a path "
+            "inside the manifest's folder"
+        )
+    commands = tuple(_words_of(command, build.manifest) for command in build.commands)
+    folder = cache_folder()
+    kept = folder / f"{_key(build)}{artefact.suffix}"
+    try:
+        if not kept.exists():
+            with tempfile.TemporaryDirectory(prefix=".building-", dir=folder) as scratch:
+                _made(build, commands, Path(scratch).resolve()).replace(kept)
+    except OSError as error:
+        raise InputError(
+            f"{build.manifest}: its sources cannot be copied to {shown_path(folder)} and built there: "
+            f"{error.strerror}; name another folder in DRIVEGATE_CACHE"
+        ) from error
+    return kept
+
+
+def _words_of(command: str, manifest: str) -> list[str]:
+    """Split a command line, and require its program."""
+    try:
+        words = shlex.split(command)
+    except ValueError as error:
+        raise InputError(
+            f"{manifest}: the key 'build' has '{one_line(command)}', which is no command line: {error}"
+        ) from error
+    if not words:
+        raise InputError(f"{manifest}: the key 'build' has an empty command; write one such as 'make'")
+    if os.sep not in words[0] and shutil.which(words[0]) is None:
+        program = one_line(words[0])
+        how = _INSTALLATION.get(words[0], "install it, or add its folder to PATH")
+        raise InputError(
+            f"{manifest}: the key 'build' needs the program '{program}', which is missing; {how}"
+        )
+    return words
+
+
+def _key(build: ProjectBuild) -> str:
+    """Hash all that decides on the artefact; other tools are found along another PATH."""
+    places = (os.path.relpath(source, build.folder) for source in build.sources)
+    return hash_of(
+        build.sources,
+        digest_of(*build.commands, build.artefact, platform.machine(), os.environ.get("PATH", ""), *places),
+    )[:32]
+
+
+def _made(build: ProjectBuild, commands: tuple[list[str], ...], scratch: Path) -> Path:
+    """Build in a copy, and return the file that was made there."""
+    _log.info("building %s for %s", one_line(build.artefact), build.manifest)
+    here = _copy_of(build, scratch / "project")
+    (scratch / "temporary").mkdir()
+    deadline = time.monotonic() + build.bounds.seconds
+    for words, command in zip(commands, build.commands, strict=True):
+        left = replace(build.bounds, seconds=max(deadline - time.monotonic(), 0.1))
+        ended = run_bounded(
+            isolated_command(words, requested_layers(), Places(tuple(_readable()), (str(scratch),))),
+            folder=here,
+            environment=_environment(scratch),
+            bounds=left,
+        )
+        if ended.status != 0:
+            raise InputError(_failure(build, command, ended))
+    # A link must not lead out of the copy.
+    made = (here / build.artefact).resolve()
+    if not (made.is_file() and made.is_relative_to(scratch)):
+        raise InputError(
+            f"{build.manifest}: the commands of 'build' made no file '{one_line(build.artefact)}'; name in 'entry' the "
+            "file that they make"
+        )
+    return made
+
+
+def _copy_of(build: ProjectBuild, root: Path) -> Path:
+    """Copy the sources, those outside of the folder at the same places relative to it; return the folder's copy."""
+    common = Path(os.path.commonpath((build.folder, *(source.parent for source in build.sources))))
+    here = root / build.folder.relative_to(common)
+    here.mkdir(parents=True)
+    for source in build.sources:
+        target = root / source.relative_to(common)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy2(source, target)
+    return here
+
+
+def _environment(scratch: Path) -> dict[str, str]:
+    """Return what the commands find in the environment: `drivegate include-dir` too, and no network for cargo."""
+    path = os.pathsep.join(filter(None, (os.environ.get("PATH"), sysconfig.get_path("scripts"))))
+    return {"LC_ALL": "C", "TMPDIR": str(scratch / "temporary"), "PATH": path, "CARGO_NET_OFFLINE": "true"}
+
+
+def _readable() -> Iterator[str]:
+    """Return what tools may read, besides the system: programs, headers, Rust's compilers and the crates at hand."""
+    yield from filter(os.path.isabs, os.environ.get("PATH", "").split(os.pathsep))
+    yield str(include_folder())
+    home = Path.home()
+    yield os.environ.get("RUSTUP_HOME", str(home / ".rustup"))
+    cargo = Path(os.environ.get("CARGO_HOME", home / ".cargo"))
+    # Next to these it has the tokens of registries.
+    yield from (str(cargo / part) for part in ("bin", "registry", "git"))
+
+
+def _failure(build: ProjectBuild, command: str, ended: Ended) -> str:
+    """State in a sentence which command failed, with its last lines."""
+    where = f"{build.manifest}: the build command '{one_line(command)}'"
+    rules = f"a build has the files of 'sources', no network and {build.bounds.in_words()}"
+    if ended.status is None:
+        return f"{where} did not come to an end; {rules}"
+    lines = [line.strip() for line in ended.output.splitlines() if line.strip()][-_LAST_LINES:]
+    if not lines:
+        return f"{where} ended with status {ended.status} and printed nothing; {rules}"
+    output = cache_folder() / f"{digest_of(str(build.folder), build.artefact)}.txt"
+    write_atomically(output, ended.output)
+    return (
+        f"{where} ended with status {ended.status}: {bounded_line(' | '.join(lines))}; "
+        f"its output is in {shown_path(output)}; {rules}"
+    )
