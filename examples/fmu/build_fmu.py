@@ -49,7 +49,9 @@ def variables_of(contract: str, phases: int, estimates_power: bool) -> tuple[Var
     if contract == "duty":
         return (
             *numbered(
-                1, "input", "reference supply_voltage supply_current angle speed hall encoder_count trip"
+                1,
+                "input",
+                "reference supply_voltage supply_current angle speed hall encoder_count trip enable",
             ),
             Variable("phase_currents", 101, "input", width=3),
             Variable("phase_voltages", 131, "input", width=3),

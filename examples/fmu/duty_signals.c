@@ -14,6 +14,7 @@ enum {
     HALL,
     ENCODER_COUNT,
     TRIP,
+    ENABLE,
     NEXT_PERIOD = 11,
     TORQUE,
     INPUT_POWER,
@@ -78,6 +79,7 @@ double *signals_real(signals *self, unsigned reference) {
     case HALL: return &self->hall;
     case ENCODER_COUNT: return &self->encoder_count;
     case TRIP: return &self->trip;
+    case ENABLE: return &self->enable;
     case NEXT_PERIOD: return &self->command.next_period;
     case TORQUE: return &self->command.torque;
     case INPUT_POWER: return &self->command.input_power;
@@ -123,6 +125,7 @@ void signals_step(signals *self, void *state, double time) {
     self->sense.hall = (int64_t)self->hall;
     self->sense.encoder_count = (int64_t)self->encoder_count;
     self->sense.trip = (int64_t)self->trip;
+    self->sense.enable = (int64_t)self->enable;
     clear_command(self);
     drivegate_duty_step(state, &self->sense, &self->command);
     for (int leg = 0; leg < 3; leg++) self->legs[leg] = (double)self->command.legs[leg];

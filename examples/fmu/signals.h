@@ -12,7 +12,7 @@ typedef struct signals {
     drivegate_duty_sense sense;
     drivegate_duty_command command;
     double phase_currents[CONTROLLER_PHASES];
-    double hall, encoder_count, trip; /* FMI's reals, as whole numbers have no meaning of "none" there */
+    double hall, encoder_count, trip, enable; /* FMI's reals, as whole numbers have no meaning of "none" there */
     double legs[3], fault;
 } signals;
 #else

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -47,3 +47,11 @@ class Declaration:
     are `SURVIVABLE`."""
     reverses: bool = True
     """Whether the candidate also turns its shaft backward, where its drive allows that."""
+    reads_enable: bool = False
+    """Whether its runs begin with the bridge off and `enable` 0 while the shaft turns."""
+    calibration_time_s: float = 0.0
+    """Time at standstill with the bridge off before that (s)."""
+
+    def with_bridge_on(self) -> Declaration:
+        """Return what a candidate declares that does not read `enable`, but is the same otherwise."""
+        return replace(self, reads_enable=False, calibration_time_s=0.0)

@@ -34,6 +34,7 @@ _KEYS_OF_OTHERS = {
     "current": {
         "references": "whose controllers follow a speed",
         "detects": "whose legs are no candidate's",
+        "reads_enable": "whose legs are no candidate's",
     }
 }
 """For each contract, keys of the contract of duty ratios alone, and why it has none."""
@@ -141,6 +142,17 @@ class Manifest(Document):
         description="whether a candidate that answers with duty ratios also turns the shaft backward",
     )
 
+    reads_enable: bool = Field(
+        default=False,
+        description="whether runs of a candidate that answers with duty ratios begin with the bridge off",
+    )
+
+    calibration_time_s: NotNegative = Field(
+        default=0.0,
+        le=0.5,
+        description="time at standstill with the bridge off before each run, in seconds, to measure current offsets",
+    )
+
     drive: DriveReference | None = Field(
         default=None,
         description="drive that the candidate is made for: the name of one, or the path of its file",
@@ -213,6 +225,12 @@ class Manifest(Document):
         return self
 
     @model_validator(mode="after")
+    def _only_a_bridge_that_is_off_is_calibrated(self) -> Self:
+        if self.calibration_time_s and not self.reads_enable:
+            raise ValueError("the key 'calibration_time_s' needs 'reads_enable = true'")
+        return self
+
+    @model_validator(mode="after")
     def _references_fit_the_contract(self) -> Self:
         if not self.references:
             raise ValueError("the key 'references' is empty, but must name 'speed', 'torque' or both")
@@ -258,6 +276,8 @@ class Manifest(Document):
             self.references,
             self.detects,
             self.reverses,
+            self.reads_enable,
+            self.calibration_time_s,
         )
 
 

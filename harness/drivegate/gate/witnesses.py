@@ -145,7 +145,11 @@ def _record(witness: Witness, scenario: Scenario, declaration: Declaration) -> R
 
 
 def judged_witness(witness: Witness, scenario: Scenario, declaration: Declaration) -> JudgedCandidate:
-    """Return a witness as a candidate with the declaration of the one that is accused."""
+    """Return a witness as a candidate with the declaration of the one that is accused.
+
+    No witness reads `enable`, so its bridge is on from the start.
+    """
+    declaration = declaration.with_bridge_on()
     if witness.made_for is None:
         return own_candidate(replace(resolve_candidate(witness.candidate), declaration=declaration))
     from drivegate.candidates.python.bridge import PythonController

@@ -20,7 +20,7 @@ from drivegate_models.pm_ac.loop_kernel import DutyRoom, DutyTiming, run_periods
 from drivegate_models.pm_ac.loop_records import DutyRecords, make_records
 from drivegate_models.pm_ac.plant.advance import make_phases
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
-from drivegate_models.pm_ac.sensing import DutySensors, ideal_duty_sensors, low_side_ratio
+from drivegate_models.pm_ac.sensing import DutySensors, delayed_glitches, ideal_duty_sensors, low_side_ratio
 
 
 class DutyRun(NamedTuple):
@@ -29,7 +29,7 @@ class DutyRun(NamedTuple):
     status: int
     """`COMPLETED`, or another status of `loop.exchange`, `loop_kernel.PLANT_FAULT` or `duty_command.BAD_LEG`."""
     steps: int
-    """Number of completed control periods."""
+    """Number of completed control periods, including those before the run."""
     trace: NDArray[np.float64]
     """One row per control period, shape (steps, len(TRACE))."""
     totals: NDArray[np.float64]
@@ -37,7 +37,9 @@ class DutyRun(NamedTuple):
     worst_balance: float
     """Maximum missing energy of a period, relative to its throughput (1)."""
     commands: NDArray[Any]
-    """The command of each step, shape (n,) of DUTY_COMMAND; it includes that of an early end."""
+    """The command of each step, shape (n,) of DUTY_COMMAND; it includes those before the run and of an early end."""
+    before: int = 0
+    """Number of steps before the run."""
 
 
 class PreparedDutyLoop(NamedTuple):
@@ -51,6 +53,8 @@ class PreparedDutyLoop(NamedTuple):
     """The records between loop and controller."""
     records: DutyRecords
     """The records that the run fills."""
+    before: int = 0
+    """Number of steps before the run."""
 
     def run(self) -> DutyRun:
         """Run the controller, already reset, until the end or until it stops."""
@@ -58,7 +62,8 @@ class PreparedDutyLoop(NamedTuple):
         records = self.records
         commands = self.exchange.kept[: done + (status != COMPLETED)]
         worst = float(records.run["worst_balance"][0])
-        return DutyRun(int(status), int(done), records.trace[:done], records.totals, worst, commands)
+        trace = records.trace[: max(done - self.before, 0)]
+        return DutyRun(int(status), int(done), trace, records.totals, worst, commands, self.before)
 
 
 def prepared_duty_loop(
@@ -73,6 +78,8 @@ def prepared_duty_loop(
     initial_speed: float = 0.0,
     initial_angle: float = 0.0,
     clock_start: float = 0.0,
+    resting: int = 0,
+    waiting: int = 0,
     torque_reference: Course | None = None,
     sensors: DutySensors | None = None,
     failure: Failure | None = None,
@@ -102,6 +109,9 @@ def prepared_duty_loop(
         Electrical angle at the start, from the first phase's axis to the d axis (rad).
     clock_start : float
         Time in the controller's first Sense (s).
+    resting, waiting : int
+        Numbers of control periods before the run, in which the controller is stepped with `enable` 0 and all legs are
+        off: first at standstill, then at the initial speed.
     torque_reference : Course, optional
         Torque reference, instead of the schedule's speed (N m).
     sensors : DutySensors, optional
@@ -113,7 +123,7 @@ def prepared_duty_loop(
     progress : ndarray of int64, shape (1,), optional
         Receives the number of steps begun.
     kept : ndarray of DUTY_COMMAND, shape (n,), optional
-        Receives the commands, with space for those of all steps.
+        Receives the commands, with space for those of all steps, including those before the run.
 
     Returns
     -------
@@ -122,7 +132,8 @@ def prepared_duty_loop(
         the steady state of its rectifying diodes.
     """
     steps = round(duration / control_period)
-    exchange = make_exchange(steps, step_address, state_address, progress, kept)
+    before = resting + waiting
+    exchange = make_exchange(before + steps, step_address, state_address, progress, kept)
     records = make_records(steps)
     room = DutyRoom(
         np.zeros(7, np.int64),
@@ -130,6 +141,7 @@ def prepared_duty_loop(
         np.zeros((2, 3)),
         np.full((2, 3), LEG_OFF, np.int64),
         np.full(3, low_side_ratio(0.0, LEG_OFF)),
+        np.zeros(3),
     )
     timing = DutyTiming(
         float(control_period),
@@ -138,9 +150,11 @@ def prepared_duty_loop(
         float(initial_angle % (2.0 * pi)),
         torque_reference is not None,
         float(clock_start),
+        int(resting),
+        int(waiting),
     )
     torque = steady(0.0) if torque_reference is None else torque_reference
-    shown = ideal_duty_sensors() if sensors is None else sensors
+    shown = ideal_duty_sensors() if sensors is None else delayed_glitches(sensors, waiting * control_period)
     fails = make_failure() if failure is None else failure
     resets = no_restarts() if restarts is None else restarts
     phases = make_phases()
@@ -160,7 +174,7 @@ def prepared_duty_loop(
         resets,
         records,
     )
-    return PreparedDutyLoop(run_periods, arguments, exchange, records)
+    return PreparedDutyLoop(run_periods, arguments, exchange, records, before)
 
 
 def run_duty_loop(drive: PmAcDrive, load: Load, schedule: Schedule, **options: Any) -> DutyRun:

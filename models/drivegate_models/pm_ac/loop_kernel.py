@@ -37,6 +37,7 @@ from drivegate_models.pm_ac.sensing import (
     drop_signals,
     lose_next_edge,
     low_side_ratio,
+    show_currents_of_idle_bridge,
     show_phase_currents,
     show_shaft,
     turn_shaft_sensors,
@@ -61,6 +62,10 @@ class DutyTiming(NamedTuple):
     """True if the controller's reference is a torque, False if it is a speed."""
     clock_start: float
     """Time in the controller's first Sense (s)."""
+    resting: int = 0
+    """Number of control periods at standstill with all legs off, before those of `waiting`."""
+    waiting: int = 0
+    """Number of control periods before the run with all legs off, while the shaft turns at its initial speed."""
     has_no_start: bool = False
     """True if the plant has no steady state to start from, which ends the run."""
 
@@ -76,6 +81,8 @@ class DutyRoom(NamedTuple):
     """States of the legs now, and after the delay, shape (2, 3); `LEG_OFF` before the first command."""
     last: NDArray[np.float64]
     """Duty ratios of the period just ended, shape (3,), as returned by `low_side_ratio`."""
+    no_currents: NDArray[np.float64]
+    """Phase currents at standstill with all legs off: zeros, shape (3,) (A)."""
 
 
 @inlined
@@ -106,31 +113,52 @@ def _balance(
 
 
 @inlined
-def _write_voltages(exchange: DutyExchange, phases: PmAcPhases) -> None:
-    """Write the voltages of the terminals at the end of the period just ended into the Sense."""
+def _write_voltages(exchange: DutyExchange, phases: PmAcPhases, rests: bool, diode_drop: float) -> None:
+    """Write the voltages of the terminals at the end of the period just ended into the Sense.
+
+    `rests`: true at standstill before the run, where the dividers pull every terminal down to its lower diode.
+    """
     for leg in range(3):
-        exchange.sense[0].phase_voltages[leg] = phases.legs.voltages[leg]
+        exchange.sense[0].phase_voltages[leg] = -diode_drop if rests else phases.legs.voltages[leg]
 
 
 @inlined
-def _turn_sensors(sensors: DutySensors, failure: Failure, step: int, length: float, speed: float) -> None:
-    """Advance the sensor on the shaft by a control period, without edges after a loss of position."""
+def _turn_sensors(
+    sensors: DutySensors, failure: Failure, step: int, turning: int, length: float, speed: float
+) -> None:
+    """Advance the sensor on the shaft by a control period, without edges after a loss of position.
+
+    `step`: number of the period in the run. `turning`: its number since the shaft began to turn.
+    """
     if fails_now(failure, LOST_EDGE, step):
         lose_next_edge(sensors)
     shown = 0.0 if has_failed(failure, LOST_POSITION, step) else speed
-    turn_shaft_sensors(sensors, step, step * length, length, shown)
+    turn_shaft_sensors(sensors, turning, turning * length, length, shown)
 
 
 @inlined
 def _command(
-    exchange: DutyExchange, restarts: Restarts, restarted: int, step: int, room: DutyRoom, delay: int
+    exchange: DutyExchange,
+    restarts: Restarts,
+    restarted: int,
+    step: int,
+    before: int,
+    room: DutyRoom,
+    delay: int,
 ) -> tuple[int, int]:
-    """Step the controller, after a reset if one is due; return the command's status and the number of resets."""
+    """Step the controller, after a reset if one is due; return the command's status and the number of resets.
+
+    `step`: number of the control period in the run, negative before it. `before`: number of periods before the run.
+    There the bridge is off whatever the answer is.
+    """
     has_failed, restarted = restart_if_due(exchange, restarts, restarted, step)
     if has_failed:
-        exchange.kept[step] = exchange.command[0]
+        exchange.kept[before + step] = exchange.command[0]
         return STOPPED, restarted
-    step_controller(exchange, step)
+    exchange.sense[0].enable = 0 if step < 0 else 1
+    step_controller(exchange, before + step)
+    if step < 0:
+        return STOPPED if exchange.command[0].struct_size < 0 else COMPLETED, restarted
     return copy_command(exchange, room.ratios, room.legs, delay), restarted
 
 
@@ -178,8 +206,9 @@ def run_periods(
     """Run a controller against the plant, whose machine `settle_before_start` has set to its initial state.
 
     `schedule`: external conditions. The supply is half of the link voltage, and the speed is the reference. `torque`:
-    torque reference (N m). Returns `status`, `steps`: `COMPLETED` or the reason for an early end, and the number of
-    completed control periods.
+    torque reference (N m). Control periods before the run have negative numbers and are not recorded. Returns `status`,
+    `steps`: `COMPLETED` or the reason for an early end, and the number of completed control periods, including those
+    before the run.
     """
     if timing.has_no_start:
         return PLANT_FAULT, 0
@@ -195,32 +224,45 @@ def run_periods(
     restarted = 0
     stored = stored_energy(drive, phases)
     observed = records.run
-    for k in range(timing.steps):
-        observed[0].steps = k
+    before = timing.resting + timing.waiting
+    for k in range(-before, timing.steps):
+        observed[0].steps = before + k
         observed[0].speed_final = speed
-        conditions = conditions_at(schedule, room.course_positions, k * length)
+        rests = k < -timing.waiting
+        now = max(k, 0) * length
+        # The sensors' own time begins when the shaft turns.
+        turning = max(k + timing.waiting, 0)
+        conditions = conditions_at(schedule, room.course_positions, now)
         plant = drifted(drive, conditions.resistance_factor, conditions.emf_factor)
         is_locked = has_failed(failure, LOCKED_ROTOR, k)
         if load.kind == LOCKED or is_locked:
             speed = 0.0 if is_locked else conditions.speed_reference
             change = 0.0
-        torque_reference = follow(torque, room.course_positions, 6, k * length)
+        torque_reference = follow(torque, room.course_positions, 6, now)
         reference = torque_reference if timing.regulates_torque else conditions.speed_reference
         link = 2.0 * conditions.supply
         shaft_angle = shown_angle((angle + 2.0 * pi * turns) / drive.pole_pairs)
-        clock = timing.clock_start + k * length
-        write_sense(exchange, phases.currents, link, reference, clock, shaft_angle, speed)
-        _write_voltages(exchange, phases)
+        clock = timing.clock_start + (before + k) * length
+        currents = room.no_currents if rests else phases.currents
+        write_sense(exchange, currents, link, reference, clock, shaft_angle, speed)
+        _write_voltages(exchange, phases, rests, drive.diode_drop)
         if not sensors.ideal:
-            before = alignment_of(drive.modulator.updates, k + 1)
-            show_phase_currents(sensors, exchange.sensed_currents, before, room.last, length)
-            show_shaft(sensors, exchange.sense[0], k * length)
+            if k < 0:
+                show_currents_of_idle_bridge(sensors, exchange.sensed_currents)
+            else:
+                ended = alignment_of(drive.modulator.updates, k + 1)
+                show_phase_currents(sensors, exchange.sensed_currents, ended, room.last, length)
+            show_shaft(sensors, exchange.sense[0], turning * length)
         is_exact = sensors.ideal or sensors.position == EXACT
         show_failed(failure, k, exchange.sensed_currents, exchange.sense[0], is_exact)
         drop_signals(sensors, k * length, exchange.sensed_currents, exchange.sense[0])
-        status, restarted = _command(exchange, restarts, restarted, k, room, delay)
+        if rests:
+            exchange.sense[0].speed = 0.0
+        status, restarted = _command(exchange, restarts, restarted, k, before, room, delay)
         if status != COMPLETED:
-            return status, k
+            return status, before + k
+        if rests:
+            continue
         fail_legs(failure, k, room.legs[0])
         for entry in range(ledger.ENTRIES):
             period[entry] = 0.0
@@ -237,37 +279,38 @@ def run_periods(
             length,
             period,
         ):
-            return PLANT_FAULT, k
+            return PLANT_FAULT, before + k
         stored_now = stored_energy(drive, phases)
         rated = link * drive.current_limit * length
         balance = _balance(plant.resistance, held, stored_now - stored, stored_now, rated, period)
         observed[0].worst_balance = max(observed[0].worst_balance, balance)
         stored = stored_now
-        ledger.add_period(records.totals, period)
         exchange.sense[0].supply_current = (
             ledger.source_energy(period) / (link * length) if link > 0.0 else 0.0
         )
         opposing = load_torque(load, conditions.load_factor, abs(held))
         weight = weight_torque(load, conditions.load_factor)
-        begin = (k * length, conditions.speed_reference, speed, angle, link, torque_reference)
-        write_period(records.trace[k], period, length, phases.rotor_currents, begin, opposing + weight)
+        if k >= 0:
+            ledger.add_period(records.totals, period)
+            begin = (now, conditions.speed_reference, speed, angle, link, torque_reference)
+            write_period(records.trace[k], period, length, phases.rotor_currents, begin, opposing + weight)
         turned = angle + drive.pole_pairs * held * length
         turns = (turns + whole_turns(turned)) % drive.pole_pairs
         angle = within_a_turn(turned)
         if not sensors.ideal:
-            _turn_sensors(sensors, failure, k, length, held)
+            _turn_sensors(sensors, failure, k, turning, length, held)
             for leg in range(3):
                 room.last[leg] = low_side_ratio(room.ratios[0, leg], room.legs[0, leg])
-        if load.kind != LOCKED and not is_locked:
+        if k >= 0 and load.kind != LOCKED and not is_locked:
             change = _speed_change(drive, inertia, speed, opposing, weight, period, length)
             speed += change
         if delay > 0:
             for leg in range(3):
                 room.ratios[0, leg] = room.ratios[1, leg]
                 room.legs[0, leg] = room.legs[1, leg]
-    observed[0].steps = timing.steps
+    observed[0].steps = before + timing.steps
     observed[0].speed_final = speed
-    return COMPLETED, timing.steps
+    return COMPLETED, before + timing.steps
 
 
 @inlined

@@ -155,6 +155,12 @@ def real_duty_sensors(
     )
 
 
+def delayed_glitches(sensors: DutySensors, delay: float) -> DutySensors:
+    """Return sensors whose false edges come later by a delay (s)."""
+    later = sensors.encoder.glitches + np.array([delay, 0.0])
+    return sensors._replace(encoder=sensors.encoder._replace(glitches=later))
+
+
 @inlined
 def low_time(alignment: int, ratio: float, period: float) -> float:
     """Return the time for which the lower switch has been on at the end of a control period.
@@ -220,6 +226,18 @@ def show_phase_currents(
     if missing_count == 1:
         shown[missing] = -shown[(missing + 1) % 3] - shown[(missing + 2) % 3]
     for leg in range(3):
+        currents[leg] = shown[leg]
+
+
+@inlined
+def show_currents_of_idle_bridge(sensors: DutySensors, currents: NDArray[np.float64]) -> None:
+    """Replace the phase currents (A), shape (3,), by their measured values while all legs are off before a run.
+
+    Every shunt counts as measurable: without current each shows the offset of its amplifier.
+    """
+    shown = sensors.shunts.shown
+    for leg in range(3):
+        shown[leg] = shown_current(sensors.converters, leg, currents[leg])
         currents[leg] = shown[leg]
 
 

@@ -101,6 +101,9 @@ def test_a_wrong_manifest_is_reported_in_one_sentence(changes, sentence):
 def test_what_a_candidate_follows_is_declared():
     assert parsed(contract="duty", references=["torque"]).declaration().references == ("torque",)
     assert parsed(contract="duty", detects=["open-phase"]).declaration().detects == ("open-phase",)
+    begun = parsed(contract="duty", reads_enable=True, calibration_time_s=0.25).declaration()
+    assert (begun.reads_enable, begun.calibration_time_s) == (True, 0.25)
+    assert begun.with_bridge_on() == parsed(contract="duty").declaration()
 
 
 @pytest.mark.parametrize(
@@ -111,6 +114,9 @@ def test_what_a_candidate_follows_is_declared():
         ({"contract": "duty", "references": ["position"]}, "position"),
         ({"contract": "current", "detects": ["open-phase"]}, "'detects' is for the contract 'duty'"),
         ({"contract": "duty", "detects": ["fire"]}, "fire"),
+        ({"contract": "current", "reads_enable": True}, "'reads_enable' is for the contract 'duty'"),
+        ({"contract": "duty", "calibration_time_s": 0.1}, "needs 'reads_enable = true'"),
+        ({"contract": "duty", "reads_enable": True, "calibration_time_s": 0.6}, "calibration_time_s"),
     ],
 )
 def test_other_references_are_refused(changes, words):

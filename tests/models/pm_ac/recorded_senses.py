@@ -66,7 +66,8 @@ def motoring(drive: PmAcDrive, share: float = 1.2) -> Answer:
 
 def recorded(drive: PmAcDrive, speed: float, steps: int, answer: Answer, **options: Any) -> Recorded:
     """Run answers on a shaft whose speed is held, and record what is sensed."""
-    senses, currents = np.zeros(steps, DUTY_SENSE), np.zeros((steps, 3))
+    every = steps + options.get("resting", 0) + options.get("waiting", 0)
+    senses, currents = np.zeros(every, DUTY_SENSE), np.zeros((every, 3))
     count = 0
 
     def step(_state: int, sense_address: int, command_address: int) -> None:

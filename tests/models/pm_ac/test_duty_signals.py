@@ -171,6 +171,10 @@ def are_the_terminals_at_the_rails(shown: Recorded, _position: str) -> None:
     assert not voltages[2:].any()
 
 
+def is_always_set(shown: Recorded, _position: str) -> None:
+    assert (shown.senses["enable"] == 1).all()
+
+
 SENSED: Final[dict[str, Callable[[Recorded, str], None]]] = {
     "struct_size": has_its_size,
     "time": is_the_start_of_the_period,
@@ -184,6 +188,7 @@ SENSED: Final[dict[str, Callable[[Recorded, str], None]]] = {
     "encoder_count": counts_from_the_shafts_angle_zero,
     "trip": has_no_flag,
     "phase_voltages": are_the_terminals_at_the_rails,
+    "enable": is_always_set,
 }
 """What is asserted of each field of a Sense."""
 

@@ -49,9 +49,13 @@ def from_text(specification: str) -> Candidate:
         kind="inner",
         specification=specification,
         content_hash=hash_of((), f"drivegate {__version__} {INNER_PREFIX}{loop} {outer.content_hash}"),
-        # It has no flowchart's scripts here, and its regulator takes no torque reference.
+        # It has no flowchart's scripts here. Its current loop takes no torque reference and does not read `enable`.
         declaration=replace(
-            outer.declaration, flowchart=None, references=("speed",), reverses=False, detects=()
+            outer.declaration.with_bridge_on(),
+            flowchart=None,
+            references=("speed",),
+            reverses=False,
+            detects=(),
         ),
         details=OuterLoop(outer),
         # The one that its manifest names takes current references.

@@ -74,17 +74,19 @@ def _record(
     trace_every: int = 0,  # noqa: ARG001  (every run of this contract keeps its whole trace)
     kept: NDArray[Any] | None = None,
 ) -> DutyRecord:
+    from drivegate.contracts.duty.idle_bridge import idle_bridge
     from drivegate.contracts.duty.plant_run import duty_run
     from drivegate.contracts.duty.record import DutyRecord
     from drivegate.contracts.duty.scenarios.compared import mirror_image, with_other_dead_time
 
-    run = duty_run(prepare, scenario, controller)
+    idle = idle_bridge(declaration, scenario.control_period_s)
+    run = duty_run(prepare, scenario, controller, idle=idle)
     if kept is not None:
         kept[:] = run.commands
     other, mirror = (
         None
         if compared is None
-        else DutyRecord(compared, duty_run(prepare, compared, controller), declaration)
+        else DutyRecord(compared, duty_run(prepare, compared, controller, idle=idle), declaration)
         for compared in (with_other_dead_time(scenario), mirror_image(scenario))
     )
     return DutyRecord(scenario, run, declaration, other_dead_time=other, mirror=mirror)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from drivegate.containment.contained_controller import CommandPlayer
 from drivegate.containment.messages import AnyController
 from drivegate.containment.playback import Wrap
+from drivegate.contracts.duty.idle_bridge import BRIDGE_ON, IdleBridge
 from drivegate.contracts.duty.run import DutyClosedLoopRun, PrepareDutyLoop, run_duty
 from drivegate.scenarios.plant_inputs import plant_converters, plant_dropouts, plant_encoder, plant_hall
 from drivegate_cases.scenario.scenario import Scenario
@@ -48,11 +49,15 @@ _SHUNTS = {"in-line": IN_LINE, "low-side": LOW_SIDE, "link": DC_LINK}
 
 
 def duty_run(
-    prepare: PrepareDutyLoop, scenario: Scenario, controller: AnyController, wrap: Wrap | None = None
+    prepare: PrepareDutyLoop,
+    scenario: Scenario,
+    controller: AnyController,
+    wrap: Wrap | None = None,
+    idle: IdleBridge = BRIDGE_ON,
 ) -> DutyClosedLoopRun:
     """Reset a controller and run it through a scenario, once."""
     return run_duty(
-        prepare, TRACE, scenario, controller, duty_sensors(scenario), _duty_failure(scenario), wrap
+        prepare, TRACE, scenario, controller, duty_sensors(scenario), _duty_failure(scenario), wrap, idle
     )
 
 

@@ -19,6 +19,7 @@ from drivegate.containment.orders import CloseLoop
 from drivegate.containment.playback import Wrap, require_same_plant, stepped_here
 from drivegate.containment.restarting import Restarter
 from drivegate.contracts.duty.document import duty_document
+from drivegate.contracts.duty.idle_bridge import BRIDGE_ON, IdleBridge
 from drivegate.scenarios.plant_inputs import (
     plant_course,
     plant_load,
@@ -94,6 +95,7 @@ def run_duty(
     sensors: Any = None,
     failure: Any = None,
     wrap: Wrap | None = None,
+    idle: IdleBridge = BRIDGE_ON,
 ) -> DutyClosedLoopRun:
     """Reset a controller and run it through a scenario; a fault of its own is raised.
 
@@ -102,12 +104,13 @@ def run_duty(
     nothing fails.
     """
     plant = (scenario.drive.plant(scenario.scales), plant_load(scenario), plant_schedule(scenario))
-    options = {**_options(scenario, sensors), "failure": failure}
+    before = {"resting": idle.resting, "waiting": idle.waiting}
+    options = {**_options(scenario, sensors), "failure": failure, **before}
     nameplate: Any = duty_nameplate(scenario)
     controller.reset(nameplate)
     restarts = [round(time / scenario.control_period_s) for time in scenario.restarts_s]
     order = CloseLoop(prepare, plant, options, restarts, commands=DUTY_COMMAND)
-    by_address = stepped_here(controller, order, scenario.control_periods)
+    by_address = stepped_here(controller, order, idle.periods + scenario.control_periods)
     stepped = by_address if wrap is None else wrap(by_address)
     restarter = Restarter(stepped, nameplate)
     prepared = prepare(
@@ -124,13 +127,14 @@ def run_duty(
     if run.status != COMPLETED:
         _raise_ending(run, prepared.exchange, by_address)
     require_same_plant(by_address, prepared.records)
+    commands = run.commands[run.before :]
     return DutyClosedLoopRun(
         columns=columns,
         trace=run.trace,
-        commands=run.commands,
+        commands=commands,
         totals=run.totals,
         worst_balance=run.worst_balance,
-        digest=_digest(run.commands),
+        digest=_digest(commands),
     )
 
 

@@ -55,6 +55,9 @@ class DutySense(NamedTuple):
     without current, of a leg that is off, shows the back-EMF on top of the neutral's voltage. If no current flows at
     all, the dividers pull the terminals down until the lower diode of the lowest one conducts: differences are
     line-to-line EMFs, and the lowest voltage is minus the drop of a diode. Sensors add no error."""
+    enable: int = 1
+    """1 if the answer to this Sense acts on the bridge, 0 while the bridge is off before the run. It is always 1 for a
+    candidate whose manifest does not have `reads_enable = true`."""
 
 
 class DutyCommand(NamedTuple):

@@ -102,6 +102,8 @@ typedef struct drivegate_duty_sense {
     double phase_voltages[3];     /* voltages of the three terminals from the negative rail, as dividers show them when
                                    * the currents are sampled, before the legs switch, V; with all legs off and no
                                    * current they differ by line-to-line EMFs, and a diode's drop below 0 is the lowest */
+    int64_t enable;               /* 1 if the answer acts on the bridge, 0 while the bridge is off before the run, which
+                                   * only a candidate sees whose manifest has reads_enable = true */
 } drivegate_duty_sense;
 
 /* What the controller answers. Before the step the duty ratios and estimates are NaN, the legs DRIVEGATE_LEG_PWM and
@@ -120,7 +122,7 @@ typedef struct drivegate_duty_command {
 } drivegate_duty_command;
 
 DRIVEGATE_ASSERT(sizeof(drivegate_duty_nameplate) == 152, "drivegate_duty_nameplate must not be padded");
-DRIVEGATE_ASSERT(sizeof(drivegate_duty_sense) == 112, "drivegate_duty_sense must not be padded");
+DRIVEGATE_ASSERT(sizeof(drivegate_duty_sense) == 120, "drivegate_duty_sense must not be padded");
 DRIVEGATE_ASSERT(sizeof(drivegate_duty_command) == 104, "drivegate_duty_command must not be padded");
 
 /* Prepare for a run and forget all earlier ones. Return 0 for success, anything else to refuse the run. */

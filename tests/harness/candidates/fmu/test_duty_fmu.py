@@ -27,7 +27,7 @@ from drivegate_models.pm_ac.closed_loop import prepared_duty_loop
 INTERIOR = load_drive("pm-ac-interior")
 SHORT = torque_scenario(INTERIOR, 600.0, (0.0,)).replaced(duration_s=0.02)
 NAMEPLATE: DutyNameplate = INTERIOR.duty_nameplate(1e-4, torque_reference=True)
-SENSE = DutySense(0.0, 1.5, (1.0, -3.0, 2.0), 120.0, 4.0, 0.25, 60.0, 5, 1234, 2, (3.5, -0.5, 60.0))
+SENSE = DutySense(0.0, 1.5, (1.0, -3.0, 2.0), 120.0, 4.0, 0.25, 60.0, 5, 1234, 2, (3.5, -0.5, 60.0), 0)
 VERSIONS = (2, 3)
 
 # The command tells what was sensed, one number a step, and the nameplate's numbers after them.
@@ -35,7 +35,7 @@ TOLD = """
     double sensed[] = {sense->reference, sense->phase_currents[0], sense->phase_currents[1], sense->phase_currents[2],
         sense->supply_voltage, sense->supply_current, sense->angle, sense->speed, (double)sense->hall,
         (double)sense->encoder_count, (double)sense->trip, sense->phase_voltages[0], sense->phase_voltages[1],
-        sense->phase_voltages[2], (double)known.kind, (double)known.reference_kind,
+        sense->phase_voltages[2], (double)sense->enable, (double)known.kind, (double)known.reference_kind,
         (double)known.pole_pairs, (double)known.updates, (double)known.update_delay, known.supply_voltage,
         known.base_speed, known.highest_speed, known.rated_power, known.current_limit, known.control_period,
         known.dead_time, known.resistance, known.direct_inductance, known.quadrature_inductance, known.magnet_flux,
@@ -85,7 +85,14 @@ def test_what_is_sensed_and_the_nameplate_arrive_and_the_whole_answer_comes_back
     controller = load_controller(resolve_candidate(str(fmu)))
     assert isinstance(controller, FmuController)
     controller.reset(NAMEPLATE)
-    wanted = [SENSE.reference, *SENSE.phase_currents, *SENSE[3:-1], *SENSE.phase_voltages, *NAMEPLATE]
+    wanted = [
+        SENSE.reference,
+        *SENSE.phase_currents,
+        *SENSE[3:-2],
+        *SENSE.phase_voltages,
+        SENSE.enable,
+        *NAMEPLATE,
+    ]
     answers = [controller._fmu.step(SENSE._replace(time=1e-4 * step)) for step in range(len(wanted))]
     assert [answer.torque for answer in answers] == wanted
     assert [answer.legs for answer in answers[:4]] == [(1, 1, 1), (1, 1, 1), (1, 0, 1), (1, 0, 1)]
