@@ -11,20 +11,21 @@ import numpy as np
 from drivegate.contracts.duty.document import duty_document
 from drivegate.contracts.duty.efficiency import efficiency_map, known
 from drivegate.contracts.duty.numbers import numbers
-from drivegate.contracts.duty.scenarios.feasibility import IN_HAND
+from drivegate.contracts.duty.scenarios.feasibility import IN_HAND, required_torque
 from drivegate.contracts.duty.scenarios.windows import run_up_s
 from drivegate.contracts.duty.trajectories import trajectories
 from drivegate.drives.ability import Ability, RunTime, rating_document
 from drivegate.drives.constant_power import SPEEDS, ConstantPower
 from drivegate.drives.power_reach import PowerReach
 from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.drive.pm_ac.greatest_torque import greatest_within
 from drivegate_cases.drive.pm_ac.limits import duty_limits_of
-from drivegate_models.pm_ac.fundamental import SIX_STEPS, base_speed
+from drivegate_models.pm_ac.fundamental import SIX_STEPS, SteadyState, base_speed
 from drivegate_models.pm_ac.oracle import (
     CURRENT,
     LOSS,
     constant_power_end,
-    greatest_torque,
     least_at,
     undistorted_limits,
 )
@@ -46,25 +47,42 @@ def _run_time(drive: DriveDocument) -> RunTime:
 
 
 def _reach(drive: DriveDocument) -> PowerReach:
-    plant, rating = duty_document(drive).plant(), drive.rating
-    limits = undistorted_limits(plant)
+    document, rating = duty_document(drive), drive.rating
+    plant = document.plant()
     speeds = np.linspace(rating.base_speed_rpm, rating.highest_speed_rpm, REACH_SPEEDS) * RADIANS_PER_RPM
-    torques = [greatest_torque(plant, limits, float(speed)).torque for speed in speeds]
+    if document.weakens:
+        greatest = [IN_HAND * _greatest(document, float(speed)).torque for speed in speeds]
+    else:
+        greatest = [required_torque(document, plant, float(speed), plant.link_voltage) for speed in speeds]
     return PowerReach(
         speeds=speeds,
         needed=rating.rated_power_w / speeds + plant.friction + plant.viscous_friction * speeds,
-        greatest=np.array([IN_HAND * torque if isfinite(torque) else 0.0 for torque in torques]),
+        greatest=np.array([max(torque, 0.0) if isfinite(torque) else 0.0 for torque in greatest]),
         reserve=1.0 - IN_HAND,
     )
 
 
+def _greatest(document: PmAcDocument, speed: float) -> SteadyState:
+    """Find the steady state of greatest torque at a speed (rad/s), with the field weakening that the drive states."""
+    plant = document.plant()
+    return greatest_within(plant, undistorted_limits(plant), speed, weakens=document.weakens)
+
+
+def _constant_power_end(document: PmAcDocument) -> float:
+    """Return the speed up to which rated power is maintained (rad/s): base speed at most without field weakening."""
+    plant, rating = document.plant(), document.rating
+    if document.weakens:
+        return constant_power_end(plant, undistorted_limits(plant), rating.rated_power_w)
+    base = rating.base_speed_rpm * RADIANS_PER_RPM
+    return base if _greatest(document, base).torque * base >= rating.rated_power_w else 0.0
+
+
 def _constant_power(drive: DriveDocument) -> ConstantPower:
-    rating, plant = drive.rating, duty_document(drive).plant()
-    limits = undistorted_limits(plant)
+    rating, document = drive.rating, duty_document(drive)
     first, last = (speed * RADIANS_PER_RPM for speed in (rating.base_speed_rpm, rating.overspeed_rpm))
     speeds = tuple(float(speed) for speed in np.linspace(first, last, SPEEDS))
-    powers = tuple(float(greatest_torque(plant, limits, speed).torque * speed) for speed in speeds)
-    end = constant_power_end(plant, limits, rating.rated_power_w)
+    powers = tuple(float(_greatest(document, speed).torque * speed) for speed in speeds)
+    end = _constant_power_end(document)
     return ConstantPower(speeds, powers, min(end, last) if powers[0] >= rating.rated_power_w else None)
 
 
@@ -83,7 +101,7 @@ def duty_envelope(drive: DriveDocument, report: Callable[[int], None] = lambda _
     document = duty_document(drive)
     plant = document.plant()
     limits = undistorted_limits(plant)
-    begin, end = base_speed(plant, *limits), constant_power_end(plant, limits, drive.rating.rated_power_w)
+    begin, end = base_speed(plant, *limits), _constant_power_end(document)
     points = []
     for speed_rpm in _speeds(drive):
         points.append(_point(drive, speed_rpm))
@@ -104,10 +122,11 @@ def duty_envelope(drive: DriveDocument, report: Callable[[int], None] = lambda _
 
 
 def _point(drive: DriveDocument, speed_rpm: float) -> dict[str, float | None]:
-    plant, rating = duty_document(drive).plant(), drive.rating
-    limits, speed = undistorted_limits(plant), speed_rpm * RADIANS_PER_RPM
+    document, rating = duty_document(drive), drive.rating
+    plant, speed = document.plant(), speed_rpm * RADIANS_PER_RPM
+    limits = undistorted_limits(plant)
     rated = rating.rated_power_w / (max(speed_rpm, rating.base_speed_rpm) * RADIANS_PER_RPM)
-    most = greatest_torque(plant, limits, speed)
+    most = _greatest(document, speed)
     least, cool = (least_at(plant, limits, speed, rated, purpose) for purpose in (CURRENT, LOSS))
     return {
         "speed_rpm": speed_rpm,
@@ -129,13 +148,13 @@ def _point(drive: DriveDocument, speed_rpm: float) -> dict[str, float | None]:
 def _facts(document: dict[str, Any]) -> tuple[str, ...]:
     """Describe where the voltage is used up, how far rated power reaches, the times and the best efficiency."""
     limit, magnet = document["rating"]["current_limit_a"], document["magnet_current_a"]
-    end = document["rated_power_up_to_rpm"]
+    rating, end = document["rating"], document["rated_power_up_to_rpm"]
     reach = "without end" if end is None else f"up to {end:.5g} rpm"
-    flux = (
-        f"within the limit of {limit:g} A: the speed range is unbounded"
-        if magnet <= limit
-        else f"above the limit of {limit:g} A"
-    )
+    flux = f"within the limit of {limit:g} A" if magnet <= limit else f"above the limit of {limit:g} A"
+    if rating["highest_speed_rpm"] == rating["base_speed_rpm"]:
+        flux += ", but the drive is stated without field weakening"
+    elif magnet <= limit:
+        flux += ": the speed range is unbounded"
     return (
         f"the current limit uses up the undistorted {document['undistorted_voltage_v']:.4g} V of a phase at "
         f"{document['voltage_used_up_at_rpm']:.5g} rpm; six steps would give {document['six_step_voltage_v']:.4g} V",
@@ -164,10 +183,16 @@ def _most_efficient(charted: dict[str, Any]) -> str:
 
 
 def _required(drive: DriveDocument) -> tuple[str, ...]:
+    weakening = (
+        "in weakening at least {weakening} of the greatest torque with {weakening_voltage} of the voltage, "
+        if duty_document(drive).weakens
+        else ""
+    )
     return (
-        "required: speed within {k1} (k1) or torque within {torque_error}, steps with at most {overshoot} of overshoot "
-        "and {rise}, in weakening at least {weakening} of the greatest torque with {weakening_voltage} of the voltage, "
-        "phase currents up to {peak}".format_map(numbers(drive)),
+        (
+            "required: speed within {k1} (k1) or torque within {torque_error}, steps with at most {overshoot} of "
+            f"overshoot and {{rise}}, {weakening}phase currents up to {{peak}}"
+        ).format_map(numbers(drive)),
     )
 
 

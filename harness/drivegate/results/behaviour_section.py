@@ -88,8 +88,9 @@ class BehaviourSection(Section):
 
     step: StepSection | None = Field(default=None, description="a step; null where none was judged")
     range: PathSection = Field(description="from half of base speed to the highest speed and back")
-    release: PathSection = Field(
-        description="at the highest speed, a torque reference out of reach, and then none"
+    release: PathSection | None = Field(
+        description="at the highest speed, a torque reference out of reach, and then none; null for a drive without "
+        "field weakening"
     )
     points: tuple[EfficiencyPointSection, ...] = Field(max_length=8, description="the efficiency points")
     torque: TorqueSection | None = Field(

@@ -1,6 +1,6 @@
 """The table `[rating]` of a drive: what it is made for."""
 
-from typing import Any, Final, Self
+from typing import Any, ClassVar, Final, Self
 
 from pydantic import ConfigDict, Field, model_validator
 
@@ -24,11 +24,17 @@ class Rating(Section):
 
     model_config = ConfigDict(json_schema_extra=_without_following)
 
+    needs_weakening: ClassVar[bool] = True
+    """Whether the highest speed must be above base speed, so that controllers weaken the field."""
+
     base_speed_rpm: float = Field(
         gt=0.0, le=1e6, description="speed at which constant power begins, in turns a minute"
     )
     highest_speed_rpm: float = Field(
-        gt=0.0, le=1e6, description="speed up to which constant power is required, in turns a minute"
+        gt=0.0,
+        le=1e6,
+        description="speed up to which constant power is required, in turns a minute; base_speed_rpm for a PM AC drive "
+        "without field weakening",
     )
     overspeed_rpm: float = Field(
         gt=0.0, le=1e6, description="highest speed of all, beyond that of constant power, in turns a minute"
@@ -61,10 +67,14 @@ class Rating(Section):
 
     @model_validator(mode="after")
     def _speeds_rise(self) -> Self:
-        if self.highest_speed_rpm <= self.base_speed_rpm:
+        base, highest = self.base_speed_rpm, self.highest_speed_rpm
+        if highest < base or (highest == base and self.needs_weakening):
+            unweakened = (
+                "" if self.needs_weakening else ", or equal to it for a drive without field weakening"
+            )
             raise ValueError(
-                f"the key 'highest_speed_rpm' is {self.highest_speed_rpm:g}, but must be above the "
-                f"base speed of {self.base_speed_rpm:g} rpm"
+                f"the key 'highest_speed_rpm' is {highest:g}, but must be above the base speed of {base:g} rpm"
+                f"{unweakened}"
             )
         if self.overspeed_rpm < self.highest_speed_rpm:
             raise ValueError(

@@ -28,9 +28,10 @@ from drivegate_reports.page.figure import PageFigure, page_figure
 
 _KEPT: Final = 20
 _OWN_WAY: Final = (
-    " Blue, from the dot on: the candidate's currents at the ends of control periods, through runs without a load "
-    "(left), and with a torque reference out of reach and then none (right). Crosses: its eight operating points."
+    " Blue, from the dot on: the candidate's currents at the ends of control periods, through runs without a load{}. "
+    "Crosses: its eight operating points."
 )
+_RELEASE: Final = " (left), and with a torque reference out of reach and then none (right)"
 
 
 @dataclass(frozen=True)
@@ -87,9 +88,11 @@ def _plane(read: BehaviourSection, drive: PmAcDocument) -> PageFigure:
             ("Through the range of speed", read.range),
             ("Into and out of weakening", read.release),
         )
+        if path is not None
     ]
     dots = [(point.direct_current_a, point.quadrature_current_a) for point in read.points]
-    words = rotor_plane.alternative(known, limit, ways), rotor_plane.caption(known) + _OWN_WAY
+    own = _OWN_WAY.format("" if read.release is None else _RELEASE)
+    words = rotor_plane.alternative(known, limit, ways), rotor_plane.caption(known) + own
     drawn = partial(rotor_plane.draw, known, limit, ways, dots)
     return page_figure("rotor-plane", rotor_plane.TITLE, drawn, *words)
 

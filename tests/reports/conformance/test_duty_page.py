@@ -87,6 +87,20 @@ def test_the_currents_stand_between_circle_and_ellipses(duty_result: Document) -
     assert "Through the range of speed: d current from" in plane.alternative
 
 
+def test_a_drive_without_field_weakening_has_one_ellipse_and_no_way_out_of_weakening(
+    duty_result: Document,
+) -> None:
+    drive = drive_of(duty_result)
+    behaviour = duty_result["behaviour"] | {"release": None}
+    unweakened = drive.replaced(highest_speed_rpm=drive.rating.base_speed_rpm)
+    shown = shown_behaviour(duty_result | {"behaviour": behaviour}, unweakened)
+    assert shown is not None
+    plane = next(drawn for drawn in shown.figures if drawn.name == "rotor-plane")
+    assert "dashed at 550 rpm. Green" in plane.caption
+    assert "(right)" not in plane.caption
+    assert "weakening" not in plane.alternative
+
+
 def test_losses_far_above_the_least_stand_out(duty_result: Document) -> None:
     first, *others = section_of(duty_result).points
     costly = first.model_copy(update={"above_least_percent": 63.0})

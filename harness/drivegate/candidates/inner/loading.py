@@ -53,6 +53,11 @@ class InnerController(CompiledController):
                 "a controller of current references follows a speed, but this run gives a torque reference; choose a "
                 "run whose load is no dynamometer"
             )
+        if nameplate.highest_speed <= nameplate.base_speed:
+            raise InputError(
+                "a controller of current references advances its angle between base speed and the highest speed, but "
+                "the drive is stated without field weakening; choose a drive whose highest speed is above base speed"
+            )
         periods = max(round(OUTER_PERIOD_S / nameplate.control_period), 1)
         self._outer.reset(outer_nameplate(nameplate, periods))
         self._state["step_address"] = self._outer.step_address

@@ -45,7 +45,7 @@ def behaviour(run: Run, drive: PmAcDocument, step: Scenario | None) -> dict[str,
     return {
         "step": None if step is None else _step(duty_record(run(step))),
         "range": _path(duty_record(run(range_scenario(drive)))),
-        "release": _path(duty_record(run(release_scenario(drive)))),
+        "release": _path(duty_record(run(release_scenario(drive)))) if drive.weakens else None,
         "points": [point for record in records for point in _points(record)],
         "torque": _torque(records[-1]),
     }

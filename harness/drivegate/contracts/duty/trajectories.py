@@ -8,9 +8,10 @@ from typing import Any, Final
 import numpy as np
 
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.drive.pm_ac.greatest_torque import greatest_within
 from drivegate_models.machine.sine import cosine_sine
 from drivegate_models.pm_ac.fundamental import base_speed, most_torque_per_ampere, steady_state
-from drivegate_models.pm_ac.oracle import Limits, greatest_torque, undistorted_limits
+from drivegate_models.pm_ac.oracle import Limits, undistorted_limits
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -23,15 +24,15 @@ ANGLES: Final = 72
 
 
 def trajectories(drive: PmAcDocument) -> dict[str, Any]:
-    """Compute most torque per ampere, greatest torque over speed, and the limits of voltage at two speeds."""
+    """Compute most torque per ampere, greatest torque over speed, and the limits of voltage at both ends of it."""
     plant, rating = drive.plant(), drive.rating
     limits = undistorted_limits(plant)
-    speeds = (rating.base_speed_rpm, rating.highest_speed_rpm)
+    speeds = dict.fromkeys((rating.base_speed_rpm, rating.highest_speed_rpm))
     return {
         "most_torque_per_ampere": [
             _least(plant, current) for current in np.linspace(0.0, limits.current, CURRENTS + 1).tolist()
         ],
-        "greatest_torque": _greatest(plant, limits, rating.overspeed_rpm),
+        "greatest_torque": _greatest(plant, limits, rating.overspeed_rpm, weakens=drive.weakens),
         "voltage_limits": [_voltage_limit(plant, limits.voltage, speed) for speed in speeds],
     }
 
@@ -42,11 +43,13 @@ def _least(plant: PmAcDrive, current: float) -> dict[str, float]:
     return {"current_a": current, "direct_a": direct, "quadrature_a": quadrature, "torque_nm": torque}
 
 
-def _greatest(plant: PmAcDrive, limits: Limits, overspeed_rpm: float) -> list[dict[str, float]]:
+def _greatest(
+    plant: PmAcDrive, limits: Limits, overspeed_rpm: float, *, weakens: bool
+) -> list[dict[str, float]]:
     begin = min(base_speed(plant, *limits) / RADIANS_PER_RPM, overspeed_rpm)
     found = []
     for speed in np.linspace(begin, overspeed_rpm, SPEEDS + 1).tolist():
-        state = greatest_torque(plant, limits, speed * RADIANS_PER_RPM)
+        state = greatest_within(plant, limits, speed * RADIANS_PER_RPM, weakens=weakens)
         if isfinite(state.torque):
             found.append(
                 {

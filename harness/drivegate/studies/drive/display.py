@@ -87,10 +87,9 @@ _SMALL_ONES: Final = ("_nm", "_w")
 def show_drive(console: Console, document: dict[str, Any], name: str, drive: DriveDocument) -> None:
     """Print what a drive can do over speed, what it is too little for, and what is required of its controllers."""
     layout, is_wide, rating = _LAYOUTS[drive.contract], console.width >= _WIDTH, document["rating"]
-    title = (
-        f"{document['drive']}: {rating['rated_power_w']:g} W from {rating['base_speed_rpm']:g} to "
-        f"{rating['highest_speed_rpm']:g} rpm, {rating['current_limit_a']:g} A"
-    )
+    base, highest = rating["base_speed_rpm"], rating["highest_speed_rpm"]
+    speeds = f"from {base:g} to {highest:g} rpm" if highest > base else f"at {base:g} rpm"
+    title = f"{document['drive']}: {rating['rated_power_w']:g} W {speeds}, {rating['current_limit_a']:g} A"
     # Torque and power of a small drive need further digits to differ from each other.
     finer = sum(document["points"][0]["rated_torque_nm"] < least for least in (1.0, 0.1, 0.01))
     columns = [

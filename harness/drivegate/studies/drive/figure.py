@@ -147,7 +147,7 @@ def _draw_plane(axes: Axes, document: dict[str, Any]) -> None:
 
     known, limit = document["trajectories"], document["rating"]["current_limit_a"]
     axes.add_patch(Circle((0.0, 0.0), limit, fill=False, color="tab:gray", label="current limit"))
-    for row, style in zip(known["voltage_limits"], ("--", ":"), strict=True):
+    for row, style in zip(known["voltage_limits"], ("--", ":"), strict=False):
         name = f"voltage limit,\n{row['speed_rpm']:g} rpm"
         axes.plot(row["direct_a"], row["quadrature_a"], style, color="tab:red", linewidth=1.0, label=name)
     for key, name, colour in (

@@ -64,6 +64,7 @@ class PmAcMachine(Section):
 class PmAcRating(Rating):
     """Power, current and speeds, and whether the shaft may turn backward."""
 
+    needs_weakening: ClassVar[bool] = False
     reverses: bool | None = Field(
         default=None,
         description="whether controllers are also run backward, by default true; false for a drive that turns one way",
@@ -136,6 +137,11 @@ class PmAcDocument(DriveDocument):
         return self.inverter.control_period_s
 
     @property
+    def weakens(self) -> bool:
+        """Whether its controllers weaken the field: its highest speed is above base speed."""
+        return self.rating.highest_speed_rpm > self.rating.base_speed_rpm
+
+    @property
     def one_way_because(self) -> str | None:
         """Return why its shaft never turns backward, in a clause; None where it may."""
         return (
@@ -167,10 +173,11 @@ class PmAcDocument(DriveDocument):
 
     def greatest_torque(self, current: float, speed: float) -> float:
         """Return the greatest torque within a current limit (A) and the link, at a speed (rad/s); in N·m."""
-        from drivegate_models.pm_ac.oracle import greatest_torque, undistorted_limits
+        from drivegate_cases.drive.pm_ac.greatest_torque import greatest_within
+        from drivegate_models.pm_ac.oracle import undistorted_limits
 
         plant = self.plant()._replace(current_limit=current)
-        torque = greatest_torque(plant, undistorted_limits(plant), speed).torque
+        torque = greatest_within(plant, undistorted_limits(plant), speed, weakens=self.weakens).torque
         return torque if isfinite(torque) else 0.0
 
     def plant(self, scales: Scales | None = None) -> PmAcDrive:  # type: ignore[override]

@@ -55,11 +55,11 @@ def alternative(trajectories: Mapping[str, Any], limit: float, ways: Sequence[Wa
 
 def caption(trajectories: Mapping[str, Any]) -> str:
     """State what the figure shows of any controller."""
-    slow, fast = (f"{row['speed_rpm']:g} rpm" for row in trajectories["voltage_limits"])
+    limits = zip(("dashed", "dotted"), trajectories["voltage_limits"], strict=False)
+    ellipses = ", ".join(f"{style} at {row['speed_rpm']:g} rpm" for style, row in limits)
     return (
-        f"Circle: the current limit. Ellipses: currents that take the undistorted voltage, dashed at {slow}, dotted at "
-        f"{fast}. Green: most torque per ampere. Orange: greatest torque within both limits from where the voltage is "
-        "used up to overspeed."
+        f"Circle: the current limit. Ellipses: currents that take the undistorted voltage, {ellipses}. Green: most "
+        "torque per ampere. Orange: greatest torque within both limits from where the voltage is used up to overspeed."
     )
 
 
@@ -105,7 +105,7 @@ def _reach(limit: float, ways: Sequence[Way]) -> tuple[tuple[float, float], tupl
 def _draw_limits(panel: Axes, trajectories: Mapping[str, Any], limit: float) -> None:
     turn = np.linspace(0.0, 2.0 * np.pi, 121)
     panel.plot(limit * np.cos(turn), limit * np.sin(turn), color=GREY, linewidth=1.2)
-    for row, style in zip(trajectories["voltage_limits"], (_DASHED, _DOTTED), strict=True):
+    for row, style in zip(trajectories["voltage_limits"], (_DASHED, _DOTTED), strict=False):
         panel.plot(row["direct_a"], row["quadrature_a"], color=VERMILION, linewidth=1.1, linestyle=style)
     for key, colour in (("most_torque_per_ampere", GREEN), ("greatest_torque", ORANGE)):
         rows = trajectories[key]

@@ -12,7 +12,7 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.contracts.duty.record import DutyRecord
-from drivegate.contracts.duty.scenarios.building import load_step_scenario, torque_scenario
+from drivegate.contracts.duty.scenarios.building import load_step_scenario, speed_scenario, torque_scenario
 from drivegate.drives.running import recorded
 from drivegate.gate.plan import Origin, planned_work
 from drivegate_cases.drive.drive_document import load_drive
@@ -72,6 +72,12 @@ def test_a_fault_behind_the_loop_is_the_candidates(tmp_path: Path) -> None:
 def test_a_torque_reference_is_refused_since_such_a_controller_follows_a_speed() -> None:
     with pytest.raises(InputError, match="follows a speed, but this run gives a torque reference"):
         ended("inner:pi:reference", torque_scenario(SURFACE, 100.0, (1.0,)))
+
+
+def test_a_drive_without_field_weakening_is_refused_since_such_a_controller_advances_its_angle() -> None:
+    unweakened = SURFACE.replaced(highest_speed_rpm=SURFACE.rating.base_speed_rpm)
+    with pytest.raises(InputError, match="the drive is stated without field weakening; choose a drive"):
+        ended("inner:pi:reference", speed_scenario(unweakened, (100.0,)))
 
 
 def test_it_is_judged_on_speed_references_alone() -> None:

@@ -53,7 +53,8 @@ def worst(margins: Iterable[Margin | None]) -> Margin | None:
 
 def greatest_required(record: DutyRecord, speed: float, link: float) -> float:
     """Return the greatest driving torque with the voltage that a controller must use (N·m); NaN where there is none."""
-    return greatest_at(plant_of(record), abs(speed), record.limits.weakening_voltage * link).torque
+    voltage, weakens = record.limits.weakening_voltage * link, record.document.weakens
+    return greatest_at(plant_of(record), abs(speed), voltage, weakens=weakens).torque
 
 
 def is_within_reach(record: DutyRecord, speed: float, link: float, torque: float) -> bool:

@@ -30,11 +30,13 @@ def undistorted(link: float) -> float:
 
 
 @lru_cache(maxsize=_KEPT)
-def greatest_at(drive: PmAcDrive, speed: float, link: float) -> SteadyState:
+def greatest_at(drive: PmAcDrive, speed: float, link: float, *, weakens: bool = True) -> SteadyState:
     """Find the steady state of the greatest torque in the sense of rotation, within the limits of current and link."""
-    from drivegate_models.pm_ac.oracle import greatest_torque, undistorted_limits
+    from drivegate_cases.drive.pm_ac.greatest_torque import greatest_within
+    from drivegate_models.pm_ac.oracle import undistorted_limits
 
-    return _in_sense(speed, greatest_torque(drive, undistorted_limits(drive, link), abs(speed)))
+    limits = undistorted_limits(drive, link)
+    return _in_sense(speed, greatest_within(drive, limits, abs(speed), weakens=weakens))
 
 
 @lru_cache(maxsize=_KEPT)

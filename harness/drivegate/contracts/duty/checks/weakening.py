@@ -8,6 +8,7 @@ from typing import Final
 
 import numpy as np
 
+from drivegate.candidates.declaration import Declaration
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, at_most, normalised
 from drivegate.checks.moment import Mark, Moment, Point
@@ -24,13 +25,24 @@ from drivegate.contracts.duty.checks.judged import (
 )
 from drivegate.contracts.duty.checks.optimum import Purpose, greatest_at, least_free, undistorted
 from drivegate.contracts.duty.checks.steps import SHOWN_BEFORE, TorqueStep, overshoot_of, torque_steps
+from drivegate.contracts.duty.document import duty_document
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
 from drivegate.scenarios.rotation import sense_of
+from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.units import RADIANS_PER_RPM
 
 SHOWN_AFTER: Final = 100
 """Control periods after a release that figures show at least."""
 _PURPOSES: Final[tuple[Purpose, ...]] = ("current", "loss")
+
+
+def _unless_weakened(_declaration: Declaration, drive: DriveDocument) -> str | None:
+    if duty_document(drive).weakens:
+        return None
+    return (
+        "the drive is stated without field weakening: its highest speed is its base speed of "
+        f"{drive.rating.base_speed_rpm:g} rpm"
+    )
 
 
 def weakened_torque(record: Record) -> Margin | None:
@@ -176,6 +188,7 @@ FWK_1 = Check(
     ),
     why="Without weakening there is no torque where the back-EMF uses up the link.",
     evaluate=weakened_torque,
+    reason_not_applicable=_unless_weakened,
 )
 FWK_2 = Check(
     id="FWK-2",
@@ -201,4 +214,5 @@ FWK_3 = Check(
     why="Weakening that is dropped at once lets the back-EMF drive the current into the link.",
     evaluate=way_out_of_weakening,
     moment=release_moment,
+    reason_not_applicable=_unless_weakened,
 )

@@ -79,7 +79,7 @@ SECTIONS: Final = (
 def method(_document: Document) -> Sequence[str]:
     """Return how the comparison was made."""
     return (
-        "Every candidate runs the same torque references at the same constant speeds, from standstill into weakening; "
+        "Every candidate runs the same torque references at the same constant speeds, from standstill to the highest; "
         "a steady state is the end of each.",
         "The least current and the least loss are the oracle's, for the torque of the candidate's own currents, within "
         "the limits of current and of undistorted voltage. Losses are those of copper and core, of the fundamental.",

@@ -525,6 +525,7 @@ def drawn_scenarios(
             failures if family is failure_scenarios else partial(_following, family, references)
             for family in families
             if (reverses or family not in _OF_BOTH_SENSES)
+            and (drive.weakens or family is not weakening_scenarios)
             and (can_fail if family is failure_scenarios else _reference(family) in (*references, None))
         ]
         for families in FAMILY_GROUPS

@@ -16,6 +16,8 @@ from drivegate.contracts.duty.scenarios.position_errors import GREATEST_ANGLE_DE
 from drivegate.contracts.duty.scenarios.windows import DutyDwell, duty_dwells
 from drivegate.scenarios.drive_scale import rated_torque_at
 from drivegate_cases.drive.data_sheet import USABLE_SHARE
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.drive.pm_ac.greatest_torque import greatest_within
 from drivegate_cases.drive.pm_ac.limits import duty_limits_of
 from drivegate_cases.drive.scales import NOMINAL
 from drivegate_cases.scenario.load import DynamometerLoad, LockedLoad, VehicleLoad
@@ -25,7 +27,7 @@ from drivegate_cases.scenario.sensors import EDGES_A_LINE, SHUNTS, ShuntSensors
 from drivegate_models.contract.duty.signals import LEG_OFF
 from drivegate_models.loop.sensing.hall import SECTOR
 from drivegate_models.machine import ledger
-from drivegate_models.pm_ac.oracle import greatest_torque, undistorted_limits
+from drivegate_models.pm_ac.oracle import undistorted_limits
 from drivegate_models.pm_ac.plant.advance import make_phases
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
 from drivegate_models.pm_ac.rectifying import settle_rectifying
@@ -55,7 +57,8 @@ def unfair_because(scenario: Scenario) -> str | None:
         return f"its position is more than {GREATEST_ANGLE_DEG:g} electrical degrees off, which costs too much torque"
     if _rests_by_hall_switches(scenario):
         return "Hall switches show the angle of a shaft at rest no closer than 30 electrical degrees"
-    if isinstance(scenario.load, LockedLoad):
+    weakens = duty_document(scenario.drive).weakens
+    if isinstance(scenario.load, LockedLoad) and weakens:
         return None
     if is_slow(scenario) and scenario.drive.position == "hall":
         return "below 10 % of base speed the edges of Hall switches come too rarely to regulate the speed by them"
@@ -64,7 +67,8 @@ def unfair_because(scenario: Scenario) -> str | None:
     if _stops_within_a_sector(scenario):
         return "a load stops the shaft before the next edge of its Hall switches can show it"
     if not all(_is_driven(scenario, dwell) for dwell in duty_dwells(scenario)):
-        return "at one of its operating points no currents within the limits give the torque"
+        unweakened = "" if weakens else " without field weakening"
+        return f"at one of its operating points no currents within the limits give the torque{unweakened}"
     return None
 
 
@@ -118,17 +122,29 @@ def _stops_within_a_sector(scenario: Scenario) -> bool:
 
 
 def _is_driven(scenario: Scenario, dwell: DutyDwell) -> bool:
+    """Return True if the torque of a load, or of a torque reference, has to be reached."""
     load = scenario.load
-    assert not isinstance(load, LockedLoad), "a held shaft has no load"
     speed = abs(dwell.speed_rpm) * RADIANS_PER_RPM
-    idle = dwell.load_factor == 0.0 == dwell.speed_rpm
-    demanded = 0.0 if idle else load.torque_at(dwell.speed_rpm, dwell.load_factor)
+    document = duty_document(scenario.drive)
     plant = _plant(scenario, dwell.resistance_factor, dwell.emf_factor)
-    drag = plant.friction + plant.viscous_friction * speed
-    limits, link = duty_limits_of(duty_document(scenario.drive)), 2.0 * dwell.supply_v
-    return demanded + drag <= min(
-        IN_HAND * _greatest(plant, speed, link),
-        limits.weakening * _greatest(plant, speed, limits.weakening_voltage * link),
+    if isinstance(load, LockedLoad):
+        demanded = abs(dwell.torque_reference_nm or 0.0)
+    else:
+        idle = dwell.load_factor == 0.0 == dwell.speed_rpm
+        demanded = 0.0 if idle else load.torque_at(dwell.speed_rpm, dwell.load_factor)
+        demanded += plant.friction + plant.viscous_friction * speed
+    return demanded <= required_torque(document, plant, speed, 2.0 * dwell.supply_v)
+
+
+def required_torque(document: PmAcDocument, plant: PmAcDrive, speed: float, link: float) -> float:
+    """Return the greatest torque that any controller has to reach at a speed (rad/s) and a link voltage (V), in N·m.
+
+    It is below every load where the limits leave none.
+    """
+    limits, weakens = duty_limits_of(document), document.weakens
+    return min(
+        IN_HAND * _greatest(plant, speed, link, weakens),
+        limits.weakening * _greatest(plant, speed, limits.weakening_voltage * link, weakens),
     )
 
 
@@ -161,7 +177,7 @@ def _plant(scenario: Scenario, resistance_factor: float, emf_factor: float) -> P
 
 
 @lru_cache(maxsize=_KEPT)
-def _greatest(plant: PmAcDrive, speed: float, link: float) -> float:
+def _greatest(plant: PmAcDrive, speed: float, link: float, weakens: bool) -> float:
     """Find the greatest torque (N·m); below every load where the limits leave none."""
-    torque = greatest_torque(plant, undistorted_limits(plant, link), speed).torque
+    torque = greatest_within(plant, undistorted_limits(plant, link), speed, weakens=weakens).torque
     return torque if isfinite(torque) else -1.0

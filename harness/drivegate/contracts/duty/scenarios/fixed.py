@@ -118,7 +118,7 @@ def speed_of(drive: PmAcDocument, share: float) -> float:
     base, highest = rating.base_speed_rpm, rating.highest_speed_rpm
     speed = base + share * (highest - base if share >= 0.0 else base)
     grain = nearest_step(0.01 * base)
-    return tidy(round(speed / grain) * grain)
+    return min(tidy(round(speed / grain) * grain), highest)
 
 
 def _torques(drive: PmAcDocument) -> list[Scenario]:
@@ -134,7 +134,8 @@ def _torques(drive: PmAcDocument) -> list[Scenario]:
     faster = speed_of(drive, 0.2)
     held = (torque_scenario(drive, faster, (torque_of(drive, faster, part),)) for part in (0.7, -0.7))
     found += [supply_step_scenario(run, drive, (1.0, 0.85, 1.15)) for run in held]
-    found += [release_scenario(drive, share) for share in (0.05, 0.25, 0.5, 1.0)]
+    if drive.weakens:
+        found += [release_scenario(drive, share) for share in (0.05, 0.25, 0.5, 1.0)]
     below = speed_of(drive, -0.7)
     slow = speed_of(drive, DEAD_TIME_SPEED_SHARE - 1.0)
     found.append(
@@ -223,7 +224,7 @@ def _backward(drive: PmAcDocument) -> list[Scenario]:
     torques = (
         torque_scenario(drive, slow, tuple(torque_of(drive, slow, part) for part in (0.9, 0.4, -0.7))),
         torque_scenario(drive, fast, tuple(torque_of(drive, fast, part) for part in (0.7, -0.7))),
-        release_scenario(drive, 0.5),
+        *([release_scenario(drive, 0.5)] if drive.weakens else ()),
     )
     start = speed_of(drive, START_SPEED_SHARE - 1.0)
     speeds = (
