@@ -60,14 +60,13 @@ def command(kind: str, name: str, output: Path | None, drive: str | None, from_d
         raise click.UsageError("--from-datasheet goes with the kind drive only")
 
     from drivegate.results.waivers import present_day
-    from drivegate.studies.new import KINDS, write_candidate
+    from drivegate.studies.new import write_candidate
 
     folder = Path(name) if output is None else output
     named_drive(drive)
     written = write_candidate(kind, name, folder, present_day(), drive)
-    build = KINDS[kind].build
     check = "drivegate check candidate.toml --waivers waivers.toml"
-    steps = [f"cd {quote(str(folder))}", *([build] if build else []), check]
+    steps = [f"cd {quote(str(folder))}", check]
     document: dict[str, Any] = {
         "schema": SCHEMA,
         "kind": "new",

@@ -66,8 +66,6 @@ class Template:
 
     source: str
     """The file that the controller is in."""
-    build: str = ""
-    """The command that builds it; empty where drivegate does."""
     contract: ContractName = "current"
     """What the controller answers with, which decides on the drives that it is for."""
     based_on: str = ""
@@ -81,8 +79,8 @@ KINDS: Final = MappingProxyType(
         "python": Template("controller.py"),
         "numba": Template("controller.py"),
         "c": Template("controller.c"),
-        "rust": Template("src/lib.rs", "cargo build --release"),
-        "cortex-m": Template("controller.c", "make", based_on="c", extra="[elf]"),
+        "rust": Template("src/lib.rs"),
+        "cortex-m": Template("controller.c", based_on="c", extra="[elf]"),
         "exec": Template("controller.py"),
         "python-duty": Template("controller.py", contract="duty"),
         "embedded-coder": Template("adapter.c", contract="duty"),
@@ -112,9 +110,7 @@ def write_candidate(
     texts: dict[str, str] = {}
     for part in filter(None, (*_COMMON[KINDS[kind].contract], KINDS[kind].based_on, kind)):
         texts |= _texts(root.joinpath(part), "")
-    contents = {
-        _PLACES.get(place, place): _filled(place, text, kind, words).encode() for place, text in texts.items()
-    }
+    contents = {_PLACES.get(place, place): _filled(text, words).encode() for place, text in texts.items()}
     contents[words["@wheel@"]] = _wheel_bytes()
     usual = DEFAULT_DRIVES[KINDS[kind].contract]
     if drive is None and usual != DEFAULT_DRIVE:
@@ -179,10 +175,7 @@ def _texts(folder: Traversable, prefix: str) -> dict[str, str]:
     return found
 
 
-def _filled(place: str, text: str, kind: str, words: dict[str, str]) -> str:
-    command = KINDS[kind].build
-    line = f"          build: {command}\n" if place == "workflow.yml" else f"{command}\n"
-    text = text.replace("@build@", line if command else "")
+def _filled(text: str, words: dict[str, str]) -> str:
     for word, value in words.items():
         text = text.replace(word, value)
     return text

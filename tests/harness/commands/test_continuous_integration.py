@@ -208,9 +208,6 @@ def test_one_workflow_and_one_action(tmp_path: Path) -> None:
     assert "tests" not in given["with"]
     for name in ("candidate", "install", "waivers"):
         assert (tmp_path / "mine" / given["with"][name]).is_file(), f"'{name}' names what is not there"
-    write_candidate("rust", "other", tmp_path / "other", datetime.now(UTC).date())
-    built = yaml.safe_load((tmp_path / "other/.github/workflows/drivegate.yml").read_text(encoding="utf-8"))
-    assert built["jobs"]["gate"]["steps"][-1]["with"] == given["with"] | {"build": "cargo build --release"}
 
 
 def test_no_input_gets_into_a_script_but_as_a_variable() -> None:

@@ -1,13 +1,10 @@
 """`drivegate new`: a candidate of each kind that works, and whose own test runs."""
 
-import os
 import re
-import shutil
 import subprocess
 import sys
 import tomllib
 from datetime import UTC, datetime, timedelta
-from pathlib import Path
 
 import pytest
 
@@ -32,9 +29,11 @@ COMMON = {
     WHEEL,
 }
 TODAY = datetime.now(UTC).date()
-# cargo is no part of what the suite of tests may ask for.
-BUILT_HERE = [
-    kind for kind, known in KINDS.items() if not known.build or shutil.which(known.build.split()[0])
+NEEDED = {"rust": "cargo", "cortex-m": "arm-none-eabi-gcc"}
+OF_CURRENTS = [
+    pytest.param(kind, marks=[pytest.mark.needs(NEEDED[kind])] if kind in NEEDED else [])
+    for kind, template in KINDS.items()
+    if template.contract == "current"
 ]
 # From standstill to above base speed, so that every branch of the algorithm is taken.
 RISING = load_scenario("lock-up").replaced(
@@ -59,28 +58,24 @@ def test_every_kind_is_written_whole_and_tells_the_next_step(command, tmp_path, 
     assert tomllib.loads((folder / "candidate.toml").read_text(encoding="utf-8"))["name"] == "my-own"
     for path in folder.rglob("*"):
         text = path.read_text(encoding="utf-8") if path.is_file() and path.suffix != ".whl" else ""
-        left = re.findall(r"@(?:name|expires|build|source|wheel)@", text)
+        left = re.findall(r"@(?:name|expires|source|wheel)@", text)
         assert not left, f"{path.name} has a blank left"
 
 
 def test_people_are_shown_the_next_step(command):
     ended = command("new", "rust", "mine", "--output", "some where/else")
     assert "src/lib.rs" in ended.out
-    assert "next: cd 'some where/else' && cargo build --release && drivegate check" in ended.out
+    assert "next: cd 'some where/else' && drivegate check" in ended.out
 
 
 def test_the_kinds_on_the_command_line_are_those_that_there_are():
     assert set(CHOICES) == {*KINDS, DRIVE}
 
 
-@pytest.mark.parametrize("kind", [kind for kind in BUILT_HERE if KINDS[kind].contract == "current"])
+@pytest.mark.parametrize("kind", OF_CURRENTS)
 def test_every_kind_gives_the_commands_of_the_built_in_line_of_angles(tmp_path, kind):
     folder = tmp_path / "mine"
     write_candidate(kind, "mine", folder, TODAY)
-    if KINDS[kind].build:
-        path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
-        build = [*KINDS[kind].build.split(), "--quiet"]
-        subprocess.run(build, cwd=folder, env=os.environ | {"PATH": path}, check=True)
     candidate = resolve_candidate(str(folder / "candidate.toml"))
     assert candidate.name == "mine"
     # So what `initial` passes and fails is what the new candidate passes and fails.
@@ -93,7 +88,7 @@ def test_the_wheel_is_drivegate_as_it_is_here(tmp_path):
     write_candidate("c", "other", tmp_path / "other", TODAY)
     wheel = tmp_path / "mine" / WHEEL
     assert wheel.read_bytes() == (tmp_path / "other" / WHEEL).read_bytes(), "equal sources, other bytes"
-    assert wheel.stat().st_size < 1_400_000, "the documentation calls it 1.4 MB at most"
+    assert wheel.stat().st_size < 1_500_000, "the documentation calls it 1.5 MB at most"
     pip = [sys.executable, "-m", "pip", "install", "--no-index", "--no-deps", "--no-compile", "--target"]
     subprocess.run([*pip, "there", wheel], cwd=tmp_path, check=True, capture_output=True)
     # Isolated from the drivegate that runs this test, but for what that one needs of others.
