@@ -135,12 +135,11 @@ def write_voltage(
     cosine, sine = turned
     along, across = voltage
     state.quadrature_voltage = across
-    write_ratios(
-        command,
-        cosine * along - sine * across,
-        sine * along + cosine * across,
-        max(sense.supply_voltage, 1e-9),
-    )
+    state.along_voltage[1], state.across_voltage[1] = state.along_voltage[0], state.across_voltage[0]
+    state.along_voltage[0] = cosine * along - sine * across
+    state.across_voltage[0] = sine * along + cosine * across
+    supply = max(sense.supply_voltage, 1e-9)
+    write_ratios(command, state.along_voltage[0], state.across_voltage[0], supply)
     compensate_dead_time(state, command, turned, current[0], current[1])
 
 

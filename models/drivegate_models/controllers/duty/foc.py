@@ -35,6 +35,7 @@ from drivegate_models.controllers.duty.plausibility import (
     hold_safe_state,
     reset_plausibility,
     watch_approach,
+    watch_flux,
 )
 from drivegate_models.controllers.duty.position import locate_shaft, regulated_speed, reset_position
 from drivegate_models.controllers.duty.state import (
@@ -191,10 +192,11 @@ def step_state(state: Any, sense: Any, command: Any) -> None:
     speed = regulated_speed(state, sense, timed)
     command.angle = sense.angle
     command.speed = sense.speed
+    direct, quadrature = rotor_currents(state, sense)
+    watch_flux(state, sense, direct, quadrature)
     if detect_fault(state, sense):
         hold_safe_state(state, command)
         return
-    direct, quadrature = rotor_currents(state, sense)
     electrical = state.pole_pairs * sense.speed
     limit = voltage_limit(sense)
     requested = _requested_torque(state, sense.reference, speed)

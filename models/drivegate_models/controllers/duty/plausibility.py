@@ -1,9 +1,10 @@
 """Plausibility of the sensors and the machine, and the safe state that a fault latches.
 
 Four faults are physically implausible in a healthy drive: phase currents with a sum other than zero; a shaft whose
-angle disagrees with its speed, or that stops faster than torque and inertia allow; a stall under more torque than any
-load; and a phase with far less current than its reference while the field turns past it. Hall switches measure a speed
-only at their edges. If their states remain constant although the magnet still induces a voltage, the position is lost.
+angle disagrees with its speed and with the flux, or that stops faster than torque and inertia allow; a stall under more
+torque than any load; and a phase with far less current than its reference while the field turns past it. Hall switches
+measure a speed only at their edges. If their states remain constant although the magnet still induces a voltage, the
+position is lost.
 """
 
 from __future__ import annotations
@@ -33,6 +34,10 @@ _SEEN = 5
 # Angle over which a difference between angle and speed decays, and its maximum (rad electrical).
 _FORGOTTEN = 1.2
 _FARTHEST = 0.25
+# Angle over which a difference between flux and voltage decays (rad electrical). The decay is at least that at this
+# speed relative to base speed, because the voltage across the resistance is uncertain and does not fall with the speed.
+_FLUX_FORGOTTEN = 0.6
+_FLUX_SLOW = 0.2
 # Maximum deceleration relative to that of maximum torque and inertia, and speed relative to base speed below which
 # it is not checked. A factor of two is for a load of maximum torque, and another one for half the nominal inertia.
 _STEEPEST = 4.0
@@ -84,6 +89,10 @@ def reset_plausibility(state: Any, nameplate: Any) -> None:
     state.angle_before = 0.0
     state.angle_drift = 0.0
     state.farthest_drift = _FARTHEST
+    state.flux_decay = _FLUX_SLOW * nameplate.pole_pairs * nameplate.base_speed * period
+    state.flux_watched = 0
+    state.along_drift = 0.0
+    state.across_drift = 0.0
     state.hall_watched = -1
     state.speed_seen = 0.0
     state.sum_count = 0
@@ -119,14 +128,51 @@ def _is_sum_wrong(state: Any, sense: Any) -> bool:
 
 
 @inlined
+def watch_flux(state: Any, sense: Any, direct: float, quadrature: float) -> None:
+    """Sum the changes of the flux that the voltages do not explain; the measured d and q currents are given (A).
+
+    In the stationary frame the flux linkage is the integral of ``v - R i``. Currents and angle show it as well. An
+    angle that is not the magnet's makes a difference, a shaft that changes its speed does not.
+    """
+    cosine, sine = cosine_sine(state.pole_pairs * sense.angle)
+    direct_flux = state.direct_inductance * direct + state.magnet_flux
+    quadrature_flux = state.quadrature_inductance * quadrature
+    along_flux = cosine * direct_flux - sine * quadrature_flux
+    across_flux = sine * direct_flux + cosine * quadrature_flux
+    # The voltage drop at the mean current of the period.
+    drop = 0.5 * state.resistance
+    along_drop = drop * (cosine * direct - sine * quadrature)
+    across_drop = drop * (sine * direct + cosine * quadrature)
+    # Until the first command acts, the legs are off and their voltages unknown.
+    if state.flux_watched > state.delay:
+        period = state.control_period
+        along = state.along_voltage[state.delay] - along_drop - state.along_drop
+        across = state.across_voltage[state.delay] - across_drop - state.across_drop
+        decay = max(abs(float(state.pole_pairs * sense.speed * period)), state.flux_decay)
+        left = max(1.0 - decay / _FLUX_FORGOTTEN, 0.0)
+        state.along_drift = left * state.along_drift + along_flux - state.along_flux - period * along
+        state.across_drift = left * state.across_drift + across_flux - state.across_flux - period * across
+    else:
+        state.flux_watched += 1
+    state.along_flux, state.across_flux = along_flux, across_flux
+    state.along_drop, state.across_drop = along_drop, across_drop
+
+
+@inlined
 def _is_shaft_wrong(state: Any, sense: Any, turned: float, shows_speed: bool) -> bool:
-    """Return True if angle and speed disagree, or a measured speed has fallen faster than the shaft can stop."""
+    """Return True if angle and speed disagree, or a measured speed has fallen faster than the shaft can stop.
+
+    The speed of an encoder is a mean over the recent past, behind which the angle of a light rotor is far ahead. An
+    angle that is wrong disagrees with the flux as well.
+    """
     expected = state.pole_pairs * sense.speed * state.control_period
     drift = max(1.0 - abs(expected) / _FORGOTTEN, 0.0) * state.angle_drift + turned - expected
     state.angle_drift = drift
     # Hall switches have steps of 60 degrees before they measure a speed.
     if sense.hall < 0 and abs(drift) > state.farthest_drift:
-        return True
+        unexplained = _length(state.along_drift, state.across_drift)
+        if unexplained > _FARTHEST * state.magnet_flux:
+            return True
     speed = abs(sense.speed)
     # Follow a rising speed at once, and a falling speed as fast as the shaft can stop.
     state.speed_seen = max(speed if shows_speed else 0.0, state.speed_seen - state.slowing_step)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from cmath import rect
 from collections.abc import Callable
 from math import cos, pi, tau
 from typing import Any
@@ -25,6 +26,7 @@ from drivegate_models.controllers.duty.plausibility import (
     hold_safe_state,
     reset_plausibility,
     watch_approach,
+    watch_flux,
 )
 from drivegate_models.controllers.duty.state import foc_state
 
@@ -80,6 +82,9 @@ class Drive:
         self.peak = peak
         # The balanced currents are those of the reference.
         self.state.direct_aim = peak
+        self.state.magnet_flux = NAMEPLATE.magnet_flux
+        # Voltages do not explain the flux.
+        self.state.along_drift = NAMEPLATE.magnet_flux
 
     def turn(self, angle_speed: float) -> None:
         """Turn the shaft for a period, with the field; its angle stays within a turn."""
@@ -140,6 +145,40 @@ def test_an_angle_that_stands_while_the_speed_goes_on_is_seen_within_a_quarter_r
     assert fault == SHAFT_FAULT
     # 0.06 rad electrical a period: the fourth or fifth misses a quarter, with what is forgotten meanwhile.
     assert 14 <= step <= 16
+
+
+def test_an_angle_ahead_of_the_mean_speed_of_an_encoder_is_right_if_it_agrees_with_the_flux() -> None:
+    drive = Drive(300.0)
+    drive.state.along_drift = 0.2 * NAMEPLATE.magnet_flux
+    assert drive.steps_to_fault(200, hold_angle(drive))[0] == 0
+
+
+@pytest.mark.parametrize(
+    ("angle_speed", "slip", "seen"), [(60.0, 0.0, 0.0), (60.0, 0.79, 0.766), (0.0, 0.0, 0.372)]
+)
+def test_a_flux_at_a_wrong_angle_is_not_explained_by_the_voltage(
+    angle_speed: float, slip: float, seen: float
+) -> None:
+    drive = Drive(60.0)
+    drive.state.direct_inductance = drive.state.quadrature_inductance = NAMEPLATE.direct_inductance
+    drive.state.resistance = NAMEPLATE.resistance
+    drive.state.along_drift = 0.0
+    # A shaft at 60 rad/s without current, whose voltage is the change of the magnet's flux.
+    step = 60.0 * POLE_PAIRS * PERIOD
+    largest = 0.0
+    for k in range(100):
+        # The angle is right until the change, with which it slips, or stands from then on.
+        shown = (
+            step * min(k, 50)
+            + (max(k - 50, 0) * angle_speed * POLE_PAIRS * PERIOD)
+            + (slip if k > 50 else 0.0)
+        )
+        drive.sense.angle = shown / POLE_PAIRS
+        watch_flux(drive.state, drive.sense, 0.0, 0.0)
+        largest = max(largest, abs(complex(drive.state.along_drift, drive.state.across_drift)))
+        change = NAMEPLATE.magnet_flux / PERIOD * (rect(1.0, step * (k + 1)) - rect(1.0, step * k))
+        drive.state.along_voltage[0], drive.state.across_voltage[0] = change.real, change.imag
+    assert largest / NAMEPLATE.magnet_flux == pytest.approx(seen, abs=0.02)
 
 
 def test_the_steps_of_hall_switches_are_no_lost_angle() -> None:
