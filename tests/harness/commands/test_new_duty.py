@@ -49,27 +49,24 @@ def written(tmp_path: Path):
     return write
 
 
-def plain_runs(drive: str) -> tuple[Scenario, Scenario]:
-    """Give steps of torque below base speed, and a step of speed into weakening."""
+def plain_runs(drive: str) -> tuple[Scenario, Scenario, Scenario]:
+    """Give steps of torque below base speed, a step of speed into weakening, and the highest speed without torque."""
     document = load_drive(drive)
     assert isinstance(document, PmAcDocument)
     base, highest = document.rating.base_speed_rpm, document.rating.highest_speed_rpm
     levels = [torque_of(document, 0.5 * base, share) for share in (0.0, 0.5, 0.3)]
     above = 0.5 * (base + highest)
     loaded = speed_scenario(document, (0.8 * base, above), torque_nm=torque_of(document, above, 0.5))
-    return torque_scenario(document, 0.5 * base, levels), loaded
+    return torque_scenario(document, 0.5 * base, levels), loaded, torque_scenario(document, highest, (0.0,))
 
 
 @pytest.mark.parametrize("kind", DUTY_KINDS)
 @pytest.mark.parametrize("drive", DRIVES)
 def test_it_follows_steps_into_weakening_on_every_packaged_drive(written, kind: str, drive: str) -> None:
     candidate = resolve_candidate(str(written(kind) / "candidate.toml"))
-    torques, speeds = plain_runs(drive)
+    required = {"ACC-1", "DUT-1", "OVC-1"}
     with Judge(candidate) as judge:
-        for scenario, required in (
-            (torques, {"ACC-1", "DUT-1", "OVC-1"}),
-            (speeds, {"ACC-1", "DUT-1", "OVC-1"}),
-        ):
+        for scenario in plain_runs(drive):
             record = judge.run(Job(run_once, scenario))
             assert not isinstance(record, Fault), record
             margins = {m.check: m for m in judged(record, contract_of(scenario.drive).checks()).margins}
@@ -78,7 +75,7 @@ def test_it_follows_steps_into_weakening_on_every_packaged_drive(written, kind: 
 
 
 def test_both_templates_ask_for_nearly_the_same_duty_ratios(written) -> None:
-    torques, _ = plain_runs("pm-ac-interior")
+    torques, _, _ = plain_runs("pm-ac-interior")
     answers = []
     for kind in DUTY_KINDS:
         with Judge(resolve_candidate(str(written(kind) / "candidate.toml"))) as judge:

@@ -25,9 +25,14 @@ class LikelyCause:
     signs: frozenset[str]
     """What fails: checks, each with what its measured value shows where that distinguishes causes."""
     confirmed_by: str
-    """What confirms it, in one clause."""
+    """What confirms it, in one clause that begins with the check."""
     faults: tuple[str, ...]
     """Faulty controllers with this cause."""
+
+    @property
+    def confirming_check(self) -> str:
+        """The check whose failure confirms it."""
+        return self.confirmed_by.split()[0]
 
 
 def _cause(words: str, signs: str, confirmed_by: str, *faults: str) -> LikelyCause:
@@ -205,11 +210,18 @@ def _signs(check: str, measured: str) -> Iterator[str]:
 
 
 def likely_causes(checks: Iterable[Mapping[str, Any]]) -> tuple[LikelyCause, ...]:
-    """Return the causes whose signs agree best with those of failed checks, the likeliest first."""
+    """Return the causes whose signs agree best with those of failed checks, the likeliest first.
+
+    Of causes that agree alike, those whose confirming check has failed come first.
+    """
     shown = signs_of(checks)
-    rated = [(_agreement(cause.signs, shown), cause) for cause in LIKELY_CAUSES]
-    known = sorted((pair for pair in rated if pair[0] >= _LEAST_AGREEMENT), key=lambda pair: -pair[0])
-    return tuple(cause for _, cause in known[:MOST_NAMED])
+    rated = [
+        (_agreement(cause.signs, shown), cause.confirming_check in shown, cause) for cause in LIKELY_CAUSES
+    ]
+    known = sorted(
+        (each for each in rated if each[0] >= _LEAST_AGREEMENT), key=lambda each: each[:2], reverse=True
+    )
+    return tuple(cause for _, _, cause in known[:MOST_NAMED])
 
 
 def likely_causes_in_words(checks: Iterable[Mapping[str, Any]]) -> tuple[str, ...]:

@@ -67,8 +67,9 @@ class Controller:
             + self.quadrature_integral
             + electrical * (self.direct_inductance * direct + self.flux)
         )
-        direct_given = between(direct_wanted, 0.95 * limit)
-        quadrature_given = between(quadrature_wanted, sqrt(limit * limit - direct_given * direct_given))
+        # A voltage beyond the limit is shortened, not turned: one axis alone would never get the other back.
+        share = limit / max(limit, hypot(direct_wanted, quadrature_wanted))
+        direct_given, quadrature_given = share * direct_wanted, share * quadrature_wanted
         # What the limit has taken does not enter the integrals.
         self.direct_integral += self.direct_step * (
             direct_error + (direct_given - direct_wanted) / self.direct_gain
