@@ -74,6 +74,17 @@ def test_it_follows_steps_into_weakening_on_every_packaged_drive(written, kind: 
             assert missed == {}, f"{kind} on {drive}: {missed}"
 
 
+@pytest.mark.parametrize("kind", DUTY_KINDS)
+def test_it_begins_without_a_peak_on_a_machine_of_another_flux(written, kind: str) -> None:
+    spinning = torque_scenario(load_drive("pm-ac-interior"), 1890.0, (0.0,)).replaced(
+        duration_s=0.02, scales={"emf_constant": 0.9}
+    )
+    with Judge(resolve_candidate(str(written(kind) / "candidate.toml"))) as judge:
+        record = judge.run(Job(run_once, spinning))
+    peaks = record.run.column("peak_current")
+    assert peaks[:30].max() < 1.15 * peaks[90:].max(), "the integrals begin at what is sensed"
+
+
 def test_both_templates_ask_for_nearly_the_same_duty_ratios(written) -> None:
     torques, _, _ = plain_runs("pm-ac-interior")
     answers = []

@@ -45,6 +45,51 @@ C = """
     if (self->steps == 5)"""
 
 
+PLAIN = """
+from math import cos, sin, sqrt
+from drivegate import DutyCommand
+
+def rotated(phases, angle):
+    first, second, third = phases
+    along, across = (2.0 * first - second - third) / 3.0, (second - third) / sqrt(3.0)
+    return cos(angle) * along + sin(angle) * across, cos(angle) * across - sin(angle) * along
+
+class Mine:
+    \"\"\"Two PI regulators without any voltage that is added beforehand, as much public firmware has them.\"\"\"
+
+    preloads = {preloads}
+
+    def reset(self, nameplate):
+        self.plate, self.integrals = nameplate, (0.0, 0.0)
+
+    def step(self, sense):
+        plate = self.plate
+        angle = plate.pole_pairs * sense.angle
+        if not sense.enable:
+            if self.preloads:
+                self.integrals = rotated(sense.phase_voltages, angle)
+            return DutyCommand((0.5, 0.5, 0.5))
+        direct, quadrature = rotated(sense.phase_currents, angle)
+        gains = [0.2 * value / plate.control_period for value in (plate.direct_inductance, plate.quadrature_inductance)]
+        # No torque is asked for.
+        errors = (-direct, -quadrature)
+        along, across = (gain * error + held for gain, error, held in zip(gains, errors, self.integrals))
+        self.integrals = [held + 0.02 * gain * error for held, gain, error in zip(self.integrals, gains, errors)]
+        angle += plate.pole_pairs * sense.speed * (plate.update_delay + 0.5) * plate.control_period
+        length, turn = sense.supply_voltage, 2.0943951023931953
+        return DutyCommand([
+            0.5 + (cos(angle - leg * turn) * along - sin(angle - leg * turn) * across) / length for leg in range(3)
+        ])
+"""
+
+
+def peaks(loaded: JudgedCandidate, scenario: Scenario) -> list[float]:
+    """Return the peak current of each control period of a run (A)."""
+    return [
+        float(peak) for peak in recorded(loaded, scenario, loaded.controller()).run.column("peak_current")
+    ]
+
+
 def counted(loaded: JudgedCandidate, scenario: Scenario) -> tuple[int, int, int]:
     """Run once; return the numbers of steps with the bridge off, of those at standstill, and of commands."""
     record = recorded(loaded, scenario, loaded.controller())
@@ -80,6 +125,20 @@ def test_it_is_stepped_with_the_bridge_off_before_each_run(tmp_path: Path, kind:
     assert run(written(tmp_path, kind, "reads_enable = true")) == (WAITING_PERIODS, 0, periods)
     both = "reads_enable = true\ncalibration_time_s = 0.013"
     assert run(written(tmp_path, kind, both)) == (WAITING_PERIODS + resting, resting, periods)
+
+
+def test_integrators_preloaded_from_the_terminals_begin_without_a_peak(tmp_path: Path) -> None:
+    spinning = torque_scenario(load_drive("pm-ac-2kw"), 780.0, (0.0,)).replaced(duration_s=0.01)
+    greatest = []
+    for preloads in (False, True):
+        manifest = written(tmp_path, "python", "reads_enable = true")
+        (tmp_path / "mine.py").write_text(PLAIN.format(preloads=preloads), encoding="utf-8")
+        with Judge(resolve_candidate(manifest)) as judge:
+            found = judge.run(Job(peaks, spinning))
+        assert not isinstance(found, Fault), found
+        greatest.append(max(found[: round(3e-3 / spinning.control_period_s)]))
+    # The rest is the ripple of the carrier.
+    assert greatest[1] < 0.2 * greatest[0], greatest
 
 
 def test_a_witness_does_not_wait_for_a_bridge_that_it_does_not_read(tmp_path: Path) -> None:

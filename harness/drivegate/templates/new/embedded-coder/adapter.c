@@ -16,10 +16,14 @@ static struct {
     ROW(PhaseCurrents[0], int16_T, scale.current, sense->phase_currents[0]) \
     ROW(PhaseCurrents[1], int16_T, scale.current, sense->phase_currents[1]) \
     ROW(PhaseCurrents[2], int16_T, scale.current, sense->phase_currents[2]) \
+    ROW(PhaseVoltages[0], int16_T, scale.voltage, sense->phase_voltages[0]) \
+    ROW(PhaseVoltages[1], int16_T, scale.voltage, sense->phase_voltages[1]) \
+    ROW(PhaseVoltages[2], int16_T, scale.voltage, sense->phase_voltages[2]) \
     ROW(LinkVoltage, uint16_T, scale.voltage, sense->supply_voltage) \
     ROW(ElectricalAngle, uint16_T, scale.angle, within_a_turn(scale.pole_pairs * sense->angle)) \
     ROW(ElectricalSpeed, int16_T, scale.speed, scale.pole_pairs * sense->speed) \
-    ROW(Reference, int16_T, scale.reference, sense->reference)
+    ROW(Reference, int16_T, scale.reference, sense->reference) \
+    ROW(Enable, boolean_T, 1.0, (double)sense->enable)
 
 /* Its outputs: field of rtY, what one count is worth, and where it goes. */
 #define OUTPUTS(ROW) \

@@ -47,9 +47,12 @@ class Controller:
         """Answer for one control period; all quantities are in SI units."""
         electrical = self.pole_pairs * sense.speed
         angle = self.pole_pairs * sense.angle
+        if not sense.enable:
+            self.preload(sense, electrical, angle)
+            return DutyCommand(duty_ratios=(0.5, 0.5, 0.5))
         supply = max(sense.supply_voltage, 1e-9)
         limit = supply / ROOT_THREE
-        direct, quadrature = rotor_currents(sense.phase_currents, angle)
+        direct, quadrature = rotor_components(sense.phase_currents, angle)
         direct_reference, quadrature_reference = self.references(
             sense.reference, sense.speed, abs(electrical), VOLTAGE_SHARE * limit
         )
@@ -88,6 +91,13 @@ class Controller:
         across = sin(ahead) * direct_given + cos(ahead) * quadrature_given
         torque = self.per_ampere(direct) * quadrature
         return DutyCommand(duty_ratios=duty_ratios(along, across, supply), torque=torque)
+
+    def preload(self, sense: DutySense, electrical: float, angle: float) -> None:
+        """Let the integrals begin at what the back-EMF adds to the nominal one, while the bridge is off."""
+        # Terminals at the rail of a conducting diode do not show it.
+        if max(sense.phase_voltages) < sense.supply_voltage:
+            self.direct_integral, induced = rotor_components(sense.phase_voltages, angle)
+            self.quadrature_integral = induced - electrical * self.flux
 
     def references(
         self, reference: float, speed: float, electrical: float, voltage: float
@@ -177,9 +187,9 @@ def between(value: float, bound: float) -> float:
     return min(max(value, -bound), bound)
 
 
-def rotor_currents(currents: tuple[float, float, float], angle: float) -> tuple[float, float]:
-    """Return the currents along and across the magnet's axis (A)."""
-    first, second, third = currents
+def rotor_components(phases: tuple[float, float, float], angle: float) -> tuple[float, float]:
+    """Return currents (A) or voltages (V) of the phases along and across the magnet's axis."""
+    first, second, third = phases
     along, across = (2.0 * first - second - third) / 3.0, (second - third) / ROOT_THREE
     return cos(angle) * along + sin(angle) * across, cos(angle) * across - sin(angle) * along
 

@@ -92,22 +92,38 @@ static void compare(real32_T along, real32_T across, real32_T supply) {
     }
 }
 
+/* Transform three counts of the converter into the frame of the rotor. */
+static void park(const int16_T counts[3], real32_T worth, real32_T angle, real32_T *direct, real32_T *quadrature) {
+    real32_T along = worth * (2.0F * (real32_T)counts[0] - (real32_T)counts[1] - (real32_T)counts[2]) / 3.0F;
+    real32_T across = worth * ((real32_T)counts[1] - (real32_T)counts[2]) / ROOT_THREE;
+    *direct = cosf(angle) * along + sinf(angle) * across;
+    *quadrature = cosf(angle) * across - sinf(angle) * along;
+}
+
+/* Let the integrals begin at what the back-EMF adds to the nominal one, while the bridge is off. */
+static void preload(real32_T angle, real32_T electrical) {
+    int32_T leg;
+    /* Terminals at the rail of a conducting diode do not show it. */
+    for (leg = 0; leg < 3; leg++)
+        if (rtU.PhaseVoltages[leg] >= (int32_T)rtU.LinkVoltage) return;
+    park(rtU.PhaseVoltages, rtP.VoltagePerCount, angle, &rtDW.DirectIntegral, &rtDW.QuadratureIntegral);
+    rtDW.QuadratureIntegral -= electrical * rtP.MagnetFlux;
+}
+
 void controller_step(void) {
-    real32_T currents[3], angle, electrical, supply, limit, along, across, direct, quadrature, torque;
+    real32_T angle, electrical, supply, limit, direct, quadrature, torque;
     real32_T direct_error, quadrature_error, direct_wanted, quadrature_wanted, direct_given, quadrature_given, room;
     real32_T error = 0.0F, allowed, possible, used;
-    int32_T leg;
-    for (leg = 0; leg < 3; leg++) currents[leg] = (real32_T)rtU.PhaseCurrents[leg] * rtP.CurrentPerCount;
     angle = (real32_T)rtU.ElectricalAngle * ANGLE_PER_COUNT;
     electrical = (real32_T)rtU.ElectricalSpeed * rtP.SpeedPerCount;
+    if (!rtU.Enable) {
+        preload(angle, electrical);
+        return;
+    }
     supply = fmaxf((real32_T)rtU.LinkVoltage * rtP.VoltagePerCount, 1e-6F);
     limit = supply / ROOT_THREE;
 
-    along = (2.0F * currents[0] - currents[1] - currents[2]) / 3.0F;
-    across = (currents[1] - currents[2]) / ROOT_THREE;
-    direct = cosf(angle) * along + sinf(angle) * across;
-    quadrature = cosf(angle) * across - sinf(angle) * along;
-
+    park(rtU.PhaseCurrents, rtP.CurrentPerCount, angle, &direct, &quadrature);
     torque = (real32_T)rtU.Reference * rtP.ReferencePerCount;
     if (!rtP.RegulatesTorque) {
         error = torque - electrical / rtP.PolePairs;

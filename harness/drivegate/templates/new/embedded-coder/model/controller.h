@@ -7,10 +7,12 @@
 /* External inputs, in counts. */
 typedef struct {
     int16_T PhaseCurrents[3];  /* of the converter */
+    int16_T PhaseVoltages[3];  /* of the converter, from the negative rail */
     uint16_T LinkVoltage;      /* of the converter */
     uint16_T ElectricalAngle;  /* 65536 to a turn */
     int16_T ElectricalSpeed;
     int16_T Reference;         /* of speed or torque */
+    boolean_T Enable;          /* false while the bridge is off */
 } ExtU;
 
 /* External outputs, in counts. */

@@ -23,5 +23,7 @@ typedef unsigned char boolean_T;
 #define MIN_int32_T (-2147483647 - 1)
 #define MAX_uint32_T 4294967295U
 #define MIN_uint32_T 0U
+#define MAX_boolean_T 1U
+#define MIN_boolean_T 0U
 
 #endif
