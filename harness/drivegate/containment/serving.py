@@ -199,8 +199,8 @@ class _Server:
     def _senses_given(self, pending: list[Any], memory: SharedMemory) -> Reply:
         from drivegate_models.loop.exchange import COMPLETED
 
-        # Only here, since a count slows each step down and nobody asks for that of a run.
-        getattr(self._instance, "count_instructions", lambda: None)()
+        # Only here, since it slows each step down and nobody asks for that of a run.
+        getattr(self._instance, "watch_steps", lambda: None)()
         steps = self._steps_made_ready(pending, memory)
         with self._progress.running():
             status, answered = steps(*pending.pop())

@@ -90,7 +90,9 @@ def digests_of_two_runs(loaded: JudgedCandidate, scenario: Scenario) -> list[int
 def image(tmp_path: Path) -> Callable[..., Path]:
     """Link an image from one source."""
 
-    def linked(source: str = CURRENT, step: str = "", reset: str = "0", *flags: str) -> Path:
+    def linked(
+        source: str = CURRENT, step: str = "", reset: str = "0", target: tuple[str, ...] = TARGET
+    ) -> Path:
         (tmp_path / "mine.c").write_text(source, encoding="utf-8")
         words = (
             f"-DSTEP={step or ';'}",
@@ -98,8 +100,7 @@ def image(tmp_path: Path) -> Callable[..., Path]:
             "-O1",
             "-g",
             "-ffp-contract=off",
-            *TARGET,
-            *flags,
+            *target,
         )
         command = [
             "arm-none-eabi-gcc",
@@ -144,7 +145,7 @@ def test_the_instructions_of_a_step_are_counted(image: Callable[..., Path], step
         loaded = JudgedCandidate(resolve_candidate("reference"), lambda own=controller: own)
         recorded(loaded, scenario, controller)
         assert controller.most_instructions == 0, "a run is not slowed down by a count that nobody asks for"
-        controller.count_instructions()
+        controller.watch_steps()
         recorded(loaded, scenario, controller)
         counts.append(controller.most_instructions)
     assert counts[1] - counts[0] == more
@@ -221,6 +222,51 @@ def test_what_the_target_must_not_do_is_a_fault_with_its_line(
     assert fault.message.startswith(f"the target {reported}"), fault.message
 
 
+M0 = ("-mcpu=cortex-m0plus", "-mthumb", "-nostartfiles")
+READ_TWO = 'ldrd%s r2, r3, [%%0]" :: "r"((char *)self + 1) : "r2", "r3", "cc");'
+DIVIDE = '*(volatile int *)0xE000ED14 = {}; __asm__ volatile("udiv r2, r2, %0" :: "r"({}) : "r2");'
+
+
+@pytest.mark.parametrize(
+    ("step", "target", "reported"),
+    [
+        (f'__asm__ volatile("{READ_TWO % ""}', TARGET, "accesses address 60000301h, no multiple of 4, in "),
+        # With equal operands, what is for unequal ones is not executed.
+        (
+            f'__asm__ volatile("cmp %0, %0\\n it eq\\n {READ_TWO % "eq"}',
+            TARGET,
+            "accesses address 60000301h, no multiple of 4, in ",
+        ),
+        (f'__asm__ volatile("cmp %0, %0\\n ite eq\\n nopeq\\n {READ_TWO % "ne"}', TARGET, ""),
+        ("*(volatile int *)((char *)self + 1) = 1;", TARGET, ""),
+        ("*(volatile int *)((char *)self + 2) = 1;", M0, "accesses address 60000302h, no multiple of 4, in "),
+        (
+            "((volatile short *)((char *)self + 1))[1];",
+            M0,
+            "accesses address 60000303h, no multiple of 2, in ",
+        ),
+        ("((volatile char *)self)[1];", M0, ""),
+        (DIVIDE.format(16, 0), TARGET, "divides by zero in "),
+        (DIVIDE.format(0, 0), TARGET, ""),
+        (DIVIDE.format(16, 1), TARGET, ""),
+    ],
+)
+def test_what_the_processor_traps_and_the_emulator_does_not_is_a_fault_with_its_line(
+    image: Callable[..., Path], step: str, target: tuple[str, ...], reported: str
+) -> None:
+    manifest = image(CURRENT, f"if (self->steps == 3) {{ {step} }}", "0", target).with_name("candidate.toml")
+    manifest.write_text(
+        'schema = 1\nname = "mine"\nkind = "elf"\nentry = "mine.elf"\nram = [[0xE000E000, 0x1000]]\n',
+        encoding="utf-8",
+    )
+    with Judge(resolve_candidate(str(manifest))) as judge:
+        ended = judge.once(Job(time_steps, TimedSteps(scenario_of("paper-5-phase"))))
+    assert isinstance(ended, Fault) is bool(reported), ended
+    if isinstance(ended, Fault):
+        assert (ended.kind, ended.phase) == (FaultKind.CRASH, "step")
+        assert ended.message.startswith(f"the target {reported}drivegate_step (mine.c line "), ended.message
+
+
 def test_a_reset_may_refuse_the_run(image: Callable[..., Path]) -> None:
     fault = run(str(image(reset="-7")), scenario_of("paper-5-phase"))
     assert isinstance(fault, Fault)
@@ -247,7 +293,7 @@ def test_a_manifest_gives_memory_where_peripherals_are_and_a_function_to_start(
 
 def test_what_is_no_image_is_refused_in_one_sentence(image: Callable[..., Path], tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"has no function drivegate_abi_version.*\(not with -s\)"):
-        run(str(image(CURRENT, "", "0", "-s")), scenario_of("paper-5-phase"))
+        run(str(image(CURRENT, "", "0", (*TARGET, "-s"))), scenario_of("paper-5-phase"))
     other = tmp_path / "other.elf"
     other.write_bytes(Path("/bin/true").read_bytes())
     with pytest.raises(InputError, match="is no linked image of 32 bits for Arm"):

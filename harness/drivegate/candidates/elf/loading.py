@@ -94,9 +94,9 @@ class TargetController:
         self.step_address: int = self._step.address
         self.state_address: int = words.ctypes.data
 
-    def count_instructions(self) -> None:
-        """Count the instructions of the steps from now on."""
-        self._words[processor.COUNTER] = self._processor.count_instructions()
+    def watch_steps(self) -> None:
+        """Count the instructions of the steps from now on, and end at an access that is not aligned."""
+        self._words[processor.COUNTER] = self._processor.watch_steps()
 
     @property
     def most_instructions(self) -> int:

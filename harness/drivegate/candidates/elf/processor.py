@@ -7,6 +7,7 @@ memory of the target, sets the registers as a call does, and lets the emulator r
 from __future__ import annotations
 
 import ctypes
+from contextlib import suppress
 from functools import cache
 from importlib import import_module
 from typing import Any, Final
@@ -19,6 +20,16 @@ from numpy.typing import NDArray
 
 from drivegate.candidates.elf.image import Image, hexadecimal, place_of
 from drivegate.candidates.elf.instruction_count import COUNT, counter, counting_function
+from drivegate.candidates.elf.traps import (
+    CONTROL_REGISTER,
+    MASK,
+    OPERAND,
+    PLACE,
+    Trap,
+    rules_of,
+    trapping_function,
+    traps_of,
+)
 from drivegate_models.compilation.calling import copy_bytes
 from drivegate_models.contract.current.records import STOP
 from drivegate_models.errors import HarnessFault
@@ -35,11 +46,13 @@ _REGION: Final = 0x1000_0000
 """Records, stack and return address are in a region of this size that the image does not use (bytes)."""
 _MAIL, _STACK, _RETURN = 0x0000_0000, 0x0100_0000, 0x0200_0000
 _TRANSLATIONS: Final = 32 * 2**20
+_TRAP: Final = -1
+"""What ended a step, next to the errors of the emulator: a rule of ``traps``."""
 
 # Words of the state that the C function gets.
 ENGINE, BEGIN, UNTIL, SELF, ERROR, STOP_WORD, SCRATCH = range(7)
 HOST_SENSE, SENSE_BYTES, CURRENTS_OFFSET, HOST_CURRENTS, GUEST_CURRENTS, CURRENTS_BYTES = range(7, 13)
-HOST_COMMAND, COMMAND_BYTES, COUNTER, MOST_INSTRUCTIONS, ARGUMENTS = range(13, 18)
+HOST_COMMAND, COMMAND_BYTES, COUNTER, MOST_INSTRUCTIONS, TRAPPED, ARGUMENTS = range(13, 19)
 WORDS: Final = ARGUMENTS + 5
 
 _REGISTERS: Final = (
@@ -95,6 +108,9 @@ class CortexM:
         self._refused: tuple[int, int] | None = None
         self._engine.hook_add(unicorn.UC_HOOK_MEM_INVALID, self._note_refused)
         self._counter: NDArray[np.int64] | None = None
+        self._trapped = np.zeros(MASK + 1, np.int64)
+        self._rules: list[NDArray[np.int64]] = []
+        self._watch_divisions()
         self.power_on()
 
     @property
@@ -111,6 +127,7 @@ class CortexM:
         """Load the image again, so that all of its variables have their initial values."""
         for memory, content in self._initial:
             memory[:] = np.frombuffer(content, np.uint8)
+        self._trapped[:] = 0
 
     def memory(self, address: int, size: int) -> NDArray[np.uint8]:
         """Return memory of the target, which changes with it."""
@@ -131,6 +148,8 @@ class CortexM:
             self._engine.emu_start(function | 1, self._base + _RETURN)
         except unicorn.UcError as error:
             raise TargetFault(self.describe(error.errno)) from None
+        if self._trapped[PLACE]:
+            raise TargetFault(self.describe(_TRAP))
         return int(self._engine.reg_read(_R0))
 
     def call_registers(self, *arguments: int) -> tuple[int, ...]:
@@ -140,6 +159,14 @@ class CortexM:
 
     def describe(self, error: int) -> str:
         """Describe what ended a call."""
+        if error == _TRAP:
+            place = place_of(self.image, int(self._trapped[PLACE]))
+            if not self._trapped[MASK]:
+                return f"divides by zero {place}"
+            size = int(self._trapped[MASK]) + 1
+            return (
+                f"accesses address {hexadecimal(int(self._trapped[OPERAND]))}, no multiple of {size}, {place}"
+            )
         register = arm_const.UC_ARM_REG_PC
         if self._refused is not None and self._refused[0] == unicorn.UC_MEM_FETCH_UNMAPPED:
             # Where it has jumped to says nothing of who jumped.
@@ -161,30 +188,57 @@ class CortexM:
         words[BEGIN], words[UNTIL] = step | 1, self._base + _RETURN
         words[SELF] = words.ctypes.data
         words[STOP_WORD] = STOP
+        words[TRAPPED] = self._trapped.ctypes.data
         return words
 
-    def count_instructions(self) -> int:
-        """Count from now on, which takes a sixth of a step's time; return the address of the count."""
+    def watch_steps(self) -> int:
+        """Count instructions and stop at unaligned accesses from now on, which takes as long as the steps.
+
+        Return the address of the count.
+        """
         if self._counter is None:
             self._counter = counter(self.image)
-            self._count_blocks(self._counter)
+            self._add_hook(unicorn.UC_HOOK_BLOCK, counting_function(), self._counter)
+            self._watch_accesses()
             # What has been translated before calls no hook.
             self._engine.ctl_flush_tb()
         return int(self._counter[COUNT:].ctypes.data)
 
-    def _count_blocks(self, memory: NDArray[np.int64]) -> None:
-        """Have the emulator call the compiled function before each block; its package passes Python functions only."""
+    def _watch_divisions(self) -> None:
+        """Stop at divisions by zero, once the target enables their trap; what it cannot write to stays off."""
+        divisions = [trap for trap in traps_of(self.image) if trap.is_division]
+        with suppress(KeyError):
+            control = self.memory(CONTROL_REGISTER, 4).ctypes.data
+            for trap in divisions:
+                self._watch([trap], control)
+
+    def _watch_accesses(self) -> None:
+        """Stop at accesses that are not aligned."""
+        accesses = [trap for trap in traps_of(self.image) if not trap.is_division]
+        if accesses:
+            self._watch(accesses)
+
+    def _watch(self, traps: list[Trap], control: int = 0) -> None:
+        """Have the emulator call the compiled function from the first to the last of the instructions."""
+        self._rules.append(rules_of(traps, self._trapped, control))
+        places = [trap.place for trap in traps]
+        self._add_hook(unicorn.UC_HOOK_CODE, trapping_function(), self._rules[-1], min(places), max(places))
+
+    def _add_hook(
+        self, kind: int, function: Any, state: NDArray[np.int64], begin: int = 1, end: int = 0
+    ) -> None:
+        """Have the emulator call a compiled function; its package passes Python functions only."""
         status = binding.uclib.uc_hook_add(
             self._engine._uch,
             ctypes.byref(binding.uc_hook_h()),
-            unicorn.UC_HOOK_BLOCK,
-            ctypes.c_void_p(counting_function().address),
-            ctypes.c_void_p(memory.ctypes.data),
-            ctypes.c_uint64(1),
-            ctypes.c_uint64(0),
+            kind,
+            ctypes.c_void_p(function.address),
+            ctypes.c_void_p(state.ctypes.data),
+            ctypes.c_uint64(begin),
+            ctypes.c_uint64(end),
         )
         if status != unicorn.UC_ERR_OK:
-            raise HarnessFault(f"the emulator cannot count instructions: {unicorn.UcError(status)}")
+            raise HarnessFault(f"the emulator cannot watch instructions: {unicorn.UcError(status)}")
 
     def _note_refused(
         self, _engine: Any, access: int, address: int, _size: int, _value: int, _data: Any
@@ -238,6 +292,9 @@ def step_function() -> Any:
         if words[COUNTER] != 0:
             copy_bytes(words[COUNTER], own + 8 * SCRATCH, 8)
         words[MOST_INSTRUCTIONS] = max(words[MOST_INSTRUCTIONS], words[SCRATCH])
+        copy_bytes(words[TRAPPED], own + 8 * SCRATCH, 8)
+        if words[SCRATCH] != 0:
+            words[ERROR] = _TRAP
         if words[ERROR] != 0:
             copy_bytes(own + 8 * STOP_WORD, command, 8)
             return
