@@ -36,6 +36,7 @@ void drivegate_duty_step(void *state, const drivegate_duty_sense *sense, drivega
     TIM2->CNT = (uint32_t)counts(sense->angle * 10430.378350470453, 0.0, 65535.0);
     shaft_speed = (int16_t)counts(sense->speed / motor.speed_per_count, -32768.0, 32767.0);
     demand = (float)sense->reference;
+    bridge_is_on = (int32_t)sense->enable;
     ADC_IRQHandler();
     command->duty_ratios[0] = (double)TIM1->CCR1 / TIM1->ARR;
     command->duty_ratios[1] = (double)TIM1->CCR2 / TIM1->ARR;

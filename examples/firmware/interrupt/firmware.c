@@ -7,15 +7,17 @@
 #define BANDWIDTH 0.2F        /* of the current regulators, times the control period */
 #define VOLTAGE_SHARE 0.985F  /* of the linear range; the current regulators need the rest */
 #define BRAKING_SHARE 0.185F  /* of it for regulation while the speed regulator brakes */
+#define CALIBRATION 256       /* samples of each offset */
 
 parameter_page motor;
 int16_t shaft_speed;
 float demand;
-int32_t demands_torque;
+int32_t demands_torque, bridge_is_on;
 
 static struct { float speed, speed_step, direct, quadrature, direct_step, quadrature_step, weakening_step; } gain;
 static struct { float speed, direct, quadrature, weakening; } integral;
-static float deepest, most_torque;
+static float deepest, most_torque, offsets[3];
+static int32_t samples; /* that offsets are means of */
 
 static float clamp(float value, float lowest, float highest) { return fminf(fmaxf(value, lowest), highest); }
 
@@ -81,6 +83,15 @@ void firmware_start(void) {
     deepest = -fminf(0.999F * motor.current_limit, motor.magnet_flux / motor.direct_inductance);
     most_torque = greatest_torque(weakened(0.0F, INFINITY, 0.0F, motor.voltage), 0.0F, motor.voltage);
     TIM1->ARR = PWM_PERIOD;
+    samples = 0;
+    for (int phase = 0; phase < 3; phase++) offsets[phase] = CURRENT_OFFSET;
+}
+
+/* Measure the offsets of the amplifiers after power-on, at standstill with the bridge off. */
+static void calibrate(const float *counts) {
+    if (samples == CALIBRATION) return;
+    samples++;
+    for (int phase = 0; phase < 3; phase++) offsets[phase] += (counts[phase] - offsets[phase]) / (float)samples;
 }
 
 /* Write the compare registers of a voltage in the frame that stands still. */
@@ -93,9 +104,14 @@ static void modulate(float alpha, float beta, float link) {
 }
 
 void ADC_IRQHandler(void) {
-    float a = (float)((int32_t)ADC1->JDR1 - CURRENT_OFFSET) * motor.amperes_per_count;
-    float b = (float)((int32_t)ADC1->JDR2 - CURRENT_OFFSET) * motor.amperes_per_count;
-    float c = (float)((int32_t)ADC1->JDR3 - CURRENT_OFFSET) * motor.amperes_per_count;
+    float counts[] = {(float)ADC1->JDR1, (float)ADC1->JDR2, (float)ADC1->JDR3};
+    if (!bridge_is_on) {
+        calibrate(counts);
+        return;
+    }
+    float a = (counts[0] - offsets[0]) * motor.amperes_per_count;
+    float b = (counts[1] - offsets[1]) * motor.amperes_per_count;
+    float c = (counts[2] - offsets[2]) * motor.amperes_per_count;
     float link = fmaxf((float)ADC1->JDR4 * motor.volts_per_count, 1.0F), limit = link / ROOT_THREE;
     float speed = (float)shaft_speed * motor.speed_per_count, electrical = (float)motor.pole_pairs * speed;
     uint16_t angle = (uint16_t)((uint32_t)motor.pole_pairs * TIM2->CNT);

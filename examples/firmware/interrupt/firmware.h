@@ -5,7 +5,7 @@
 #include "board.h"
 
 #define PWM_PERIOD 8400        /* counts of TIM1 */
-#define CURRENT_OFFSET 32768   /* counts of ADC1 at 0 A */
+#define CURRENT_OFFSET 32768   /* counts of ADC1 at 0 A, without the offsets of the amplifiers */
 
 /* The parameter page in flash, in SI units. */
 typedef struct {
@@ -19,6 +19,7 @@ extern parameter_page motor;
 extern int16_t shaft_speed;   /* by the encoder's driver */
 extern float demand;          /* by the fieldbus: rad/s, or N m */
 extern int32_t demands_torque;
+extern int32_t bridge_is_on;  /* by the gate driver */
 
 void firmware_start(void);
 void ADC_IRQHandler(void);

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from dataclasses import replace
 from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
@@ -17,10 +18,12 @@ from drivegate.checks.judging import judged
 from drivegate.checks.margin import Margin
 from drivegate.containment.messages import JudgedCandidate
 from drivegate.contracts.catalogue import contract_of
+from drivegate.contracts.duty.scenarios.building import torque_scenario
 from drivegate.drives.running import recorded
 from drivegate.gate.plan import NOTHING_DECLARED
 from drivegate.studies.new import write_candidate
 from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.scenario.sensors import SHUNTS
 
 FOLDER = Path(__file__).parents[4] / "examples" / "firmware"
 DRIVE = load_drive("pm-ac-interior")
@@ -108,3 +111,19 @@ def test_a_fault_of_one_line_fails_its_check(seeded: Seeded, tmp_path: Path) -> 
     assert [m.measured for m in margins.values() if not m.met and not m.advisory] == []
     assert margins[seeded.check].met
     assert not margins_of(seeded, tmp_path / "wrong", seeded.fault)[seeded.check].met
+
+
+def test_the_interrupt_handler_measures_the_offsets_of_its_currents(tmp_path: Path) -> None:
+    folder = tmp_path / "interrupt"
+    shutil.copytree(FOLDER / "interrupt", folder, ignore=shutil.ignore_patterns("*.elf"))
+    candidate = resolve_candidate(str(folder / "candidate.toml"))
+    offset = torque_scenario(DRIVE, 1000.0, (1.5,)).replaced(
+        sensors=SHUNTS.model_copy(update={"current_offset_a": 0.2}), seed=3
+    )
+    swings = []
+    for declaration in (candidate.declaration.with_bridge_on(), candidate.declaration):
+        one = replace(candidate, declaration=declaration)
+        loaded = JudgedCandidate(one, partial(load_controller, one))
+        torque = recorded(loaded, offset, loaded.controller()).run.column("torque")[-2000:]
+        swings.append(torque.max() - torque.min())
+    assert swings[1] < 0.25 * swings[0], "only standstill with the bridge off shows them"
