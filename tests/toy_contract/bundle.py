@@ -183,7 +183,7 @@ TOY = Contract(
     witnesses=(Witness("toy:good", ("toy-motor",)),),
     checks=lambda: (CHECK,),
     families=("speed",),
-    numbers=lambda drive: {"error": "1"},
+    numbers=lambda drive, declaration: {"error": "1"},
     fixed_scenarios=lambda drive, declaration: tuple(scenario_at(drive, speed) for speed in SPEEDS),
     drawn_scenarios=lambda drive, declaration, group: st.integers(50, 500).map(
         lambda speed: scenario_at(drive, float(speed))

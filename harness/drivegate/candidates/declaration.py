@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
     from drivegate_cases.scenario.failure_kind import FailureKind
@@ -52,6 +52,13 @@ class Declaration:
     calibration_time_s: float = 0.0
     """Time at standstill with the bridge off before that (s)."""
 
+    current_bandwidth: float | None = None
+    """Bandwidth of the current regulators (rad/s), by which their steps are judged; None for the drive's limit."""
+
     def with_bridge_on(self) -> Declaration:
         """Return what a candidate declares that does not read `enable`, but is the same otherwise."""
         return replace(self, reads_enable=False, calibration_time_s=0.0)
+
+
+NOTHING_DECLARED: Final = Declaration()
+"""What a candidate declares that declares nothing."""

@@ -34,6 +34,7 @@ _KEYS_OF_OTHERS = {
     "current": {
         "references": "whose controllers follow a speed",
         "detects": "whose legs are no candidate's",
+        "current_bandwidth_rad_s": "whose currents are no candidate's",
         "reads_enable": "whose legs are no candidate's",
     }
 }
@@ -151,6 +152,12 @@ class Manifest(Document):
         default=0.0,
         le=0.5,
         description="time at standstill with the bridge off before each run, in seconds, to measure current offsets",
+    )
+
+    current_bandwidth_rad_s: Annotated[float, Field(gt=0, le=1e6)] | None = Field(
+        default=None,
+        description="bandwidth of the current regulators of a candidate that answers with duty ratios, in radians a "
+        "second, which its steps are judged by; the drive's rise_periods where it is left out",
     )
 
     drive: DriveReference | None = Field(
@@ -278,6 +285,7 @@ class Manifest(Document):
             self.reverses,
             self.reads_enable,
             self.calibration_time_s,
+            self.current_bandwidth_rad_s,
         )
 
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Final
 
+from drivegate.candidates.declaration import NOTHING_DECLARED, Declaration
 from drivegate.contracts.current.bundle import CURRENT
 from drivegate.contracts.duty.bundle import DUTY
 from drivegate_models.errors import InputError
@@ -60,7 +61,7 @@ _KEPT: Final = 1_000
 
 
 @lru_cache(maxsize=_KEPT)
-def on_drive(check: Check, drive: DriveDocument) -> Check:
-    """Return a check whose texts have the numbers of a drive."""
-    numbers = contract_of(drive).numbers(drive)
+def on_drive(check: Check, drive: DriveDocument, declaration: Declaration = NOTHING_DECLARED) -> Check:
+    """Return a check whose texts have the numbers of a drive, and those that a candidate declares."""
+    numbers = contract_of(drive).numbers(drive, declaration)
     return replace(check, **{name: getattr(check, name).format_map(numbers) for name in TEXTS})

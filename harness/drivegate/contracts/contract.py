@@ -106,8 +106,8 @@ class Contract:
     """Return the checks of a run, in the order in which they are reported."""
     families: tuple[str, ...]
     """Names of the families of drawn scenarios."""
-    numbers: Callable[[DriveDocument], Mapping[str, str]]
-    """Return a drive's numbers by the names that the texts of checks use."""
+    numbers: Callable[[DriveDocument, Declaration], Mapping[str, str]]
+    """Return a drive's numbers, and those that a candidate declares, by the names that the texts of checks use."""
     fixed_scenarios: Callable[[DriveDocument, Declaration], tuple[Scenario, ...]]
     """Return the scenarios that every check of a candidate runs first."""
     drawn_scenarios: Callable[[DriveDocument, Declaration, int | None], SearchStrategy[Scenario]]

@@ -8,6 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from drivegate.candidates.declaration import NOTHING_DECLARED
 from drivegate.contracts.duty.document import duty_document
 from drivegate.contracts.duty.efficiency import efficiency_map, known
 from drivegate.contracts.duty.numbers import numbers
@@ -192,7 +193,7 @@ def _required(drive: DriveDocument) -> tuple[str, ...]:
         (
             "required: speed within {k1} (k1) or torque within {torque_error}, steps with at most {overshoot} of "
             f"overshoot and {{rise}}, {weakening}phase currents up to {{peak}}"
-        ).format_map(numbers(drive)),
+        ).format_map(numbers(drive, NOTHING_DECLARED)),
     )
 
 

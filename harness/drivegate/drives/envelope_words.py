@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from math import inf, isfinite
 from typing import Any, Final
 
+from drivegate.candidates.declaration import NOTHING_DECLARED
 from drivegate.contracts.current.numbers import numbers as drive_numbers
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import limits_of
@@ -30,7 +31,7 @@ def facts(document: Mapping[str, Any]) -> list[str]:
 
 def required(drive: DriveDocument) -> list[str]:
     """State what is required of the controllers of a drive, in its own numbers."""
-    numbers = drive_numbers(drive)
+    numbers = drive_numbers(drive, NOTHING_DECLARED)
     return [
         "required of a search: from {settling} after a change on the speed stays within {k1} (k1), Σ|i| within {k2} "
         "(k2) and the angle within {angle}; Σ|i| at most {optimum} above the least".format_map(numbers),

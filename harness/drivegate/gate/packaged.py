@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from drivegate.candidates.declaration import NOTHING_DECLARED
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import own_candidate
 from drivegate.contracts.catalogue import contract_of
 from drivegate.drives.envelope_document import envelope_of
 from drivegate.drives.kinds import DRIVE_KINDS
 from drivegate.drives.running import recorded
-from drivegate.gate.plan import NOTHING_DECLARED
 from drivegate.gate.warm_up import compile_missing
 from drivegate.gate.witnesses import witnesses_for
 from drivegate_cases.drive.drive_document import load_drive

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from enum import Enum, auto
 from typing import Final
 
-from drivegate.candidates.declaration import Declaration
+from drivegate.candidates.declaration import NOTHING_DECLARED, Declaration
 from drivegate.candidates.kinds import KINDS
 from drivegate.candidates.python.bridge import PythonController
 from drivegate.checks.judging import JudgedRun, ShardOutcome
@@ -38,8 +38,6 @@ JOINT: Final = {"quick": 0, "default": 1, "nightly": 5}
 """Times that the runs of joint changes are drawn, by effort."""
 SCRIPTS: Final = {"quick": 10, "default": 60, "nightly": 600}
 """Scripts drawn for a candidate of the profile `flowchart`, by effort."""
-NOTHING_DECLARED: Final = Declaration()
-"""What a candidate declares that declares nothing."""
 REPEATED: Final = "DET-1"
 """Check that is judged on repetitions of a scenario."""
 

@@ -10,6 +10,7 @@ from collections.abc import Callable, Collection, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 
+from drivegate.candidates.declaration import NOTHING_DECLARED
 from drivegate.candidates.fault import Fault
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.judging import judged
@@ -19,7 +20,6 @@ from drivegate.contracts.catalogue import CONTRACTS
 from drivegate.contracts.contract import Contract
 from drivegate.drives.kinds import DEFAULT_KIND, DRIVE_KINDS
 from drivegate.drives.running import recorded
-from drivegate.gate.plan import NOTHING_DECLARED
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.compilation.kernels import refused_cache_folders, required_cache_folder

@@ -42,7 +42,9 @@ def check_outcomes(
 ) -> tuple[CheckOutcome, ...]:
     """Judge every check of a drive's contract over all runs."""
     own = contract_of(drive).checks()
-    return tuple(_outcome(on_drive(check, drive), runs, declaration, drive, complete) for check in own)
+    return tuple(
+        _outcome(on_drive(check, drive, declaration), runs, declaration, drive, complete) for check in own
+    )
 
 
 def machine_dependent(runs: Sequence[JudgedRun]) -> dict[str, dict[str, Any]]:

@@ -101,6 +101,7 @@ def test_a_wrong_manifest_is_reported_in_one_sentence(changes, sentence):
 def test_what_a_candidate_follows_is_declared():
     assert parsed(contract="duty", references=["torque"]).declaration().references == ("torque",)
     assert parsed(contract="duty", detects=["open-phase"]).declaration().detects == ("open-phase",)
+    assert parsed(contract="duty", current_bandwidth_rad_s=1000).declaration().current_bandwidth == 1000.0
     begun = parsed(contract="duty", reads_enable=True, calibration_time_s=0.25).declaration()
     assert (begun.reads_enable, begun.calibration_time_s) == (True, 0.25)
     assert begun.with_bridge_on() == parsed(contract="duty").declaration()
@@ -115,6 +116,8 @@ def test_what_a_candidate_follows_is_declared():
         ({"contract": "current", "detects": ["open-phase"]}, "'detects' is for the contract 'duty'"),
         ({"contract": "duty", "detects": ["fire"]}, "fire"),
         ({"contract": "current", "reads_enable": True}, "'reads_enable' is for the contract 'duty'"),
+        ({"contract": "current", "current_bandwidth_rad_s": 1e3}, "is for the contract 'duty'"),
+        ({"contract": "duty", "current_bandwidth_rad_s": 0.0}, "current_bandwidth_rad_s"),
         ({"contract": "duty", "calibration_time_s": 0.1}, "needs 'reads_enable = true'"),
         ({"contract": "duty", "reads_enable": True, "calibration_time_s": 0.6}, "calibration_time_s"),
     ],

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from drivegate.candidates.declaration import NOTHING_DECLARED
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import own_candidate
 from drivegate.contracts.catalogue import contract_of
@@ -15,7 +16,6 @@ from drivegate.contracts.duty.record import DutyRecord
 from drivegate.contracts.duty.scenarios.building import hoist_scenario, speed_scenario, torque_scenario
 from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios
 from drivegate.drives.running import recorded
-from drivegate.gate.plan import NOTHING_DECLARED
 from drivegate.scenarios.rotation import goes_backward, mirrored
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument

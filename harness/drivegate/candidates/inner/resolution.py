@@ -56,6 +56,7 @@ def from_text(specification: str) -> Candidate:
             references=("speed",),
             reverses=False,
             detects=(),
+            current_bandwidth=None,
         ),
         details=OuterLoop(outer),
         # The one that its manifest names takes current references.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
+from drivegate.candidates.declaration import Declaration
 from drivegate.checks.number_words import limit_words, milliseconds, percent, power
 from drivegate.scenarios.drive_scale import scale_of, tidy
 from drivegate_cases.drive.drive_document import DriveDocument
@@ -16,7 +17,7 @@ _SENSORS: Final = {
 }
 
 
-def numbers(drive: DriveDocument) -> dict[str, str]:
+def numbers(drive: DriveDocument, _declaration: Declaration) -> dict[str, str]:
     """Write the numbers that checks state, and what sensors the drive has, by the names that stand in their texts."""
     scale, limits, rating = scale_of(drive), limits_of(drive), drive.rating
     points = [f"{point.speed_rpm:g} rpm and {point.torque_n_m:g} N·m" for point in limits.points]

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from drivegate.candidates.declaration import Declaration
 from drivegate.checks.number_words import limit_words, milliseconds
+from drivegate.contracts.duty.current_bandwidth import declared_rise_s, require_bandwidth, transient_periods
 from drivegate.contracts.duty.document import duty_document
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.pm_ac.limits import DutyLimits, duty_limits_of
 
 
-def numbers(drive: DriveDocument) -> dict[str, str]:
+def numbers(drive: DriveDocument, declaration: Declaration) -> dict[str, str]:
     """Write the numbers that checks of duty ratios state, by the names that stand in their texts."""
-    limits, rating = duty_limits_of(duty_document(drive)), drive.rating
+    document, rating = duty_document(drive), drive.rating
+    limits, bandwidth = duty_limits_of(document), declaration.current_bandwidth
+    if bandwidth is not None:
+        require_bandwidth(document, bandwidth)
     return limit_words(limits) | {
         "base": f"{rating.base_speed_rpm:g} rpm",
         "current": f"{rating.current_limit_a:g} A",
@@ -18,7 +23,11 @@ def numbers(drive: DriveDocument) -> dict[str, str]:
         "safe_time": _safe_time(limits),
         "dead_time_ripple": f"{limits.dead_time_ripple:g}",
         "modulation_ripple": f"{limits.modulation_ripple:g}",
-        "rise": f"90 % within {milliseconds(limits.rise_time_s)} and what the voltage takes",
+        "rise": f"90 % within {milliseconds(limits.rise_time_s)} and what the voltage takes"
+        if bandwidth is None
+        else f"90 % of the currents within {1e3 * declared_rise_s(document, bandwidth):.4g} ms, by the declared "
+        f"bandwidth of {bandwidth:g} rad/s, or what the voltage takes",
+        "transient": f"{transient_periods(document, declaration)} control periods",
     }
 
 

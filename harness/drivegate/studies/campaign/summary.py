@@ -70,7 +70,8 @@ def _candidate(
 
 def _check(plan: CampaignPlan, folder: CampaignFolder, place: int, entry: CheckStatistics) -> dict[str, Any]:
     drive = plan.run(entry.worst_run or 0).scenario.drive
-    check = on_drive(check_of(drive.contract, entry.check), drive)
+    declaration = plan.candidates[place].declaration
+    check = on_drive(check_of(drive.contract, entry.check), drive, declaration)
     return {
         "id": entry.check,
         "level": check.level,

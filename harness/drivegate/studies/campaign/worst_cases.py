@@ -55,7 +55,7 @@ def _counterexample(
     """Write the worst run of a check that it violates, and return where."""
     worst, candidate = plan.run(entry.worst_run or 0).scenario, plan.candidates[place]
     drive, scenario = worst.drive, worst.to_mapping()
-    check = on_drive(check_of(drive.contract, entry.check), drive)
+    check = on_drive(check_of(drive.contract, entry.check), drive, candidate.declaration)
     content = {
         "schema": Counterexample.schema_current,
         "kind": KIND,

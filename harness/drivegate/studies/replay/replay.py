@@ -202,7 +202,7 @@ def remark_on(stored: Counterexample, candidate: Candidate, ended: Replay | Faul
 def document_of(stored: Counterexample, candidate: Candidate, ended: Replay | Fault) -> dict[str, Any]:
     """Write what became of a counterexample as plain data."""
     drive, remark = stored.scenario.drive, remark_on(stored, candidate, ended)
-    check = on_drive(check_of(stored), drive)
+    check = on_drive(check_of(stored), drive, candidate.declaration)
     verdict = verdict_on(ended, remark)
     margin = None if isinstance(ended, Fault) else ended.margin
     fault = asdict(ended) | {"kind": ended.kind.value} if isinstance(ended, Fault) else None

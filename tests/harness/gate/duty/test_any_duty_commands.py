@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from tests.harness.containment.test_hostile_fuzz import DRAWN_ONCE, assert_a_verdict
 
+from drivegate.candidates.declaration import NOTHING_DECLARED
 from drivegate.candidates.fault import CandidateFault, Fault
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.judging import JudgedRun
@@ -22,7 +23,6 @@ from drivegate.containment.messages import JudgedCandidate
 from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.duty.run import DUTY_RATIOS, LEGS
 from drivegate.contracts.duty.scenarios.building import torque_of, torque_scenario
-from drivegate.gate.plan import NOTHING_DECLARED
 from drivegate.gate.recording import behaviour_job, recording_job, recording_plans, with_recordings
 from drivegate.gate.shard import FixedRuns, run_fixed
 from drivegate.output.result_reports import all_formats, read_result, write_result

@@ -8,6 +8,7 @@ from functools import cache
 import pytest
 
 from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS
+from drivegate.candidates.declaration import NOTHING_DECLARED
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.judging import judged
 from drivegate.containment.judge import Judge, own_candidate
@@ -30,7 +31,7 @@ from drivegate.drives.running import recorded
 from drivegate.gate.engine import check_candidate
 from drivegate.gate.events import CheckFinished
 from drivegate.gate.focus import Focus
-from drivegate.gate.plan import NOTHING_DECLARED, TimedSteps, time_steps
+from drivegate.gate.plan import TimedSteps, time_steps
 from drivegate.gate.recording import behaviour_job
 from drivegate.gate.shard import DrawnRuns, FixedRuns, run_drawn, run_fixed
 from drivegate.results.verdict import check_outcomes

@@ -20,10 +20,9 @@ from drivegate.contracts.duty.checks.steps import (
     torque_steps,
     voltage_time_s,
 )
+from drivegate.contracts.duty.current_bandwidth import transient_periods
 from drivegate.contracts.duty.record import DutyRecord, exact_mean
 
-TRANSIENT_PERIODS = 100
-"""Control periods behind a step that are judged; what changes later is a choice, not coupling."""
 LINEAR_SHARE = 0.5
 """Time that the voltage takes to move the currents, over the stated rise time, up to which a step is judged (1)."""
 _LEVEL_PERIODS = 25
@@ -76,7 +75,7 @@ def _course(
 ) -> tuple[NDArray[np.float64], slice, tuple[float, float], float]:
     """Return the d current (A), the judged control periods, its levels before and after them, and what is allowed."""
     begin = step.rows.start
-    end = min(begin + TRANSIENT_PERIODS, step.rows.stop)
+    end = min(begin + transient_periods(record.document, record.declaration), step.rows.stop)
     direct = record.run.column("direct")
     before, after = (exact_mean(direct[place - _LEVEL_PERIODS : place]) for place in (begin, end))
     allowed = record.limits.coupling * _step_size(record, step)
@@ -109,7 +108,7 @@ DEC_1 = Check(
     level="required",
     limit="{coupling} of the step of the q current",
     scenarios="steps of 10 % of rated torque and more on the nominal drive, so small that no voltage is limited",
-    formula="1 - d current outside of its values before and 100 control periods after / {coupling} of the q step",
+    formula="1 - d current outside of its values before and {transient} after / {coupling} of the q step",
     why="Rotation couples both axes, and what is not decoupled is current and loss for nothing.",
     evaluate=decoupled_current,
     moment=coupling_moment,
