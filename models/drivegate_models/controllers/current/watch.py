@@ -238,7 +238,7 @@ def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int
     if state.mode == SETTLING and state.error > state.lost_speed:
         back_off_farther(state, state.error)
         return WAITING, change
-    if unwind_after_recovery(state):
+    if unwind_after_recovery(state, current_sum):
         return WAITING, change
     if is_speed_unsteady(state) and unwind(state, current_sum):
         return WAITING, change

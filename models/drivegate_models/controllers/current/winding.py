@@ -88,15 +88,25 @@ def has_lost_torque(state: Any, current_sum: float, fall: float) -> bool:
 
 
 @inlined
-def unwind_after_recovery(state: Any) -> bool:
+def current_in_use(state: Any, current_sum: float) -> float:
+    """Return the current to which a wound-up regulator unwinds (A): that of the last good angle, or more if it flows.
+
+    `current_sum` is the mean of the interval (A). What flows has not wound up in vain: the load has grown.
+    """
+    flowing = current_sum / state.conducting_phases
+    return max(flowing, state.good_integral) if state.good_power < inf else flowing
+
+
+@inlined
+def unwind_after_recovery(state: Any, current_sum: float) -> bool:
     """Unwind the regulator once lost speed has returned, to avoid overshoot; return True if it was wound up.
 
-    This happens once per loss of speed.
+    This happens once per loss of speed. `current_sum` is the mean of the interval (A).
     """
     back = state.mode == SETTLING and state.lost_speed < inf and state.error <= 0.0
     if not back or state.integral <= _OVERSHOOTING * state.good_integral:
         return False
-    state.integral = state.good_integral
+    state.integral = min(state.integral, current_in_use(state, current_sum))
     begin_settling(state)
     state.lost_speed = inf
     return True
@@ -109,10 +119,8 @@ def unwind(state: Any, current_sum: float) -> bool:
     If the speed sags, also revert angle. `current_sum` is the mean of the interval (A).
     """
     if state.winding >= _WOUND:
-        # The reference exceeds the current that can flow at this angle. Without a known good angle, use the current.
-        flowing = current_sum / state.conducting_phases
-        known = max(flowing, state.good_integral) if state.good_power < inf else flowing
-        state.integral = min(state.integral, known)
+        # The reference exceeds the current that can flow at this angle.
+        state.integral = min(state.integral, current_in_use(state, current_sum))
         angle = state.first_step
     elif is_creeping(state, current_sum, 0.5 * CHANGED):
         state.integral = state.good_integral

@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 
 from drivegate_models.controllers.current.builtin import initial_angle, regulate_speed
 from drivegate_models.controllers.current.flowchart_search import decide_by_flowchart
-from drivegate_models.controllers.current.state import CONTROLLER_STATE
+from drivegate_models.controllers.current.state import CONTROLLER_STATE, SETTLING
+from drivegate_models.controllers.current.winding import unwind_after_recovery
 
 pytestmark = pytest.mark.kernel
 BASE = 500.0 * math.pi / 30.0
@@ -67,3 +68,19 @@ def test_decisions_of_the_flowchart(powers: list[float], errors: list[float], mo
         decide_by_flowchart(state[0], error)
         made.append(round((float(state["offset"][0]) - before) / 0.01))
     assert made == moves, f"Fig. 4 moves by {moves} steps, the search by {made}"
+
+
+@pytest.mark.parametrize(
+    ("current_sum", "left"),
+    [pytest.param(24.0, 12.0, id="wound up in vain"), pytest.param(58.0, 29.0, id="a load that has grown")],
+)
+def test_a_regulator_unwinds_no_farther_than_to_the_current_that_flows(
+    current_sum: float, left: float
+) -> None:
+    record = np.zeros(1, CONTROLLER_STATE).view(np.recarray)
+    state: Any = record[0]
+    state.mode, state.conducting_phases = SETTLING, 2
+    state.good_power, state.good_integral, state.lost_speed = 22.0, 11.0, 1.0
+    state.integral = 29.5
+    assert unwind_after_recovery(state, current_sum)
+    assert state.integral == left
