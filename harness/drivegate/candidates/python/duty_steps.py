@@ -56,9 +56,11 @@ class DutySteps(BridgedSteps):
             answer = self.candidate_step(sense)
             if not isinstance(answer, DutyCommand):
                 raise self.not_a_command(answer)
-            _OUTPUTS.pack_into(
-                self._command_view, _OUTPUTS_OFFSET, *_ratios(answer), *_legs(answer), *_rest(answer)
-            )
+            # While the bridge is off nothing of it acts.
+            if sense.enable:
+                _OUTPUTS.pack_into(
+                    self._command_view, _OUTPUTS_OFFSET, *_ratios(answer), *_legs(answer), *_rest(answer)
+                )
         except BaseException as error:
             self.stop(error, sense, command_address)
 

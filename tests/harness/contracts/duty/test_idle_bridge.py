@@ -31,7 +31,7 @@ class Mine:
         if not sense.enable:
             self.off += 1
             self.still += sense.speed == 0.0
-            return DutyCommand((1.0, 0.0, 0.0))
+            return DutyCommand((float("nan"), 0.0, 0.0), legs=(9, 9, 9))
         return DutyCommand((0.5, 0.5, 0.5), torque=self.off, speed=self.still)
 """
 C = """
