@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import pytest
@@ -33,6 +34,23 @@ class Mine:
             self.still += sense.speed == 0.0
             return DutyCommand((float("nan"), 0.0, 0.0), legs=(9, 9, 9))
         return DutyCommand((0.5, 0.5, 0.5), torque=self.off, speed=self.still)
+"""
+PROGRAM = """
+import json, sys
+
+for line in sys.stdin:
+    message = json.loads(line)
+    if "message" in message:
+        answer = {"drivegate": 1}
+    elif "reset" in message:
+        off = still = 0
+        answer = {"ready": True}
+    else:
+        sense = message["sense"]
+        off += not sense["enable"]
+        still += sense["speed"] == 0.0
+        answer = {"duty_ratios": [0.5, 0.5, 0.5], "torque": off, "speed": still}
+    print(json.dumps(answer), flush=True)
 """
 C = """
     static int64_t off, still;
@@ -101,10 +119,12 @@ def counted(loaded: JudgedCandidate, scenario: Scenario) -> tuple[int, int, int]
 
 def written(folder: Path, kind: str, keys: str) -> str:
     """Write a candidate of a kind with a manifest; return its path."""
-    name = f"mine.{'py' if kind == 'python' else 'c'}"
-    text = PYTHON if kind == "python" else duty_source().replace("    if (self->steps == 5)", C)
+    name, entry, text = {
+        "python": ("mine.py", "mine.py:Mine", PYTHON),
+        "exec": ("mine.py", f"{sys.executable} mine.py", PROGRAM),
+        "c": ("mine.c", "mine.c", duty_source().replace("    if (self->steps == 5)", C)),
+    }[kind]
     (folder / name).write_text(text, encoding="utf-8")
-    entry = f"{name}:Mine" if kind == "python" else name
     lines = f'schema = 1\nname = "mine"\nkind = "{kind}"\nentry = "{entry}"\ncontract = "duty"\n{keys}\n'
     (folder / "candidate.toml").write_text(lines, encoding="utf-8")
     return str(folder / "candidate.toml")
@@ -118,7 +138,7 @@ def run(manifest: str) -> tuple[int, int, int]:
     return ended
 
 
-@pytest.mark.parametrize("kind", ["python", "c"])
+@pytest.mark.parametrize("kind", ["python", "exec", "c"])
 def test_it_is_stepped_with_the_bridge_off_before_each_run(tmp_path: Path, kind: str) -> None:
     periods, resting = SHORT.control_periods, round(0.013 / SHORT.control_period_s)
     assert run(written(tmp_path, kind, "")) == (0, 0, periods)
