@@ -93,8 +93,8 @@ def current_in_use(state: Any, current_sum: float) -> float:
 
     `current_sum` is the mean of the interval (A). What flows has not wound up in vain: the load has grown.
     """
-    flowing = current_sum / state.conducting_phases
-    return max(flowing, state.good_integral) if state.good_power < inf else flowing
+    flowing: float = current_sum / state.conducting_phases
+    return max(flowing, float(state.good_integral)) if state.good_power < inf else flowing
 
 
 @inlined
