@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import sqrt
+from math import nan, sqrt
 from typing import Any, Final
 
 from drivegate_models.compilation.calling import double_at
@@ -16,6 +16,8 @@ BANDWIDTH: Final = 0.2
 
 # Rate of the integrals relative to that of the currents. What they collect during a step decays later, as overshoot.
 _INTEGRAL = 0.05
+# Share of the voltage that moves the currents from which decoupling has priority.
+_LEAST_MOVING = 0.5
 # Current, as a share of the limit, from which dead-time compensation is complete. It is small, because a wider ramp
 # leaves ripple at a low voltage, and the reference current used for compensation has no noise.
 _DEAD_SHARE = 0.0005
@@ -32,6 +34,7 @@ def reset_regulator(state: Any, nameplate: Any) -> None:
     state.magnet_flux = nameplate.magnet_flux
     state.current_limit = nameplate.current_limit
     state.lead = (nameplate.update_delay + 0.5) * nameplate.control_period
+    state.delay = 1 if nameplate.update_delay > 0 else 0
     state.remaining_error = max(1.0 - BANDWIDTH * (nameplate.update_delay + 0.5), 0.0)
     # Dead time occurs once per carrier period, which consists of two control periods with double update.
     halves = 2.0 if nameplate.updates == 2 else 1.0
@@ -43,6 +46,10 @@ def reset_regulator(state: Any, nameplate: Any) -> None:
     state.quadrature_integral_step = BANDWIDTH * max(nameplate.resistance, _INTEGRAL * state.quadrature_gain)
     state.direct_integral = 0.0
     state.quadrature_integral = 0.0
+    for command in range(2):
+        # Until the first command acts, the legs are off and their voltages unknown.
+        state.along_voltage[command] = nan
+        state.across_voltage[command] = nan
 
 
 @inlined
@@ -144,6 +151,25 @@ def write_voltage(
 
 
 @inlined
+def _limited_request(
+    steady: tuple[float, float], moving: tuple[float, float], coupling: tuple[float, float], limit: float
+) -> tuple[float, float]:
+    """Return the sum of the d and q voltages that maintain, move and decouple the currents, within the limit (V).
+
+    If at least half of the voltage that moves the currents fits in addition to all others, they move more slowly, but
+    decoupled. Otherwise decoupling is added as far as the limit allows.
+    """
+    along, across = steady[0] + coupling[0], steady[1] + coupling[1]
+    if along * along + across * across < limit * limit:
+        direct, quadrature = limited_voltage(along, across, moving[0], moving[1], limit)
+        moved = (direct - along) * moving[0] + (quadrature - across) * moving[1]
+        if moved >= _LEAST_MOVING * (moving[0] * moving[0] + moving[1] * moving[1]):
+            return direct, quadrature
+    along, across = steady[0] + moving[0], steady[1] + moving[1]
+    return limited_voltage(along, across, coupling[0], coupling[1], limit)
+
+
+@inlined
 def regulate_currents(
     state: Any,
     sense: Any,
@@ -159,11 +185,11 @@ def regulate_currents(
 
     With the error ``x`` of the flux linkage, ``x' = v - v_r - j w x - R (i - i_r)``, where ``v_r`` is the voltage
     that maintains the references. The rotation ``j w x`` does no work on ``|x|**2``, so its decoupling is useful
-    but optional. Limiting ``v_r - K x`` to the nearest voltage within the limit reduces the error wherever ``v_r``
-    is within the limit: ``(P(y) - v_r) . (y - P(y)) >= 0`` for a projection ``P`` onto a convex set. A limit that
-    prefers one axis does not: during braking it maintains currents far beyond their references. Forces that do no
-    work: Ortega, Loria, Nicklasson and Sira-Ramirez, "Passivity-based Control of Euler-Lagrange Systems", Springer,
-    1998.
+    but optional, and part of ``K x`` reduces the error as well. Limiting ``v_r - K x`` to the nearest voltage within
+    the limit reduces the error wherever ``v_r`` is within the limit: ``(P(y) - v_r) . (y - P(y)) >= 0`` for a
+    projection ``P`` onto a convex set. A limit that prefers one axis does not: during braking it maintains currents
+    far beyond their references. Forces that do no work: Ortega, Loria, Nicklasson and Sira-Ramirez, "Passivity-based
+    Control of Euler-Lagrange Systems", Springer, 1998.
     """
     limit = voltage_limit(sense)
     electrical = state.pole_pairs * sense.speed
@@ -172,22 +198,17 @@ def regulate_currents(
     # What is left of the errors by the time at which the command acts: more decoupling than that couples anew.
     direct_flux = state.remaining_error * state.direct_inductance * direct_error
     quadrature_flux = state.remaining_error * state.quadrature_inductance * quadrature_error
-    # The voltage that maintains the references and moves the currents to them. Decoupling is added as far as the limit
-    # allows.
-    along = (
-        state.direct_gain * direct_error
-        + state.direct_integral
-        - electrical * state.quadrature_inductance * quadrature_reference
+    # The voltages that maintain the references, that move the currents to them, and that decouple them.
+    steady = state.direct_integral - electrical * state.quadrature_inductance * quadrature_reference
+    across_steady = state.quadrature_integral + electrical * (
+        state.direct_inductance * direct_reference + state.magnet_flux
     )
-    across = (
-        state.quadrature_gain * quadrature_error
-        + state.quadrature_integral
-        + electrical * (state.direct_inductance * direct_reference + state.magnet_flux)
-    )
-    direct_voltage = along + electrical * quadrature_flux
-    quadrature_voltage = across - electrical * direct_flux
-    direct_limited, quadrature_limited = limited_voltage(
-        along, across, electrical * quadrature_flux, -electrical * direct_flux, limit
+    moving, across_moving = state.direct_gain * direct_error, state.quadrature_gain * quadrature_error
+    coupling, across_coupling = electrical * quadrature_flux, -electrical * direct_flux
+    direct_voltage = steady + moving + coupling
+    quadrature_voltage = across_steady + across_moving + across_coupling
+    direct_limited, quadrature_limited = _limited_request(
+        (steady, across_steady), (moving, across_moving), (coupling, across_coupling), limit
     )
     # Anti-windup: the voltage cut by the limit does not enter the integrals.
     state.direct_integral += state.direct_integral_step * (

@@ -20,9 +20,8 @@ _TRUST = 0.1
 
 
 @inlined
-def reset_prediction(state: Any, nameplate: Any) -> None:
-    """Write the constants of the prediction and reset everything else."""
-    state.delay = 1 if nameplate.update_delay > 0 else 0
+def reset_prediction(state: Any) -> None:
+    """Reset the prediction."""
     state.direct_given = 0.0
     state.quadrature_given = 0.0
     state.direct_missed = 0.0

@@ -53,8 +53,11 @@ _CONVERGED: Final = 1e-9
 VOLTAGE_SHARE: Final = 0.98
 """Share of the undistorted voltage for the reference currents; the rest is reserved for the current regulators."""
 
-# Bandwidth of the speed regulator relative to that of the currents.
+# Bandwidth of the speed regulator relative to that of the currents, and its maximum for a light rotor. With a gain
+# below the slope of the load's torque the integral is slow; the steepest load is a fan of this exponent at rated power.
 _SPEED_SHARE = 0.02
+_MOST_SPEED_SHARE = 0.1
+_FAN_EXPONENT = 2.0
 _SPEED_INTEGRAL = 0.25
 # Rate of field weakening by the voltage in use, relative to that of the currents; minimum share of the undistorted
 # voltage for the references; and maximum voltage in use, because a step needs its voltage only for a short time.
@@ -75,9 +78,12 @@ def reset_state(state: Any, nameplate: Any) -> None:
     """Write the constants of a controller and reset everything else, except for its aim and its regulation."""
     period = nameplate.control_period
     state.control_period = period
-    speed_bandwidth = _SPEED_SHARE * BANDWIDTH / period
+    slope = _FAN_EXPONENT * nameplate.rated_power / (nameplate.base_speed * nameplate.base_speed)
+    current_bandwidth = BANDWIDTH / period
+    slowest, fastest = _SPEED_SHARE * current_bandwidth, _MOST_SPEED_SHARE * current_bandwidth
+    speed_bandwidth = min(max(slope / nameplate.inertia, slowest), fastest)
     reset_regulator(state, nameplate)
-    reset_prediction(state, nameplate)
+    reset_prediction(state)
     reset_torque_regulation(state)
     state.regulates_speed = 1 if nameplate.reference_kind == SPEED_REFERENCE else 0
     state.core_loss_conductance = nameplate.core_loss_conductance

@@ -9,7 +9,7 @@ position is lost.
 
 from __future__ import annotations
 
-from math import floor, pi, sqrt
+from math import floor, isnan, pi, sqrt
 from typing import Any, Final
 
 from drivegate_models.compilation.calling import double_at
@@ -90,7 +90,6 @@ def reset_plausibility(state: Any, nameplate: Any) -> None:
     state.angle_drift = 0.0
     state.farthest_drift = _FARTHEST
     state.flux_decay = _FLUX_SLOW * nameplate.pole_pairs * nameplate.base_speed * period
-    state.flux_watched = 0
     state.along_drift = 0.0
     state.across_drift = 0.0
     state.hall_watched = -1
@@ -143,17 +142,15 @@ def watch_flux(state: Any, sense: Any, direct: float, quadrature: float) -> None
     drop = 0.5 * state.resistance
     along_drop = drop * (cosine * direct - sine * quadrature)
     across_drop = drop * (sine * direct + cosine * quadrature)
-    # Until the first command acts, the legs are off and their voltages unknown.
-    if state.flux_watched > state.delay:
+    along = state.along_voltage[state.delay]
+    if not isnan(along):
         period = state.control_period
-        along = state.along_voltage[state.delay] - along_drop - state.along_drop
+        along -= along_drop + state.along_drop
         across = state.across_voltage[state.delay] - across_drop - state.across_drop
         decay = max(abs(float(state.pole_pairs * sense.speed * period)), state.flux_decay)
         left = max(1.0 - decay / _FLUX_FORGOTTEN, 0.0)
         state.along_drift = left * state.along_drift + along_flux - state.along_flux - period * along
         state.across_drift = left * state.across_drift + across_flux - state.across_flux - period * across
-    else:
-        state.flux_watched += 1
     state.along_flux, state.across_flux = along_flux, across_flux
     state.along_drop, state.across_drop = along_drop, across_drop
 

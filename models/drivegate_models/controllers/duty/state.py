@@ -82,8 +82,10 @@ FOC_STATE: Final = np.dtype(
         ("quadrature_integral", np.float64),
         # Share of the undistorted voltage that references may use.
         ("voltage_share", np.float64),
-        # 1 if a command acts one period later.
+        # 1 if a command acts one period later, and the voltages of the last two commands (V, stationary frame).
         ("delay", np.int64),
+        ("along_voltage", np.float64, (2,)),
+        ("across_voltage", np.float64, (2,)),
         # Prediction of the flux: the voltage applied, the prediction errors (V), and the flux predicted for the next
         # step.
         ("direct_given", np.float64),
@@ -160,15 +162,11 @@ FOC_STATE: Final = np.dtype(
         ("angle_before", np.float64),
         ("angle_drift", np.float64),
         ("farthest_drift", np.float64),
-        # Steps with a known flux; the decay of an unexplained flux in a period, and that flux (V s); voltages of the
-        # last two commands (V), and of the step before half the resistive voltage (V) and the flux (V s). Stationary
-        # frame.
-        ("flux_watched", np.int64),
+        # The decay of an unexplained flux in a period, and that flux (V s); of the step before half the resistive
+        # voltage (V) and the flux (V s). Stationary frame.
         ("flux_decay", np.float64),
         ("along_drift", np.float64),
         ("across_drift", np.float64),
-        ("along_voltage", np.float64, (2,)),
-        ("across_voltage", np.float64, (2,)),
         ("along_drop", np.float64),
         ("across_drop", np.float64),
         ("along_flux", np.float64),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from cmath import rect
 from collections.abc import Callable
-from math import cos, pi, tau
+from math import cos, nan, pi, tau
 from typing import Any
 
 import numpy as np
@@ -163,6 +163,7 @@ def test_a_flux_at_a_wrong_angle_is_not_explained_by_the_voltage(
     drive.state.direct_inductance = drive.state.quadrature_inductance = NAMEPLATE.direct_inductance
     drive.state.resistance = NAMEPLATE.resistance
     drive.state.along_drift = 0.0
+    drive.state.along_voltage[:] = nan
     # A shaft at 60 rad/s without current, whose voltage is the change of the magnet's flux.
     step = 60.0 * POLE_PAIRS * PERIOD
     largest = 0.0
