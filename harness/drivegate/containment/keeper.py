@@ -8,13 +8,16 @@ that made a session of their own, so it has killed all of them when it has no ch
 It imports little, so that it is small and starts at once.
 """
 
+import atexit
+import gc
 import os
 import shutil
 import signal
 import stat
 import sys
 import time
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from drivegate.isolation.layers import Layer, isolate, read_order
@@ -70,16 +73,28 @@ def _become_worker(role: str, temporary: str, descriptors: list[int], keeper: in
     os.dup2(nothing, 0)
     os.close(nothing)
     os.dup2(2, 1)
+    atexit.register(gc.freeze)
     # Only the process itself needs the libraries that these bring.
     if role == "candidate":
-        from drivegate.containment.serving import serve
+        with _without_collection():
+            from drivegate.containment.serving import serve
 
         connection, progress = descriptors
         serve(connection, progress, keeper)
     else:
-        from drivegate.containment.judge_process import judge_jobs
+        with _without_collection():
+            from drivegate.containment.judge_process import judge_jobs
 
         judge_jobs(descriptors[0], temporary, keeper)
+
+
+@contextmanager
+def _without_collection() -> Iterator[None]:
+    """Leave what is imported out of every search for garbage: there is none in it, and the search takes long."""
+    gc.disable()
+    yield
+    gc.freeze()
+    gc.enable()
 
 
 def _report(number: int) -> None:

@@ -249,6 +249,12 @@ def test_a_judge_that_is_forgotten_ends(candidate, jobs):
     del worker
 
 
+def test_a_candidate_has_its_garbage_collected_but_not_the_harness(candidate, jobs):
+    collected = "float(gc.isenabled() and gc.get_freeze_count() > 10000)"
+    with worker_of(candidate(top="import gc", answer=collected)) as worker:
+        assert worker.run(Job(jobs.drive, NORMAL)) == 3.0
+
+
 def has_ended(process):
     try:
         return process.status() == psutil.STATUS_ZOMBIE
