@@ -1,5 +1,6 @@
 """What every test finds around it, alone or beside others, in a terminal or behind a script."""
 
+import gc
 import os
 import signal
 from collections.abc import Iterator
@@ -16,6 +17,12 @@ def pytest_sessionstart(session: pytest.Session) -> None:
     from drivegate_cases.drive.drive_document import load_drive
 
     compile_missing(load_drive(kind.default_drive) for kind in DRIVE_KINDS.values())
+
+
+def pytest_collection_finish() -> None:
+    """Leave modules and tests out of later searches for garbage, which took a sixth of the processor time."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.fixture(autouse=True, scope="session")
