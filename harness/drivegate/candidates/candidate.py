@@ -52,6 +52,16 @@ class Target:
     """Address and size of further memory, such as where peripherals are (bytes)."""
     step_instructions: int | None = None
     """Greatest number of instructions that a step may execute; None for no such limit."""
+    step: str | None = None
+    """Function that is called in each control period instead of an adapter's; None where there is an adapter."""
+    peripherals: tuple[tuple[str, str], ...] = ()
+    """Names of places, and the places."""
+    write: tuple[tuple[str, str], ...] = ()
+    """Variables that are written before a step, and the expressions of their values."""
+    read: tuple[tuple[str, str], ...] = ()
+    """Fields of the command, and the expressions of their values after a step."""
+    stub: tuple[tuple[str, str], ...] = ()
+    """Functions that do not run, and the expressions of what they return."""
 
 
 @dataclass(frozen=True)

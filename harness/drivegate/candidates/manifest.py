@@ -47,6 +47,7 @@ Text = Annotated[str, Field(min_length=1)]
 Positive = Annotated[float, Field(gt=0)]
 Address = Annotated[int, Field(ge=0, lt=2**32)]
 Size = Annotated[int, Field(gt=0, le=2**24)]
+Value = Annotated[str, Field(min_length=1)] | Annotated[float, Field(allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0)]
 
 
@@ -183,6 +184,32 @@ class Manifest(Document):
         "included",
     )
 
+    step: Text | None = Field(
+        default=None,
+        description="function of an image that is called in each control period; it needs no adapter, but [read]",
+    )
+
+    peripherals: dict[Text, Text] = Field(
+        default={}, description="names for places in an image, such as TIM1 = 'TIM_TypeDef(0x40010000)'"
+    )
+
+    write: dict[Text, Value] = Field(
+        default={},
+        description="variables of an image that are written before each step, and values such as '2048 + 12.4 * "
+        "phase_currents[0]', from fields of the Sense and from nameplate.resistance and the like; before 'start' too, "
+        "with the drive at rest",
+    )
+
+    read: dict[Text, Value] = Field(
+        default={},
+        description="fields of the Command, and values such as 'TIM1.CCR1 / TIM1.ARR', from variables of an image",
+    )
+
+    stub: dict[Text, Value] = Field(
+        default={},
+        description="functions of an image that do not run, and what they return, from the same names as in [write]",
+    )
+
     blocks: Blocks | None = Field(default=None, description="blocks of its own, of the kind 'compose'")
 
     @model_validator(mode="after")
@@ -223,6 +250,15 @@ class Manifest(Document):
     def _what_is_built_has_sources(self) -> Self:
         if self.build and not self.sources:
             raise ValueError("the key 'build' needs 'sources', the files that the commands may read")
+        return self
+
+    @model_validator(mode="after")
+    def _a_step_without_adapter_is_whole(self) -> Self:
+        if self.step is not None and not (self.read and self.contract):
+            raise ValueError("the key 'step' needs a table [read] and the key 'contract'")
+        for key in ("peripherals", "write", "read", "stub"):
+            if getattr(self, key) and self.step is None:
+                raise ValueError(f"the table [{key}] needs the key 'step', the function that is called")
         return self
 
     @model_validator(mode="after")

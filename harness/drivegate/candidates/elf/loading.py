@@ -4,11 +4,17 @@ from __future__ import annotations
 
 from typing import Any, Final
 
+import numpy as np
+from numpy.typing import NDArray
+
 from drivegate.candidates.candidate import Candidate, Target
 from drivegate.candidates.contract import HEADERS, AnyNameplate, ContractName, require_nameplate_of
 from drivegate.candidates.elf import processor
+from drivegate.candidates.elf.exchange import REQUIRED_OUTPUTS, Programs, program_of, records_in, run_program
+from drivegate.candidates.elf.expression import parsed, parsed_place
 from drivegate.candidates.elf.image import Image, read_image
 from drivegate.candidates.elf.processor import CortexM, TargetFault, step_function
+from drivegate.candidates.elf.variables import variables_of
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind, Phase, bounded_line
 from drivegate.candidates.native.controller import RESETS, STEPS, record_of, refused_by_reset
 from drivegate.candidates.native.loading import COMMON, LARGEST_STATE, require_version
@@ -31,16 +37,19 @@ def load_controller(candidate: Candidate) -> TargetController:
         raise HarnessFault(f"the candidate {candidate.name} is no image")
     image = read_image(candidate.details.image)
     name = one_line(candidate.name)
-    contract = _contract_of(image, name)
-    required = (*COMMON, RESETS[contract], STEPS[contract], *filter(None, (candidate.details.start,)))
+    target = candidate.details
+    contract = _contract_of(image, name) if target.step is None else candidate.contract or "current"
+    own = (*COMMON, RESETS[contract], STEPS[contract]) if target.step is None else (target.step,)
+    required = (*own, *filter(None, (target.start,)), *(function for function, _ in target.stub))
     missing = [function for function in required if function not in image.functions]
     if missing:
+        named = f"that {HEADERS[contract]} declares" if target.step is None else "that its manifest names"
         raise InputError(
-            f"{name} has no function {', '.join(map(one_line, missing))}; an image has the functions that "
-            f"{HEADERS[contract]} declares, and keeps their names when it is linked (not with -s)"
+            f"{name} has no function {', '.join(map(one_line, missing))}; an image has the functions {named}, and "
+            "keeps their names when it is linked (not with -s)"
         )
     try:
-        return TargetController(image, candidate.details, contract, name)
+        return TargetController(image, target, contract, name)
     except TargetFault as fault:
         raise InputError(f"{name} {bounded_line(str(fault))}") from fault
 
@@ -56,10 +65,13 @@ class TargetController:
         self._contract: ContractName = contract
         self._functions = image.functions
         self._start = target.start
+        self._has_adapter = target.step is None
         self._fault: Fault | None = None
         self._processor = CortexM(image, target.ram)
-        require_version(self._processor.call(self._functions["drivegate_abi_version"]), name)
-        self.state_size = self._processor.call(self._functions["drivegate_state_size"])
+        self.state_size = 0
+        if self._has_adapter:
+            require_version(self._processor.call(self._functions["drivegate_abi_version"]), name)
+            self.state_size = self._processor.call(self._functions["drivegate_state_size"])
         if self.state_size > LARGEST_STATE:
             raise InputError(
                 f"{name}: drivegate_state_size returned {self.state_size}, but must return at most {LARGEST_STATE}"
@@ -77,7 +89,7 @@ class TargetController:
         nameplate, sense, command, currents, state = (self._processor.mail + place for place in places)
         self._nameplate_at, self._state_at = nameplate, state if self.state_size else 0
         self._mail = self._processor.map_mail(places[-1] + self.state_size + 1)
-        words = self._processor.words_for_step(self._functions[STEPS[contract]])
+        words = self._processor.words_for_step(self._functions[target.step or STEPS[contract]])
         begin = self._mail.ctypes.data
         words[processor.HOST_SENSE], words[processor.SENSE_BYTES] = begin + places[1], layout.sense.itemsize
         words[processor.HOST_COMMAND], words[processor.COMMAND_BYTES] = (
@@ -88,8 +100,12 @@ class TargetController:
         fields: Any = layout.sense.fields
         words[processor.CURRENTS_OFFSET] = fields["phase_currents"][1]
         registers = self._processor.call_registers(self._state_at, sense, command)
-        words[processor.ARGUMENTS :] = registers
+        words[processor.ARGUMENTS : processor.STACK] = registers
         self._words = words
+        self._places = places
+        self._layout = layout
+        if not self._has_adapter:
+            self._programs = self._programmed(target, name)
         self._step = step_function()
         self.step_address: int = self._step.address
         self.state_address: int = words.ctypes.data
@@ -121,14 +137,54 @@ class TargetController:
         self._processor.power_on()
         self._mail[:] = 0
         self._mail[: record.nbytes] = record.view("u1").reshape(-1)
+        if not self._has_adapter:
+            self._sense_rest(nameplate)
         self._fault = self._reset_fault()
         if self._fault is not None:
             raise CandidateFault(self._fault)
+
+    def _programmed(self, target: Target, name: str) -> tuple[NDArray[np.float64], ...]:
+        """Make the programs of a manifest's tables, which must live as long as the step."""
+        records = records_in(self._mail.ctypes.data, self._places, self._contract)
+        variables = variables_of(self._processor.image.file)
+        peripherals = {key: parsed_place(value) for key, value in target.peripherals}
+        programs = Programs(variables, peripherals, records, self._processor.memory)
+        try:
+            writes = [
+                row for key, value in target.write for row in programs.write(parsed_place(key), parsed(value))
+            ]
+            reads = [row for key, value in target.read for row in programs.read(key, parsed(value))]
+            for function, value in target.stub:
+                words, rows = programs.stub(function, parsed(value))
+                self._processor.answer(self._functions[function], words)
+                writes += rows
+        except InputError as error:
+            raise InputError(f"{name}: {error}") from error
+        unread = [output for output in REQUIRED_OUTPUTS[self._contract] if output not in dict(target.read)]
+        if unread:
+            raise InputError(
+                f"{name}: the table [read] has no {', '.join(unread)}; add what the step answers with"
+            )
+        made = program_of(writes), program_of(reads)
+        self._words[[processor.WRITES, processor.READS]] = [each.ctypes.data for each in made]
+        return made
+
+    def _sense_rest(self, nameplate: AnyNameplate) -> None:
+        """Write the Sense of a drive at rest on its nominal supply, and what follows for the target."""
+        sense = self._mail[self._places[1] :][: self._layout.sense.itemsize].view(self._layout.sense)
+        for field in self._layout.sense.names or ():
+            if field != "phase_currents":
+                default = self._layout.signals._field_defaults.get(field, 0)
+                sense[field] = getattr(nameplate, field, default)
+        stack = self._words[processor.STACK :]
+        run_program(int(self._words[processor.WRITES]), stack, int(stack.ctypes.data))
 
     def _reset_fault(self) -> Fault | None:
         try:
             if self._start is not None:
                 self._processor.call(self._functions[self._start])
+            if not self._has_adapter:
+                return None
             reset = self._functions[RESETS[self._contract]]
             status = self._processor.call(reset, self._state_at, self._nameplate_at)
         except TargetFault as fault:

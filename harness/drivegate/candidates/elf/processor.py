@@ -18,6 +18,8 @@ from numba import types
 from numba.np.numpy_support import carray
 from numpy.typing import NDArray
 
+from drivegate.candidates.elf.exchange import answering_function, run_program
+from drivegate.candidates.elf.expression import DEEPEST
 from drivegate.candidates.elf.image import Image, hexadecimal, place_of
 from drivegate.candidates.elf.instruction_count import COUNT, counter, counting_function
 from drivegate.candidates.elf.traps import (
@@ -52,8 +54,9 @@ _TRAP: Final = -1
 # Words of the state that the C function gets.
 ENGINE, BEGIN, UNTIL, SELF, ERROR, STOP_WORD, SCRATCH = range(7)
 HOST_SENSE, SENSE_BYTES, CURRENTS_OFFSET, HOST_CURRENTS, GUEST_CURRENTS, CURRENTS_BYTES = range(7, 13)
-HOST_COMMAND, COMMAND_BYTES, COUNTER, MOST_INSTRUCTIONS, TRAPPED, ARGUMENTS = range(13, 19)
-WORDS: Final = ARGUMENTS + 5
+HOST_COMMAND, COMMAND_BYTES, COUNTER, MOST_INSTRUCTIONS, TRAPPED, WRITES, READS, ARGUMENTS = range(13, 21)
+STACK: Final = ARGUMENTS + 5
+WORDS: Final = STACK + DEEPEST
 
 _REGISTERS: Final = (
     arm_const.UC_ARM_REG_R0,
@@ -109,6 +112,7 @@ class CortexM:
         self._engine.hook_add(unicorn.UC_HOOK_MEM_INVALID, self._note_refused)
         self._counter: NDArray[np.int64] | None = None
         self._trapped = np.zeros(MASK + 1, np.int64)
+        # What compiled functions get must live as long as the emulator.
         self._rules: list[NDArray[np.int64]] = []
         self._watch_divisions()
         self.power_on()
@@ -190,6 +194,11 @@ class CortexM:
         words[STOP_WORD] = STOP
         words[TRAPPED] = self._trapped.ctypes.data
         return words
+
+    def answer(self, function: int, words: NDArray[np.int64]) -> None:
+        """Answer each call of a function by a value, without running it."""
+        self._rules.append(words)
+        self._add_hook(unicorn.UC_HOOK_CODE, answering_function(), words, function, function)
 
     def watch_steps(self) -> int:
         """Count instructions and stop at unaligned accesses from now on, which takes as long as the steps.
@@ -280,6 +289,8 @@ def step_function() -> Any:
         copy_bytes(words[SCRATCH], words[HOST_CURRENTS], words[CURRENTS_BYTES])
         copy_bytes(own + 8 * GUEST_CURRENTS, words[HOST_SENSE] + words[CURRENTS_OFFSET], 8)
         copy_bytes(command, words[HOST_COMMAND], words[COMMAND_BYTES])
+        if words[WRITES] != 0:
+            run_program(words[WRITES], words[STACK:], own + 8 * STACK)
         write_register(words[ENGINE], _R0, own + 8 * ARGUMENTS)
         write_register(words[ENGINE], _R1, own + 8 * (ARGUMENTS + 1))
         write_register(words[ENGINE], _R2, own + 8 * (ARGUMENTS + 2))
@@ -298,6 +309,8 @@ def step_function() -> Any:
         if words[ERROR] != 0:
             copy_bytes(own + 8 * STOP_WORD, command, 8)
             return
+        if words[READS] != 0:
+            run_program(words[READS], words[STACK:], own + 8 * STACK)
         copy_bytes(words[HOST_COMMAND], command, words[COMMAND_BYTES])
 
     pointer: Any = types.CPointer

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
@@ -9,6 +10,7 @@ from typing import TYPE_CHECKING, Final
 
 from drivegate.candidates.candidate import Candidate, Target, existing_file, existing_folder, hash_of
 from drivegate.candidates.declaration import Declaration
+from drivegate.candidates.elf.expression import parsed, parsed_place
 from drivegate.candidates.native.resolution import built_or_given, contract_served, elf_header
 from drivegate_cases.documents.wording import shown_path
 from drivegate_models.errors import InputError
@@ -32,9 +34,41 @@ def from_manifest(manifest: Manifest, specification: str, folder: Path) -> Candi
     file, further = manifest.files(specification, folder)
     _require_emulator(file)
     image, sources = built_or_given(manifest, file, further, specification, folder)
-    target = Target(image, manifest.start, manifest.ram, manifest.step_instructions)
+    target = Target(
+        image,
+        manifest.start,
+        manifest.ram,
+        manifest.step_instructions,
+        manifest.step,
+        _table(manifest.peripherals),
+        _table(manifest.write),
+        _table(manifest.read),
+        _table(manifest.stub),
+    )
+    _check_tables(target, shown_path(specification))
     declaration = manifest.declaration()
     return _candidate(manifest.name, specification, file, sources, declaration, target, manifest.build)
+
+
+def _table(values: Mapping[str, str | float]) -> tuple[tuple[str, str], ...]:
+    return tuple((key, value if isinstance(value, str) else repr(value)) for key, value in values.items())
+
+
+def _check_tables(target: Target, where: str) -> None:
+    """Refuse what is no expression, before any process starts; names are looked up where the image is loaded."""
+    for key, places, values in (
+        ("peripherals", (), target.peripherals),
+        ("write", target.write, target.write),
+        ("read", (), target.read),
+        ("stub", (), target.stub),
+    ):
+        try:
+            for place, _ in places:
+                parsed_place(place)
+            for _, value in values:
+                (parsed_place if key == "peripherals" else parsed)(value)
+        except InputError as error:
+            raise InputError(f"{where}: in [{key}], {error}") from error
 
 
 def _candidate(

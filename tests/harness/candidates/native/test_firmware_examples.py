@@ -29,7 +29,8 @@ FOLDER = Path(__file__).parents[4] / "examples" / "firmware"
 DRIVE = load_drive("pm-ac-interior")
 CONTRACT = contract_of(DRIVE)
 SCENARIOS = {scenario.name: scenario for scenario in CONTRACT.fixed_scenarios(DRIVE, NOTHING_DECLARED)}
-MANIFESTS = MappingProxyType({"image": "image.toml"})
+FOLDERS = MappingProxyType({"image": "interrupt", "registers": "interrupt"})
+MANIFESTS = MappingProxyType({"image": "image.toml", "registers": "registers.toml"})
 
 
 class Seeded(NamedTuple):
@@ -74,14 +75,26 @@ WRONG_SCALE = Seeded(
     "image", "firmware.c", "/ 3.0F, beta", "/ 2.0F, beta", "RIP-4", "1040rpm-torque-1.364Nm-clock-2147.4s"
 )
 
+WRONG_REGISTER = Seeded(
+    "registers",
+    "registers.toml",
+    "TIM1.CCR3 /",
+    "TIM1.CCR2 /",
+    "ACC-1",
+    "1040rpm-torque-1.364Nm-clock-2147.4s",
+)
+
 
 def margins_of(seeded: Seeded, folder: Path, line: str) -> dict[str, Margin]:
     """Build the firmware with one line as given, run one scenario, and judge the run."""
     if seeded.style == "embedded-coder":
         write_candidate(seeded.style, "mine", folder, datetime.now(UTC).date())
     else:
-        source = FOLDER / ("interrupt" if seeded.style == "image" else seeded.style)
-        shutil.copytree(source, folder, ignore=shutil.ignore_patterns("target", "*.elf"))
+        shutil.copytree(
+            FOLDER / FOLDERS.get(seeded.style, seeded.style),
+            folder,
+            ignore=shutil.ignore_patterns("target", "*.elf"),
+        )
     file = folder / seeded.file
     text = file.read_text(encoding="utf-8")
     assert text.count(seeded.line) == 1
@@ -103,6 +116,11 @@ def margins_of(seeded: Seeded, folder: Path, line: str) -> dict[str, Margin]:
         pytest.param(NO_ANTI_WINDUP, id="crate-without-anti-windup", marks=pytest.mark.needs("cargo")),
         pytest.param(
             WRONG_SCALE, id="image-with-a-wrong-Clarke-scale", marks=pytest.mark.needs("arm-none-eabi-gcc")
+        ),
+        pytest.param(
+            WRONG_REGISTER,
+            id="registers-with-a-wrong-compare-channel",
+            marks=pytest.mark.needs("arm-none-eabi-gcc"),
         ),
     ],
 )

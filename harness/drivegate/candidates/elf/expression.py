@@ -1,0 +1,153 @@
+"""Arithmetic in a manifest, such as ``2048 + 12.4 * phase_currents[0]``, as steps for a stack of numbers.
+
+The text is parsed by Python, and everything but arithmetic is refused; nothing of it is evaluated as Python.
+"""
+
+from __future__ import annotations
+
+import ast
+import keyword
+import re
+from collections.abc import Iterator
+from typing import Final, NamedTuple
+
+from drivegate_cases.documents.wording import short_line
+from drivegate_models.errors import InputError
+
+LONGEST: Final = 500
+"""Greatest length of an expression."""
+DEEPEST: Final = 32
+"""Greatest number of values on the stack."""
+
+_OPERATORS: Final[dict[type[ast.operator], str]] = {
+    ast.Add: "+",
+    ast.Sub: "-",
+    ast.Mult: "*",
+    ast.Div: "/",
+    ast.Mod: "%",
+}
+_NAME: Final = re.compile(r"(?<!\w)[^\W\d]\w*")
+_MARK: Final = "__name"
+_OF_ONE: Final = ("abs", "floor", "round")
+_OF_MANY: Final = ("min", "max")
+_ALLOWED: Final = f"numbers, names, + - * / %, {', '.join((*_OF_MANY, *_OF_ONE))}"
+
+
+class Place(NamedTuple):
+    """A variable, or a part of one, as it is written: ``TIM1.CCR1`` or ``TIM_TypeDef(0x40010000).CCR1``."""
+
+    root: str
+    """Name of a variable; of a type where there is an address."""
+    address: int | None
+    """Where a value of that type is."""
+    path: tuple[str | int, ...]
+    """Names of fields and numbers of elements, from the outside in."""
+
+    @property
+    def text(self) -> str:
+        """Write it as in a manifest."""
+        root = self.root if self.address is None else f"{self.root}(0x{self.address:X})"
+        return root + "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in self.path)
+
+
+Step = float | Place | str
+"""A number or a place, which is put on the stack, or an operation on what is on top of it."""
+
+
+def parsed(text: str) -> tuple[Step, ...]:
+    """Parse an expression."""
+    steps = tuple(_steps(_tree(text)))
+    depth = deepest = 0
+    for step in steps:
+        is_operation = isinstance(step, str)
+        depth += 0 if step in (*_OF_ONE, "negated") else -1 if is_operation else 1
+        deepest = max(deepest, depth)
+    if deepest > DEEPEST:
+        raise InputError(f"'{short_line(text)}' is nested too deeply; write it with fewer parentheses")
+    return steps
+
+
+def parsed_place(text: str) -> Place:
+    """Parse a variable or a part of one."""
+    steps = tuple(_steps(_tree(text)))
+    if len(steps) != 1 or not isinstance(steps[0], Place):
+        raise InputError(
+            f"'{short_line(text)}' is no variable; write one such as 'ADC_Value[0]' or 'TIM1.CCR1'"
+        )
+    return steps[0]
+
+
+def _tree(text: str) -> ast.expr:
+    try:
+        if len(text) > LONGEST:
+            raise ValueError(f"it has more than {LONGEST} characters")
+        return ast.parse(_NAME.sub(_marked, text.strip()), mode="eval").body
+    except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
+        reason = error.msg if isinstance(error, SyntaxError) else str(error)
+        raise InputError(f"'{short_line(text)}' is no expression: {short_line(reason)}") from error
+
+
+def _marked(name: re.Match[str]) -> str:
+    """Rename what is a word of Python, such as a variable `in`."""
+    return f"{name[0]}{_MARK}" if keyword.iskeyword(name[0]) else name[0]
+
+
+def _steps(node: ast.expr) -> Iterator[Step]:
+    """List the steps of an expression, operands first."""
+    place = _place(node)
+    if place is not None:
+        yield place
+    elif isinstance(node, ast.Constant) and type(node.value) in (int, float):
+        yield _number(node)
+    elif isinstance(node, ast.BinOp) and type(node.op) in _OPERATORS:
+        yield from _steps(node.left)
+        yield from _steps(node.right)
+        yield _OPERATORS[type(node.op)]
+    elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub | ast.UAdd):
+        yield from _steps(node.operand)
+        if isinstance(node.op, ast.USub):
+            yield "negated"
+    elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and not node.keywords:
+        yield from _call(node, node.func.id)
+    else:
+        raise InputError(f"'{short_line(ast.unparse(node))}' is not allowed; an expression has {_ALLOWED}")
+
+
+def _number(node: ast.Constant) -> float:
+    try:
+        return float(node.value)  # type: ignore[arg-type]
+    except OverflowError as error:
+        raise InputError(f"'{short_line(ast.unparse(node))}' is too large for a number") from error
+
+
+def _call(node: ast.Call, name: str) -> Iterator[Step]:
+    count = len(node.args)
+    if not ((name in _OF_ONE and count == 1) or (name in _OF_MANY and count >= 2)):
+        raise InputError(
+            f"'{short_line(ast.unparse(node))}' is no call of a known function; there are {_ALLOWED}"
+        )
+    for number, argument in enumerate(node.args):
+        yield from _steps(argument)
+        if number or count == 1:
+            yield name
+
+
+def _place(node: ast.expr) -> Place | None:
+    """Return the place that a node names; None where it names none."""
+    if isinstance(node, ast.Name):
+        return Place(node.id.removesuffix(_MARK), None, ())
+    if isinstance(node, ast.Attribute):
+        outer, part = _place(node.value), node.attr.removesuffix(_MARK)
+        return None if outer is None else outer._replace(path=(*outer.path, part))
+    if isinstance(node, ast.Subscript) and isinstance(node.slice, ast.Constant):
+        outer, number = _place(node.value), node.slice.value
+        is_number = type(number) is int and number >= 0
+        return (
+            None if outer is None or not is_number else outer._replace(path=(*outer.path, int(str(number))))
+        )
+    is_cast = isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and len(node.args) == 1
+    if is_cast and node.func.id not in _OF_ONE and isinstance(node.args[0], ast.Constant):  # type: ignore[attr-defined]
+        address = node.args[0].value  # type: ignore[attr-defined]
+        if type(address) is int and 0 <= address < 2**32:
+            return Place(node.func.id, address, ())  # type: ignore[attr-defined]
+    return None
