@@ -131,13 +131,13 @@ def _answer(question: Question) -> Amount:
             click.echo(f"error: {error}", err=True)
 
 
-def _stated_values(drive: DriveDocument) -> dict[str, str]:
-    """Return each value with where it is from, by table and key."""
-    return {
-        f"{table}.{key} = {drive.value(key):g}": sentence
+def _stated_values(drive: DriveDocument) -> list[dict[str, Any]]:
+    """Return each value with where it is from."""
+    return [
+        {"key": f"{table}.{key}", "value": drive.value(key), "source": sentence}
         for table, sentences in drive.provenance.items()
         for key, sentence in sentences.items()
-    }
+    ]
 
 
 def _show(console: Console, document: dict[str, Any]) -> None:
@@ -146,7 +146,8 @@ def _show(console: Console, document: dict[str, Any]) -> None:
     console.print(plain(f"written into {document['folder']}:"))
     for file in document["files"]:
         console.print(plain(f"  {file}"))
-    for value, source in document.get("values", {}).items():
-        console.print(plain(f"  {value:<44} {source}"))
+    for stated in document.get("values", []):
+        assigned = f"{stated['key']} = {stated['value']:g}"
+        console.print(plain(f"  {assigned:<44} {stated['source']}"))
     joint = ", then " if "drive" in document else " && "
     console.print(plain(f"next: {joint.join(document['next'])}", "dim"))

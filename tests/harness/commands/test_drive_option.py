@@ -110,7 +110,8 @@ def test_a_drive_is_made_from_a_data_sheet_and_states_each_conversion(command, a
     assert 300.0 < drive.rating.rated_power_w < 500.0
     answering(ANSWERS)
     document = command("new", "drive", "other.toml", "--from-datasheet", "--json").document
-    assert document["values"]["machine.pole_pairs = 4"] == "data sheet: 8 poles; pairs of poles"
+    stated = {"key": "machine.pole_pairs", "value": 4, "source": "data sheet: 8 poles; pairs of poles"}
+    assert stated in document["values"]
 
 
 @pytest.mark.parametrize(
