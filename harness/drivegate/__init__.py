@@ -11,6 +11,7 @@ from drivegate.testing.conformance import conformance_tests
 from drivegate.version import __version__
 from drivegate_models.contract.current.signals import Command, Nameplate, Sense
 from drivegate_models.contract.duty.signals import (
+    CURRENT_REFERENCE,
     LEG_HIGH,
     LEG_LOW,
     LEG_OFF,
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from drivegate.candidates.native.numba_loading import phase_current
 
 __all__ = [
+    "CURRENT_REFERENCE",
     "LEG_HIGH",
     "LEG_LOW",
     "LEG_OFF",

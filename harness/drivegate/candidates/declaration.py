@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
     from drivegate_cases.scenario.failure_kind import FailureKind
-    from drivegate_cases.scenario.reference import Reference
+    from drivegate_cases.scenario.reference import FollowedReference
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class Declaration:
     """Lowest and highest speed that the candidate is made for (rpm); None for all."""
     power_window_s: float = 0.0
     """Time over which the estimate is a mean (s); 0 when it is that of the last control period alone."""
-    references: tuple[Reference, ...] = ("speed", "torque")
+    references: tuple[FollowedReference, ...] = ("speed", "torque")
     """References that the candidate follows, where its drive can give either; those of currents follow a
     speed."""
     detects: tuple[FailureKind, ...] = ()
@@ -54,6 +54,11 @@ class Declaration:
 
     current_bandwidth: float | None = None
     """Bandwidth of the current regulators (rad/s), by which their steps are judged; None for the drive's limit."""
+
+    @property
+    def follows_current(self) -> bool:
+        """Whether the candidate gets a q current in place of a torque reference."""
+        return "current" in self.references
 
     def with_bridge_on(self) -> Declaration:
         """Return what a candidate declares that does not read `enable`, but is the same otherwise."""

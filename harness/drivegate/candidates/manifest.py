@@ -15,7 +15,7 @@ from drivegate_cases.documents.document import Document, Section
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_cases.drive.drive_reference import DriveReference
 from drivegate_cases.scenario.failure_kind import FailureKind
-from drivegate_cases.scenario.reference import Reference
+from drivegate_cases.scenario.reference import FollowedReference
 from drivegate_models.errors import InputError
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -127,9 +127,10 @@ class Manifest(Document):
         "duty ratios",
     )
 
-    references: tuple[Reference, ...] = Field(
+    references: tuple[FollowedReference, ...] = Field(
         default=("speed", "torque"),
-        description="what a candidate that answers with duty ratios follows: 'speed', 'torque' or both",
+        description="what a candidate that answers with duty ratios follows: 'speed', 'torque' or both, or 'current' "
+        "alone, a q current",
     )
 
     detects: tuple[FailureKind, ...] = Field(
@@ -276,7 +277,15 @@ class Manifest(Document):
     @model_validator(mode="after")
     def _references_fit_the_contract(self) -> Self:
         if not self.references:
-            raise ValueError("the key 'references' is empty, but must name 'speed', 'torque' or both")
+            raise ValueError(
+                "the key 'references' is empty, but must name 'speed', 'torque' or both, or 'current'"
+            )
+        if "current" in self.references and (len(self.references) > 1 or self.detects):
+            other = "'detects'" if self.detects else "a further reference"
+            raise ValueError(
+                f"the key 'references' names 'current', which excludes {other}; such a candidate is run on q currents "
+                "alone, without failures"
+            )
         for key, reason in _KEYS_OF_OTHERS.get(self.contract or "", {}).items():
             if key in self.model_fields_set and getattr(self, key):
                 raise ValueError(

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any, Final
 
-from drivegate.candidates.declaration import Declaration
+from drivegate.candidates.declaration import NOTHING_DECLARED, Declaration
 from drivegate.candidates.fault import CandidateFault, Fault
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.judging import JudgedRun
@@ -156,9 +156,9 @@ def _record(witness: Witness, scenario: Scenario, declaration: Declaration) -> R
 def judged_witness(witness: Witness, scenario: Scenario, declaration: Declaration) -> JudgedCandidate:
     """Return a witness as a candidate with the declaration of the one that is accused.
 
-    No witness reads `enable`, so its bridge is on from the start.
+    No witness reads `enable`, so its bridge is on from the start. None follows a q current, but its torque.
     """
-    declaration = declaration.with_bridge_on()
+    declaration = replace(declaration.with_bridge_on(), references=NOTHING_DECLARED.references)
     if witness.made_for is None:
         return own_candidate(replace(resolve_candidate(witness.candidate), declaration=declaration))
     from drivegate.candidates.python.bridge import PythonController

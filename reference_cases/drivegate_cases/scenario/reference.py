@@ -7,6 +7,8 @@ from drivegate_cases.scenario.scenario import Scenario
 
 Reference: TypeAlias = Literal["speed", "torque"]
 """The speed of the shaft, or the torque where a dynamometer holds the speed."""
+FollowedReference: TypeAlias = Literal["speed", "torque", "current"]
+"""What a candidate can follow: the q current comes in place of a torque."""
 
 
 def reference_of(scenario: Scenario) -> Reference:

@@ -100,6 +100,7 @@ def test_a_wrong_manifest_is_reported_in_one_sentence(changes, sentence):
 
 def test_what_a_candidate_follows_is_declared():
     assert parsed(contract="duty", references=["torque"]).declaration().references == ("torque",)
+    assert parsed(contract="duty", references=["current"]).declaration().follows_current
     assert parsed(contract="duty", detects=["open-phase"]).declaration().detects == ("open-phase",)
     assert parsed(contract="duty", current_bandwidth_rad_s=1000).declaration().current_bandwidth == 1000.0
     begun = parsed(contract="duty", reads_enable=True, calibration_time_s=0.25).declaration()
@@ -113,6 +114,8 @@ def test_what_a_candidate_follows_is_declared():
         ({"contract": "current", "references": ["speed"]}, "'references' is for the contract 'duty'"),
         ({"contract": "duty", "references": []}, "is empty, but must name 'speed', 'torque' or both"),
         ({"contract": "duty", "references": ["position"]}, "position"),
+        ({"contract": "duty", "references": ["current", "speed"]}, "which excludes a further reference"),
+        ({"contract": "duty", "references": ["current"], "detects": ["slip"]}, "which excludes 'detects'"),
         ({"contract": "current", "detects": ["open-phase"]}, "'detects' is for the contract 'duty'"),
         ({"contract": "duty", "detects": ["fire"]}, "fire"),
         ({"contract": "current", "reads_enable": True}, "'reads_enable' is for the contract 'duty'"),

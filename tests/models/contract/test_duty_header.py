@@ -55,6 +55,7 @@ def test_numbers_with_a_name_are_the_same(tmp_path: Path) -> None:
         "DRIVEGATE_LEG_LOW": signals.LEG_LOW,
         "DRIVEGATE_SPEED_REFERENCE": signals.SPEED_REFERENCE,
         "DRIVEGATE_TORQUE_REFERENCE": signals.TORQUE_REFERENCE,
+        "DRIVEGATE_CURRENT_REFERENCE": signals.CURRENT_REFERENCE,
         "DRIVEGATE_PM_AC": PM_AC,
     }
     body = "\n".join(f'printf("%d\\n", {name});' for name in named)

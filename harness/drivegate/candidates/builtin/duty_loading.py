@@ -8,9 +8,10 @@ from drivegate.candidates.compiled_controller import CompiledController
 from drivegate.candidates.contract import require_nameplate_of
 from drivegate.candidates.kinds import FAULTY_PREFIX
 from drivegate_models.contract.duty.records import duty_nameplate_record
-from drivegate_models.contract.duty.signals import DutyNameplate
+from drivegate_models.contract.duty.signals import CURRENT_REFERENCE, DutyNameplate
 from drivegate_models.controllers.duty.foc import reset_function, step_function
 from drivegate_models.controllers.duty.state import foc_state
+from drivegate_models.errors import InputError
 from drivegate_models.faults.duty.perturbed import perturbed_state, perturbed_step_function
 
 
@@ -28,6 +29,10 @@ class DutyController(CompiledController):
     def reset(self, nameplate: Any) -> None:
         """Write the constants and forget everything else; a nameplate of another contract is refused."""
         require_nameplate_of("duty", nameplate)
+        if nameplate.reference_kind == CURRENT_REFERENCE:
+            raise InputError(
+                "a built-in controller of duty ratios follows a speed or a torque, but this run gives a q current"
+            )
         fault = self._fault
         believed = nameplate if fault is None or fault.believes is None else fault.believes(nameplate)
         reset_function()(self._state, duty_nameplate_record(believed))

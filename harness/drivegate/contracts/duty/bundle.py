@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
 from drivegate.contracts.contract import Contract, Later, Witness
@@ -33,20 +34,28 @@ if TYPE_CHECKING:
 
 
 def _fixed_scenarios(drive: DriveDocument, declaration: Declaration) -> tuple[Scenario, ...]:
+    from drivegate.contracts.duty.current_reference import STEPPED, is_current_in_reach, without_weakening
     from drivegate.contracts.duty.document import duty_document
     from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios
 
-    return fixed_scenarios(
-        duty_document(drive), declaration.references, declaration.detects, reverses=declaration.reverses
-    )
+    document, reverses = duty_document(drive), declaration.reverses
+    if declaration.follows_current:
+        runs = fixed_scenarios(without_weakening(document), STEPPED, reverses=reverses)
+        return tuple(run.replaced(drive=drive) for run in runs if is_current_in_reach(run))
+    return fixed_scenarios(document, declaration.references, declaration.detects, reverses=reverses)
 
 
 def _drawn_scenarios(
     drive: DriveDocument, declaration: Declaration, group: int | None
 ) -> SearchStrategy[Scenario]:
+    from drivegate.contracts.duty.current_reference import STEPPED, is_current_in_reach, without_weakening
     from drivegate.contracts.duty.document import duty_document
     from drivegate.contracts.duty.scenarios.drawn import drawn_scenarios
 
+    if declaration.follows_current:
+        unweakened = without_weakening(duty_document(drive))
+        runs = drawn_scenarios(unweakened, group, STEPPED, reverses=declaration.reverses)
+        return runs.filter(is_current_in_reach).map(lambda run: run.replaced(drive=drive))
     return drawn_scenarios(
         duty_document(drive),
         group,
@@ -79,14 +88,18 @@ def _record(
     from drivegate.contracts.duty.record import DutyRecord
     from drivegate.contracts.duty.scenarios.compared import mirror_image, with_other_dead_time
 
-    idle = idle_bridge(declaration, scenario.control_period_s)
-    run = duty_run(prepare, scenario, controller, idle=idle)
+    run_once = partial(
+        duty_run,
+        prepare,
+        controller=controller,
+        idle=idle_bridge(declaration, scenario.control_period_s),
+        follows_current=declaration.follows_current,
+    )
+    run = run_once(scenario)
     if kept is not None:
         kept[:] = run.commands
     other, mirror = (
-        None
-        if compared is None
-        else DutyRecord(compared, duty_run(prepare, compared, controller, idle=idle), declaration)
+        None if compared is None else DutyRecord(compared, run_once(compared), declaration)
         for compared in (with_other_dead_time(scenario), mirror_image(scenario))
     )
     return DutyRecord(scenario, run, declaration, other_dead_time=other, mirror=mirror)

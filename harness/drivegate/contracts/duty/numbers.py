@@ -5,8 +5,10 @@ from __future__ import annotations
 from drivegate.candidates.declaration import Declaration
 from drivegate.checks.number_words import limit_words, milliseconds
 from drivegate.contracts.duty.current_bandwidth import declared_rise_s, require_bandwidth, transient_periods
+from drivegate.contracts.duty.current_reference import quadrature_for
 from drivegate.contracts.duty.document import duty_document
 from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.limits import DutyLimits, duty_limits_of
 
 
@@ -23,6 +25,7 @@ def numbers(drive: DriveDocument, declaration: Declaration) -> dict[str, str]:
         "safe_time": _safe_time(limits),
         "dead_time_ripple": f"{limits.dead_time_ripple:g}",
         "modulation_ripple": f"{limits.modulation_ripple:g}",
+        **_current_error(document, declaration),
         "rise": f"90 % within {milliseconds(limits.rise_time_s)} and what the voltage takes"
         if bandwidth is None
         else f"90 % of the currents within {1e3 * declared_rise_s(document, bandwidth):.4g} ms, by the declared "
@@ -35,3 +38,14 @@ def _safe_time(limits: DutyLimits) -> str:
     """Write the time to the safe state, and that with a locked rotor where it is another one."""
     every, locked = (f"{1000.0 * time:.4g} ms" for time in (limits.safe_state_s, limits.safe_state_locked_s))
     return every if every == locked else f"{every} ({locked} with a locked rotor)"
+
+
+def _current_error(drive: PmAcDocument, declaration: Declaration) -> dict[str, str]:
+    """Write the error of a q current where a candidate gets one in place of a torque."""
+    if not declaration.follows_current:
+        return {}
+    limits = duty_limits_of(drive)
+    rated = quadrature_for(drive, limits.rated_torque_nm)
+    return {
+        "torque_error": f"{rated * limits.torque_error_nm / limits.rated_torque_nm:.4g} A of q current in its place"
+    }

@@ -54,10 +54,13 @@ def duty_run(
     controller: AnyController,
     wrap: Wrap | None = None,
     idle: IdleBridge = BRIDGE_ON,
+    *,
+    follows_current: bool = False,
 ) -> DutyClosedLoopRun:
     """Reset a controller and run it through a scenario, once."""
+    seen, fails = duty_sensors(scenario), _duty_failure(scenario)
     return run_duty(
-        prepare, TRACE, scenario, controller, duty_sensors(scenario), _duty_failure(scenario), wrap, idle
+        prepare, TRACE, scenario, controller, seen, fails, wrap, idle, follows_current=follows_current
     )
 
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from drivegate.candidates.declaration import Declaration
 from drivegate.checks.record import NotRun, Record, Unseen
+from drivegate.contracts.duty.current_reference import quadrature_for
 from drivegate.contracts.duty.document import duty_document
 from drivegate.contracts.duty.run import DutyClosedLoopRun
 from drivegate.contracts.duty.scenarios.compared import mirror_image, with_other_dead_time
@@ -19,6 +20,7 @@ from drivegate.contracts.duty.scenarios.windows import DutyDwell, duty_windows
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.limits import DutyLimits, duty_limits_of
 from drivegate_cases.drive.scales import NOMINAL
+from drivegate_cases.scenario.load import DynamometerLoad
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import IdealSensors
 from drivegate_models.units import RADIANS_PER_RPM
@@ -82,6 +84,15 @@ class DutyRecord(Record):
     def limits(self) -> DutyLimits:
         """What the drive's controllers are judged by."""
         return duty_limits_of(self.document)
+
+    @property
+    def follows_current(self) -> bool:
+        """Whether the controller gets a q current in place of a torque reference."""
+        return self.declaration.follows_current and isinstance(self.scenario.load, DynamometerLoad)
+
+    def quadrature_reference(self, torque: float) -> float:
+        """Return the q current (A) that it gets in place of a torque (N·m)."""
+        return quadrature_for(self.document, float(torque))
 
     @property
     def is_nominal(self) -> bool:

@@ -18,6 +18,7 @@ from drivegate.containment.messages import AnyController
 from drivegate.containment.orders import CloseLoop
 from drivegate.containment.playback import Wrap, require_same_plant, stepped_here
 from drivegate.containment.restarting import Restarter
+from drivegate.contracts.duty.current_reference import quadrature_profile
 from drivegate.contracts.duty.document import duty_document
 from drivegate.contracts.duty.idle_bridge import BRIDGE_ON, IdleBridge
 from drivegate.scenarios.plant_inputs import (
@@ -28,7 +29,7 @@ from drivegate.scenarios.plant_inputs import (
 from drivegate_cases.scenario.load import DynamometerLoad, VehicleLoad
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.contract.duty.records import DUTY_COMMAND
-from drivegate_models.contract.duty.signals import LEG_LOW, LEG_OFF, DutyNameplate
+from drivegate_models.contract.duty.signals import CURRENT_REFERENCE, LEG_LOW, LEG_OFF, DutyNameplate
 from drivegate_models.contract.layout import DUTY
 from drivegate_models.errors import HarnessFault
 from drivegate_models.loop.duty_command import BAD_LEG
@@ -43,6 +44,8 @@ DUTY_RATIOS: Final = ("first_duty", "second_duty", "third_duty")
 LEGS: Final = ("first_leg", "second_leg", "third_leg")
 """Fields of a command that are states of legs."""
 _DIGEST_BITS: Final = 63
+_AFTER_A_STEP: Final = 1e-6
+"""Time of a control period at which a step at its start has been taken, in control periods (1)."""
 
 
 @dataclass(frozen=True)
@@ -77,11 +80,13 @@ class DutyClosedLoopRun:
         return voltages
 
 
-def duty_nameplate(scenario: Scenario) -> DutyNameplate:
+def duty_nameplate(scenario: Scenario, *, follows_current: bool = False) -> DutyNameplate:
     """Return what the controller of a scenario knows of its drive and of its reference."""
     drive = duty_document(scenario.drive)
     torque = isinstance(scenario.load, DynamometerLoad)
     nameplate = drive.duty_nameplate(scenario.control_period_s, torque_reference=torque)
+    if torque and follows_current:
+        nameplate = nameplate._replace(reference_kind=CURRENT_REFERENCE)
     if isinstance(scenario.load, VehicleLoad):
         return nameplate._replace(inertia=nameplate.inertia + scenario.load.inertia_kg_m2)
     return nameplate
@@ -96,6 +101,8 @@ def run_duty(
     failure: Any = None,
     wrap: Wrap | None = None,
     idle: IdleBridge = BRIDGE_ON,
+    *,
+    follows_current: bool = False,
 ) -> DutyClosedLoopRun:
     """Reset a controller and run it through a scenario; a fault of its own is raised.
 
@@ -105,8 +112,8 @@ def run_duty(
     """
     plant = (scenario.drive.plant(scenario.scales), plant_load(scenario), plant_schedule(scenario))
     before = {"resting": idle.resting, "waiting": idle.waiting}
-    options = {**_options(scenario, sensors), "failure": failure, **before}
-    nameplate: Any = duty_nameplate(scenario)
+    options = {**_options(scenario, sensors, follows_current), "failure": failure, **before}
+    nameplate: Any = duty_nameplate(scenario, follows_current=follows_current)
     controller.reset(nameplate)
     restarts = [round(time / scenario.control_period_s) for time in scenario.restarts_s]
     order = CloseLoop(prepare, plant, options, restarts, commands=DUTY_COMMAND)
@@ -128,6 +135,8 @@ def run_duty(
         _raise_ending(run, prepared.exchange, by_address)
     require_same_plant(by_address, prepared.records)
     commands = run.commands[run.before :]
+    if follows_current:
+        _show_torque(columns, run.trace, scenario)
     return DutyClosedLoopRun(
         columns=columns,
         trace=run.trace,
@@ -138,11 +147,19 @@ def run_duty(
     )
 
 
-def _options(scenario: Scenario, sensors: Any) -> dict[str, Any]:
+def _show_torque(columns: tuple[str, ...], trace: NDArray[np.float64], scenario: Scenario) -> None:
+    """Put the torque of the scenario back where the loop has kept the q current that the controller got for it."""
+    times = (np.arange(len(trace)) + _AFTER_A_STEP) * scenario.control_period_s
+    points = np.array(scenario.torque_reference_profile)
+    trace[:, columns.index("torque_reference")] = np.interp(times, points[:, 0], points[:, 1])
+
+
+def _options(scenario: Scenario, sensors: Any, follows_current: bool) -> dict[str, Any]:
     """Return what a run is made of besides drive, load and schedule."""
     torque = None
     if isinstance(scenario.load, DynamometerLoad):
-        torque = plant_course(scenario, scenario.load.torque_reference_nm)
+        torques = scenario.load.torque_reference_nm
+        torque = plant_course(scenario, quadrature_profile(scenario, torques) if follows_current else torques)
     return {
         "control_period": scenario.control_period_s,
         "duration": scenario.duration_s,

@@ -27,7 +27,9 @@ def duty_step_seconds(controller: AnyController, record: Record) -> float:
     """Measure the time of a step on what was sensed in a run (s)."""
     assert isinstance(record, DutyRecord), "such steps are those of a run with duty ratios"
     currents = _currents(record)
-    steps = given_duty_steps(controller, duty_nameplate(record.scenario))
+    steps = given_duty_steps(
+        controller, duty_nameplate(record.scenario, follows_current=record.follows_current)
+    )
     return step_seconds(steps, _senses(record, len(currents)), currents)
 
 
@@ -46,4 +48,7 @@ def _senses(record: DutyRecord, count: int) -> NDArray[Any]:
     senses["time"], senses["speed"], senses["supply_voltage"] = taken["time"], taken["speed"], taken["link"]
     senses["angle"] = shaft_angles(taken["angle"], record.document.machine.pole_pairs)
     senses["reference"] = record.run.column(wanted)[:count]
+    if record.follows_current and wanted == "torque_reference":
+        torques, places = np.unique(senses["reference"], return_inverse=True)
+        senses["reference"] = np.array([record.quadrature_reference(torque) for torque in torques])[places]
     return senses

@@ -86,8 +86,8 @@ def _common_reference(all_compared: Sequence[Compared]) -> Reference:
         if compared.candidate is None or reference in compared.candidate.declaration.references:
             continue
         compared.error = InputError(
-            f"the candidate '{one_line(compared.candidate.name)}' follows a torque alone, but another one a speed "
-            "alone; compare candidates that follow the same"
+            f"the candidate '{one_line(compared.candidate.name)}' follows no speed, which this comparison "
+            "gives; compare candidates that follow the same"
         )
     return reference
 

@@ -9,6 +9,8 @@ SPEED_REFERENCE: Final = 0
 """The reference is a speed of the shaft (rad/s)."""
 TORQUE_REFERENCE: Final = 1
 """The reference is a torque (N m)."""
+CURRENT_REFERENCE: Final = 2
+"""The reference is a q-axis current (A), and the d-axis current is the controller's choice."""
 
 LEG_OFF: Final = 0
 """Both switches of a leg are off."""
@@ -26,7 +28,7 @@ class DutySense(NamedTuple):
     time: float
     """Simulated time (s)."""
     reference: float
-    """Reference of speed (rad/s) or torque (N m), as stated by the nameplate; positive forward."""
+    """Reference of speed (rad/s), torque (N m) or q-axis current (A), as stated by the nameplate; positive forward."""
     phase_currents: tuple[float, float, float]
     """Measured phase currents at this instant, positive into the machine (A)."""
     supply_voltage: float
@@ -87,7 +89,7 @@ class DutyNameplate(NamedTuple):
     kind: int
     """Kind of drive, with the numbers of the contract of current references."""
     reference_kind: int
-    """`SPEED_REFERENCE` or `TORQUE_REFERENCE`."""
+    """`SPEED_REFERENCE`, `TORQUE_REFERENCE` or `CURRENT_REFERENCE`."""
     pole_pairs: int
     """Pole pairs."""
     updates: int

@@ -49,6 +49,7 @@ extern "C" {
 /* What the reference is. */
 #define DRIVEGATE_SPEED_REFERENCE 0  /* speed of the shaft, rad/s */
 #define DRIVEGATE_TORQUE_REFERENCE 1 /* torque, N m */
+#define DRIVEGATE_CURRENT_REFERENCE 2 /* q current, A; the d current is the controller's choice */
 
 /* States of a leg. */
 #define DRIVEGATE_LEG_OFF 0  /* both switches off */
@@ -61,7 +62,7 @@ extern "C" {
 typedef struct drivegate_duty_nameplate {
     int64_t struct_size;           /* size of this record in bytes, as the harness knows it */
     int64_t kind;                  /* kind of drive: DRIVEGATE_PM_AC */
-    int64_t reference_kind;        /* DRIVEGATE_SPEED_REFERENCE or DRIVEGATE_TORQUE_REFERENCE */
+    int64_t reference_kind;        /* DRIVEGATE_SPEED_REFERENCE, .._TORQUE_.. or .._CURRENT_.. */
     int64_t pole_pairs;            /* number of pole pairs */
     int64_t updates;               /* updates of the duty ratios in a period of the carrier: 1 or 2, 0 edge aligned */
     int64_t update_delay;          /* control periods between an answer and its effect: 1 or 0 */
@@ -85,7 +86,7 @@ typedef struct drivegate_duty_nameplate {
 typedef struct drivegate_duty_sense {
     int64_t struct_size;          /* size of this record in bytes, as the harness knows it */
     double time;                  /* simulated time, s */
-    double reference;             /* demanded speed or torque, as the nameplate states, rad/s or N m */
+    double reference;             /* demanded speed, torque or q current, as the nameplate states, rad/s, N m or A */
     const double *phase_currents; /* three measured phase currents at this instant, positive into the machine, A;
                                    * valid during the step only */
     DRIVEGATE_POINTER_PADDING(phase_currents)

@@ -39,6 +39,12 @@ def reference_error(
         return Margin(check, margin, f"speed off by {error:.4g} rpm {at(window)}")
     if not is_within_reach(record, window.speed, window.link, wanted):
         return None
+    if record.follows_current:
+        current, rated = (record.quadrature_reference(torque) for torque in (wanted, limits.rated_torque_nm))
+        error = abs(window.quadrature - current)
+        allowed = factor * rated * limits.torque_error_nm / limits.rated_torque_nm
+        margin = at_most(error, allowed + lost_share * abs(current))
+        return Margin(check, margin, f"q current off by {error:.4g} A from {current:.4g} A {at(window)}")
     error = abs(window.torque - wanted)
     margin = at_most(error, factor * limits.torque_error_nm + lost_share * abs(wanted))
     return Margin(check, margin, f"torque off by {error:.4g} N·m from {wanted:.4g} N·m {at(window)}")

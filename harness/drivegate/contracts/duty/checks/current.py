@@ -23,6 +23,7 @@ from drivegate.contracts.duty.checks.judged import (
     worst,
 )
 from drivegate.contracts.duty.checks.optimum import least_free, least_within, undistorted
+from drivegate.contracts.duty.current_reference import unless_current
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
 
 if TYPE_CHECKING:
@@ -217,6 +218,7 @@ MTP_1 = Check(
     formula="the greater of 1 - (current / the oracle's least - 1) / {current_excess} and the same of the loss",
     why="More current than the least heats the winding for nothing, unless it saves loss in the iron.",
     evaluate=least_current,
+    reason_not_applicable=unless_current,
 )
 EFF_1 = Check(
     id="EFF-1",
@@ -228,4 +230,5 @@ EFF_1 = Check(
     formula="1 - (loss of the fundamental / the oracle's least loss - 1) / {loss_excess}",
     why="Least current is not least loss where the iron loses too.",
     evaluate=least_loss,
+    reason_not_applicable=unless_current,
 )

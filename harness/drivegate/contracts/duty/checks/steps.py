@@ -17,7 +17,8 @@ from drivegate.checks.moment import Mark, Moment, Point
 from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.judged import duty_record, is_within_reach, plant_of
 from drivegate.contracts.duty.checks.optimum import least_free, undistorted
-from drivegate.contracts.duty.current_bandwidth import declared_rise_s
+from drivegate.contracts.duty.current_bandwidth import REMAINING, declared_rise_s
+from drivegate.contracts.duty.current_reference import voltage_along_none
 from drivegate.contracts.duty.record import DutyRecord
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -102,27 +103,25 @@ def step_moment(record: Record) -> Moment | None:
 
 def _moment(record: DutyRecord, response: StepResponse) -> Moment:
     step, limits, period = response.step, record.limits, record.scenario.control_period_s
-    size = step.after - step.before
+    followed, before, after = _followed(record, step)
+    size = after - before
     is_late = at_most(response.rise_s, response.allowed_s) < at_most(response.overshoot, limits.overshoot)
-    reached = Mark(words="90 %", value=step.before + REACHED * size)
-    highest = Mark(
-        words=f"{100.0 * limits.overshoot:.3g} % allowed", value=step.after + limits.overshoot * size
-    )
+    reached = Mark(words="90 %", value=before + REACHED * size)
+    highest = Mark(words=f"{100.0 * limits.overshoot:.3g} % allowed", value=after + limits.overshoot * size)
     if is_late and isfinite(response.rise_s):
         time, value, words = step.time_s + response.rise_s, reached.value, f"{1e3 * response.rise_s:.3g} ms"
     else:
-        torque = record.run.column("torque")[step.rows]
-        place = int(np.argmax(torque / size))
-        time, value = step.time_s + (place + 0.5) * period, float(torque[place])
-        beyond = 100.0 * (value - step.after) / size
+        place = int(np.argmax(followed / size))
+        time, value = step.time_s + (place + 0.5) * period, float(followed[place])
+        beyond = 100.0 * (value - after) / size
         words = f"{100.0 + beyond:.3g} % reached" if is_late else f"{beyond:.3g} %"
     longest = max(3.0 * response.allowed_s, 1.5 * (time - step.time_s))
     return Moment(
         start_s=max(step.time_s - SHOWN_BEFORE * period, 0.0),
         end_s=min(step.time_s + longest, step.rows.stop * period),
-        column="torque_nm",
+        column="quadrature_current_a" if record.follows_current else "torque_nm",
         origin_s=step.time_s,
-        levels=(Mark(words="reference", value=step.after), reached if is_late else highest),
+        levels=(Mark(words="reference", value=after), reached if is_late else highest),
         instants=(
             Mark(words=f"{1e3 * response.allowed_s:.3g} ms allowed", value=step.time_s + response.allowed_s),
         ),
@@ -137,7 +136,7 @@ def is_free(record: DutyRecord, step: TorqueStep) -> bool:
     greatest = max(abs(step.before), abs(step.after))
     if record.scenario.supply_v is not None or not is_within_reach(record, speed, link, greatest):
         return False
-    used = max(least_state(record, step, torque).voltage for torque in (step.before, step.after))
+    used = _used_voltage(record, step)
     return abs(step.after - step.before) >= smallest and used <= VOLTAGE_SHARE * undistorted(link)
 
 
@@ -152,14 +151,15 @@ def least_state(record: DutyRecord, step: TorqueStep, torque: float) -> SteadySt
 
 
 def _response(record: DutyRecord, step: TorqueStep) -> StepResponse:
-    size = step.after - step.before
-    torque = record.run.column("torque")[step.rows]
-    overshoot = overshoot_of(torque, step.after, size)
-    reached = np.flatnonzero((torque - step.before) / size >= REACHED)
+    followed, before, after = _followed(record, step)
+    size = after - before
+    overshoot = overshoot_of(followed, after, size)
+    reached = np.flatnonzero((followed - before) / size >= REACHED)
     period = record.scenario.control_period_s
     time = float(reached[0] + 1) * period if reached.size else float("inf")
     allowed = allowed_rise_s(record, step)
-    place = f"from {step.before:.4g} to {step.after:.4g} N·m at {step.speed_rpm:.5g} rpm"
+    unit = "A of q current" if record.follows_current else "N·m"
+    place = f"from {before:.4g} to {after:.4g} {unit} at {step.speed_rpm:.5g} rpm"
     bandwidth = record.declaration.current_bandwidth
     declared = "" if bandwidth is None else f" by the declared {bandwidth:g} rad/s"
     rise = f"{1e3 * time:.4g} ms to 90 %" if isfinite(time) else "90 % is not reached"
@@ -177,12 +177,21 @@ def _response(record: DutyRecord, step: TorqueStep) -> StepResponse:
     return StepResponse(step, overshoot, time, allowed, margin)
 
 
+def _followed(record: DutyRecord, step: TorqueStep) -> tuple[NDArray[np.float64], float, float]:
+    """Return the torque after a step (N·m), or the q current in its place (A), with its reference before and after."""
+    if not record.follows_current:
+        return record.run.column("torque")[step.rows], step.before, step.after
+    before, after = (record.quadrature_reference(torque) for torque in (step.before, step.after))
+    return record.run.column("quadrature")[step.rows], before, after
+
+
 def allowed_rise_s(record: DutyRecord, step: TorqueStep) -> float:
     """Return the longest time of a step: what is stated and what the voltage takes, or what a bandwidth takes."""
     bandwidth, voltage_time = record.declaration.current_bandwidth, voltage_time_s(record, step)
     if bandwidth is None:
         return float(record.limits.rise_time_s + voltage_time)
-    return declared_rise_s(record.document, bandwidth, _remaining_currents(record, step), voltage_time)
+    remaining = REMAINING if record.follows_current else _remaining_currents(record, step)
+    return declared_rise_s(record.document, bandwidth, remaining, voltage_time)
 
 
 def _remaining_currents(record: DutyRecord, step: TorqueStep) -> float:
@@ -214,8 +223,16 @@ def voltage_time_s(record: DutyRecord, step: TorqueStep) -> float:
         drive.direct_inductance * (last.direct - first.direct),
         drive.quadrature_inductance * (last.quadrature - first.quadrature),
     )
-    room = undistorted(drive.link_voltage) - max(first.voltage, last.voltage)
-    return flux / room
+    return flux / (undistorted(drive.link_voltage) - _used_voltage(record, step))
+
+
+def _used_voltage(record: DutyRecord, step: TorqueStep) -> float:
+    """Return the greatest voltage of both ends (V), for a q current also that without a d current."""
+    torques = (step.before, step.after)
+    used = [least_state(record, step, torque).voltage for torque in torques]
+    if record.follows_current:
+        used += [voltage_along_none(record.document, step.speed_rpm, torque) for torque in torques]
+    return max(used)
 
 
 STP_1 = Check(

@@ -25,6 +25,7 @@ from drivegate.contracts.duty.checks.judged import (
 )
 from drivegate.contracts.duty.checks.optimum import Purpose, greatest_at, least_free, undistorted
 from drivegate.contracts.duty.checks.steps import SHOWN_BEFORE, TorqueStep, overshoot_of, torque_steps
+from drivegate.contracts.duty.current_reference import unless_current
 from drivegate.contracts.duty.document import duty_document
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
 from drivegate.scenarios.rotation import sense_of
@@ -36,9 +37,9 @@ SHOWN_AFTER: Final = 100
 _PURPOSES: Final[tuple[Purpose, ...]] = ("current", "loss")
 
 
-def _unless_weakened(_declaration: Declaration, drive: DriveDocument) -> str | None:
+def _unless_weakened(declaration: Declaration, drive: DriveDocument) -> str | None:
     if duty_document(drive).weakens:
-        return None
+        return unless_current(declaration, drive)
     return (
         "the drive is stated without field weakening: its highest speed is its base speed of "
         f"{drive.rating.base_speed_rpm:g} rpm"
@@ -201,6 +202,7 @@ FWK_2 = Check(
     formula="1 - distance of the d current from the oracle's / {direct_error}",
     why="Weakening that stays on heats the winding, also at standstill.",
     evaluate=needless_direct_current,
+    reason_not_applicable=unless_current,
 )
 FWK_3 = Check(
     id="FWK-3",

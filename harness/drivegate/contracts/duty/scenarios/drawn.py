@@ -48,7 +48,7 @@ from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.limits import FAILURE_SPEED_SHARE
 from drivegate_cases.scenario.failure import PHASED
 from drivegate_cases.scenario.failure_kind import FAILURE_KINDS, FailureKind
-from drivegate_cases.scenario.reference import Reference, reference_of
+from drivegate_cases.scenario.reference import FollowedReference, Reference, reference_of
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import SHUNTS, position_of
 from drivegate_models.units import RADIANS_PER_RPM
@@ -405,7 +405,7 @@ def false_edge_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
 def failure_scenarios(
     drive: PmAcDocument,
     detected: Collection[FailureKind] = FAILURE_KINDS,
-    references: Collection[Reference] = ("speed", "torque"),
+    references: Collection[FollowedReference] = ("speed", "torque"),
 ) -> st.SearchStrategy[Scenario]:
     """Draw failures in the second half of a run from 20 to 100 % of base speed under 30 to 60 % of rated torque.
 
@@ -453,7 +453,7 @@ _UNSEEN: Final = frozenset({("locked-rotor", "torque"), ("lost-edge", "speed")})
 
 
 def _that_can_fail(
-    drive: PmAcDocument, detected: Collection[FailureKind], references: Collection[Reference]
+    drive: PmAcDocument, detected: Collection[FailureKind], references: Collection[FollowedReference]
 ) -> list[tuple[FailureKind, Reference]]:
     """List what may fail under which reference.
 
@@ -508,7 +508,7 @@ _OF_TORQUE: Final = frozenset({torque_step_scenarios, torque_supply_step_scenari
 def drawn_scenarios(
     drive: PmAcDocument,
     group: int | None = None,
-    references: Collection[Reference] = ("speed", "torque"),
+    references: Collection[FollowedReference] = ("speed", "torque"),
     detected: Collection[FailureKind] = (),
     *,
     reverses: bool = True,
@@ -552,7 +552,7 @@ def _reference(family: Family) -> Reference | None:
 
 
 def _following(
-    family: Family, references: Collection[Reference], drive: PmAcDocument
+    family: Family, references: Collection[FollowedReference], drive: PmAcDocument
 ) -> st.SearchStrategy[Scenario]:
     """Draw the runs of a family that have one of the references."""
     drawn = family(drive)

@@ -34,7 +34,7 @@ from drivegate_cases.drive.limits import nearest_step
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.limits import FAILURE_SPEED_SHARE
 from drivegate_cases.scenario.failure_kind import FailureKind
-from drivegate_cases.scenario.reference import Reference, reference_of
+from drivegate_cases.scenario.reference import FollowedReference, reference_of
 from drivegate_cases.scenario.scenario import Scenario
 
 START_ANGLES_DEG: Final = tuple(15.0 * number for number in range(24))
@@ -57,7 +57,7 @@ DEAD_TIME_SPEED_SHARE: Final = 0.08
 
 def fixed_scenarios(
     drive: PmAcDocument,
-    references: Collection[Reference] = ("speed", "torque"),
+    references: Collection[FollowedReference] = ("speed", "torque"),
     detected: Collection[FailureKind] = (),
     *,
     reverses: bool = True,

@@ -186,4 +186,4 @@ def test_candidates_that_follow_a_speed_alone_choose_the_plan() -> None:
     assert _common_reference([both, torque]) == "torque"
     assert _common_reference([both, speed, torque]) == "speed"
     assert speed.error is None
-    assert "follows a torque alone" in str(torque.error)
+    assert "follows no speed, which this comparison gives" in str(torque.error)
