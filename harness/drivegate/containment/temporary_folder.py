@@ -58,12 +58,13 @@ def _locked_folder(place: Path) -> tuple[Path, int]:
     while True:
         folder = place / f".drivegate-{secrets.token_hex(8)}"
         folder.mkdir(mode=0o700)
-        descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
-        fcntl.flock(descriptor, fcntl.LOCK_EX)
-        if folder.exists():
-            return folder, descriptor
-        # Another process took it for abandoned between our making and locking it.
-        os.close(descriptor)
+        # Another process may take it for abandoned between our making and locking it.
+        with suppress(FileNotFoundError):
+            descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+            fcntl.flock(descriptor, fcntl.LOCK_EX)
+            if folder.exists():
+                return folder, descriptor
+            os.close(descriptor)
 
 
 def _remove_abandoned(place: Path) -> None:

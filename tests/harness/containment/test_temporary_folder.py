@@ -9,6 +9,8 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 import pytest
 
@@ -62,18 +64,19 @@ def test_what_a_killed_process_has_left_is_removed_and_nothing_else(place: Path)
     assert sorted(place.iterdir()) == sorted(foreign)
 
 
+@pytest.mark.parametrize(("of", "name"), [(module.fcntl, "flock"), (module.os, "open")])
 def test_a_folder_that_vanishes_before_it_is_locked_is_made_again(
-    place: Path, monkeypatch: pytest.MonkeyPatch
+    place: Path, monkeypatch: pytest.MonkeyPatch, of: ModuleType, name: str
 ) -> None:
-    lock, taken = module.fcntl.flock, []
+    called, taken = getattr(of, name), list[Path]()
 
-    def flock(descriptor: int, operation: int) -> None:
+    def call(what: Any, how: int) -> Any:
         if not taken:
             taken.extend(place.iterdir())
             taken[0].rmdir()
-        lock(descriptor, operation)
+        return called(what, how)
 
-    monkeypatch.setattr(module.fcntl, "flock", flock)
+    monkeypatch.setattr(of, name, call)
     folder = TemporaryFolder()
     assert folder.path.is_dir()
     assert folder.path not in taken
