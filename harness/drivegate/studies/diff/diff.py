@@ -26,7 +26,10 @@ from drivegate.studies.diff.jobs import (
     refuse_without_room,
 )
 from drivegate.studies.diff.rule import Rule
+from drivegate_cases.documents.wording import one_line
+from drivegate_cases.scenario.reference import reference_of
 from drivegate_cases.scenario.scenario import Scenario
+from drivegate_models.errors import InputError
 
 FIRST: Final = "first"
 SECOND: Final = "second"
@@ -77,6 +80,12 @@ def compared(
     otherwise. Both are the same up to there, so nothing is lost by asking one after the other.
     With `again` the second one's instance has run the scenario before: against itself, that shows what reset keeps.
     """
+    for candidate in (first, second):
+        if candidate.declaration.follows_current and reference_of(scenario) == "torque":
+            raise InputError(
+                f"the candidate '{one_line(candidate.name)}' declares 'references = [\"current\"]', but a diff passes "
+                "the torque of the scenario on; leave the key out of the manifests that are compared"
+            )
     with_compiled_kernels([scenario.drive])
     with temporary_folder() as folder, Judge(second) as following:
         refuse_without_room(scenario, folder)

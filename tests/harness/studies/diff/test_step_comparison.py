@@ -1,14 +1,17 @@
 """Two candidates step by step: the first difference, with what both sensed and the plant's own state."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.messages import JudgedCandidate
 from drivegate.contracts.current.run import plant_state
+from drivegate.contracts.duty.scenarios.building import torque_scenario
 from drivegate.drives.kinds import kind_of
 from drivegate.drives.running import run_scenario
 from drivegate.studies.diff.diff import FIRST, SECOND, compared
@@ -88,6 +91,14 @@ def compare(first, second, rule=None, before=2, after=1, scenario=SHORT):
 def test_a_candidate_is_equal_to_itself(candidate):
     ended = compare(candidate("Steady"), candidate("Steady"))
     assert (ended.steps, ended.difference, ended.fault) == (SHORT.control_periods, None, None)
+
+
+def test_a_candidate_that_follows_a_q_current_is_refused_before_a_run_of_a_torque():
+    foc = resolve_candidate("foc")
+    following = replace(foc, declaration=Declaration(references=("current",)))
+    held = torque_scenario(load_drive("pm-ac-interior"), 100.0, (1.0,))
+    with pytest.raises(InputError, match="but a diff passes the torque of the scenario on"):
+        compare(foc, following, scenario=held)
 
 
 def test_a_restart_is_one_for_both(candidate):
