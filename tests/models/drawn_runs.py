@@ -94,7 +94,6 @@ def drawn(examples: int) -> settings:
     """
     return settings(
         max_examples=int(os.environ.get("DRAWN_RUNS", examples)),
-        deadline=None,
         derandomize=True,
         database=None,
         suppress_health_check=list(HealthCheck),

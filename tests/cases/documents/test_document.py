@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, ClassVar, Literal
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import Field, ValidationError
 
@@ -196,7 +196,6 @@ SHEETS = st.fixed_dictionaries(
 
 
 @given(SHEETS)
-@settings(deadline=None)
 def test_a_document_survives_a_round_trip(mapping: dict[str, Any]) -> None:
     sheet = parse_document(mapping, Sheet, "here")
     text = sheet.to_json()
@@ -213,7 +212,6 @@ ANYTHING = st.recursive(
 
 
 @given(st.dictionaries(st.sampled_from([*Sheet.model_fields, "schema"]) | st.text(max_size=6), ANYTHING))
-@settings(deadline=None)
 def test_any_table_gives_a_document_or_a_sentence(mapping: dict[str, Any]) -> None:
     reported = "here"
     try:

@@ -148,7 +148,7 @@ def test_a_document_of_too_great_an_extent_is_refused(
 
 
 @given(st.binary(max_size=200), st.sampled_from([".toml", ".json"]))
-@settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_any_bytes_give_a_table_or_a_sentence(tmp_path: Path, content: bytes, suffix: str) -> None:
     path = written(tmp_path, f"a{suffix}", content)
     reported = path.name
@@ -175,6 +175,6 @@ PLAIN_TABLES = st.dictionaries(
 
 
 @given(PLAIN_TABLES)
-@settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_what_json_writes_is_read_back(tmp_path: Path, table: dict[str, Any]) -> None:
     assert read_mapping(written(tmp_path, "a.json", json.dumps(table))) == table

@@ -1,7 +1,7 @@
 import re
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from drivegate_cases.documents.wording import counted, nearest, one_line, shortened, shown
@@ -10,7 +10,6 @@ ANY_TEXT = st.text(st.characters(codec=None), max_size=100)
 
 
 @given(ANY_TEXT)
-@settings(deadline=None)
 def test_any_text_becomes_one_printable_line(text: str) -> None:
     line = one_line(text)
     assert line.isprintable(), f"{line!r} is not printable"
@@ -29,7 +28,6 @@ def test_printable_text_stays_as_it_is() -> None:
 @given(
     st.recursive(st.none() | st.booleans() | st.integers() | st.floats() | ANY_TEXT, st.lists, max_leaves=30)
 )
-@settings(deadline=None)
 def test_any_value_is_shown_in_a_short_line(value: object) -> None:
     line = shown(value)
     assert line.isprintable(), f"{line!r} is not printable"
@@ -41,7 +39,6 @@ def test_a_long_value_is_cut_in_its_middle() -> None:
 
 
 @given(ANY_TEXT, st.integers(1, 50))
-@settings(deadline=None)
 def test_a_shortened_text_has_both_ends(text: str, longest: int) -> None:
     short = shortened(text, longest)
     assert len(short) == min(len(text), longest)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from drivegate_cases.documents.document import parse_document
@@ -224,7 +224,6 @@ def test_equal_drives_have_equal_hashes() -> None:
     st.floats(1e-4, 1e2),
     st.floats(0.0, 180.0, exclude_max=True),
 )
-@settings(deadline=None)
 def test_a_drive_survives_a_round_trip(
     phases: int, pole_pairs: int, resistance: float, inductance: float, flat: float
 ) -> None:

@@ -2,7 +2,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from drivegate_cases.scenario.piecewise import Profile, breakpoints, check_times, value_from, value_until
@@ -53,7 +53,6 @@ TIMES = st.lists(st.integers(1, 1000), min_size=1, max_size=6, unique=True).map(
 
 
 @given(TIMES, st.data())
-@settings(deadline=None)
 def test_without_steps_a_profile_is_plain_interpolation(times: list[int], data: st.DataObject) -> None:
     instants = [0.0, *[time / 100.0 for time in times]]
     values = data.draw(st.lists(st.floats(-1e3, 1e3), min_size=len(instants), max_size=len(instants)))

@@ -67,7 +67,7 @@ def small_profiles(draw: st.DrawFn) -> Profile:
 
 
 @given(small_profiles(), small_profiles(), small_profiles())
-@settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_dwells_are_maximal_and_constant(
     scenario_mapping: dict[str, Any], speed: Profile, factor: Profile, supply: Profile
 ) -> None:

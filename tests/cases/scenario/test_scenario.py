@@ -267,7 +267,7 @@ LOADS = st.one_of(
     st.floats(0.5, 2.0),
     st.integers(0, 2**63 - 1),
 )
-@settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_a_scenario_survives_a_round_trip(
     scenario_mapping: dict[str, Any],
     load: dict[str, Any],

@@ -54,7 +54,6 @@ LONGEST_CHECK = 240.0
 DRAWS = int(os.environ.get("DRIVEGATE_TEST_DRAWS", "16"))
 """Number of candidates; more of them for a hunt."""
 DRAWN_ONCE = settings(
-    deadline=None,
     database=None,
     derandomize=True,
     phases=[Phase.generate],

@@ -79,7 +79,6 @@ def test_a_family_exercises_the_checks_that_it_is_there_for(family: Family, judg
     @settings(
         max_examples=DRAWS,
         database=None,
-        deadline=None,
         phases=[Phase.generate],
         suppress_health_check=list(HealthCheck),
     )

@@ -75,7 +75,6 @@ def test_every_group_of_drawn_scenarios_stays_up_to_base_speed(group: int) -> No
         phases=[Phase.generate],
         database=None,
         derandomize=True,
-        deadline=None,
         suppress_health_check=list(HealthCheck),
     )
     @given(st.data())

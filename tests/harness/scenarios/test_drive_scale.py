@@ -110,7 +110,7 @@ def test_a_drive_as_plain_data_has_the_same_scale() -> None:
 )
 @pytest.mark.parametrize("drive", [SMALL, SLOW], ids=lambda drive: drive.name)
 def test_every_family_draws_within_the_range_of_another_drive(drive, family: Family) -> None:
-    @settings(max_examples=25, database=None, deadline=None, suppress_health_check=list(HealthCheck))
+    @settings(max_examples=25, database=None, suppress_health_check=list(HealthCheck))
     @given(scenario=family(drive, None))
     def holds(scenario: Scenario) -> None:
         speeds = [speed for _, speed in scenario.speed_rpm]

@@ -7,7 +7,7 @@ from decimal import Decimal, localcontext
 
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from drivegate_models.machine.winding_current import GREATEST, logarithm_ratio
@@ -22,7 +22,6 @@ def _error_in_last_place(x: float) -> float:
 
 
 @pytest.mark.kernel
-@settings(deadline=None)
 @example(GREATEST)
 @example(1e-30)
 @given(st.floats(1e-30, GREATEST))

@@ -23,7 +23,6 @@ ROUNDING = 4e-15
 
 exact_settings = settings(
     max_examples=300,
-    deadline=None,
     derandomize=True,
     database=None,
     suppress_health_check=list(HealthCheck),

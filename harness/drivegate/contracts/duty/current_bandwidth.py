@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from math import ceil, floor, log, pi
+from decimal import Decimal
+from math import ceil, floor, pi
 from typing import TYPE_CHECKING, Final
 
 from drivegate_models.errors import InputError
@@ -34,8 +35,13 @@ def declared_rise_s(
     limited = max(bandwidth * voltage_time, 1.0)
     # The voltage is used up until the loop asks for less; from there on the currents approach their end.
     used_up = min(limited - 1.0, limited * (1.0 - remaining))
-    approached = max(log(1.0 / (limited * remaining)), 0.0)
+    approached = max(_logarithm(1.0 / (limited * remaining)), 0.0)
     return (used_up + approached) / bandwidth + _delay_s(drive)
+
+
+def _logarithm(number: float) -> float:
+    """Return a natural logarithm that every processor rounds alike, which libraries in C do not."""
+    return float(Decimal(number).ln())
 
 
 def _delay_s(drive: PmAcDocument) -> float:
@@ -45,7 +51,7 @@ def _delay_s(drive: PmAcDocument) -> float:
 def require_bandwidth(drive: PmAcDocument, bandwidth: float) -> None:
     """Refuse a bandwidth (rad/s) that no loop can have at the drive's delay, or that asks for too much time."""
     period, rise = drive.control_period_s, drive.requirements.rise_periods
-    least = ceil(log(1.0 / REMAINING) / (_MOST_FACTOR * rise * period - _delay_s(drive)))
+    least = ceil(_logarithm(1.0 / REMAINING) / (_MOST_FACTOR * rise * period - _delay_s(drive)))
     greatest = floor(_PHASE_LEFT / ((drive.inverter.update_delay + 0.5) * period))
     if not least <= bandwidth <= greatest:
         raise InputError(

@@ -144,7 +144,6 @@ def test_drawn_runs_are_of_that_kind_too() -> None:
         phases=[Phase.generate],
         database=None,
         derandomize=True,
-        deadline=None,
         suppress_health_check=list(HealthCheck),
     )
     @given(st.data())

@@ -135,7 +135,7 @@ def test_an_edge_is_overdue_once_when_the_leading_on_ends() -> None:
         st.tuples(st.integers(1, 200), st.floats(-2.5, 2.5), st.floats(0.0, 2.5)), min_size=1, max_size=5
     ),
 )
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_whatever_the_shaft_does_its_angle_is_in_the_sector_that_the_switches_show(
     speed: float, angle: float, course: list[tuple[int, float, float]]
 ) -> None:

@@ -32,7 +32,6 @@ SUPPLY = 48.0
 Motor = Callable[..., Drive]
 drawn = settings(
     max_examples=150,
-    deadline=None,
     derandomize=True,
     database=None,
     suppress_health_check=list(HealthCheck),

@@ -72,7 +72,7 @@ def test_speed_angle_and_edges_are_exact_without_errors(rpm: float, pole_pairs: 
 
 
 @given(errors_of_edges, st.floats(0.0, 15.0), st.floats(0.0, 359.9), st.floats(10.0, 300.0))
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 def test_a_shaft_that_turned_before_the_run_is_measured_as_one_that_goes_on(
     errors: list[float], hysteresis: float, angle: float, speed: float
 ) -> None:
@@ -84,7 +84,7 @@ def test_a_shaft_that_turned_before_the_run_is_measured_as_one_that_goes_on(
 
 
 @given(errors_of_edges, st.floats(0.0, 15.0), st.floats(0.0, 359.9), st.integers(1, 20))
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 def test_there_are_six_edges_a_cycle_and_like_ones_give_the_speed(
     errors: list[float], hysteresis: float, angle: float, pole_pairs: int
 ) -> None:
@@ -119,7 +119,7 @@ def test_hysteresis_alone_makes_the_angle_late_by_itself(degrees: float) -> None
     st.lists(st.floats(-30.0, 30.0), min_size=1, max_size=150),
 )
 @example([0.0] * EDGES, 0.0, 5e-324, [0.0])
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 def test_the_angle_is_off_by_no_more_than_a_sector_and_the_edges_errors(
     errors: list[float], hysteresis: float, speed: float, changes: list[float]
 ) -> None:

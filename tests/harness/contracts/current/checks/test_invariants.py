@@ -31,9 +31,7 @@ from drivegate_models.units import RADIANS_PER_RPM
 
 DRIVE = load_drive("paper-5-phase")
 PLANT = DRIVE.plant()
-FEW = settings(
-    max_examples=12, deadline=None, database=None, derandomize=True, suppress_health_check=list(HealthCheck)
-)
+FEW = settings(max_examples=12, database=None, derandomize=True, suppress_health_check=list(HealthCheck))
 MANY = settings(FEW, max_examples=150)
 RIPPLE_SPEED = 1500.0 * RADIANS_PER_RPM
 

@@ -154,7 +154,6 @@ def test_drawn_scenarios_are_whole_periods_of_any_carrier(family: object) -> Non
     @settings(
         max_examples=40,
         database=None,
-        deadline=None,
         phases=[Phase.generate],
         suppress_health_check=list(HealthCheck),
     )

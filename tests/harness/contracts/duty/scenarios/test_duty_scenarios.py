@@ -40,7 +40,7 @@ INTERIOR = next(drive for drive in DRIVES if drive.name == "pm-ac-interior")
 BASE = INTERIOR.rating.base_speed_rpm
 FAMILIES = list(dict.fromkeys(family for group in FAMILY_GROUPS for family in group))
 # What is true of every draw is looked at in the first one, which need not become simple.
-FIRST = settings(max_examples=10, phases=[Phase.generate], database=None, derandomize=True, deadline=None)
+FIRST = settings(max_examples=10, phases=[Phase.generate], database=None, derandomize=True)
 
 
 @pytest.mark.parametrize("drive", DRIVES, ids=lambda drive: drive.name)
@@ -64,7 +64,6 @@ def test_what_a_family_draws_is_judged_somewhere(family: object) -> None:
     @settings(
         max_examples=10,
         database=None,
-        deadline=None,
         phases=[Phase.generate],
         suppress_health_check=list(HealthCheck),
     )

@@ -55,7 +55,7 @@ def test_every_fixed_run_shows_what_the_drive_states(position: str) -> None:
 
 
 @given(st.data())
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_every_drawn_run_and_what_it_shrinks_to_shows_what_the_drive_states(data: st.DataObject) -> None:
     run = data.draw(drawn_scenarios(BY_HALL, detected=FAILURE_KINDS))
     for shown in (run, *simpler_runs(run)):

@@ -32,9 +32,7 @@ from drivegate_models.units import RADIANS_PER_RPM
 
 DRIVE = load_drive("paper-5-phase")
 FAMILIES = [family for group in FAMILY_GROUPS for family in group]
-MANY = settings(
-    max_examples=60, deadline=None, database=None, derandomize=True, suppress_health_check=list(HealthCheck)
-)
+MANY = settings(max_examples=60, database=None, derandomize=True, suppress_health_check=list(HealthCheck))
 each_family = pytest.mark.parametrize("family", FAMILIES, ids=lambda family: family.__name__)
 
 
