@@ -26,6 +26,7 @@ from drivegate.candidates.elf.variables import FLOAT, SIGNED, UNSIGNED, Number, 
 from drivegate_cases.documents.wording import nearest, short_line
 from drivegate_models.compilation.calling import copy_bytes, double_at
 from drivegate_models.contract.current.records import NAMEPLATE
+from drivegate_models.contract.current.signals import Command
 from drivegate_models.contract.duty.records import DUTY_NAMEPLATE
 from drivegate_models.contract.duty.signals import DutyCommand
 from drivegate_models.contract.layout import CURRENT, DUTY, Layout
@@ -64,6 +65,11 @@ REQUIRED_OUTPUTS: Final[Mapping[ContractName, tuple[str, ...]]] = {
 }
 """Fields that each Command has, by contract."""
 _LAYOUTS: Final = {"current": (CURRENT, NAMEPLATE), "duty": (DUTY, DUTY_NAMEPLATE)}
+_ANSWERS: Final[Mapping[ContractName, tuple[type[Command | DutyCommand], tuple[str, ...]]]] = {
+    "current": (Command, ()),
+    "duty": (DutyCommand, ("duty_ratios", "legs")),
+}
+"""What a controller in Python answers, with the fields that have a number for each leg."""
 _MOST_PHASES: Final = 64
 
 
@@ -108,12 +114,11 @@ def _fields(begin: int, record: np.dtype[Any]) -> Iterator[tuple[str, Number]]:
 
 def _names_of_outputs(contract: ContractName, layout: Layout) -> dict[str, str]:
     """Name the fields of a Command as a controller in Python does, with those of the record."""
-    if contract == "current":
-        return {name: name for name in layout.outputs}
+    answer, by_leg = _ANSWERS[contract]
     names = [
         text
-        for name in DutyCommand._fields
-        for text in ([f"{name}[{leg}]" for leg in range(3)] if name in ("duty_ratios", "legs") else [name])
+        for name in answer._fields
+        for text in ([f"{name}[{leg}]" for leg in range(3)] if name in by_leg else [name])
     ]
     return dict(zip(names, layout.outputs, strict=True))
 
