@@ -160,7 +160,10 @@ def test_tables_are_made_of_all_rows():
     }
     loops, others = speed_tables.loop_table(rows), speed_tables.other_table(rows)
     assert sum("| 2.00 | 2.00 | 2.00 | 2.00 |" in line for line in loops) == 10
-    assert sum("| right |" in line for line in others) == len(rows) - 40
+    assert sum("| 2.00 " in line for line in others) == len(rows) - 40
+    name = next(name for name in rows if not name.startswith("loop."))
+    without = speed_tables.other_table(rows | {name: rows[name] | {"value": None}})
+    assert len(without) == len(others) - 1, "what cannot be measured has no row"
     peers = [
         {"peer": "one", "reason": "not installed"},
         {
@@ -182,5 +185,5 @@ def test_tables_are_made_of_all_rows():
     ]
     table = "\n".join(speed_tables.peer_table(peers, 2.0))
     assert "| one | not installed |" in table
-    assert "| two 1 | job | 0.500 | 4.00 | right |" in table
-    assert "| three 1 | job | – | – | WRONG: off |" in table
+    assert "| two 1 | job | 0.500 | 4.00 |" in table
+    assert "| three 1 | WRONG: off | – | – |" in table
