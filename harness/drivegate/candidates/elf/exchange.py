@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from drivegate.candidates.contract import ContractName
 from drivegate.candidates.elf.expression import Place, Step
+from drivegate.candidates.elf.image import hexadecimal
 from drivegate.candidates.elf.variables import FLOAT, SIGNED, UNSIGNED, Number, Variables
 from drivegate_cases.documents.wording import nearest, short_line
 from drivegate_models.compilation.calling import copy_bytes, double_at
@@ -202,7 +203,7 @@ class Programs:
             memory = self._memory(number.address, number.size)
         except KeyError:
             raise InputError(
-                f"'{place.text}' is at 0x{number.address:08X}, where the target has no memory; add it to 'ram'"
+                f"'{place.text}' is at {hexadecimal(number.address)}, where the target has no memory; add it to 'ram'"
             ) from None
         return number._replace(address=int(memory.ctypes.data))
 

@@ -34,7 +34,7 @@ _ALLOWED: Final = f"numbers, names, + - * / %, {', '.join((*_OF_MANY, *_OF_ONE))
 
 
 class Place(NamedTuple):
-    """A variable, or a part of one, as it is written: ``TIM1.CCR1`` or ``TIM_TypeDef(0x40010000).CCR1``."""
+    """A variable, or a part of one, as it is written: ``TIM1.CCR1`` or ``TIM_TypeDef(0x4001_0000).CCR1``."""
 
     root: str
     """Name of a variable; of a type where there is an address."""
@@ -46,7 +46,11 @@ class Place(NamedTuple):
     @property
     def text(self) -> str:
         """Write it as in a manifest."""
-        root = self.root if self.address is None else f"{self.root}(0x{self.address:X})"
+        if self.address is None:
+            root = self.root
+        else:
+            # In halves it is not taken for an address of this machine, which reports leave out.
+            root = f"{self.root}(0x{self.address >> 16:04X}_{self.address & 0xFFFF:04X})"
         return root + "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in self.path)
 
 

@@ -178,7 +178,7 @@ def test_a_function_is_answered_in_the_registers_of_its_type(made: Make, target:
         ({"write": {"bits.low": 0}}, "'bits.low' is a bit field; name the whole register"),
         (
             {"write": {"TIM_TypeDef(0x50000000).ARR": 0}},
-            "is at 0x5000000C, where the target has no memory; add it",
+            "is at 5000000Ch, where the target has no memory; add it",
         ),
         ({"write": {"TIM(0x40010000).ARR": 0}}, "has no type 'TIM', the nearest one is"),
         ({"write": {"period": "curent"}}, "there is no signal 'curent', the nearest one is"),

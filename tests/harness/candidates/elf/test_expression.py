@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from drivegate.candidates.elf.expression import Place, parsed, parsed_place
+from drivegate.candidates.fault import bounded_line
 from drivegate_models.errors import InputError
 
 
@@ -57,6 +58,7 @@ def test_everything_else_is_refused(text: str, reason: str) -> None:
 
 def test_a_place_is_no_expression() -> None:
     assert parsed_place("ADC_Value[0]").text == "ADC_Value[0]"
-    assert parsed_place("TIM(1073807360)").text == "TIM(0x40010000)"
+    assert bounded_line(parsed_place("TIM(0x4001_0000)").text) == "TIM(0x4001_0000)", "it stays in reports"
+    assert parsed_place("TIM(1073807360)").text == "TIM(0x4001_0000)"
     with pytest.raises(InputError, match="'1 \\+ a' is no variable; write one such as 'ADC_Value"):
         parsed_place("1 + a")
