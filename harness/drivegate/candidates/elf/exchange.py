@@ -65,13 +65,15 @@ REQUIRED_OUTPUTS: Final[Mapping[ContractName, tuple[str, ...]]] = {
     "duty": ("duty_ratios[0]", "duty_ratios[1]", "duty_ratios[2]"),
 }
 """Fields that each Command has, by contract."""
-_LAYOUTS: Final = {"current": (CURRENT, NAMEPLATE), "duty": (DUTY, DUTY_NAMEPLATE)}
+LAYOUTS: Final = {"current": (CURRENT, NAMEPLATE), "duty": (DUTY, DUTY_NAMEPLATE)}
+"""Records of a step, and that of the nameplate, by contract."""
+MOST_PHASES: Final = 64
+"""Number of phase currents that the memory of a step has space for."""
 _ANSWERS: Final[Mapping[ContractName, tuple[type[Command | DutyCommand], tuple[str, ...]]]] = {
     "current": (Command, ()),
     "duty": (DutyCommand, ("duty_ratios", "legs")),
 }
 """What a controller in Python answers, with the fields that have a number for each leg."""
-_MOST_PHASES: Final = 64
 
 
 @dataclass(frozen=True)
@@ -89,13 +91,13 @@ def records_in(mail: int, places: Sequence[int], contract: ContractName) -> Reco
 
     `mail`: address of the memory that they are in. `places`: where nameplate, Sense, Command and currents begin.
     """
-    layout, nameplate = _LAYOUTS[contract]
+    layout, nameplate = LAYOUTS[contract]
     signals = {f"nameplate.{name}": number for name, number in _fields(mail + places[0], nameplate)}
     signals |= dict(_fields(mail + places[1], layout.sense))
     signals.pop("phase_currents")
     signals |= {
         f"phase_currents[{phase}]": Number(mail + places[3] + 8 * phase, FLOAT, 8)
-        for phase in range(_MOST_PHASES)
+        for phase in range(MOST_PHASES)
     }
     named = _names_of_outputs(contract, layout)
     fields = dict(_fields(mail + places[2], layout.command))

@@ -101,8 +101,12 @@ def _steps(node: ast.expr) -> Iterator[Step]:
     place = _place(node)
     if place is not None:
         yield place
-    elif isinstance(node, ast.Constant) and type(node.value) in (int, float):
-        yield _number(node)
+    elif (
+        isinstance(node, ast.Constant)
+        and isinstance(node.value, int | float)
+        and not isinstance(node.value, bool)
+    ):
+        yield _number(node.value)
     elif isinstance(node, ast.BinOp) and type(node.op) in _OPERATORS:
         yield from _steps(node.left)
         yield from _steps(node.right)
@@ -117,11 +121,18 @@ def _steps(node: ast.expr) -> Iterator[Step]:
         raise InputError(f"'{short_line(ast.unparse(node))}' is not allowed; an expression has {_ALLOWED}")
 
 
-def _number(node: ast.Constant) -> float:
+def _number(value: float) -> float:
     try:
-        return float(node.value)  # type: ignore[arg-type]
+        return float(value)
     except OverflowError as error:
-        raise InputError(f"'{short_line(ast.unparse(node))}' is too large for a number") from error
+        raise InputError(f"'{short_line(str(value))}' is too large for a number") from error
+
+
+def _whole(node: ast.expr) -> int | None:
+    """Return the whole number, not negative, that a node is; None where it is none."""
+    if isinstance(node, ast.Constant) and isinstance(node.value, int) and not isinstance(node.value, bool):
+        return node.value
+    return None
 
 
 def _call(node: ast.Call, name: str) -> Iterator[Step]:
@@ -143,15 +154,11 @@ def _place(node: ast.expr) -> Place | None:
     if isinstance(node, ast.Attribute):
         outer, part = _place(node.value), node.attr.removesuffix(_MARK)
         return None if outer is None else outer._replace(path=(*outer.path, part))
-    if isinstance(node, ast.Subscript) and isinstance(node.slice, ast.Constant):
-        outer, number = _place(node.value), node.slice.value
-        is_number = type(number) is int and number >= 0
-        return (
-            None if outer is None or not is_number else outer._replace(path=(*outer.path, int(str(number))))
-        )
-    is_cast = isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and len(node.args) == 1
-    if is_cast and node.func.id not in _OF_ONE and isinstance(node.args[0], ast.Constant):  # type: ignore[attr-defined]
-        address = node.args[0].value  # type: ignore[attr-defined]
-        if type(address) is int and 0 <= address < 2**32:
-            return Place(node.func.id, address, ())  # type: ignore[attr-defined]
+    if isinstance(node, ast.Subscript):
+        outer, number = _place(node.value), _whole(node.slice)
+        return None if outer is None or number is None else outer._replace(path=(*outer.path, number))
+    if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and len(node.args) == 1:
+        name, address = node.func.id, _whole(node.args[0])
+        if name not in _OF_ONE and address is not None and address < 2**32:
+            return Place(name, address, ())
     return None

@@ -10,7 +10,15 @@ from numpy.typing import NDArray
 from drivegate.candidates.candidate import Candidate, Target
 from drivegate.candidates.contract import HEADERS, AnyNameplate, ContractName, require_nameplate_of
 from drivegate.candidates.elf import processor
-from drivegate.candidates.elf.exchange import REQUIRED_OUTPUTS, Programs, program_of, records_in, run_program
+from drivegate.candidates.elf.exchange import (
+    LAYOUTS,
+    MOST_PHASES,
+    REQUIRED_OUTPUTS,
+    Programs,
+    program_of,
+    records_in,
+    run_program,
+)
 from drivegate.candidates.elf.expression import parsed, parsed_place
 from drivegate.candidates.elf.image import Image, read_image
 from drivegate.candidates.elf.processor import CortexM, TargetFault, step_function
@@ -19,16 +27,11 @@ from drivegate.candidates.fault import CandidateFault, Fault, FaultKind, Phase, 
 from drivegate.candidates.native.controller import RESETS, STEPS, record_of, refused_by_reset
 from drivegate.candidates.native.loading import COMMON, LARGEST_STATE, require_version
 from drivegate_cases.documents.wording import one_line
-from drivegate_models.contract.current.records import NAMEPLATE, STATE_ALIGNMENT
-from drivegate_models.contract.duty.records import DUTY_NAMEPLATE
+from drivegate_models.contract.current.records import STATE_ALIGNMENT
 from drivegate_models.contract.duty.signals import DutyNameplate
-from drivegate_models.contract.layout import CURRENT, DUTY
 from drivegate_models.errors import HarnessFault, InputError
 
 _PHASES_OF_DUTY: Final = 3
-_CURRENTS_BYTES: Final = 8 * 64
-_LAYOUTS: Final = {"current": CURRENT, "duty": DUTY}
-_NAMEPLATES: Final = {"current": NAMEPLATE, "duty": DUTY_NAMEPLATE}
 
 
 def load_controller(candidate: Candidate) -> TargetController:
@@ -76,12 +79,12 @@ class TargetController:
             raise InputError(
                 f"{name}: drivegate_state_size returned {self.state_size}, but must return at most {LARGEST_STATE}"
             )
-        layout = _LAYOUTS[contract]
+        layout, nameplate_record = LAYOUTS[contract]
         sizes = (
-            _NAMEPLATES[contract].itemsize,
+            nameplate_record.itemsize,
             layout.sense.itemsize,
             layout.command.itemsize,
-            _CURRENTS_BYTES,
+            8 * MOST_PHASES,
         )
         places = [0]
         for size in sizes:
