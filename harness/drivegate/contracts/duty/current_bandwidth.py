@@ -40,7 +40,7 @@ def declared_rise_s(
 
 
 def _logarithm(number: float) -> float:
-    """Return a natural logarithm that every processor rounds alike, which libraries in C do not."""
+    """Return a natural logarithm that every processor rounds identically, which libraries in C do not."""
     return float(Decimal(number).ln())
 
 

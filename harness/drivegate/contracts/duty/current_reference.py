@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from drivegate_cases.scenario.scenario import Scenario
 
 STEPPED: Final[tuple[Reference, ...]] = ("torque",)
-"""References of the scenarios that such a candidate is run in."""
+"""References of the scenarios of a candidate that follows a q current."""
 _KEPT: Final = 20_000
 
 

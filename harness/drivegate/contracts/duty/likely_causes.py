@@ -212,7 +212,7 @@ def _signs(check: str, measured: str) -> Iterator[str]:
 def likely_causes(checks: Iterable[Mapping[str, Any]]) -> tuple[LikelyCause, ...]:
     """Return the causes whose signs agree best with those of failed checks, the likeliest first.
 
-    Of causes that agree alike, those whose confirming check has failed come first.
+    Of causes that agree equally well, those whose confirming check has failed come first.
     """
     shown = signs_of(checks)
     rated = [
