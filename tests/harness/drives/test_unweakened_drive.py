@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from tests.models.drawn_runs import drawn
 
 from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS
 from drivegate.candidates.resolution import resolve_candidate
@@ -70,18 +71,12 @@ def test_the_highest_speed_is_not_passed_by_rounding() -> None:
 
 @pytest.mark.parametrize("group", range(len(FAMILY_GROUPS)))
 def test_every_group_of_drawn_scenarios_stays_up_to_base_speed(group: int) -> None:
-    @settings(
-        max_examples=5,
-        phases=[Phase.generate],
-        database=None,
-        derandomize=True,
-        suppress_health_check=list(HealthCheck),
-    )
+    @drawn(5)
     @given(st.data())
-    def drawn(data: st.DataObject) -> None:
+    def draw(data: st.DataObject) -> None:
         assert fastest(data.draw(drawn_scenarios(DRIVE, group))) <= BASE
 
-    drawn()
+    draw()
 
 
 def test_a_torque_that_takes_weakening_is_out_of_reach() -> None:

@@ -10,8 +10,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from tests.models.drawn_runs import drawn
 
 from drivegate import CURRENT_REFERENCE
 from drivegate.candidates.declaration import Declaration
@@ -139,21 +140,15 @@ def test_it_is_run_on_torques_that_need_no_weakening_even_without_a_d_current() 
 
 
 def test_drawn_runs_are_of_that_kind_too() -> None:
-    @settings(
-        max_examples=20,
-        phases=[Phase.generate],
-        database=None,
-        derandomize=True,
-        suppress_health_check=list(HealthCheck),
-    )
+    @drawn(20)
     @given(st.data())
-    def drawn(data: st.DataObject) -> None:
+    def draw(data: st.DataObject) -> None:
         run = data.draw(CONTRACT.drawn_scenarios(DRIVE, FOLLOWS, None))
         assert run.drive == DRIVE
         assert isinstance(run.load, DynamometerLoad)
         assert max(abs(speed) for _, speed in run.speed_rpm) <= DRIVE.rating.base_speed_rpm
 
-    drawn()
+    draw()
 
 
 def test_checks_of_the_d_current_and_of_the_torque_do_not_apply() -> None:
