@@ -58,7 +58,12 @@ def variables_of(contract: str, phases: int, estimates_power: bool) -> tuple[Var
             Variable("duty_ratios", 111, "output", width=3),
             Variable("legs", 121, "output", width=3),
             *numbered(11, "output", "next_period torque input_power fault"),
-            *numbered(21, "parameter", "kind reference_kind pole_pairs updates update_delay", "integer"),
+            *numbered(
+                21,
+                "parameter",
+                "kind reference_kind pole_pairs updates update_delay control_every",
+                "integer",
+            ),
             *numbered(
                 31,
                 "parameter",

@@ -24,6 +24,7 @@ enum {
     POLE_PAIRS,
     UPDATES,
     UPDATE_DELAY,
+    CONTROL_EVERY,
     NOMINAL_SUPPLY_VOLTAGE = 31,
     BASE_SPEED,
     HIGHEST_SPEED,
@@ -108,6 +109,7 @@ int64_t *signals_integer(signals *self, unsigned reference) {
     case POLE_PAIRS: return &self->nameplate.pole_pairs;
     case UPDATES: return &self->nameplate.updates;
     case UPDATE_DELAY: return &self->nameplate.update_delay;
+    case CONTROL_EVERY: return &self->nameplate.control_every;
     default: return NULL;
     }
 }

@@ -54,6 +54,8 @@ class Declaration:
 
     current_bandwidth: float | None = None
     """Bandwidth of the current regulators (rad/s), by which their steps are judged; None for the drive's limit."""
+    control_every: int | None = None
+    """Carrier periods in a control period, where the candidate is made for one number; None for its drive's."""
 
     @property
     def follows_current(self) -> bool:

@@ -14,6 +14,7 @@ from drivegate.candidates.kinds import KINDS
 from drivegate_cases.documents.document import Document, Section
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_cases.drive.drive_reference import DriveReference
+from drivegate_cases.drive.pm_ac.inverter import MOST_CARRIERS
 from drivegate_cases.scenario.failure_kind import FailureKind
 from drivegate_cases.scenario.reference import FollowedReference
 from drivegate_models.errors import InputError
@@ -36,6 +37,7 @@ _KEYS_OF_OTHERS = {
         "detects": "whose legs are no candidate's",
         "current_bandwidth_rad_s": "whose currents are no candidate's",
         "reads_enable": "whose legs are no candidate's",
+        "control_every": "whose carrier is no candidate's",
     }
 }
 """For each contract, keys of the contract of duty ratios alone, and why it has none."""
@@ -160,6 +162,12 @@ class Manifest(Document):
         default=None,
         description="bandwidth of the current regulators of a candidate that answers with duty ratios, in radians a "
         "second, which its steps are judged by; the drive's rise_periods where it is left out",
+    )
+
+    control_every: Annotated[int, Field(ge=1, le=MOST_CARRIERS)] | None = Field(
+        default=None,
+        description="carrier periods from one step to the next of a candidate that answers with duty ratios, by "
+        "default those of the drive; the duty ratios hold in all of them",
     )
 
     drive: DriveReference | None = Field(
@@ -331,6 +339,7 @@ class Manifest(Document):
             self.reads_enable,
             self.calibration_time_s,
             self.current_bandwidth_rad_s,
+            self.control_every,
         )
 
 

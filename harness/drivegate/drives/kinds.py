@@ -14,6 +14,7 @@ from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
     from drivegate_cases.drive.drive_document import DriveDocument
+    from drivegate_cases.scenario.scenario import Scenario
 
 
 def _oracle() -> Oracle:
@@ -106,9 +107,34 @@ def drive_for(candidate: Candidate | None, named: DriveDocument | None = None) -
     own = None if candidate is None else candidate.drive
     contract = None if candidate is None else candidate.contract
     drive = named or own or load_drive(DEFAULT_DRIVES[contract or "current"])
-    if candidate is not None:
-        require_contract(candidate, drive)
-    return drive
+    if candidate is None:
+        return drive
+    require_contract(candidate, drive)
+    return at_declared_rate(drive, [candidate])
+
+
+def at_declared_rate(drive: DriveDocument, candidates: Iterable[Candidate]) -> DriveDocument:
+    """Return a drive with the control period that candidates declare; those that declare none run at any."""
+    declared = {candidate.declaration.control_every: candidate.name for candidate in candidates}
+    declared.pop(None, None)
+    if not declared or "control_every" not in drive.table_of_key():
+        return drive
+    (every, first), *others = declared.items()
+    for other, name in others:
+        raise InputError(
+            f"the manifest of '{one_line(first)}' has control_every = {every} and that of '{one_line(name)}' {other}, "
+            "but candidates are compared at one control period; compare those of one rate"
+        )
+    try:
+        return drive.replaced(control_every=every)
+    except InputError as error:
+        raise InputError(f"the manifest of '{one_line(first)}' does not fit its drive: {error}") from error
+
+
+def scenario_at_declared_rate(scenario: Scenario, candidates: Iterable[Candidate]) -> Scenario:
+    """Return a scenario whose drive has the control period that candidates declare."""
+    drive = at_declared_rate(scenario.drive, candidates)
+    return scenario if drive is scenario.drive else scenario.replaced(drive=drive)
 
 
 def require_contract(candidate: Candidate, drive: DriveDocument) -> None:
@@ -130,8 +156,10 @@ def require_angles(drive: DriveDocument) -> DriveDocument:
 
 def common_drive(candidates: Iterable[Candidate], named: DriveDocument | None = None) -> DriveDocument:
     """Choose the one drive of candidates that are compared."""
-    found = [drive_for(candidate, named) for candidate in candidates]
-    first = found[0] if found else drive_for(None, named)
+    compared = list(candidates)
+    drives = [drive_for(candidate, named) for candidate in compared] or [drive_for(None, named)]
+    found = [at_declared_rate(drive, compared) for drive in drives]
+    first = found[0]
     other = next((drive for drive in found if drive != first), None)
     if other is not None:
         raise InputError(

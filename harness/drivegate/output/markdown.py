@@ -10,7 +10,7 @@ from typing import Any, Final
 from drivegate.output.explanations import distinct_faults, in_runs, unjudged_in_words
 from drivegate.output.result_file import counterexample_name
 from drivegate.results.result import counted_levels
-from drivegate.results.wording import printed_margin, runs_in_short
+from drivegate.results.wording import drive_in_words, printed_margin, runs_in_short
 from drivegate_cases.documents.wording import one_line
 
 SUMMARY_FILE: Final = "summary.md"
@@ -56,7 +56,7 @@ def markdown(result: dict[str, Any]) -> str:
 def _drive(result: dict[str, Any]) -> str:
     """Name the drive; results of earlier versions do not name it."""
     drive = result.get("drive")
-    return "" if drive is None else f" on the drive {escaped(drive['name'])}"
+    return "" if drive is None else f" on the drive {escaped(drive_in_words(drive))}"
 
 
 def _what_failed(result: dict[str, Any]) -> list[str]:

@@ -28,6 +28,16 @@ def drive_option(document: Mapping[str, Any]) -> str:
     return "" if named is None else f" --drive {quote(str(named))}"
 
 
+def drive_in_words(drive: Mapping[str, Any]) -> str:
+    """Name the drive of a result, and its control period where that is several carrier periods."""
+    inverter = (drive.get("document") or {}).get("inverter", {})
+    every = inverter.get("control_every") or 1
+    if every == 1:
+        return str(drive["name"])
+    period = 1e6 * every / inverter["carrier_frequency_hz"]
+    return f"{drive['name']}, a step every {every} carrier periods ({period:.4g} µs)"
+
+
 def runs_in_short(result: dict[str, Any]) -> str:
     """State how many runs a result rests on."""
     corpus = f", {result['corpus_runs']} of them from the corpus" if result["corpus_runs"] else ""

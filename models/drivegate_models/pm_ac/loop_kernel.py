@@ -251,7 +251,8 @@ def run_periods(
                 show_currents_of_idle_bridge(sensors, exchange.sensed_currents)
             else:
                 ended = alignment_of(drive.modulator.updates, k + 1)
-                show_phase_currents(sensors, exchange.sensed_currents, ended, room.last, length)
+                carrier = length / drive.modulator.control_every
+                show_phase_currents(sensors, exchange.sensed_currents, ended, room.last, carrier)
             show_shaft(sensors, exchange.sense[0], turning * length)
         is_exact = sensors.ideal or sensors.position == EXACT
         show_failed(failure, k, exchange.sensed_currents, exchange.sense[0], is_exact)
@@ -267,19 +268,21 @@ def run_periods(
         for entry in range(ledger.ENTRIES):
             period[entry] = 0.0
         held = held_speed(speed, change)
-        if advance_period(
-            plant,
-            phases,
-            angle,
-            held,
-            link,
-            room.ratios[0],
-            room.legs[0],
-            alignment_of(drive.modulator.updates, k),
-            length,
-            period,
-        ):
-            return PLANT_FAULT, before + k
+        carrier = length / drive.modulator.control_every
+        for part in range(drive.modulator.control_every):
+            if advance_period(
+                plant,
+                phases,
+                angle + part * (drive.pole_pairs * held * carrier),
+                held,
+                link,
+                room.ratios[0],
+                room.legs[0],
+                alignment_of(drive.modulator.updates, k),
+                carrier,
+                period,
+            ):
+                return PLANT_FAULT, before + k
         stored_now = stored_energy(drive, phases)
         rated = link * drive.current_limit * length
         balance = _balance(plant.resistance, held, stored_now - stored, stored_now, rated, period)

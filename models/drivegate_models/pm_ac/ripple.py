@@ -32,7 +32,7 @@ def _swing(
     period: float,
     totals: NDArray[np.float64],
 ) -> float:
-    """Return maximum minus minimum torque of the control periods after the ignored ones (N m)."""
+    """Return maximum minus minimum torque of the carrier's updates after the ignored ones (N m)."""
     turning = drive.pole_pairs * speed * period
     least = inf
     most = -inf
@@ -90,6 +90,7 @@ def commanded_swing(
     phases.rotor_currents[:] = currents
     _set_signs(phases, currents, float(angle))
     totals = np.zeros(ledger.ENTRIES)
+    every = drive.modulator.control_every
     return float(
         _swing(
             drive,
@@ -97,11 +98,11 @@ def commanded_swing(
             float(angle),
             float(speed),
             float(link),
-            ratios,
-            legs,
+            np.repeat(ratios, every, axis=0),
+            np.repeat(legs, every, axis=0),
             int(first),
-            int(ignored),
-            float(period),
+            int(ignored) * every,
+            float(period) / every,
             totals,
         )
     )
@@ -168,10 +169,11 @@ def ideal_swing(
     """
     electrical = drive.pole_pairs * speed
     voltages = steady_voltages(drive, float(electrical), *currents)
+    modulator = Modulator(updates=drive.modulator.updates, control_every=drive.modulator.control_every)
     ratios = np.empty((ignored + watched, 3))
     _ideal_ratios(*voltages, float(electrical * period), float(link), ratios)
     return commanded_swing(
-        drive._replace(modulator=Modulator(updates=drive.modulator.updates), switch_drop=0.0, diode_drop=0.0),
+        drive._replace(modulator=modulator, switch_drop=0.0, diode_drop=0.0),
         currents,
         0.0,
         speed,

@@ -16,7 +16,7 @@ from drivegate.output.result_file import counterexample_name
 from drivegate.results.result import RESULT_SCHEMA, counted_levels
 from drivegate.results.signature import fingerprint
 from drivegate.results.waivers import DAY_VARIABLE, present_day
-from drivegate.results.wording import drive_option
+from drivegate.results.wording import drive_in_words, drive_option
 from drivegate_reports.conformance.rows import (
     TONES,
     CheckRow,
@@ -113,7 +113,7 @@ def view_of(document: Mapping[str, Any]) -> ResultView:
         kind=clean(candidate["kind"]),
         specification=clean(candidate["specification"]),
         candidate_hash=clean(candidate["hash"]),
-        drive=clean((document.get("drive") or {}).get("name", "")),
+        drive=clean(drive_in_words(document["drive"]) if document.get("drive") else ""),
         verdict=verdict,
         tone=TONES.get(verdict, "fail"),
         meaning=" ".join([_meaning(verdict, failing), *_causes(document)]).strip(),

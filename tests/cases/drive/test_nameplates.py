@@ -48,6 +48,7 @@ OF_DUTY_RATIOS: Final[dict[str, Callable[[PmAcDocument], float]]] = {
     "magnet_flux": lambda drive: drive.machine.magnet_flux_v_s,
     "inertia": lambda drive: drive.machine.inertia_kg_m2,
     "core_loss_conductance": lambda drive: drive.machine.core_loss_conductance_s,
+    "control_every": lambda drive: drive.inverter.control_every or 1,
 }
 """What each field of a nameplate of duty ratios is of a drive's file."""
 

@@ -121,6 +121,8 @@ def test_what_a_candidate_follows_is_declared():
         ({"contract": "current", "reads_enable": True}, "'reads_enable' is for the contract 'duty'"),
         ({"contract": "current", "current_bandwidth_rad_s": 1e3}, "is for the contract 'duty'"),
         ({"contract": "duty", "current_bandwidth_rad_s": 0.0}, "current_bandwidth_rad_s"),
+        ({"contract": "current", "control_every": 2}, "'control_every' is for the contract 'duty'"),
+        ({"contract": "duty", "control_every": 33}, "control_every"),
         ({"contract": "duty", "calibration_time_s": 0.1}, "needs 'reads_enable = true'"),
         ({"contract": "duty", "reads_enable": True, "calibration_time_s": 0.6}, "calibration_time_s"),
     ],

@@ -254,6 +254,7 @@ _DRIVE: Final[dict[str, Effect]] = {
     "drive.inverter.carrier_frequency_hz": Runs(5000.0),
     "drive.inverter.carrier": Runs("double"),
     "drive.inverter.update_delay": Runs(0),
+    "drive.inverter.control_every": Runs(2),
     "drive.inverter.counter_levels": Runs(50),
     "drive.inverter.dead_time_s": Runs(5e-6),
     "drive.inverter.minimum_pulse_s": Runs(2e-5),

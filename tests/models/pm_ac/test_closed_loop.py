@@ -16,7 +16,7 @@ from drivegate_models.loop.duty_command import BAD_LEG
 from drivegate_models.loop.exchange import COMPLETED, NOT_FINITE, STOPPED
 from drivegate_models.loop.schedule import Course, steady
 from drivegate_models.machine import ledger
-from drivegate_models.machine.load import CONSTANT_POWER, CONSTANT_TORQUE, Load
+from drivegate_models.machine.load import CONSTANT_POWER, CONSTANT_TORQUE, LOCKED, Load
 from drivegate_models.pm_ac import loop_kernel
 from drivegate_models.pm_ac.closed_loop import run_duty_loop
 from drivegate_models.pm_ac.oracle import CURRENT, least_at
@@ -200,3 +200,34 @@ def test_of_energies_that_are_but_rounding_none_is_missed_and_any_other_is() -> 
         period[ledger.UPPER] = period[ledger.EXCHANGED] = missed * rated
         balance = loop_kernel._balance(0.5, 0.0, 0.0, 0.0, rated, period)
         assert (balance < 1e-9) is balanced, f"{missed:g} of what is rated is {balance:g} of the throughput"
+
+
+def test_duty_ratios_hold_over_all_carrier_periods_of_a_control_period(interior: Factory) -> None:
+    every, kept = 4, stubborn(0.7, 0.4, 0.3)
+
+    def held(modulator: Modulator, period: float) -> np.ndarray:
+        drive = interior(modulator=modulator)
+        run = run_duty_loop(
+            drive,
+            Load(LOCKED, 0.0),
+            course(drive, steady(200.0), steady(1.0)),
+            step_address=kept[1],
+            state_address=0,
+            control_period=period,
+            duration=8 * every * PERIOD,
+        )
+        assert run.worst_balance < 1e-9
+        return run.trace
+
+    each = held(Modulator(update_delay=0, dead_time=2e-6), PERIOD)
+    both = held(Modulator(update_delay=0, dead_time=2e-6, control_every=every), every * PERIOD)
+    assert len(both) == 8
+    for name in ("direct", "quadrature"):
+        assert both[:, COLUMN[name]] == pytest.approx(each[every - 1 :: every, COLUMN[name]], rel=1e-9)
+    for name in ("torque", "input_power"):
+        means = each[:, COLUMN[name]].reshape(8, every).mean(axis=1)
+        assert both[:, COLUMN[name]] == pytest.approx(means, rel=1e-9)
+    assert both[:, COLUMN["peak_current"]].max() == pytest.approx(each[:, COLUMN["peak_current"]].max())
+    # Held over all of it, one pulse as long as the control period would make more ripple.
+    whole = held(Modulator(update_delay=0, dead_time=2e-6), every * PERIOD)
+    assert whole[0, COLUMN["peak_current"]] != pytest.approx(both[0, COLUMN["peak_current"]], rel=1e-3)

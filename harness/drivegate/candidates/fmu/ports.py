@@ -75,7 +75,7 @@ DUTY: Final = Ports(
     arrays=(DUTY_RATIOS,),
     more_arrays=("legs",),
     parameters=_parameters(DutyNameplate._fields, "supply_voltage"),
-    whole=("kind", "reference_kind", "pole_pairs", "updates", "update_delay"),
+    whole=("kind", "reference_kind", "pole_pairs", "updates", "update_delay", "control_every"),
 )
 """Those of a controller that answers with duty ratios."""
 

@@ -184,8 +184,7 @@ class InformedController:
         flowing = [(currents / turn).real for turn in (1.0, _THIRD, 1.0 / _THIRD)]
         middle = 0.5 * (max(phases) + min(phases))
         lost = drive.modulator.dead_time / self._period
-        if drive.modulator.updates == 2:
-            lost *= 0.5
+        lost *= 0.5 if drive.modulator.updates == 2 else drive.modulator.control_every
         small = _SMALL * drive.current_limit
         first, second, third = (
             min(max(0.5 + (phase - middle) / link + lost * min(max(current / small, -1.0), 1.0), 0.0), 1.0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, Final
@@ -21,7 +22,7 @@ from drivegate_models.pm_ac.plant.drive import CENTRED, Modulator, PmAcDrive, al
 from drivegate_models.pm_ac.plant.modulator import LOWER, UPPER, make_gates, schedule_gates
 
 PIECES: Final = 12
-"""Even parts of a control period, besides those at the instants of switching."""
+"""Even parts of the time between two updates, besides those at the instants of switching."""
 _LEGS_OF: Final = {UPPER: LEG_HIGH, LOWER: LEG_LOW}
 _AT_ONCE: Final = Modulator()
 _NO_RATIOS: Final = np.zeros(3)
@@ -65,6 +66,7 @@ class _Replay:
         self.modulator = plant.modulator
         self.delay = 1 if plant.modulator.update_delay > 0 else 0
         self.length = record.scenario.control_period_s
+        self.update = self.length / plant.modulator.control_every
         self.gates = make_gates()
         self.phases = self._phases_before(first)
         self._schedule(first - 1)
@@ -82,21 +84,20 @@ class _Replay:
         return phases
 
     def _schedule(self, row: int) -> None:
-        """Make the instants of switching of a control period."""
+        """Make the instants of switching between two updates of the modulator in a control period."""
         command = self.record.run.commands[row - self.delay]
         ratios = np.array([float(command[name]) for name in DUTY_RATIOS])
         legs = np.array([int(command[name]) for name in LEGS])
         alignment = alignment_of(self.modulator.updates, row)
-        schedule_gates(self.modulator, self.gates, ratios, legs, alignment, self.length)
+        schedule_gates(self.modulator, self.gates, ratios, legs, alignment, self.update)
 
     def advance(self, row: int) -> None:
         """Advance by a control period, stretch by stretch."""
-        self._schedule(row)
         run = self.record.run
         angle, speed, link = (float(run.column(name)[row]) for name in ("angle", "speed", "link"))
         turning = self.plant.pole_pairs * speed
         least, greatest = np.inf, -np.inf
-        for start, end in pairwise(self._instants().tolist()):
+        for begin, start, end in self._stretches(row):
             legs = self._legs_at(0.5 * (start + end))
             before = self._torque()
             totals = np.zeros(ledger.ENTRIES)
@@ -104,7 +105,7 @@ class _Replay:
             if advance_period(
                 self.plant,
                 phases,
-                angle + turning * start,
+                angle + turning * (begin + start),
                 speed,
                 link,
                 _NO_RATIOS,
@@ -114,12 +115,19 @@ class _Replay:
                 totals,
             ):
                 raise HarnessFault(f"the plant could not follow the commands of step {row}")
-            seen = (row * self.length + start, length, totals[ledger.IMPULSE] / length)
+            seen = (row * self.length + (begin + start), length, totals[ledger.IMPULSE] / length)
             for values, value in zip(self.stretches, (*seen, self._torque() - before), strict=True):
                 values.append(float(value))
             least, greatest = min(least, phases.torque_bounds[0]), max(greatest, phases.torque_bounds[1])
         for values, value in zip(self.periods, (least, greatest, *self.phases.rotor_currents), strict=True):
             values.append(float(value))
+
+    def _stretches(self, row: int) -> Iterator[tuple[float, float, float]]:
+        """Schedule each update of a control period; yield its begin and, from there, start and end of stretches."""
+        for number in range(self.modulator.control_every):
+            self._schedule(row)
+            for start, end in pairwise(self._instants().tolist()):
+                yield number * self.update, start, end
 
     def _torque(self) -> float:
         return float(electrical_torque(self.plant, *map(float, self.phases.rotor_currents)))
@@ -127,9 +135,9 @@ class _Replay:
     def _instants(self) -> NDArray[np.float64]:
         gates = self.gates
         switching = [gates.times[leg, : gates.counts[leg]] for leg in range(3)]
-        even = np.linspace(0.0, self.length, PIECES + 1)
+        even = np.linspace(0.0, self.update, PIECES + 1)
         instants = np.unique(np.concatenate([even, *switching]))
-        return instants[instants <= self.length]
+        return instants[instants <= self.update]
 
     def _legs_at(self, time: float) -> NDArray[np.int64]:
         """Return what each leg does, as commands say it, once dead times are counted as off."""

@@ -14,7 +14,7 @@ from drivegate.output.result_file import counterexample_name
 from drivegate.output.scenario_words import scenario_in_short
 from drivegate.results.result import Witnessed, counted_levels
 from drivegate.results.signature import fingerprint
-from drivegate.results.wording import drive_option, printed_margin, runs_in_short
+from drivegate.results.wording import drive_in_words, drive_option, printed_margin, runs_in_short
 from drivegate.scenarios.facts import facts_in_short
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ def show_checked(console: Console, checked: Checked) -> None:
         console.print(plain(f"  {left}", "bold"))
     _show_causes(console, document)
     _show_contested(console, document)
-    console.print(plain(f"on the drive {document['drive']['name']}", "dim"))
+    console.print(plain(f"on the drive {drive_in_words(document['drive'])}", "dim"))
     listed = table("check", "level", "verdict", "margin", "message", right=("margin",))
     counted = counted_levels(document.get("fail_on"))
     for check in by_urgency(document["checks"]):

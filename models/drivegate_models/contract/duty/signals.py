@@ -122,3 +122,5 @@ class DutyNameplate(NamedTuple):
     """Inertia of rotor and load (kg m2)."""
     core_loss_conductance: float = 0.0
     """Core loss of a phase over the mean square of the voltage induced by the period's mean flux (S); 0 if unknown."""
+    control_every: int = 1
+    """Carrier periods from one step to the next; the duty ratios hold in all of them."""

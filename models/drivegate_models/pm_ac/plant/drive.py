@@ -22,11 +22,13 @@ class Modulator(NamedTuple):
     update_delay: int = 1
     """Control periods between the step that commands duty ratios and the period in which they act."""
     counter_levels: float = 0.0
-    """Steps of the counter in a control period; 0 for no quantization."""
+    """Steps of the counter between two updates of the modulator; 0 for no quantization."""
     dead_time: float = 0.0
     """Time between the turn-off of a switch and the turn-on of the other one of its leg (s)."""
     minimum_pulse: float = 0.0
     """Minimum length of pulses and gaps; shorter ones are omitted (s)."""
+    control_every: int = 1
+    """Carrier periods in a control period, in which the duty ratios hold; 1 with two updates per carrier period."""
 
 
 class PmAcDrive(NamedTuple):
@@ -97,6 +99,7 @@ def make_pm_ac_drive(*, pole_pairs: int, modulator: Modulator | None = None, **c
             float(chosen.counter_levels),
             float(chosen.dead_time),
             float(chosen.minimum_pulse),
+            int(chosen.control_every),
         ),
         **{name: float(constant) for name, constant in constants.items()},
     )

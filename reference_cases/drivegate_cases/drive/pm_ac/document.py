@@ -194,6 +194,7 @@ class PmAcDocument(DriveDocument):
                 inverter.counter_levels,
                 inverter.dead_time_s,
                 inverter.minimum_pulse_s,
+                inverter.control_every or 1,
             ),
             resistance=machine.resistance_ohm * differs.resistance,
             magnet_flux=machine.magnet_flux_v_s * differs.emf_constant,
@@ -238,4 +239,5 @@ class PmAcDocument(DriveDocument):
             magnet_flux=machine.magnet_flux_v_s,
             inertia=machine.inertia_kg_m2,
             core_loss_conductance=machine.core_loss_conductance_s,
+            control_every=inverter.control_every or 1,
         )

@@ -1,15 +1,18 @@
 """The table `[inverter]` of a PM AC drive: its dc link, bridge and modulator."""
 
-from typing import Final, Literal, Self
+from typing import Annotated, Final, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from drivegate_cases.documents.document import Section
 
 Carrier = Literal["single", "double", "sawtooth"]
 UPDATES: Final = {"single": 1, "double": 2, "sawtooth": 0}
 """Number of the plant for each kind of carrier: updates in a period of the symmetric one, 0 for the sawtooth."""
+MOST_CARRIERS: Final = 32
+"""Greatest number of carrier periods in a control period."""
 _LONGEST_DEAD_SHARE: Final = 0.25
+_LONGEST_PERIOD_S: Final = 0.0005
 
 
 class PmAcInverter(Section):
@@ -25,6 +28,10 @@ class PmAcInverter(Section):
         default="single",
         description='"single": symmetric, new duty ratios once a period; "double": twice; "sawtooth": edge-aligned',
     )
+    control_every: Annotated[int, Field(ge=1, le=MOST_CARRIERS)] | None = Field(
+        default=None,
+        description="carrier periods in a control period, in which duty ratios hold, by default 1",
+    )
     update_delay: Literal[0, 1] = Field(
         default=1, description="control periods between a step and the period that its duty ratios act in"
     )
@@ -32,7 +39,7 @@ class PmAcInverter(Section):
         default=0,
         ge=0,
         le=1_000_000,
-        description="steps of the modulator's counter in a control period, or 0 for real numbers",
+        description="steps of the modulator's counter between two updates, or 0 for real numbers",
     )
     dead_time_s: float = Field(
         default=0.0, ge=0.0, description="time between turn-off and turn-on in a leg, in seconds"
@@ -52,12 +59,35 @@ class PmAcInverter(Section):
                     f"{self.link_voltage_v:g} V"
                 )
         for key in ("dead_time_s", "minimum_pulse_s"):
-            longest = _LONGEST_DEAD_SHARE * self.control_period_s
+            longest = _LONGEST_DEAD_SHARE * self.update_period_s
             if getattr(self, key) > longest:
                 raise ValueError(
-                    f"the key '{key}' is {getattr(self, key):g}, but must be at most a quarter of the control period, "
-                    f"{longest:g} s"
+                    f"the key '{key}' is {getattr(self, key):g}, but must be at most a quarter of the time between "
+                    f"two updates of the modulator, {longest:g} s"
                 )
+        return self
+
+    @field_validator("control_every")
+    @classmethod
+    def _one_is_the_default(cls, every: int | None) -> int | None:
+        """Drop a 1, so that drives are equal, and have the same hash, whether or not they state it."""
+        return None if every == 1 else every
+
+    @model_validator(mode="after")
+    def _control_period_is_possible(self) -> Self:
+        if self.control_every is None:
+            return self
+        if self.carrier == "double":
+            raise ValueError(
+                f"the key 'control_every' is {self.control_every}, but must be left out with carrier = \"double\", "
+                'which takes new duty ratios twice a period; state carrier = "single"'
+            )
+        if self.control_period_s > _LONGEST_PERIOD_S:
+            most = sum(n * self.update_period_s <= _LONGEST_PERIOD_S for n in range(1, MOST_CARRIERS + 1))
+            raise ValueError(
+                f"the key 'control_every' is {self.control_every}, but with a carrier of "
+                f"{self.carrier_frequency_hz:g} Hz must be at most {most}, a control period of 500 µs"
+            )
         return self
 
     @property
@@ -66,6 +96,11 @@ class PmAcInverter(Section):
         return 0.5 * self.link_voltage_v
 
     @property
+    def update_period_s(self) -> float:
+        """Time between two updates of the modulator: a period of the carrier, or half of one (s)."""
+        return 1.0 / (self.carrier_frequency_hz * (2.0 if self.carrier == "double" else 1.0))
+
+    @property
     def control_period_s(self) -> float:
         """Time between two steps of the controller (s)."""
-        return 1.0 / (self.carrier_frequency_hz * (2.0 if self.carrier == "double" else 1.0))
+        return (self.control_every or 1) * self.update_period_s

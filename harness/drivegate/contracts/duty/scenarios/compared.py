@@ -23,7 +23,7 @@ def with_other_dead_time(scenario: Scenario) -> Scenario | None:
     if not isinstance(drive, PmAcDocument) or not _is_slow(scenario, drive):
         return None
     own = drive.inverter.dead_time_s
-    other = drive.replaced(dead_time_s=0.0 if own > 0.0 else DEAD_SHARE * drive.inverter.control_period_s)
+    other = drive.replaced(dead_time_s=0.0 if own > 0.0 else DEAD_SHARE * drive.inverter.update_period_s)
     return scenario.replaced(drive=other)
 
 
