@@ -56,6 +56,9 @@ class Declaration:
     """Bandwidth of the current regulators (rad/s), by which their steps are judged; None for the drive's limit."""
     control_every: int | None = None
     """Carrier periods in a control period, where the candidate is made for one number; None for its drive's."""
+    update_delay: int | None = None
+    """Control periods between a step and its effect, where the candidate is made for one number; None for its
+    drive's."""
 
     @property
     def follows_current(self) -> bool:

@@ -38,6 +38,7 @@ _KEYS_OF_OTHERS = {
         "current_bandwidth_rad_s": "whose currents are no candidate's",
         "reads_enable": "whose legs are no candidate's",
         "control_every": "whose carrier is no candidate's",
+        "update_delay": "whose duty ratios are no candidate's",
     }
 }
 """For each contract, keys of the contract of duty ratios alone, and why it has none."""
@@ -170,6 +171,12 @@ class Manifest(Document):
         "default those of the drive; the duty ratios hold in all of them",
     )
 
+    update_delay: Literal[0, 1] | None = Field(
+        default=None,
+        description="control periods between a step of such a candidate and the period that its duty ratios act in, by "
+        "default those of the drive; 0 if they act in the period of the sample",
+    )
+
     drive: DriveReference | None = Field(
         default=None,
         description="drive that the candidate is made for: the name of one, or the path of its file",
@@ -295,7 +302,8 @@ class Manifest(Document):
                 "alone, without failures"
             )
         for key, reason in _KEYS_OF_OTHERS.get(self.contract or "", {}).items():
-            if key in self.model_fields_set and getattr(self, key):
+            # A delay of 0 is a statement, too.
+            if key in self.model_fields_set and (getattr(self, key) or key == "update_delay"):
                 raise ValueError(
                     f"the key '{key}' is for the contract 'duty', but the contract is '{self.contract}', {reason}"
                 )
@@ -340,6 +348,7 @@ class Manifest(Document):
             self.calibration_time_s,
             self.current_bandwidth_rad_s,
             self.control_every,
+            self.update_delay,
         )
 
 

@@ -93,14 +93,14 @@ def command(
     _require_fields(contract, ignore)
     check_targets(None, None, plot)
 
-    from drivegate.drives.kinds import require_contract, scenario_at_declared_rate
+    from drivegate.drives.kinds import require_contract, scenario_at_declared_timing
     from drivegate.studies.diff.diff import compared
     from drivegate.studies.diff.document import document_of
     from drivegate.studies.diff.rule import BITWISE, Rule
 
     for candidate in candidates:
         require_contract(candidate, scenario.drive)
-    scenario = scenario_at_declared_rate(scenario, candidates)
+    scenario = scenario_at_declared_timing(scenario, candidates)
     rule = Rule(BITWISE if tolerance is None else tolerance, ignore)
     around = 0 if plot is None else _AROUND_IN_FIGURE
     comparison = compared(*candidates, scenario, rule, before=max(before, around), after=around, again=again)

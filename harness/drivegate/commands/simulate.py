@@ -70,11 +70,11 @@ def command(
 
     from drivegate.candidates.fault import Fault
     from drivegate.contracts.catalogue import contract_of
-    from drivegate.drives.kinds import scenario_at_declared_rate
+    from drivegate.drives.kinds import scenario_at_declared_timing
     from drivegate.output.trace_files import write_plot, write_trace
     from drivegate.studies.simulate import document_of, simulated, trace_frame
 
-    scenario = scenario_at_declared_rate(scenario, [resolved])
+    scenario = scenario_at_declared_timing(scenario, [resolved])
     ended = simulated(resolved, scenario)
     document = document_of(resolved, scenario, ended)
     if isinstance(ended, Fault):

@@ -110,30 +110,35 @@ def drive_for(candidate: Candidate | None, named: DriveDocument | None = None) -
     if candidate is None:
         return drive
     require_contract(candidate, drive)
-    return at_declared_rate(drive, [candidate])
+    return at_declared_timing(drive, [candidate])
 
 
-def at_declared_rate(drive: DriveDocument, candidates: Iterable[Candidate]) -> DriveDocument:
-    """Return a drive with the control period that candidates declare; those that declare none run at any."""
-    declared = {candidate.declaration.control_every: candidate.name for candidate in candidates}
-    declared.pop(None, None)
-    if not declared or "control_every" not in drive.table_of_key():
+def at_declared_timing(drive: DriveDocument, candidates: Iterable[Candidate]) -> DriveDocument:
+    """Return a drive with the control period and the delay that candidates declare; the others run at any."""
+    compared = list(candidates)
+    changes: dict[str, int] = {}
+    for key in ("control_every", "update_delay"):
+        declared = {getattr(candidate.declaration, key): candidate.name for candidate in compared}
+        declared.pop(None, None)
+        if not declared or key not in drive.table_of_key():
+            continue
+        (changes[key], first), *others = declared.items()
+        for other, name in others:
+            raise InputError(
+                f"the manifest of '{one_line(first)}' has {key} = {changes[key]} and that of '{one_line(name)}' "
+                f"{other}, but candidates are compared at one; compare those of the same {key}"
+            )
+    if not changes:
         return drive
-    (every, first), *others = declared.items()
-    for other, name in others:
-        raise InputError(
-            f"the manifest of '{one_line(first)}' has control_every = {every} and that of '{one_line(name)}' {other}, "
-            "but candidates are compared at one control period; compare those of one rate"
-        )
     try:
-        return drive.replaced(control_every=every)
+        return drive.replaced(**changes)
     except InputError as error:
-        raise InputError(f"the manifest of '{one_line(first)}' does not fit its drive: {error}") from error
+        raise InputError(f"the drive '{drive.name}' cannot have what the manifest states: {error}") from error
 
 
-def scenario_at_declared_rate(scenario: Scenario, candidates: Iterable[Candidate]) -> Scenario:
-    """Return a scenario whose drive has the control period that candidates declare."""
-    drive = at_declared_rate(scenario.drive, candidates)
+def scenario_at_declared_timing(scenario: Scenario, candidates: Iterable[Candidate]) -> Scenario:
+    """Return a scenario whose drive has the control period and the delay that candidates declare."""
+    drive = at_declared_timing(scenario.drive, candidates)
     return scenario if drive is scenario.drive else scenario.replaced(drive=drive)
 
 
@@ -158,7 +163,7 @@ def common_drive(candidates: Iterable[Candidate], named: DriveDocument | None = 
     """Choose the one drive of candidates that are compared."""
     compared = list(candidates)
     drives = [drive_for(candidate, named) for candidate in compared] or [drive_for(None, named)]
-    found = [at_declared_rate(drive, compared) for drive in drives]
+    found = [at_declared_timing(drive, compared) for drive in drives]
     first = found[0]
     other = next((drive for drive in found if drive != first), None)
     if other is not None:

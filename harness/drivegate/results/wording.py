@@ -29,13 +29,15 @@ def drive_option(document: Mapping[str, Any]) -> str:
 
 
 def drive_in_words(drive: Mapping[str, Any]) -> str:
-    """Name the drive of a result, and its control period where that is several carrier periods."""
+    """Name the drive of a result, and its control period and delay where these are unusual."""
     inverter = (drive.get("document") or {}).get("inverter", {})
-    every = inverter.get("control_every") or 1
-    if every == 1:
-        return str(drive["name"])
-    period = 1e6 * every / inverter["carrier_frequency_hz"]
-    return f"{drive['name']}, a step every {every} carrier periods ({period:.4g} µs)"
+    words, every = [str(drive["name"])], inverter.get("control_every") or 1
+    if every > 1:
+        period = 1e6 * every / inverter["carrier_frequency_hz"]
+        words.append(f"a step every {every} carrier periods ({period:.4g} µs)")
+    if inverter.get("update_delay") == 0:
+        words.append("answers act in the period of their sample")
+    return ", ".join(words)
 
 
 def runs_in_short(result: dict[str, Any]) -> str:

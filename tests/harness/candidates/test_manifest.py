@@ -123,6 +123,8 @@ def test_what_a_candidate_follows_is_declared():
         ({"contract": "duty", "current_bandwidth_rad_s": 0.0}, "current_bandwidth_rad_s"),
         ({"contract": "current", "control_every": 2}, "'control_every' is for the contract 'duty'"),
         ({"contract": "duty", "control_every": 33}, "control_every"),
+        ({"contract": "current", "update_delay": 0}, "'update_delay' is for the contract 'duty'"),
+        ({"contract": "duty", "update_delay": 2}, "must be 0 or 1"),
         ({"contract": "duty", "calibration_time_s": 0.1}, "needs 'reads_enable = true'"),
         ({"contract": "duty", "reads_enable": True, "calibration_time_s": 0.6}, "calibration_time_s"),
     ],

@@ -15,7 +15,7 @@ from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.contract import ANSWERS
 from drivegate.candidates.kinds import WHOLE_FILE_SUFFIXES
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.drives.kinds import require_contract, scenario_at_declared_rate
+from drivegate.drives.kinds import require_contract, scenario_at_declared_timing
 from drivegate.scenarios.parameters import SCALES, SHARES, SPEED, SPREADABLE
 from drivegate.studies.campaign.file import Campaign, NormalSpread, Spread
 from drivegate.studies.campaign.row import JUDGED_CHECKS
@@ -154,7 +154,7 @@ def planned(campaign: Campaign, folder: Path, drive: DriveDocument | None = None
     plan = CampaignPlan(campaign, candidates, cases)
     _require_one_contract(plan)
     _require_followed_references(plan)
-    plan = replace(plan, cases=tuple(scenario_at_declared_rate(case, candidates) for case in cases))
+    plan = replace(plan, cases=tuple(scenario_at_declared_timing(case, candidates) for case in cases))
     plan.check_parameters()
     return plan
 

@@ -17,7 +17,7 @@ from drivegate.candidates.contract import ANSWERS
 from drivegate.candidates.fault import bounded_line
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.contracts.comparison import ComparisonRequest
-from drivegate.drives.kinds import at_declared_rate, common_drive
+from drivegate.drives.kinds import at_declared_timing, common_drive
 from drivegate.drives.reach import refuse_unreachable
 from drivegate.output.progress import progress_on
 from drivegate.output.report_folder import ReportFolder
@@ -76,7 +76,7 @@ def compare(
     if len(drives) < 2:
         drives, labels = [common_drive(candidates, *drives)], ("",)
     else:
-        drives = [at_declared_rate(drive, candidates) for drive in drives]
+        drives = [at_declared_timing(drive, candidates) for drive in drives]
     for drive in drives:
         options.refuse_unused(drive)
     cycle = load_drive_cycle(options.cycle or DEFAULT_CYCLE)
