@@ -10,8 +10,7 @@ import numpy as np
 from drivegate_reports.comparison.cells import name, written
 from drivegate_reports.comparison.figures import placed_figure
 from drivegate_reports.comparison.inks import COLOURS, DASHES, MARKERS, legend_below, line_style, short_label
-from drivegate_reports.page.figure import PageFigure
-from drivegate_reports.page.style import GREY, WIDTH_INCH, house_style, ink
+from drivegate_reports.page.style import GREY, WIDTH_INCH, PageFigure, house_style, ink
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -24,7 +24,7 @@ from drivegate_reports.conformance.figures import (
     step_response,
     torque_spectrum,
 )
-from drivegate_reports.page.figure import PageFigure, page_figure
+from drivegate_reports.page.style import PageFigure, page_figure
 
 _KEPT: Final = 20
 _OWN_WAY: Final = (

@@ -14,7 +14,7 @@ from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.publication.facts import facts
 from drivegate_reports.page.printable import clean
 from drivegate_reports.paper.catalogue import FIGURES
-from drivegate_reports.paper.drive import is_of_paper
+from drivegate_reports.paper.drives import is_of_paper
 
 FEW_RUNS: Final = 3
 """Number of runs below which a check's evidence is called thin."""

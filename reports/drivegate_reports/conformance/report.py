@@ -27,10 +27,13 @@ def write(document: Mapping[str, Any], folder: Path) -> Path:
 def prepare(drive: DriveDocument) -> None:
     """Import, compute and draw what every page on a drive needs, while its candidate is still being checked."""
     from drivegate.drives.envelope_document import envelope_of
-    from drivegate_reports.conformance import behaviour, runs, view  # noqa: F401  (loaded early)
+    from drivegate_reports.conformance import (
+        behaviour,
+        runs,  # noqa: F401  (loaded early)
+    )
     from drivegate_reports.conformance.drive import shown_drive
     from drivegate_reports.page.page import environment
-    from drivegate_reports.paper.drive import is_of_paper
+    from drivegate_reports.paper.drives import is_of_paper
     from drivegate_reports.paper.facts import comparisons
     from drivegate_reports.paper.findings import recomputed_findings
 
@@ -51,7 +54,7 @@ def page(document: Mapping[str, Any]) -> str:
     from drivegate_reports.conformance.runs import margin_figure, shown_runs
     from drivegate_reports.conformance.view import view_of
     from drivegate_reports.page.page import page_text
-    from drivegate_reports.paper.drive import is_of_paper
+    from drivegate_reports.paper.drives import is_of_paper
     from drivegate_reports.paper.facts import comparisons
     from drivegate_reports.paper.findings import recomputed_findings
     from drivegate_reports.paper.verdicts import verdict_counts

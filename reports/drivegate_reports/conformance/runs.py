@@ -1,7 +1,8 @@
-"""The figures of the runs that a result document shows, each drawn once, with the account of each."""
+"""The runs that a result document shows: figures, signals to zoom into, and the account of each run."""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Final
@@ -14,6 +15,7 @@ from drivegate.contracts.closeup import recorded_closeup
 from drivegate.contracts.contract import Columns, Contract, RecordedTrace
 from drivegate.contracts.current.words.run_signals import run_signals
 from drivegate.contracts.duty.words import duty_signals
+from drivegate.contracts.panels import TIME, Panel, panels_for
 from drivegate.contracts.recorded_trace import recorded_trace
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.scenario.script import Script
@@ -28,10 +30,41 @@ from drivegate_reports.conformance.figures import (
 )
 from drivegate_reports.conformance.figures import script as script_figure
 from drivegate_reports.conformance.figures.run_panels import reused_run_panels
-from drivegate_reports.conformance.ripple import ripple_of
-from drivegate_reports.conformance.traces import trace_data
-from drivegate_reports.page.figure import PageFigure, page_figure
+from drivegate_reports.conformance.figures.torque_ripple import ripple_of
 from drivegate_reports.page.printable import clean
+from drivegate_reports.page.style import PageFigure, page_figure
+
+
+def trace_data(
+    trace: RecordedTrace, closeup: tuple[Moment, Columns] | None, panels: tuple[Panel, ...]
+) -> str:
+    """Return a run as JSON, at full resolution where it has a close-up; names are those of the contract alone."""
+    columns = trace.columns if closeup is None else _merged(trace.columns, closeup[1])
+    start, end = trace.judged_s
+    shown: dict[str, Any] = {
+        "panels": [
+            {"label": label, "lines": [line._asdict() for line in lines]}
+            for label, lines in panels_for(panels, columns)
+        ],
+        "columns": {name: values.tolist() for name, values in columns.items()},
+        "start": start,
+        "end": end,
+        # Words of a document are for the page's own text; here are numbers, and a column that is known.
+        "column": closeup[0].column if closeup is not None and closeup[0].column in columns else "",
+        "levels": [] if closeup is None else [level.value for level in closeup[0].levels],
+    }
+    return json.dumps(shown, separators=(",", ":"), allow_nan=False)
+
+
+def _merged(whole: Columns, near: Columns) -> Columns:
+    """Put the rows of a close-up in the place of the means that it replaces."""
+    time, first, last = whole[TIME], near[TIME][0], near[TIME][-1]
+    before, after = time < first, time > last
+    return {
+        name: np.concatenate([values[before], near[name], values[after]])
+        for name, values in whole.items()
+        if name in near
+    }
 
 
 @dataclass(frozen=True)

@@ -1,12 +1,15 @@
-"""How every page is made: one template folder, one style sheet, one script, and a policy that lets nothing else in."""
+"""How every page is made: one template folder, one style sheet, one script, and a strict content policy."""
 
 from __future__ import annotations
 
 import base64
 import hashlib
+from collections.abc import Mapping
 from functools import cache
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any, Final
+
+from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -61,3 +64,12 @@ def _policy(script: str) -> str:
         f"default-src 'none'; style-src 'unsafe-inline'; script-src 'sha256-{digest}'; "
         "base-uri 'none'; form-action 'none'"
     )
+
+
+def require_document(document: Mapping[str, Any], kind: str, schema: int, name: str) -> None:
+    """Refuse a document of another kind, or of a schema newer than the one that this version reads."""
+    if document.get("kind") != kind:
+        raise InputError(f"the document is of kind {document.get('kind')!r}, but must be of kind '{kind}'")
+    found = document.get("schema")
+    if not isinstance(found, int) or found > schema:
+        raise InputError(f"{name} has the schema {found!r}, but this version reads up to {schema}")

@@ -1,11 +1,12 @@
-"""The house style of figures, and how a figure becomes text that is the same bytes every time."""
+"""The house style of figures, and a figure with its words as a page places it."""
 
 from __future__ import annotations
 
 import gc
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from io import StringIO
 from math import inf
 from typing import TYPE_CHECKING, Any, Final
@@ -179,3 +180,28 @@ def inline_svg(figure: Figure, name: str) -> str:
     opening = _NAMESPACE.sub("", opening)
     opening = re.sub(r'\s(?:width|height)="[^"]*"', "", opening)
     return f'{opening} aria-hidden="true" focusable="false">{rest}'.strip()
+
+
+@dataclass(frozen=True)
+class PageFigure:
+    """A figure with its words."""
+
+    name: str
+    """Unique in the page."""
+    title: str
+    """What it is about."""
+    svg: str
+    """The ``svg`` element."""
+    alternative: str
+    """The figure in words."""
+    caption: str
+    """What it shows and under which conditions."""
+
+
+def page_figure(
+    name: str, title: str, draw: Callable[[], Figure], alternative: str, caption: str
+) -> PageFigure:
+    """Draw a figure for a page."""
+    with house_style():
+        svg = inline_svg(draw(), name)
+    return PageFigure(name, title, svg, alternative, caption)

@@ -10,15 +10,17 @@ from typing import Final
 from drivegate_models.steady.oracle import TorquePoint, point_at_torque
 from drivegate_models.units import RADIANS_PER_RPM
 from drivegate_reports.page.style import signed
-from drivegate_reports.paper.conventional_drives import (
+from drivegate_reports.paper.drives import (
+    HIGHEST_PUBLISHED_RPM,
     WIDE_DEG,
     at_three_times_base_speed,
     compared_drives,
     constant_power_range,
+    power_torque,
+    reference_drive,
     ripple_percent,
     star,
 )
-from drivegate_reports.paper.drive import HIGHEST_PUBLISHED_RPM, power_torque, reference_drive
 from drivegate_reports.paper.figures.conventional_ripple_map import (
     PUBLISHED_PERCENT,
     ripple_map,

@@ -17,12 +17,7 @@ from drivegate_models.steady.steady_state import steady_state
 from drivegate_models.units import RADIANS_PER_RPM
 from drivegate_reports.page.style import signed
 from drivegate_reports.paper.conventional import CONVENTIONAL_NUMBERS
-from drivegate_reports.paper.drive import (
-    banded_drive,
-    ideal_drive,
-    power_torque,
-    reference_drive,
-)
+from drivegate_reports.paper.drives import banded_drive, ideal_drive, power_torque, reference_drive
 from drivegate_reports.paper.figures.search_trajectory import search_trajectory
 from drivegate_reports.paper.statements import out_of_reach_rpm
 

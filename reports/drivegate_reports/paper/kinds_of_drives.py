@@ -22,13 +22,15 @@ from drivegate_models.pm_ac.fundamental import SteadyState
 from drivegate_models.pm_ac.oracle import CURRENT, greatest_torque, least_at, undistorted_limits
 from drivegate_models.steady.oracle import greatest_torque_at_limit, least_current_sum, point_at_torque
 from drivegate_models.units import RADIANS_PER_RPM
-from drivegate_reports.paper.conventional_drives import (
+from drivegate_reports.paper.drives import (
     FASTEST_RPM,
+    HIGHEST_PUBLISHED_RPM,
     compared_drives,
+    power_torque,
+    reference_drive,
     ripple_percent,
     star,
 )
-from drivegate_reports.paper.drive import HIGHEST_PUBLISHED_RPM, power_torque, reference_drive
 
 _SLOWEST_RPM: Final = 250.0
 _STEP_RPM: Final = 125.0

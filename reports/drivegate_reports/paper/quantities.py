@@ -20,10 +20,7 @@ from drivegate_models.controllers.current.builtin import SEARCHES
 from drivegate_models.steady.oracle import feasible_edge, point_at_torque
 from drivegate_models.steady.steady_state import steady_state
 from drivegate_models.units import RADIANS_PER_RPM
-from drivegate_reports.paper.drive import (
-    ideal_drive,
-    reference_drive,
-)
+from drivegate_reports.paper.drives import ideal_drive, reference_drive
 from drivegate_reports.paper.figures.instantaneous_torque import ADVANCE_DEG, torque_cycle
 from drivegate_reports.paper.figures.phase_currents import POINTS
 from drivegate_reports.paper.figures.speed_limit import speed_limit

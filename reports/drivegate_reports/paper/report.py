@@ -14,11 +14,10 @@ from drivegate.results.provenance import provenance
 from drivegate.results.result import finite
 from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.publication.facts import facts, open_assumptions, publication
-from drivegate_reports.page.figure import PageFigure, page_figure
 from drivegate_reports.page.page import page_text
-from drivegate_reports.page.style import house_style, svg_document
+from drivegate_reports.page.style import PageFigure, house_style, page_figure, svg_document
 from drivegate_reports.paper.catalogue import FIGURES, PaperFigure
-from drivegate_reports.paper.drive import reference_drive
+from drivegate_reports.paper.drives import reference_drive
 from drivegate_reports.paper.facts import all_comparisons
 from drivegate_reports.paper.findings import RecomputedFinding, recomputed_findings
 from drivegate_reports.paper.verdicts import ComparedStatement, verdict_counts

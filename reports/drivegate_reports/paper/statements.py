@@ -18,12 +18,7 @@ from drivegate_models.loop.observation import TRACE_COLUMNS
 from drivegate_models.steady.oracle import least_current_sum, point_at_torque
 from drivegate_models.units import RADIANS_PER_RPM
 from drivegate_reports.page.style import signed
-from drivegate_reports.paper.drive import (
-    HIGHEST_PUBLISHED_RPM,
-    banded_drive,
-    ideal_drive,
-    reference_drive,
-)
+from drivegate_reports.paper.drives import HIGHEST_PUBLISHED_RPM, banded_drive, ideal_drive, reference_drive
 from drivegate_reports.paper.figures.cycle_waveforms import cycle_waveforms
 from drivegate_reports.paper.figures.input_current import input_current_sweep
 from drivegate_reports.paper.figures.instantaneous_torque import torque_cycle

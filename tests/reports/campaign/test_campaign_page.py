@@ -12,8 +12,7 @@ import pytest
 
 from drivegate_models.errors import InputError
 from drivegate_reports.campaign.distributions import CheckDistribution, alternative, draw
-from drivegate_reports.campaign.report import REPORT_FILE, page, write
-from drivegate_reports.campaign.view import view_of
+from drivegate_reports.campaign.report import REPORT_FILE, page, view_of, write
 from drivegate_reports.page.style import house_style
 
 Document = dict[str, Any]

@@ -26,9 +26,8 @@ from drivegate_reports.comparison.curves import (
 )
 from drivegate_reports.comparison.inks import inks_of
 from drivegate_reports.comparison.maps import candidate_map, draw_map
-from drivegate_reports.comparison.report import page, write
+from drivegate_reports.comparison.report import page, view_of, write
 from drivegate_reports.comparison.sheets import table_sheet
-from drivegate_reports.comparison.view import view_of
 from drivegate_reports.page.style import house_style
 
 HOSTILE = (

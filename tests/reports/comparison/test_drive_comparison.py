@@ -13,8 +13,7 @@ from drivegate.studies.compare.display import show_comparison
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_models.errors import InputError
 from drivegate_reports.comparison.drive_curves import draw_full_load, draw_greatest_power
-from drivegate_reports.comparison.drive_report import page, write
-from drivegate_reports.comparison.drive_view import drive_view_of
+from drivegate_reports.comparison.drive_report import drive_view_of, page, write
 from drivegate_reports.page.style import house_style
 
 HOSTILE = "<script>alert(1)</script><img src=x onerror=alert(2)>\"'&{{7*7}}</style>$x^2$\u202e\x00"

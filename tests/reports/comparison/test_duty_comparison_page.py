@@ -15,10 +15,8 @@ from drivegate_models.errors import InputError
 from drivegate_reports.comparison.figures import drawn
 from drivegate_reports.comparison.inks import Ink, inks_of
 from drivegate_reports.comparison.marks import draw_marks
-from drivegate_reports.comparison.report import page
-from drivegate_reports.comparison.view import view_of
-from drivegate_reports.page.figure import PageFigure
-from drivegate_reports.page.style import BLUE, house_style
+from drivegate_reports.comparison.report import page, view_of
+from drivegate_reports.page.style import BLUE, PageFigure, house_style
 
 Document = dict[str, Any]
 

@@ -3,7 +3,7 @@
 import pytest
 
 from drivegate_models.errors import InputError
-from drivegate_reports.page.readable import require_document
+from drivegate_reports.page.page import require_document
 
 
 @pytest.mark.parametrize("schema", [1, 2])

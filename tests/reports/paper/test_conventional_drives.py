@@ -10,8 +10,7 @@ import pytest
 from drivegate_models.steady.oracle import feasible_edge, least_current_sum
 from drivegate_models.units import RADIANS_PER_RPM
 from drivegate_reports.paper.conventional import CONVENTIONAL, CONVENTIONAL_NUMBERS
-from drivegate_reports.paper.conventional_drives import at_three_times_base_speed, star
-from drivegate_reports.paper.drive import power_torque
+from drivegate_reports.paper.drives import at_three_times_base_speed, power_torque, star
 from drivegate_reports.paper.facts import all_comparisons, comparisons
 from drivegate_reports.paper.figures.conventional_drives import conventional_drives
 from drivegate_reports.paper.figures.conventional_ripple_map import ripple_map

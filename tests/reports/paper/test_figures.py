@@ -8,7 +8,7 @@ import pytest
 from drivegate_models.steady.oracle import point_at_torque
 from drivegate_models.units import RADIANS_PER_RPM
 from drivegate_reports.page.style import house_style
-from drivegate_reports.paper.drive import ideal_drive
+from drivegate_reports.paper.drives import ideal_drive
 from drivegate_reports.paper.figures import (
     input_current,
     instantaneous_torque,

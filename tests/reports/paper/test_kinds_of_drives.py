@@ -9,7 +9,7 @@ import pytest
 
 from drivegate_models.pm_ac.oracle import undistorted_limits
 from drivegate_models.units import RADIANS_PER_RPM
-from drivegate_reports.paper.conventional_drives import at_three_times_base_speed, constant_power_range
+from drivegate_reports.paper.drives import at_three_times_base_speed, constant_power_range
 from drivegate_reports.paper.figures.kinds_of_drives import kinds_over_speed
 from drivegate_reports.paper.findings import recomputed_findings
 from drivegate_reports.paper.kinds_of_drives import OUT_OF_REACH, KindOfDrive, kinds_of_drives

@@ -10,14 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_reports.page.style import BLUE, GREEN, GREY, ORANGE, VERMILION, label, new_grid
-from drivegate_reports.paper.conventional_drives import (
+from drivegate_reports.paper.drives import (
     FASTEST_RPM,
+    HIGHEST_PUBLISHED_RPM,
     ComparedDrive,
     at_rated_power,
     compared_drives,
     constant_power_range,
+    reference_drive,
 )
-from drivegate_reports.paper.drive import HIGHEST_PUBLISHED_RPM, reference_drive
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

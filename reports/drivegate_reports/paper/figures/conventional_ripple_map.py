@@ -13,8 +13,14 @@ from numpy.typing import NDArray
 from drivegate_models.steady.oracle import feasible_edge, point_at_torque
 from drivegate_models.units import RADIANS_PER_RPM
 from drivegate_reports.page.style import GREY, VERMILION, label, new_figure
-from drivegate_reports.paper.conventional_drives import WIDE_DEG, ripple_percent, star
-from drivegate_reports.paper.drive import HIGHEST_PUBLISHED_RPM, power_torque, reference_drive
+from drivegate_reports.paper.drives import (
+    HIGHEST_PUBLISHED_RPM,
+    WIDE_DEG,
+    power_torque,
+    reference_drive,
+    ripple_percent,
+    star,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -15,7 +15,7 @@ from drivegate_models.steady.oracle import point_at_torque
 from drivegate_models.steady.waveform import periodic_waveforms
 from drivegate_models.units import RADIANS_PER_RPM
 from drivegate_reports.page.style import BLUE, GREEN, GREY, VERMILION, label, new_figure, signed
-from drivegate_reports.paper.drive import ideal_drive
+from drivegate_reports.paper.drives import ideal_drive
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

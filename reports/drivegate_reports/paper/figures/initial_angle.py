@@ -14,7 +14,7 @@ from drivegate_cases.scenario.operating_point import load_operating_point
 from drivegate_models.steady.oracle import least_input_power
 from drivegate_models.units import RADIANS_PER_RPM
 from drivegate_reports.page.style import BLUE, GREEN, GREY, SKY, VERMILION, label, new_figure
-from drivegate_reports.paper.drive import ideal_drive, reference_drive
+from drivegate_reports.paper.drives import ideal_drive, reference_drive
 from drivegate_reports.paper.figures.input_current import (
     INITIAL_LINE,
     PUBLISHED_LINE,

@@ -14,7 +14,7 @@ from drivegate_cases.scenario.operating_point import load_power_sweep
 from drivegate_models.steady.oracle import feasible_edge, least_current_sum, point_at_torque
 from drivegate_models.units import RADIANS_PER_RPM
 from drivegate_reports.page.style import BLUE, GREEN, GREY, VERMILION, label, new_figure
-from drivegate_reports.paper.drive import ideal_drive, reference_drive
+from drivegate_reports.paper.drives import ideal_drive, reference_drive
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

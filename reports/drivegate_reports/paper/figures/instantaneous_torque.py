@@ -17,7 +17,7 @@ from drivegate_models.steady.steady_state import steady_state
 from drivegate_models.steady.waveform import periodic_waveforms
 from drivegate_models.units import RADIANS_PER_RPM
 from drivegate_reports.page.style import BLUE, GREY, VERMILION, label, new_figure
-from drivegate_reports.paper.drive import ideal_drive
+from drivegate_reports.paper.drives import ideal_drive
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_reports.page.style import BLUE, GREEN, ORANGE, PURPLE, VERMILION, label, new_grid
-from drivegate_reports.paper.conventional_drives import FASTEST_RPM
-from drivegate_reports.paper.drive import HIGHEST_PUBLISHED_RPM, reference_drive
+from drivegate_reports.paper.drives import FASTEST_RPM, HIGHEST_PUBLISHED_RPM, reference_drive
 from drivegate_reports.paper.kinds_of_drives import (
     KindOfDrive,
     common_power_w,

@@ -14,12 +14,7 @@ from drivegate_models.steady.oracle import TorquePoint, point_at_torque
 from drivegate_models.steady.steady_state import steady_state
 from drivegate_models.units import RADIANS_PER_RPM
 from drivegate_reports.page.style import BLUE, GREY, SKY, VERMILION, label, new_figure
-from drivegate_reports.paper.drive import (
-    HIGHEST_PUBLISHED_RPM,
-    banded_drive,
-    ideal_drive,
-    reference_drive,
-)
+from drivegate_reports.paper.drives import HIGHEST_PUBLISHED_RPM, banded_drive, ideal_drive, reference_drive
 from drivegate_reports.paper.figures.input_current import input_current_sweep
 from drivegate_reports.paper.figures.instantaneous_torque import LIMIT_PERCENT, torque_cycle
 

@@ -18,7 +18,7 @@ from drivegate_models.loop.observation import TRACE_COLUMNS
 from drivegate_models.steady.oracle import current_sum_curve, least_current_sum
 from drivegate_models.units import RADIANS_PER_RPM
 from drivegate_reports.page.style import BLUE, GREEN, GREY, VERMILION, label, new_figure, signed
-from drivegate_reports.paper.drive import banded_drive
+from drivegate_reports.paper.drives import banded_drive
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -14,12 +14,7 @@ from drivegate_models.steady.oracle import feasible_edge
 from drivegate_models.steady.steady_state import steady_state
 from drivegate_models.units import RADIANS_PER_RPM
 from drivegate_reports.page.style import BLUE, GREEN, GREY, VERMILION, label, new_figure
-from drivegate_reports.paper.drive import (
-    HIGHEST_PUBLISHED_RPM,
-    ideal_drive,
-    power_torque,
-    reference_drive,
-)
+from drivegate_reports.paper.drives import HIGHEST_PUBLISHED_RPM, ideal_drive, power_torque, reference_drive
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

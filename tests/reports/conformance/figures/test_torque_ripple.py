@@ -10,9 +10,8 @@ import pytest
 
 from drivegate.contracts.current.words.run_signals import RunSignals, run_signals
 from drivegate.contracts.recorded_trace import recorded_trace
-from drivegate_reports.conformance.figures.torque_ripple import alternative, caption, draw
+from drivegate_reports.conformance.figures.torque_ripple import alternative, caption, draw, ripple_of
 from drivegate_reports.conformance.report import page
-from drivegate_reports.conformance.ripple import ripple_of
 from drivegate_reports.page.style import house_style
 from drivegate_reports.paper.figures.instantaneous_torque import torque_cycle
 

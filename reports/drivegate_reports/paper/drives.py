@@ -1,4 +1,4 @@
-"""The conventional drives that the paper compares its own with: 3-phase stars of the same iron and copper."""
+"""The drive of the paper, and the conventional 3-phase stars of the same iron and copper next to it."""
 
 from __future__ import annotations
 
@@ -19,14 +19,43 @@ from drivegate_models.steady.oracle import (
 )
 from drivegate_models.steady.plant import AnyDrive
 from drivegate_models.units import RADIANS_PER_RPM
-from drivegate_reports.paper.drive import HIGHEST_PUBLISHED_RPM, power_torque, reference_drive
 
+HIGHEST_PUBLISHED_RPM: Final = 1500.0
+"""Greatest speed of the published results, three times base speed."""
 FASTEST_RPM: Final = 6000.0
 """Speed up to which the range of constant power is looked for, as of the paper's drive."""
 WIDE_DEG: Final = 150.0
 """Flat width of the EMF, or window, of the variants (electrical deg)."""
 _SLOWEST_RPM: Final = 250.0
 _HALVINGS: Final = 16
+
+
+@cache
+def reference_drive() -> DriveDocument:
+    """Load the calibrated 5-phase drive."""
+    return load_drive("paper-5-phase")
+
+
+def is_of_paper(drive: DriveDocument) -> bool:
+    """Return True if a drive has the values of the paper's drive, whatever its name."""
+    return drive.identity()["hash"] == reference_drive().identity()["hash"]
+
+
+@cache
+def banded_drive() -> AnyDrive:
+    """Make the drive as candidates meet it: with its current band and its core loss."""
+    return reference_drive().plant()
+
+
+@cache
+def ideal_drive() -> AnyDrive:
+    """Make the drive as it was calibrated: ideal current regulators and no core loss."""
+    return banded_drive()._replace(hysteresis_band=0.0, core_loss_conductance=0.0)
+
+
+def power_torque(speed_rpm: float, power_w: float) -> float:
+    """Return the torque of a power."""
+    return power_w / (speed_rpm * RADIANS_PER_RPM)
 
 
 @dataclass(frozen=True)
