@@ -11,17 +11,18 @@ from typing import TYPE_CHECKING, Final
 from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.drives.running import run_scenario
-from drivegate.studies.bench.loop_rates import run_correctness
-from drivegate.studies.bench.measurement import (
+from drivegate.studies.bench.rates import run_correctness
+from drivegate.studies.bench.workbench import (
     Correctness,
     NotMeasured,
     Value,
+    Workbench,
     interleaved,
+    operating_scenario,
     rate,
     ratio,
     timed,
 )
-from drivegate.studies.bench.workbench import Workbench, operating_scenario
 from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:

@@ -14,8 +14,7 @@ from typing import Any, Final
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import own_candidate
 from drivegate.drives.running import recorded
-from drivegate.studies.bench.measurement import Correctness, NotMeasured, Value, ratio
-from drivegate.studies.bench.workbench import Workbench
+from drivegate.studies.bench.workbench import Correctness, NotMeasured, Value, Workbench, ratio
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.load import ConstantTorqueLoad

@@ -12,9 +12,16 @@ from typing import Final
 import numpy as np
 
 from drivegate.drives.running import run_scenario
-from drivegate.studies.bench.loop_rates import run_correctness
-from drivegate.studies.bench.measurement import Correctness, NotMeasured, Value, interleaved, ratio
-from drivegate.studies.bench.workbench import Workbench, operating_scenario
+from drivegate.studies.bench.rates import run_correctness
+from drivegate.studies.bench.workbench import (
+    Correctness,
+    NotMeasured,
+    Value,
+    Workbench,
+    interleaved,
+    operating_scenario,
+    ratio,
+)
 from drivegate_models.errors import InputError
 from drivegate_models.loop.closed_loop import ClosedLoopRun
 from drivegate_models.units import RADIANS_PER_RPM

@@ -23,7 +23,7 @@ from drivegate.contracts.catalogue import check_of, contract_of
 from drivegate.contracts.closeup import deciding_moment
 from drivegate.contracts.panels import TIME
 from drivegate.drives.running import recorded
-from drivegate.output.moment_panel import MomentTime, draw_moment
+from drivegate.output.panels import MomentTime, draw_moment
 from drivegate.results.counterexample import read_counterexample
 from drivegate.scenarios.facts import facts_in_short
 from drivegate_cases.documents.atomic_write import write_atomically

@@ -32,7 +32,7 @@ def _failed_step() -> Figure:
     from drivegate.contracts.duty.document import duty_document
     from drivegate.contracts.duty.scenarios.building import torque_scenario
     from drivegate.drives.running import recorded
-    from drivegate.output.moment_panel import draw_moment
+    from drivegate.output.panels import draw_moment
 
     drive = duty_document(load_drive("pm-ac-interior"))
     loaded = own_candidate(resolve_candidate("faulty:slow-currents"))

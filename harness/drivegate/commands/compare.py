@@ -71,7 +71,7 @@ def command(
     fault of drivegate.
     """
     from drivegate.studies.compare.compare import compare
-    from drivegate.studies.compare.options import ComparisonOptions
+    from drivegate.studies.compare.compared_drive import ComparisonOptions
 
     named = [found for drive in drives if (found := named_drive(drive)) is not None]
     ending = compare(candidates, named, output, ComparisonOptions(effort, seed, workers, checks, cycle))

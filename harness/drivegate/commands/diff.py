@@ -96,7 +96,7 @@ def command(
     from drivegate.drives.kinds import require_contract, scenario_at_declared_timing
     from drivegate.studies.diff.diff import compared
     from drivegate.studies.diff.document import document_of
-    from drivegate.studies.diff.rule import BITWISE, Rule
+    from drivegate.studies.diff.jobs import BITWISE, Rule
 
     for candidate in candidates:
         require_contract(candidate, scenario.drive)

@@ -73,8 +73,8 @@ def command(file: Path, candidate: str | None, plot: Path | None) -> Outcome:
 
 def _replay_all(folder: Path, candidate: str | None) -> Outcome:
     """Run every counterexample of a folder again."""
-    from drivegate.output.compiled_kernels import with_compiled_kernels
     from drivegate.output.progress import progress_on
+    from drivegate.output.waiting import with_compiled_kernels
     from drivegate.studies.replay.folder import document_of_all, kept_in, replayed_all
 
     all_kept = kept_in(folder, candidate)

@@ -18,9 +18,8 @@ from drivegate.gate.events import (
     WitnessesHeard,
 )
 from drivegate.isolation.layers import layers_in_words
-from drivegate.output.compiled_kernels import compiling_in_words
-from drivegate.output.pace import CheckPace
 from drivegate.output.progress import Display
+from drivegate.output.waiting import CheckPace, compiling_in_words
 from drivegate.results.result import CheckResult
 from drivegate_models.errors import HarnessFault
 

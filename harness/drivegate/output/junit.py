@@ -97,7 +97,7 @@ def _write_outcome(case: ElementTree.Element, result: dict[str, Any], check: dic
     if failure is None or check["counterexample"] is None:
         return
     # It brings the oracle, which a result without failures does not need.
-    from drivegate.output.account import account_of
+    from drivegate.output.explanations import account_of
 
     failure.text = "\n".join([failure.text or "", *map(one_line, account_of(result, check))]).rstrip("\n")
 

@@ -9,8 +9,8 @@ from typing import Any, Final
 
 from drivegate.output.explanations import distinct_faults, in_runs, unjudged_in_words
 from drivegate.output.result_file import counterexample_name
+from drivegate.output.wording import drive_in_words, printed_margin, runs_in_short
 from drivegate.results.result import counted_levels
-from drivegate.results.wording import drive_in_words, printed_margin, runs_in_short
 from drivegate_cases.documents.wording import one_line
 
 SUMMARY_FILE: Final = "summary.md"
@@ -101,7 +101,7 @@ def _causes(result: dict[str, Any]) -> list[str]:
     if all(check["counterexample"] is None for check in result["checks"]):
         return []
     # It brings the oracle, which a result without failures does not need.
-    from drivegate.output.causes import causes_of
+    from drivegate.output.explanations import causes_of
 
     lines = [f"- {escaped(cause)}" for cause in causes_of(result)]
     return ["", "## Common cause", "", *lines] if lines else []
@@ -109,7 +109,7 @@ def _causes(result: dict[str, Any]) -> list[str]:
 
 def _account(result: dict[str, Any], check: dict[str, Any]) -> list[str]:
     # It brings the oracle, which a result without failures does not need.
-    from drivegate.output.account import account_of
+    from drivegate.output.explanations import account_of
 
     return [f"  {escaped(sentence)}" for sentence in account_of(result, check)]
 

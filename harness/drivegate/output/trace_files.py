@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from drivegate.contracts.panels import TIME, Panel, panels_for
-from drivegate.output.legend import side_legend
+from drivegate.output.panels import side_legend
 from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_models.errors import InputError
@@ -89,7 +89,7 @@ def write_plot(
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure, FigureBase
 
-    from drivegate.output.moment_panel import draw_moment
+    from drivegate.output.panels import draw_moment
 
     thinned = frame.iloc[:: -(-len(frame) // _MOST_POINTS)]
     buffer = io.BytesIO()

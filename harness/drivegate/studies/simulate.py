@@ -12,9 +12,8 @@ from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.contracts.catalogue import contract_of
 from drivegate.drives.running import recorded
-from drivegate.output.compiled_kernels import with_compiled_kernels
 from drivegate.output.console import number, plain, table
-from drivegate.output.pace import report_slow
+from drivegate.output.waiting import report_slow, with_compiled_kernels
 from drivegate_cases.scenario.scenario import Scenario
 
 if TYPE_CHECKING:

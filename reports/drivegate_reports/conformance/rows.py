@@ -10,7 +10,7 @@ from typing import Any, Final
 
 from drivegate.checks.margin import margin_in_words
 from drivegate.output.result_file import counterexample_name
-from drivegate.output.scenario_words import scenario_in_short
+from drivegate.output.wording import scenario_in_short
 from drivegate.results.result import Witnessed
 from drivegate_reports.page.printable import LONGEST_BLOCK, clean, plain_data
 

@@ -24,7 +24,7 @@ from drivegate.results.counterexample import read_counterexample
 from drivegate.results.result import content_hash
 from drivegate.results.waivers import read_waivers
 from drivegate.studies.campaign.file import read_campaign
-from drivegate.studies.drive.measured import read_measured
+from drivegate.studies.drive.fit import read_measured
 from drivegate.studies.verify import verification
 from drivegate_cases.documents.document import read_document
 from drivegate_cases.documents.wording import LONGEST_MESSAGE

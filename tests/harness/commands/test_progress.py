@@ -18,8 +18,8 @@ from drivegate.gate.events import (
     WitnessesHeard,
 )
 from drivegate.output.event_loop import followed
-from drivegate.output.pace import CheckPace
 from drivegate.output.progress import Display, progress_on, with_rate
+from drivegate.output.waiting import CheckPace
 from drivegate_cases.drive.drive_document import load_drive
 
 

@@ -7,7 +7,7 @@ import pytest
 from drivegate.candidates.builtin.faults.catalogue import MUTATIONS
 from drivegate.commands import selftest
 from drivegate.drives.drawn.kinds import DRAWN_KINDS
-from drivegate.studies.selftest import seeded_fault
+from drivegate.studies.selftest import subjects
 from drivegate.studies.selftest.drawn import run
 from drivegate.studies.selftest.drawn.tasks import GateRow
 from drivegate_cases.drive.drive_document import load_drive
@@ -37,7 +37,7 @@ def test_several_faults_are_shown_in_a_matrix(command) -> None:
 
 def test_a_fault_that_its_check_misses_ends_with_1(command, monkeypatch: pytest.MonkeyPatch) -> None:
     wrong = replace(MUTATIONS["flowchart-inverted"], check="TIM-1")
-    monkeypatch.setattr(seeded_fault, "FAULTS_OF", {"current": {**MUTATIONS, wrong.name: wrong}, "duty": {}})
+    monkeypatch.setattr(subjects, "FAULTS_OF", {"current": {**MUTATIONS, wrong.name: wrong}, "duty": {}})
     ended = command("selftest", "--effort", "quick", "--fault", wrong.name)
     assert ended.code == 1
     assert "TIM-1 misses the fault 'flowchart-inverted' with seed 0" in ended.out

@@ -16,7 +16,7 @@ from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios
 from drivegate.drives.abilities import ability_of
 from drivegate.drives.reach import refuse_unreachable
 from drivegate.results.verdict import check_outcomes
-from drivegate.studies.selftest.seeded_fault import seeded
+from drivegate.studies.selftest.subjects import seeded
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.greatest_torque import greatest_within

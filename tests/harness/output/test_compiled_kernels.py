@@ -3,8 +3,8 @@
 import pytest
 
 from drivegate.drives.kinds import DRIVE_KINDS
-from drivegate.output import compiled_kernels
-from drivegate.output.compiled_kernels import with_compiled_kernels
+from drivegate.output import waiting
+from drivegate.output.waiting import with_compiled_kernels
 
 
 @pytest.mark.parametrize("kinds", [("half-bridge",), ("star",), ("pm-ac",), ("half-bridge", "pm-ac")])
@@ -12,8 +12,8 @@ def test_the_time_to_compile_is_that_of_the_kind(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], kinds: tuple[str, ...]
 ) -> None:
     compiled: list[str] = []
-    monkeypatch.setattr(compiled_kernels, "uncompiled_kinds", lambda _: kinds)
-    monkeypatch.setattr(compiled_kernels, "compile_kernels", compiled.extend)
+    monkeypatch.setattr(waiting, "uncompiled_kinds", lambda _: kinds)
+    monkeypatch.setattr(waiting, "compile_kernels", compiled.extend)
     with_compiled_kernels([])
     times = " and ".join(f"about {DRIVE_KINDS[kind].compiling_s} s for {kind} drives" for kind in kinds)
     assert capsys.readouterr().err.strip() == (

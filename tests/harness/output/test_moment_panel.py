@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from drivegate.checks.moment import Mark, Moment, Point
 from drivegate.contracts.duty.columns import PANELS
-from drivegate.output.moment_panel import draw_moment
+from drivegate.output.panels import draw_moment
 
 TIME = np.arange(20_000) * 1e-4
 COLUMNS = {"time_s": TIME, "torque_nm": np.where(TIME < 1.0, 0.5, 1.0)}

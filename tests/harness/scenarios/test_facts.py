@@ -5,7 +5,7 @@ import pytest
 from drivegate.contracts.current.scenarios.building import plain_scenario, steady_scenario
 from drivegate.contracts.current.scenarios.simplification import SIMPLIFICATIONS
 from drivegate.contracts.duty.scenarios.fixed import range_scenario
-from drivegate.output.scenario_words import scenario_in_short
+from drivegate.output.wording import scenario_in_short
 from drivegate.scenarios.changes import (
     stepped,
     with_drift,

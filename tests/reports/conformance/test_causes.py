@@ -10,8 +10,8 @@ from typing import Any
 
 import pytest
 
-from drivegate.output.causes import by_urgency, causes_of, first_to_mend
 from drivegate.output.console import console_for
+from drivegate.output.explanations import by_urgency, causes_of, first_to_mend
 from drivegate.output.junit import junit_xml
 from drivegate.output.markdown import markdown
 from drivegate.studies.check.checked import Checked

@@ -11,20 +11,28 @@ from typing import Any, Final
 from drivegate.contracts.catalogue import CONTRACTS
 from drivegate.drives.kinds import DEFAULT_KIND, DRIVE_KINDS
 from drivegate.drives.running import run_scenario
-from drivegate.studies.bench.loop_rates import (
+from drivegate.studies.bench.process_times import gate_time, help_words, start_time
+from drivegate.studies.bench.rates import (
     CANDIDATES,
+    OVERHEAD_SIMULATED,
+    POINTS,
     SENSORS,
     SIMULATED,
     SPEEDS_RPM,
     loop_rate,
+    oracle_time,
+    python_overhead,
+    steady_rate,
 )
-from drivegate.studies.bench.measurement import Better, Correctness, NotMeasured, Value
-from drivegate.studies.bench.point_rates import POINTS, oracle_time, steady_rate
-from drivegate.studies.bench.process_times import gate_time, help_words, start_time
-from drivegate.studies.bench.python_overhead import SIMULATED as OVERHEAD_SIMULATED
-from drivegate.studies.bench.python_overhead import python_overhead
 from drivegate.studies.bench.record import BenchRow
-from drivegate.studies.bench.workbench import Workbench, operating_scenario
+from drivegate.studies.bench.workbench import (
+    Better,
+    Correctness,
+    NotMeasured,
+    Value,
+    Workbench,
+    operating_scenario,
+)
 from drivegate_cases.documents.wording import nearest, one_line
 from drivegate_models.errors import InputError
 

@@ -13,8 +13,7 @@ from typing import Final
 
 from drivegate.contracts.catalogue import CONTRACTS
 from drivegate.drives.drive_kind import DriveKind
-from drivegate.studies.bench.measurement import Correctness, NotMeasured, Value, duration
-from drivegate.studies.bench.workbench import Workbench
+from drivegate.studies.bench.workbench import Correctness, NotMeasured, Value, Workbench, duration
 
 LONGEST: Final = 1800.0
 """Time after which a process is given up (s)."""

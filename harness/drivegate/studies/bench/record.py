@@ -13,7 +13,7 @@ from pydantic import Field
 
 from drivegate.results.provenance import machine, provenance
 from drivegate.results.result import finite
-from drivegate.studies.bench.measurement import Better
+from drivegate.studies.bench.workbench import Better
 from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.documents.document import Document, Section, read_document
 

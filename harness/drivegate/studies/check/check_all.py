@@ -17,12 +17,12 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.gate.events import Event, Running
 from drivegate.output.event_loop import finished
-from drivegate.output.pace import CheckPace
 from drivegate.output.progress import progress_on
 from drivegate.output.report_folder import ReportFolder
 from drivegate.output.report_writers import Preparation, page_name, write_reports
 from drivegate.output.result_file import RESULT_FILE, as_json
 from drivegate.output.result_reports import own_formats, page_formats, write_result
+from drivegate.output.waiting import CheckPace
 from drivegate.results.result import CheckResult
 from drivegate.studies.check.checked import Checked, summary
 from drivegate.studies.check.part import WHOLE_CHECK, Part, focus_of

@@ -7,14 +7,26 @@ from pathlib import Path
 from shlex import quote
 from typing import TYPE_CHECKING, Any
 
-from drivegate.output.causes import by_urgency, causes_of, first_to_mend, likely_causes_of
 from drivegate.output.console import ADVISED, STYLES, plain, table, verdict_text
-from drivegate.output.explanations import distinct_faults, in_runs, unjudged_in_words
+from drivegate.output.explanations import (
+    by_urgency,
+    causes_of,
+    distinct_faults,
+    first_to_mend,
+    in_runs,
+    likely_causes_of,
+    unjudged_in_words,
+)
 from drivegate.output.result_file import counterexample_name
-from drivegate.output.scenario_words import scenario_in_short
+from drivegate.output.wording import (
+    drive_in_words,
+    drive_option,
+    printed_margin,
+    runs_in_short,
+    scenario_in_short,
+)
 from drivegate.results.result import Witnessed, counted_levels
 from drivegate.results.signature import fingerprint
-from drivegate.results.wording import drive_in_words, drive_option, printed_margin, runs_in_short
 from drivegate.scenarios.facts import facts_in_short
 
 if TYPE_CHECKING:
@@ -89,7 +101,7 @@ def _show_counterexample(
     console: Console, document: dict[str, Any], check: dict[str, Any], folder: Path | None
 ) -> None:
     # It brings the oracle, which a check without failures does not need.
-    from drivegate.output.account import account_of
+    from drivegate.output.explanations import account_of
 
     outcome = "fails" if check["verdict"] == "fail" else f"fails, {check['verdict']}"
     style = "bold" if check["level"] == "required" else STYLES[ADVISED]

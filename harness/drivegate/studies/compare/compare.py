@@ -28,8 +28,8 @@ from drivegate.output.report_writers import (
     write_reports,
 )
 from drivegate.output.result_file import as_json
-from drivegate.studies.compare.options import DEFAULT_CYCLE, ComparisonOptions
-from drivegate.studies.compare.per_unit import drive_labels
+from drivegate.studies.compare.compared_drive import DEFAULT_CYCLE, ComparisonOptions
+from drivegate.studies.compare.drive_tables import drive_labels
 from drivegate_cases.documents.wording import one_line
 from drivegate_models.errors import InputError
 

@@ -9,13 +9,14 @@ from drivegate.drives.abilities import ability_of
 from drivegate.studies.compare.compared_drive import ComparedDrive
 from drivegate.studies.compare.document import sealed
 from drivegate.studies.compare.drive_tables import (
+    BASES_IN_WORDS,
     LOSSES_IN_WORDS,
+    bases_of,
     drive_rows,
     operating_rows,
     power_rows,
     summary_rows,
 )
-from drivegate.studies.compare.per_unit import BASES_IN_WORDS, bases_of
 
 SCHEMA: Final = 1
 """Version of the document."""

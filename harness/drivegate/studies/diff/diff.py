@@ -14,18 +14,18 @@ from drivegate.containment.messages import Job
 from drivegate.containment.temporary_folder import temporary_folder
 from drivegate.contracts.catalogue import contract_of
 from drivegate.drives.kinds import kind_of
-from drivegate.output.compiled_kernels import with_compiled_kernels
+from drivegate.output.waiting import with_compiled_kernels
 from drivegate.studies.diff.jobs import (
     Followed,
     FollowRequest,
     RecordRequest,
+    Rule,
     follow_run,
     load_only,
     record_run,
     recorded_rows,
     refuse_without_room,
 )
-from drivegate.studies.diff.rule import Rule
 from drivegate_cases.documents.wording import one_line
 from drivegate_cases.scenario.reference import reference_of
 from drivegate_cases.scenario.scenario import Scenario

@@ -10,7 +10,7 @@ import numpy as np
 
 from drivegate.contracts.contract import Contract
 from drivegate.output.console import plain, table
-from drivegate.output.legend import side_legend
+from drivegate.output.panels import side_legend
 from drivegate.studies.diff.diff import Difference
 from drivegate.studies.diff.document import in_words
 from drivegate_cases.documents.atomic_write import write_atomically

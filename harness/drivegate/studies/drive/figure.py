@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 from drivegate.contracts.duty.efficiency import known_map
-from drivegate.output.legend import side_legend
+from drivegate.output.panels import side_legend
 from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.documents.wording import one_line
 

@@ -11,8 +11,7 @@ from drivegate.drives.abilities import ability_of
 from drivegate.drives.reach import refusals
 from drivegate.output.progress import progress_on, with_rate
 from drivegate.studies.drive.figure import write_figure
-from drivegate.studies.drive.fit import fit_document
-from drivegate.studies.drive.measured import read_measured
+from drivegate.studies.drive.fit import fit_document, read_measured
 from drivegate_cases.documents.wording import counted
 from drivegate_cases.drive.data_sheet import following
 from drivegate_cases.drive.drive_document import DriveDocument

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Final
 
-from drivegate.studies.map.axes import MapAxes, axis_within, parameter_axis
+from drivegate.studies.map.plan import MapAxes, axis_within, parameter_axis
 from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:

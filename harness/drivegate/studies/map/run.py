@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import io
+import pickle
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from math import nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.containment.backend import Backend
+from drivegate.containment.backend import Backend, done_by
 from drivegate.gate.warm_up import compile_missing
 from drivegate.output.progress import progress_on, with_rate
-from drivegate.studies.map.map import OperatingMap, computed
-from drivegate.studies.map.plan import ADVANCE, CURRENT, SPEED, TORQUE, MapPlan
+from drivegate.studies.map.plan import ADVANCE, CURRENT, SPEED, TORQUE, MapPlan, plant_of, single_parameters
+from drivegate.studies.map.tasks import compile_solver, compute_piece
 from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.documents.wording import one_line
 
@@ -46,6 +49,49 @@ _PANELS: Final = {
 _RIPPLE_SHOWN: Final = 50.0
 _NAMES: Final = {SPEED: "speed (rpm)", TORQUE: "torque (N·m)", ADVANCE: "advance angle (el. deg)"}
 _SCHEMA: Final = 1
+
+
+@dataclass(frozen=True)
+class OperatingMap:
+    """A finished map."""
+
+    plan: MapPlan
+    """What was requested."""
+    numbers: NDArray[np.float64]
+    """What was computed, shape (points, columns)."""
+    verdicts: list[str] = field(default_factory=list)
+    """What became of each closed-loop run; empty of other maps."""
+
+    def table(self) -> dict[str, Any]:
+        """Return the map as columns."""
+        columns: dict[str, Any] = dict(self.plan.axes.coordinates(0, self.plan.axes.points))
+        if self.verdicts:
+            columns["verdict"] = self.verdicts
+        for place, name in enumerate(self.plan.columns):
+            columns[f"found_{name}" if name in columns else name] = self.numbers[:, place]
+        if "certified" in columns:
+            columns["certified"] = columns["certified"] != 0.0
+        return columns
+
+
+def computed(plan: MapPlan, backend: Backend, report_progress: Callable[[int, int], None]) -> OperatingMap:
+    """Compute a map."""
+    for parameter in single_parameters(plan):
+        plant_of(plan.drive, parameter)
+    points, done = plan.axes.points, 0
+    values = np.full((points, len(plan.columns)), nan)
+    verdicts = [""] * points if plan.kind == "loop" else []
+    package = pickle.dumps(plan, pickle.HIGHEST_PROTOCOL)
+    if plan.kind == "points":
+        compile_solver(package, plan.drive.kind)
+    report_progress(0, 0)
+    for (first, last), part in done_by(backend, compute_piece, package, plan.pieces()):
+        values[first:last] = part.values
+        if part.verdicts:
+            verdicts[first:last] = part.verdicts
+        done += last - first
+        report_progress(done, 0)
+    return OperatingMap(plan, values, verdicts)
 
 
 def made_map(

@@ -27,9 +27,8 @@ from drivegate.contracts.recorded_trace import trace_of_run
 from drivegate.drives.running import recorded, with_repetitions
 from drivegate.gate.plan import REPEATED
 from drivegate.gate.repetition import Repetition, different_elsewhere, explanation_jobs, repetition_job
-from drivegate.output.account import account_of_run
-from drivegate.output.compiled_kernels import with_compiled_kernels
-from drivegate.output.pace import report_slow
+from drivegate.output.explanations import account_of_run
+from drivegate.output.waiting import report_slow, with_compiled_kernels
 from drivegate.results.counterexample import Counterexample
 from drivegate.results.provenance import versions
 from drivegate.results.result import finite

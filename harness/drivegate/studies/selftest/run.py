@@ -23,10 +23,9 @@ from drivegate.gate.warm_up import compile_missing
 from drivegate.output.event_loop import finished
 from drivegate.output.progress import progress_on
 from drivegate.results.result import CheckOutcome, CheckResult
-from drivegate.studies.selftest.correct_designs import CorrectDesign
 from drivegate.studies.selftest.detection import FaultRow
 from drivegate.studies.selftest.matrix import DesignRow, LeastMargin
-from drivegate.studies.selftest.seeded_fault import FaultOnDrive, SeededFault
+from drivegate.studies.selftest.subjects import CorrectDesign, FaultOnDrive, SeededFault
 from drivegate.studies.selftest.trial import Trial, TrialOutcome, run_trial
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.errors import HarnessFault
@@ -196,7 +195,7 @@ def least_margin(outcomes: Sequence[CheckOutcome]) -> LeastMargin | None:
 def chosen_names(names: Sequence[str], kind: str) -> tuple[str, ...]:
     """Find faulty controllers for drives of a kind by their names; without any, all."""
     from drivegate.drives.kinds import DRIVE_KINDS
-    from drivegate.studies.selftest.seeded_fault import chosen_faults
+    from drivegate.studies.selftest.subjects import chosen_faults
     from drivegate_cases.drive.drive_document import load_drive
 
     drive = load_drive(DRIVE_KINDS[kind].default_drive)
@@ -208,7 +207,7 @@ def selftested(names: Sequence[str], effort: SelftestEffort, *, designs: bool) -
     from drivegate.contracts.catalogue import contract_of
     from drivegate.drives.kinds import drive_for
     from drivegate.studies.selftest.matrix import Matrix
-    from drivegate.studies.selftest.seeded_fault import chosen_faults
+    from drivegate.studies.selftest.subjects import chosen_faults
 
     drive = drive_for(None, effort.drive)
     rows = _tried(chosen_faults(names, drive), effort)
@@ -230,7 +229,7 @@ def _tried(faults: Sequence[SeededFault], effort: SelftestEffort) -> tuple[Fault
 
 
 def _judged(contract: str, effort: SelftestEffort) -> tuple[DesignRow, ...]:
-    from drivegate.studies.selftest.correct_designs import correct_designs
+    from drivegate.studies.selftest.subjects import correct_designs
 
     rows = []
     for design in correct_designs(contract):

@@ -15,7 +15,7 @@ from drivegate.contracts.current.scenarios.building import steady_scenario
 from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
 from drivegate.drives.running import run_scenario
 from drivegate.scenarios.changes import with_beginning, with_load_factor, with_load_shares, with_real_sensors
-from drivegate.studies.selftest.correct_designs import correct_designs
+from drivegate.studies.selftest.subjects import correct_designs
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario, load_scenario
 from drivegate_models.errors import InputError

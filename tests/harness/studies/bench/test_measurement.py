@@ -1,6 +1,6 @@
 """How times are taken and what becomes of them."""
 
-from drivegate.studies.bench.measurement import Correctness, Value, duration, interleaved, rate, ratio, timed
+from drivegate.studies.bench.workbench import Correctness, Value, duration, interleaved, rate, ratio, timed
 
 RIGHT = Correctness(True, "right")
 

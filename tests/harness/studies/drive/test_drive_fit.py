@@ -9,8 +9,7 @@ from paper_calibration import calibrate
 
 from drivegate.drives.kinds import kind_of
 from drivegate.drives.rating import drive_with
-from drivegate.studies.drive.fit import fit_document
-from drivegate.studies.drive.measured import MeasuredTorque, read_measured
+from drivegate.studies.drive.fit import MeasuredTorque, fit_document, read_measured
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_models.errors import InputError
 

@@ -11,9 +11,8 @@ from tests.harness.ended import ended
 
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.backend import Backend
-from drivegate.studies.map.axes import MapAxes, axis_within, parameter_axis
-from drivegate.studies.map.map import computed
-from drivegate.studies.map.plan import MapPlan
+from drivegate.studies.map.plan import MapAxes, MapPlan, axis_within, parameter_axis
+from drivegate.studies.map.run import computed
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_models.errors import InputError
 from drivegate_models.steady.oracle import feasible_edge, least_current_sum

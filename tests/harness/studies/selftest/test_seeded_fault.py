@@ -5,9 +5,8 @@ import pytest
 from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS
 from drivegate.candidates.builtin.faults.catalogue import MUTATIONS
 from drivegate.contracts.catalogue import CONTRACTS
-from drivegate.studies.selftest.correct_designs import correct_designs
 from drivegate.studies.selftest.run import SelftestEffort, planned_trial
-from drivegate.studies.selftest.seeded_fault import chosen_faults
+from drivegate.studies.selftest.subjects import chosen_faults, correct_designs
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_models.errors import InputError
 

@@ -14,7 +14,7 @@ from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
 from drivegate.studies.selftest import trial as trial_module
 from drivegate.studies.selftest.run import SelftestEffort, planned_trial
-from drivegate.studies.selftest.seeded_fault import seeded
+from drivegate.studies.selftest.subjects import seeded
 from drivegate.studies.selftest.trial import Trial, run_trial
 from drivegate_cases.drive.drive_document import load_drive
 

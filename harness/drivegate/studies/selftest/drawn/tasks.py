@@ -14,10 +14,9 @@ from drivegate.output.event_loop import finished
 from drivegate.output.progress import Display
 from drivegate.results.result import CheckOutcome, CheckResult
 from drivegate.scenarios.facts import facts_in_short
-from drivegate.studies.selftest.correct_designs import CorrectDesign
 from drivegate.studies.selftest.detection import FaultRow
 from drivegate.studies.selftest.run import SelftestEffort, design_check, try_faults
-from drivegate.studies.selftest.seeded_fault import SeededFault, chosen_faults
+from drivegate.studies.selftest.subjects import CorrectDesign, SeededFault, chosen_faults
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.errors import HarnessFault, InputError
 

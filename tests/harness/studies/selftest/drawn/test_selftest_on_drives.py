@@ -16,7 +16,7 @@ from drivegate.studies.selftest.drawn.display import show_drives
 from drivegate.studies.selftest.drawn.run import DrivesRequest, selftest_on_drives
 from drivegate.studies.selftest.drawn.tasks import FailedCheck, GateRow, row_from
 from drivegate.studies.selftest.run import SelftestEffort
-from drivegate.studies.selftest.seeded_fault import SeededFault
+from drivegate.studies.selftest.subjects import SeededFault
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_models.errors import HarnessFault, InputError
 

@@ -1,4 +1,4 @@
-"""A faulty controller of either contract as the self-test has it: its check, and what it is on a drive."""
+"""The controllers of the self-test: faulty ones with their check, and correct ones that no check may accuse."""
 
 from __future__ import annotations
 
@@ -7,10 +7,12 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Final
 
+from drivegate.candidates.builtin.candidates import DESIGN_CANDIDATES, DUTY_CANDIDATES
 from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS, DutyFault
 from drivegate.candidates.builtin.faults.catalogue import MUTATIONS, find_fault
 from drivegate.candidates.builtin.faults.mutation import Mutation, idle_on, text_on
-from drivegate.candidates.kinds import FAULTY_PREFIX
+from drivegate.candidates.builtin.near import NEAR_DESIGNS
+from drivegate.candidates.kinds import FAULTY_PREFIX, NEAR_PREFIX
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.duty.document import duty_document
@@ -18,12 +20,45 @@ from drivegate.drives.kinds import require_contract
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.contract.duty.signals import DutyNameplate
 
+_WITHOUT_WEAKENING: Final = "foc-mtpa"
 FAULTS_OF: Final[Mapping[str, Mapping[str, Mutation | DutyFault]]] = {
     "current": MUTATIONS,
     "duty": DUTY_FAULTS,
 }
 """The faulty controllers of each contract, by their names."""
 _TRUE_HERE: Final = "the wrong value that the controller gets is right for this drive"
+
+
+@dataclass(frozen=True)
+class CorrectDesign:
+    """A controller that must pass."""
+
+    candidate: str
+    """The string that names it."""
+    checks: frozenset[str] | None = None
+    """Identifiers of the checks that it must pass; None for all of them."""
+    near: bool = False
+    """Whether it is near a limit by design."""
+
+
+def correct_designs(contract: str = "current") -> tuple[CorrectDesign, ...]:
+    """List the controllers of a contract that must pass.
+
+    The published search fails what its lock-up fails, but follows its own flowchart. Of the field-oriented ones, the
+    one without weakening gives less torque above base speed than there is.
+    """
+    return _CORRECT[contract]
+
+
+_CORRECT: Final = {
+    "current": (
+        CorrectDesign("reference"),
+        *(CorrectDesign(name) for name in DESIGN_CANDIDATES),
+        *(CorrectDesign(NEAR_PREFIX + name, near=True) for name in NEAR_DESIGNS),
+        CorrectDesign("published", frozenset({"FLO-1"})),
+    ),
+    "duty": tuple(CorrectDesign(name) for name in DUTY_CANDIDATES if name != _WITHOUT_WEAKENING),
+}
 
 
 @dataclass(frozen=True)

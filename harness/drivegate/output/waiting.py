@@ -1,21 +1,41 @@
-"""Telling that a candidate is so slow that what was begun will take long, as soon as that can be known."""
+"""Lines that say why a command takes long: kernels that are compiled first, and slow candidates."""
 
 from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Final
 
 from drivegate.containment.pace_watch import Pace, SlowRun
+from drivegate.drives.kinds import DRIVE_KINDS
+from drivegate.gate.warm_up import compile_kernels, uncompiled_kinds
 from drivegate.output.progress import duration_in_words
 from drivegate.output.streams import write_to
+from drivegate_cases.drive.drive_document import DriveDocument
 
 LONG_CHECK: Final = 300.0
 """Time that is left of a check from which on it is long (s)."""
 CHECK_KNOWN_AFTER: Final = 5.0
 """Time between two looks at a check from which its pace is known (s)."""
 _SHORTER: Final = "--effort quick or --only makes it shorter, and --max-time ends it"
+
+
+def with_compiled_kernels(drives: Iterable[DriveDocument]) -> None:
+    """Compile the kernels of some drives' kinds unless they are kept from before.
+
+    A process that compiles a kernel itself may round otherwise, in the last digit, than one that loads it.
+    """
+    kinds = uncompiled_kinds(drives)
+    if kinds:
+        write_to(sys.stderr, f"{compiling_in_words(kinds)}\n")
+        compile_kernels(kinds)
+
+
+def compiling_in_words(kinds: Iterable[str]) -> str:
+    """State what is compiled and how long it takes; kinds are compiled at the same time."""
+    times = " and ".join(f"about {DRIVE_KINDS[kind].compiling_s} s for {kind} drives" for kind in kinds)
+    return f"compiling the kernels, which is done once and takes {times} on 2 processors"
 
 
 class CheckPace:
