@@ -17,7 +17,7 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Final
 
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.checks.moment import Mark, Moment
+from drivegate.checks.margin import Mark, Moment
 from drivegate.containment.judge import own_candidate
 from drivegate.contracts.catalogue import check_of, contract_of
 from drivegate.contracts.closeup import deciding_moment

@@ -35,8 +35,7 @@ from drivegate.contracts.contract import Contract, Witness
 from drivegate.drives.abilities import ABILITIES
 from drivegate.drives.ability import Ability, RunTime
 from drivegate.drives.constant_power import ConstantPower
-from drivegate.drives.drive_kind import DriveKind
-from drivegate.drives.kinds import DRIVE_KINDS
+from drivegate.drives.kinds import DRIVE_KINDS, DriveKind
 from drivegate.drives.power_reach import PowerReach
 from drivegate.scenarios.drawn_range import DrawnRange, Interval
 from drivegate_cases.scenario.load import ConstantTorqueLoad

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
 
 from drivegate.candidates.declaration import Declaration
-from drivegate.checks.margin import Margin
-from drivegate.checks.moment import Moment
+from drivegate.checks.margin import Margin, Moment
 from drivegate.checks.record import Record
 from drivegate_cases.drive.drive_document import DriveDocument
 

@@ -1,4 +1,4 @@
-"""A margin: how far a run is from a check's limit, normalised to it."""
+"""A margin: how far a run is from a check's limit, normalized to it, and the stretch of the run that decides it."""
 
 from __future__ import annotations
 
@@ -6,6 +6,10 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
+
+from pydantic import Field
+
+from drivegate_cases.documents.document import Section
 
 GREATEST: Final = 1e12
 """Greatest size of a margin: beyond it a miss shows nothing more, and sums and means of margins stay finite."""
@@ -63,3 +67,34 @@ def worst_required(margins: Sequence[Margin]) -> Margin | None:
     """Return the least margin of those that are required, or of those that only advise where there are no others."""
     required = [margin for margin in margins if not margin.advisory]
     return min(required or margins, key=lambda margin: margin.value, default=None)
+
+
+class Mark(Section):
+    """A value with the words for it."""
+
+    words: str = Field(description="what the value is, with its unit")
+    value: float = Field(description="the value")
+
+
+class Point(Section):
+    """What was measured, where it was measured."""
+
+    words: str = Field(description="the measured quantity, with its unit")
+    time_s: float = Field(description="when, in seconds")
+    value: float = Field(description="value of the column there")
+
+
+class Moment(Section):
+    """The stretch of a run that decides a margin; a check that knows more than the stretch states its column."""
+
+    start_s: float = Field(description="start of the stretch, in seconds")
+    end_s: float = Field(description="end of it, in seconds")
+    column: str = Field(
+        default="", description="recorded column that decides; empty where no single one does"
+    )
+    origin_s: float | None = Field(
+        default=None, description="time of the step or failure that it follows, in seconds"
+    )
+    levels: tuple[Mark, ...] = Field(default=(), description="references and limits, as values of the column")
+    instants: tuple[Mark, ...] = Field(default=(), description="times that matter, in seconds")
+    point: Point | None = Field(default=None, description="the measured value")

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import Any, Final, TypeVar
 
-from drivegate.containment.parent_death import end_with_parent
 from drivegate.isolation.layers import ISOLATION_VARIABLE, Isolation
+from drivegate.isolation.system_calls import end_with_parent
 from drivegate_cases.documents.wording import one_line
 from drivegate_models.errors import HarnessFault, InputError
 

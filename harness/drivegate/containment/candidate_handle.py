@@ -18,12 +18,18 @@ from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import LONGEST_TRACEBACK
 from drivegate.containment.candidate_isolation import own_places
 from drivegate.containment.kept_process import KeptProcess, Role
-from drivegate.containment.memory_watch import memory_of_descendants
-from drivegate.containment.orders import PACKET, WORD, Order
-from drivegate.containment.reply import LONGEST_REPLY, Reply, UnreadableReply, unpacked
+from drivegate.containment.protocol import (
+    LONGEST_REPLY,
+    PACKET,
+    WORD,
+    Order,
+    Reply,
+    UnreadableReply,
+    unpacked,
+)
 from drivegate.containment.serving import STACK_SIGNAL
-from drivegate.containment.shared_memory import SharedMemory
-from drivegate.containment.shared_progress import SharedProgress
+from drivegate.containment.shared_memory import SharedMemory, SharedProgress
+from drivegate.containment.watches import memory_of_descendants
 from drivegate.isolation.layers import Layer
 
 _MOST_READS = 16

@@ -15,13 +15,20 @@ from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind, bounded_text, ending_in_words
 from drivegate.candidates.kinds import KINDS
 from drivegate.containment.candidate_handle import CandidateHandle
-from drivegate.containment.memory_watch import MemoryWatch
-from drivegate.containment.orders import MakeInstance, Order, RunOrder, Setup
-from drivegate.containment.pace_watch import PaceWatch, SlowRun
-from drivegate.containment.reply import CHECK_BYTES, Ending, Reply, UnreadableReply, fault_of
+from drivegate.containment.protocol import (
+    CHECK_BYTES,
+    Ending,
+    MakeInstance,
+    Order,
+    Reply,
+    RunOrder,
+    Setup,
+    UnreadableReply,
+    fault_of,
+)
 from drivegate.containment.serving import LOST_CONNECTION
-from drivegate.containment.shared_progress import Activity
-from drivegate.containment.stall_watch import StallWatch, WorkerLimits
+from drivegate.containment.shared_memory import Activity
+from drivegate.containment.watches import MemoryWatch, PaceWatch, SlowRun, StallWatch, WorkerLimits
 from drivegate.isolation.layers import Layer, layers_in_words
 from drivegate_cases.documents.wording import counted
 from drivegate_models.errors import HarnessFault, InputError

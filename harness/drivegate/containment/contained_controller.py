@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from drivegate.candidates.compiled_controller import CompiledController
 from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.containment.candidate_process import Answered, CandidateProcess
-from drivegate.containment.orders import CloseLoop, GiveSenses, Reset
+from drivegate.containment.protocol import CloseLoop, GiveSenses, Reset
 from drivegate.containment.serving import check_of
 from drivegate_models.contract.current.signals import Nameplate
 from drivegate_models.contract.duty.signals import DutyNameplate

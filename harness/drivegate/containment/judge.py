@@ -5,19 +5,20 @@ A candidate that is included with drivegate is drivegate's own code, and needs n
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from types import TracebackType
-from typing import Any, Self
+from typing import Any, Self, TypeVar
 
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind
 from drivegate.candidates.kinds import KINDS, load_controller
 from drivegate.containment.candidate_isolation import isolating_layers
 from drivegate.containment.messages import AnyController, Job, JudgedCandidate, ResultT
-from drivegate.containment.pace_watch import SlowRun
-from drivegate.containment.stall_watch import WorkerLimits
+from drivegate.containment.watches import SlowRun, WorkerLimits
 from drivegate.isolation.layers import Layer
+
+PayloadT = TypeVar("PayloadT")
 
 
 def own_candidate(candidate: Candidate) -> JudgedCandidate:
@@ -103,3 +104,25 @@ class Judge:
 def is_hang(ending: object) -> bool:
     """Return True if a job ended with a hang, which is tried once more."""
     return isinstance(ending, Fault) and ending.kind is FaultKind.HANG
+
+
+def contained_runs(
+    candidate: Candidate,
+    target: Callable[[JudgedCandidate, PayloadT], ResultT],
+    payloads: Iterable[PayloadT],
+) -> Iterator[ResultT | Fault]:
+    """Do something with a candidate many times, each time with a new instance, whatever becomes of the others.
+
+    The candidate's process lives as long as the iteration, and no longer: what a candidate keeps for itself between
+    runs depends on the payloads alone, never on how they are shared among processes.
+    """
+    refused: Fault | None = None
+    with Judge(candidate) as judge:
+        for payload in payloads:
+            if refused is None:
+                ending = judge.run(Job(target, payload))
+                if isinstance(ending, Fault) and ending.phase == "loading":
+                    refused = ending
+                yield ending
+            else:
+                yield refused

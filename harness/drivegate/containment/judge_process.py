@@ -19,10 +19,9 @@ from drivegate.containment.candidate_isolation import isolating_layers
 from drivegate.containment.judge import Judge
 from drivegate.containment.kept_process import KeptProcess, Role
 from drivegate.containment.messages import Broken, Faulted, Finished, Job, Outcome, Refused
-from drivegate.containment.pace_watch import SlowRun
-from drivegate.containment.parent_death import end_with_parent
-from drivegate.containment.stall_watch import WorkerLimits
+from drivegate.containment.watches import SlowRun, WorkerLimits
 from drivegate.isolation.layers import refuse_inspection
+from drivegate.isolation.system_calls import end_with_parent
 from drivegate_cases.documents.system_failure import refusal_by_system
 from drivegate_models.errors import HarnessFault, InputError
 

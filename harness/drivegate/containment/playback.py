@@ -9,7 +9,7 @@ from drivegate.candidates.controller import Controller
 from drivegate.candidates.fault import CandidateFault
 from drivegate.containment.contained_controller import ContainedController, PlayedCommands
 from drivegate.containment.messages import AnyController
-from drivegate.containment.orders import CloseLoop
+from drivegate.containment.protocol import CloseLoop
 
 Wrap: TypeAlias = Callable[[Controller], Controller]
 """Puts something between the closed loop and a controller, which passes every step on."""

@@ -12,8 +12,7 @@ from drivegate.candidates.kinds import KINDS
 from drivegate.containment.judge import is_hang
 from drivegate.containment.judge_process import JudgeProcess
 from drivegate.containment.messages import Faulted, Finished, Job, ResultT
-from drivegate.containment.pace_watch import SlowRun
-from drivegate.containment.stall_watch import WorkerLimits
+from drivegate.containment.watches import SlowRun, WorkerLimits
 from drivegate_models.compilation.kernels import kernel_digests
 
 _LOOK_EVERY = 0.25

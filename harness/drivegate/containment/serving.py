@@ -24,20 +24,23 @@ from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.controller import Controller
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind, Phase, exception_fault
 from drivegate.candidates.kinds import load_controller
-from drivegate.containment.orders import (
+from drivegate.containment.protocol import (
+    CHECK_BYTES,
     PACKET,
     CloseLoop,
+    Ending,
     GiveSenses,
     MakeInstance,
     Order,
+    Reply,
     Reset,
     Setup,
+    fault_text,
+    packed,
 )
-from drivegate.containment.parent_death import end_with_parent
-from drivegate.containment.reply import CHECK_BYTES, Ending, Reply, fault_text, packed
 from drivegate.containment.restarting import Restarter
-from drivegate.containment.shared_memory import SharedMemory
-from drivegate.containment.shared_progress import Activity, SharedProgress
+from drivegate.containment.shared_memory import Activity, SharedMemory, SharedProgress
+from drivegate.isolation.system_calls import end_with_parent
 from drivegate_models.errors import InputError
 
 STACK_SIGNAL: Final = signal.SIGUSR1

@@ -10,8 +10,7 @@ import numpy as np
 from pydantic import Field, ValidationError
 
 from drivegate.checks.check import Check
-from drivegate.checks.margin import Margin
-from drivegate.checks.moment import Moment
+from drivegate.checks.margin import Margin, Moment
 from drivegate.checks.record import Record
 from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.contract import Columns

@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.candidates.fault import CandidateFault, Fault, placed, refused_command
-from drivegate.checks.timing import TIMED_STEPS
+from drivegate.checks.every_contract import TIMED_STEPS
 from drivegate.containment.candidate_process import Answered
 from drivegate.containment.contained_controller import ContainedController
 from drivegate.containment.messages import AnyController
-from drivegate.containment.orders import GiveSenses
+from drivegate.containment.protocol import GiveSenses
 from drivegate_models.contract.layout import Layout
 from drivegate_models.loop.exchange import COMPLETED, STOPPED
 from drivegate_models.loop.given_steps import MAKE_STEPS, given_senses

@@ -10,10 +10,10 @@ import numpy as np
 
 from drivegate.drives.ability import Ability, RunTime
 from drivegate.drives.constant_power import constant_power
-from drivegate.drives.drive_kind import FloatArray
 from drivegate.drives.envelope import envelope, recommended_line, speeds_of
 from drivegate.drives.envelope_document import envelope_document
 from drivegate.drives.envelope_words import facts, required
+from drivegate.drives.kinds import FloatArray
 from drivegate.drives.power_reach import PowerReach
 from drivegate.drives.rating import RatedDrive, rated_drive
 from drivegate.drives.required_ripple import unreachable_ripple

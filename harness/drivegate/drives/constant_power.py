@@ -1,18 +1,32 @@
-"""How far a drive keeps its rated power: the greatest power over speed, and the speed up to which it is enough."""
+"""How far a drive maintains its rated power: the greatest power over speed, and edges found by halving."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
-from drivegate.drives.bisection import last_met
 from drivegate.drives.rating import RatedDrive
 
 SPEEDS: Final = 41
 """Speeds from the lowest loaded to overspeed at which the greatest power is found."""
 _HALVINGS: Final = 12
+
+
+def last_met(is_met: Callable[[float], bool], met: float, missed: float, halvings: int) -> float:
+    """Return the value nearest to where a condition ceases to be met that still meets it.
+
+    `met` and `missed` are a value that meets it and one that does not, in either order.
+    """
+    for _ in range(halvings):
+        middle = 0.5 * (met + missed)
+        if is_met(middle):
+            met = middle
+        else:
+            missed = middle
+    return met
 
 
 @dataclass(frozen=True)

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from drivegate.drives.bisection import last_met
+from drivegate.drives.constant_power import last_met
 from drivegate.drives.rating import RatedDrive, Rating
 from drivegate.drives.required_ripple import ideal_ripple
 
 if TYPE_CHECKING:
-    from drivegate.drives.drive_kind import AdvanceLine
+    from drivegate.drives.kinds import AdvanceLine
 
 BELOW_BASE: Final = 5
 """Speeds up to base speed, evenly spaced; at standstill itself there is no steady state."""

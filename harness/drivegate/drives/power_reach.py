@@ -9,8 +9,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.drives.bisection import last_met
-from drivegate.drives.drive_kind import FloatArray
+from drivegate.drives.constant_power import last_met
+from drivegate.drives.kinds import FloatArray
 from drivegate_cases.documents.rounding import rounded_to_digits
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.errors import InputError

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from math import pi
 from typing import Final
 
-from drivegate.drives.drive_kind import Drive, Oracle
-from drivegate.drives.kinds import kind_of
+from drivegate.drives.kinds import Drive, Oracle, kind_of
 from drivegate.scenarios.drive_scale import scale_of
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import Limits, limits_of

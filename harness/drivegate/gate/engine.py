@@ -17,8 +17,8 @@ from drivegate.checks.judging import InfeasibleScenario, JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin, margin_in_words
 from drivegate.containment.candidate_isolation import isolating_layers
 from drivegate.containment.messages import Job
-from drivegate.containment.pace_watch import SlowRun
 from drivegate.containment.pool import WorkEnded, WorkerPool
+from drivegate.containment.watches import SlowRun
 from drivegate.contracts.catalogue import CONTRACTS, all_checks, contract_of
 from drivegate.drives.kinds import drive_for
 from drivegate.drives.reach import refuse_unreachable

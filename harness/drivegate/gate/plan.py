@@ -10,9 +10,9 @@ from typing import Final
 from drivegate.candidates.declaration import NOTHING_DECLARED, Declaration
 from drivegate.candidates.kinds import KINDS
 from drivegate.candidates.python.bridge import PythonController
+from drivegate.checks.every_contract import LARGEST_SHARE
 from drivegate.checks.judging import JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin, at_most, below
-from drivegate.checks.timing import LARGEST_SHARE
 from drivegate.containment.contained_controller import ContainedController
 from drivegate.containment.messages import AnyController, Job, JudgedCandidate
 from drivegate.contracts.catalogue import contract_of

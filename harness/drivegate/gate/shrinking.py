@@ -18,8 +18,7 @@ from drivegate.gate.plan import REPEATED
 from drivegate.gate.shard import content_key
 from drivegate.results.result import CheckOutcome, Found
 from drivegate.results.verdict import considered
-from drivegate.scenarios.simplification import Simplification, simplified
-from drivegate.scenarios.size import size_of
+from drivegate.scenarios.simplification import Simplification, simplified, size_of
 from drivegate.scenarios.title import titled
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.scenario.scenario import Scenario

@@ -21,7 +21,7 @@ from drivegate.drives.running import recorded
 from drivegate.gate.plan import REPEATED
 from drivegate.results.result import CheckOutcome, Found, Witnessed
 from drivegate.results.verdict import considered
-from drivegate.scenarios.size import size_of
+from drivegate.scenarios.simplification import size_of
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.scenario import Scenario

@@ -1,9 +1,12 @@
 """Linux system calls that Python and the C library do not offer, or offer only from a later version on."""
 
+from __future__ import annotations
+
 import ctypes
 import os
 import platform
 import signal
+import sys
 from typing import Final
 
 # Numbers by architecture; those from 424 on are the same everywhere.
@@ -112,3 +115,15 @@ def control_process(option: int, *arguments: int) -> int:
     """Call `prctl`."""
     four = (*arguments, 0, 0, 0, 0)[:4]
     return succeeded(SYSTEM.prctl(option, *map(ctypes.c_ulong, four)), "prctl")
+
+
+def end_with_parent(parent: int) -> None:
+    """Ask Linux to kill this process when its parent dies, also from within an endless loop.
+
+    Elsewhere the process ends when it next waits for a message.
+    """
+    if sys.platform.startswith("linux"):
+        die_with_parent()
+    # A parent outside of this process's table has the number 0.
+    if os.getppid() not in (parent, 0):
+        os._exit(1)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from drivegate.checks.moment import Moment
+from drivegate.checks.margin import Moment
 from drivegate.contracts.contract import Columns
 from drivegate.contracts.panels import TIME, Panel
 from drivegate_cases.documents.wording import one_line

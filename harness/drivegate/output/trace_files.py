@@ -17,7 +17,7 @@ from drivegate_models.errors import InputError
 if TYPE_CHECKING:
     import pandas
 
-    from drivegate.checks.moment import Moment
+    from drivegate.checks.margin import Moment
 
 PLOT_SUFFIXES: Final = (".png", ".svg")
 

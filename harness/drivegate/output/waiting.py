@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Iterable
 from typing import Final
 
-from drivegate.containment.pace_watch import Pace, SlowRun
+from drivegate.containment.watches import Pace, SlowRun
 from drivegate.drives.kinds import DRIVE_KINDS
 from drivegate.gate.warm_up import compile_kernels, uncompiled_kinds
 from drivegate.output.progress import duration_in_words

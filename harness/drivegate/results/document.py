@@ -7,10 +7,9 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import AfterValidator, ConfigDict, Field
 
 from drivegate.contracts.closeup import Closeup
-from drivegate.results.behaviour_section import BehaviourSection
 from drivegate.results.counterexample import resolved_script_or_scenario
-from drivegate.results.envelope_section import EnvelopeSection
 from drivegate.results.result import RESULT_SCHEMA
+from drivegate.results.sections import BehaviourSection, EnvelopeSection
 from drivegate_cases.documents.document import Document, Section, parse_document
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.errors import InputError

@@ -7,17 +7,20 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, Final
+from typing import Any, Final, TypeAlias
 
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.documents.rounding import significant
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import mechanical_time, nearest_step, settling_of, time_unit
+from drivegate_models.errors import InputError
 from drivegate_models.units import RADIANS_PER_RPM
 
 _KEPT: Final = 100
 # What a bandwidth of 0.139 and an integral's rate of 0.026 of the electrical frequency give (rad²).
 _RAMP_ANGLE: Final = 1.0 / (0.05 * 0.139 * 0.026)
+SpeedRange: TypeAlias = tuple[float, float]
+"""Lowest and highest speed (rpm)."""
 
 
 @dataclass(frozen=True)
@@ -210,3 +213,17 @@ def tidy(value: float) -> float:
 def whole_tenths(time_s: float) -> float:
     """Return the next whole tenth of a second, which is a whole number of all usual control periods."""
     return math.ceil(round(time_s * 10.0, 6)) / 10.0
+
+
+def loaded_range(drive: DriveDocument, declared_rpm: SpeedRange | None) -> SpeedRange:
+    """Return the speeds of loaded runs."""
+    scale = scale_of(drive)
+    lowest, highest = scale.lowest_loaded_rpm, scale.highest_loaded_rpm
+    if declared_rpm is None:
+        return lowest, highest
+    if declared_rpm[1] < lowest or declared_rpm[0] > highest:
+        raise InputError(
+            f"the candidate declares a speed_range_rpm of {declared_rpm[0]:g} to {declared_rpm[1]:g} rpm, but is "
+            f"checked under load from {lowest:g} to {highest:g} rpm; declare a range that has some of these speeds"
+        )
+    return max(lowest, declared_rpm[0]), min(highest, declared_rpm[1])

@@ -1,20 +1,106 @@
-"""A simplification of a scenario, and how it is applied."""
+"""How complicated a scenario is, and how a simplification is applied to it."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from typing import Any, TypeAlias
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any, Final, TypeAlias
 
-from drivegate.scenarios.size import size_of
+from drivegate.scenarios.facts import COURSES, facts_of
+from drivegate_cases.drive.scales import NOMINAL
 from drivegate_cases.scenario.control_periods import on_whole_periods
 from drivegate_cases.scenario.profile import dwell_torque, dwells
-from drivegate_cases.scenario.scenario import Scenario
+from drivegate_cases.scenario.scenario import LONGEST_CONTROL_PERIOD_S, Scenario
+from drivegate_cases.scenario.sensors import IDEAL, PLAIN
 from drivegate_models.errors import InputError
 
+_FACT, _FAILURE, _PARAMETER, _POINT, _LOAD, _SEED, _DIGIT = 1500, 2000, 1000, 300, 100, 20, 5
+_FAILURES: Final = ("dropouts", "glitches", "current_errors", "restarts_s")
+_PLAIN: Final = {
+    "control_period_s": LONGEST_CONTROL_PERIOD_S,
+    "clock_start_s": 0.0,
+    "initial_angle_deg": 0.0,
+}
+_LOAD_KINDS: Final = {
+    "locked": 0,
+    "dynamometer": 0,
+    "constant_torque": 0,
+    "hoist": 1,
+    "constant_power": 1,
+    "fan": 2,
+    "vehicle": 4,
+}
 Fields: TypeAlias = dict[str, Any]
 """Fields of a scenario that change."""
 Simplification: TypeAlias = Callable[[Scenario], Iterator[Fields]]
 """From a scenario to changes that make it simpler in one respect, the boldest first."""
+
+
+def size_of(scenario: Mapping[str, Any]) -> int:
+    """Measure how complicated a scenario is."""
+    if scenario.get("kind") == "script":
+        return _leaves(scenario)
+    failures = sum(len(scenario.get(key, ())) for key in _FAILURES)
+    moved = sum(scenario.get(key, plain) != plain for key, plain in _PLAIN.items())
+    load = scenario["load"]
+    profiles = [
+        scenario["speed_rpm"],
+        next((load[key] for key in COURSES if key in load), ()),
+        scenario.get("supply_v", ()),
+        scenario.get("imbalance", ()),
+        *(scenario.get("drift") or {}).values(),
+    ]
+    numbers = [number for profile in profiles for point in profile for number in point]
+    numbers += [value for key, value in load.items() if isinstance(value, float)]
+    for key in ("dropouts", "glitches", "current_errors"):
+        for failure in scenario.get(key, ()):
+            numbers += [value for value in failure.values() if not isinstance(value, str)]
+    numbers += scenario.get("restarts_s", ())
+    numbers += [scenario[key] for key in _PLAIN if key in scenario]
+    scales = scenario.get("scales", {})
+    numbers += scales.values()
+    parts = (
+        _FACT * len(facts_of(scenario)),
+        _FAILURE
+        * (
+            failures
+            + len(scenario.get("drift") or {})
+            + ("imbalance" in scenario)
+            + (scenario.get("failure") is not None)
+        ),
+        _PARAMETER * len([key for key, value in scales.items() if value != getattr(NOMINAL, key)]),
+        _sensor_size(scenario.get("sensors", "ideal")),
+        _PARAMETER * moved,
+        _SEED * (scenario.get("seed", 0) != 0),
+        _POINT * sum(map(len, profiles)),
+        _LOAD * _LOAD_KINDS[load["kind"]],
+        _DIGIT * sum(map(_digits, numbers)),
+        math.ceil(scenario["duration_s"]),
+    )
+    return int(sum(parts))
+
+
+def _leaves(value: object) -> int:
+    if isinstance(value, Mapping):
+        return sum(map(_leaves, value.values()))
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return sum(map(_leaves, value))
+    return 1
+
+
+def _sensor_size(sensors: str | Mapping[str, Any]) -> int:
+    keys = {"kind": sensors} if isinstance(sensors, str) else sensors
+    if keys["kind"] == IDEAL.kind:
+        return 0
+    plain = PLAIN[keys["kind"]]
+    return _PARAMETER + _LOAD * len(
+        [key for key, value in keys.items() if getattr(plain, key) not in (None, value)]
+    )
+
+
+def _digits(number: float) -> int:
+    """Count the digits that it takes to write a number, without zeros at its ends."""
+    return len(f"{abs(number):.9f}".replace(".", "").strip("0"))
 
 
 def simplified(scenario: Scenario, fields: Fields) -> Scenario | None:

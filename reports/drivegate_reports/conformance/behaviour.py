@@ -13,7 +13,7 @@ from pydantic import ValidationError
 from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.duty.document import duty_document
 from drivegate.contracts.duty.trajectories import trajectories
-from drivegate.results.behaviour_section import BehaviourSection, EfficiencyPointSection
+from drivegate.results.sections import BehaviourSection, EfficiencyPointSection
 from drivegate_cases.documents.wording import figure
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.pm_ac.document import PmAcDocument

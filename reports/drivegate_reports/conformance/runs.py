@@ -9,7 +9,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from drivegate.checks.moment import Moment
+from drivegate.checks.margin import Moment
 from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.closeup import recorded_closeup
 from drivegate.contracts.contract import Columns, Contract, RecordedTrace

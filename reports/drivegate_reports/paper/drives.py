@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Final
 
-from drivegate.drives.bisection import last_met
-from drivegate.drives.constant_power import constant_power
+from drivegate.drives.constant_power import constant_power, last_met
 from drivegate.drives.rating import rated_drive
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_models.steady.oracle import (

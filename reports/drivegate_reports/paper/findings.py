@@ -10,7 +10,7 @@ from typing import Final
 
 import numpy as np
 
-from drivegate.drives.bisection import last_met
+from drivegate.drives.constant_power import last_met
 from drivegate_cases.publication.facts import Finding, findings
 from drivegate_models.steady.oracle import current_sum_curve, feasible_edge, point_at_torque
 from drivegate_models.steady.steady_state import steady_state

@@ -15,7 +15,7 @@ from math import inf, isfinite, nan, pi, radians, sin
 from typing import Final
 
 from drivegate.contracts.duty.document import duty_document
-from drivegate.drives.bisection import last_met
+from drivegate.drives.constant_power import last_met
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_models.machine.rotor_frame import SUM_OVER_PEAK
 from drivegate_models.pm_ac.fundamental import SteadyState

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from drivegate.containment.pace_watch import SlowRun
+from drivegate.containment.watches import SlowRun
 from drivegate.gate.events import (
     CheckPlan,
     CheckStarted,

@@ -201,8 +201,8 @@ class Slow:
 
 
 def test_a_run_that_will_take_long_is_told_while_it_runs(command, tmp_path, monkeypatch):
-    monkeypatch.setattr("drivegate.containment.pace_watch.KNOWN_AFTER", 0.3)
-    monkeypatch.setattr("drivegate.containment.pace_watch.LONG", 1.0)
+    monkeypatch.setattr("drivegate.containment.watches.KNOWN_AFTER", 0.3)
+    monkeypatch.setattr("drivegate.containment.watches.LONG", 1.0)
     case = tmp_path / "half.json"
     case.write_text(load_scenario("lock-up").replaced(duration_s=0.25).to_json(), encoding="utf-8")
     (tmp_path / "slow.py").write_text(SLOW, encoding="utf-8")

@@ -12,8 +12,8 @@ import psutil
 import pytest
 
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.containment.environment import PASS_VARIABLE, worker_environment
 from drivegate.containment.judge import Judge
+from drivegate.containment.kept_process import PASS_VARIABLE, worker_environment
 from drivegate.containment.messages import Job
 from drivegate.isolation.layers import ISOLATION_VARIABLE
 

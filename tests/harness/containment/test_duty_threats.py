@@ -11,7 +11,7 @@ from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job, JudgedCandidate
-from drivegate.containment.stall_watch import WorkerLimits
+from drivegate.containment.watches import WorkerLimits
 from drivegate.contracts.duty.scenarios.building import torque_scenario
 from drivegate.drives.running import recorded
 from drivegate_cases.drive.drive_document import load_drive

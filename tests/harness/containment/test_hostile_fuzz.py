@@ -24,7 +24,7 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.judging import JudgedRun, judged
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job, JudgedCandidate
-from drivegate.containment.stall_watch import WorkerLimits
+from drivegate.containment.watches import WorkerLimits
 from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
 from drivegate.contracts.current.timed_steps import given_steps

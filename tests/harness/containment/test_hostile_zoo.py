@@ -18,7 +18,7 @@ from drivegate.commands.command_line import main
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job
 from drivegate.containment.pool import WorkerPool
-from drivegate.containment.stall_watch import WorkerLimits
+from drivegate.containment.watches import WorkerLimits
 from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
 from drivegate.gate import engine
 from drivegate.gate.plan import REPEATED, planned_work

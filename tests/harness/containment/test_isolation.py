@@ -20,7 +20,7 @@ from drivegate.containment import backend, judge_process, kept_process
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.containment.pool import WorkerPool
-from drivegate.containment.stall_watch import WorkerLimits
+from drivegate.containment.watches import WorkerLimits
 from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
 from drivegate.drives.running import recorded
 from drivegate.isolation import layers

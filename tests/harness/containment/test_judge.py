@@ -16,7 +16,7 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job
 from drivegate.containment.pool import WorkerPool
-from drivegate.containment.stall_watch import WorkerLimits
+from drivegate.containment.watches import WorkerLimits
 from drivegate_models.errors import HarnessFault, InputError
 
 HERE = Path(__file__).parents[1]

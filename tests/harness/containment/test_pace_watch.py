@@ -2,7 +2,7 @@
 
 import pytest
 
-from drivegate.containment.pace_watch import PaceWatch, SlowRun
+from drivegate.containment.watches import PaceWatch, SlowRun
 
 HOUR = 3600.0
 

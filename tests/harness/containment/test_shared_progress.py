@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from drivegate.containment.shared_progress import Activity, SharedProgress
+from drivegate.containment.shared_memory import Activity, SharedProgress
 
 
 @pytest.fixture

@@ -2,8 +2,8 @@
 
 import pytest
 
-from drivegate.containment.shared_progress import Activity
-from drivegate.containment.stall_watch import StallWatch, WorkerLimits
+from drivegate.containment.shared_memory import Activity
+from drivegate.containment.watches import StallWatch, WorkerLimits
 
 LIMITS = WorkerLimits(
     step_processor_seconds=5.0, start_processor_seconds=120.0, idle_seconds=60.0, order_seconds=1000.0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from drivegate.drives.bisection import last_met
+from drivegate.drives.constant_power import last_met
 
 EDGE = 3.3
 

@@ -17,8 +17,8 @@ from drivegate.drives.envelope import (
     speed_without_advance,
     speeds_of,
 )
+from drivegate.drives.envelope_document import time_scales
 from drivegate.drives.rating import RatedDrive, rated_drive
-from drivegate.drives.time_scales import time_scales
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_models.steady.oracle import least_current_sum, point_at_torque
 from drivegate_models.steady.steady_state import steady_state

@@ -8,8 +8,7 @@ import pytest
 
 from drivegate.candidates.declaration import Declaration
 from drivegate.contracts.catalogue import contract_of
-from drivegate.drives.drive_kind import DriveKind
-from drivegate.drives.kinds import DEFAULT_DRIVE, DEFAULT_KIND, DRIVE_KINDS, kind_of
+from drivegate.drives.kinds import DEFAULT_DRIVE, DEFAULT_KIND, DRIVE_KINDS, DriveKind, kind_of
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_models.errors import InputError
 

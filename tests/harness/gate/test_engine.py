@@ -16,7 +16,7 @@ from drivegate.gate.events import CheckFinished, CheckStarted, Event, RunDone, S
 from drivegate.output.result_file import as_json
 from drivegate.results.document import ResultDocument
 from drivegate.results.result import CheckResult, finite
-from drivegate.scenarios.size import size_of
+from drivegate.scenarios.simplification import size_of
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.scenario.scenario import Scenario

@@ -32,8 +32,7 @@ from drivegate.scenarios.changes import (
     with_supply,
 )
 from drivegate.scenarios.facts import facts_of
-from drivegate.scenarios.simplification import simplified
-from drivegate.scenarios.size import size_of
+from drivegate.scenarios.simplification import simplified, size_of
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario

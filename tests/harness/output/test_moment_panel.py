@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from drivegate.checks.moment import Mark, Moment, Point
+from drivegate.checks.margin import Mark, Moment, Point
 from drivegate.contracts.duty.columns import PANELS
 from drivegate.output.panels import draw_moment
 

@@ -12,7 +12,7 @@ from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.gate.shrinking import Shrunk, simplest_failures, with_simplest
 from drivegate.results.result import MOST_MARGINS, CheckOutcome
 from drivegate.results.verdict import candidate_verdict, check_outcomes, machine_dependent
-from drivegate.scenarios.size import size_of
+from drivegate.scenarios.simplification import size_of
 from drivegate_cases.scenario.scenario import load_scenario
 
 LOCK_UP = load_scenario("lock-up")

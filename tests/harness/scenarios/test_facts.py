@@ -19,8 +19,7 @@ from drivegate.scenarios.changes import (
     with_supply,
 )
 from drivegate.scenarios.facts import facts_in_short, facts_of
-from drivegate.scenarios.simplification import simplified
-from drivegate.scenarios.size import size_of
+from drivegate.scenarios.simplification import simplified, size_of
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.scenario import Scenario

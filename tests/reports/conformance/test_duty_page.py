@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from drivegate.results.behaviour_section import BehaviourSection
+from drivegate.results.sections import BehaviourSection
 from drivegate_cases.documents.wording import figure
 from drivegate_cases.publication.facts import open_assumptions
 from drivegate_reports.conformance.behaviour import shown_behaviour

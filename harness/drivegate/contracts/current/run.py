@@ -15,8 +15,8 @@ from drivegate.candidates.controller import Controller, show_drive
 from drivegate.candidates.fault import OVERWRITTEN_SIZE, CandidateFault, placed, refused_command
 from drivegate.containment.contained_controller import CommandPlayer
 from drivegate.containment.messages import AnyController
-from drivegate.containment.orders import CloseLoop
 from drivegate.containment.playback import Wrap, require_same_plant, stepped_here
+from drivegate.containment.protocol import CloseLoop
 from drivegate.containment.restarting import Restarter
 from drivegate.contracts.recorded_steps import RecordingController
 from drivegate.scenarios.drive_scale import scale_of

@@ -11,8 +11,7 @@ from typing import Final
 
 from drivegate.drives.abilities import ability_of
 from drivegate.drives.angle_ability import rating_is_met
-from drivegate.drives.drawn.bounds import Bound, Values, bounds_of, rounded
-from drivegate.drives.drawn.drawing import DrawnKind
+from drivegate.drives.drawn.drawing import Bound, DrawnKind, Values, bounds_of, rounded
 from drivegate.drives.rating import rated_drive
 from drivegate.drives.required_ripple import unreachable_ripple
 from drivegate_cases.drive.drive_document import DriveDocument

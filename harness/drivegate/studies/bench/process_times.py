@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Final
 
 from drivegate.contracts.catalogue import CONTRACTS
-from drivegate.drives.drive_kind import DriveKind
+from drivegate.drives.kinds import DriveKind
 from drivegate.studies.bench.workbench import Correctness, NotMeasured, Value, Workbench, duration
 
 LONGEST: Final = 1800.0

@@ -16,8 +16,7 @@ from drivegate.candidates.fault import Fault
 from drivegate.candidates.kinds import KINDS
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.backend import Backend, done_by
-from drivegate.containment.contained_runs import contained_runs
-from drivegate.containment.judge import Judge
+from drivegate.containment.judge import Judge, contained_runs
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.containment.pool import WorkerPool
 from drivegate.contracts.catalogue import CONTRACTS

@@ -9,7 +9,7 @@ from typing import Final
 
 from drivegate.candidates.fault import Fault, bounded_line
 from drivegate.checks.check import Check, judged_elsewhere
-from drivegate.checks.determinism import DET_1
+from drivegate.checks.every_contract import DET_1
 from drivegate.checks.margin import Margin
 from drivegate.checks.record import Record
 from drivegate.containment.messages import JudgedCandidate

@@ -11,7 +11,7 @@ from drivegate.results.counterexample import KIND as COUNTEREXAMPLE
 from drivegate.results.counterexample import Counterexample
 from drivegate.results.provenance import versions
 from drivegate.results.result import finite
-from drivegate.scenarios.size import size_of
+from drivegate.scenarios.simplification import size_of
 from drivegate.studies.campaign.folder import CampaignFolder
 from drivegate.studies.campaign.plan import CampaignPlan
 from drivegate.studies.campaign.row import HARNESS_FAULT, SET_ASIDE

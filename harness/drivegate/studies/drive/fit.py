@@ -11,8 +11,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.drives.drive_kind import Drive, Oracle
-from drivegate.drives.kinds import kind_of
+from drivegate.drives.kinds import Drive, Oracle, kind_of
 from drivegate.drives.rating import drive_with, machine_constants
 from drivegate_cases.documents.csv_file import read_columns
 from drivegate_cases.documents.wording import counted, nearest, one_line, shown_path

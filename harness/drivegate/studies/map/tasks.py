@@ -12,14 +12,13 @@ from numpy.typing import NDArray
 
 from drivegate.candidates.fault import Fault
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.containment.contained_runs import contained_runs
+from drivegate.containment.judge import contained_runs
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.containment.pool import WorkerPool
 from drivegate.contracts.current.checks.convergence import window_convergence
 from drivegate.contracts.current.record import CurrentRecord, SteadyWindow
 from drivegate.contracts.current.scenarios.building import coming_on
-from drivegate.drives.drive_kind import Drive
-from drivegate.drives.kinds import kind_of
+from drivegate.drives.kinds import Drive, kind_of
 from drivegate.drives.running import recorded
 from drivegate.scenarios.drive_scale import scale_of, tidy
 from drivegate.studies.map.plan import (

@@ -14,8 +14,7 @@ from drivegate.candidates.fault import Fault
 from drivegate.candidates.kinds import KINDS
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.check import Check
-from drivegate.checks.margin import Margin
-from drivegate.checks.moment import Moment
+from drivegate.checks.margin import Margin, Moment
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.contracts.catalogue import check_of as check_named

@@ -17,7 +17,7 @@ from drivegate.gate.plan import REPEATED
 from drivegate.gate.shard import DrawnRuns, FixedRuns, content_key, run_fixed
 from drivegate.gate.shrinking import ShrinkPlan, run_shrink
 from drivegate.scenarios.facts import facts_of
-from drivegate.scenarios.size import size_of
+from drivegate.scenarios.simplification import size_of
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.scenario.scenario import Scenario
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from drivegate.checks.moment import Moment
+from drivegate.checks.margin import Moment
 from drivegate.contracts.contract import Columns
 from drivegate.contracts.panels import TIME, Line, Panel, panels_for
 from drivegate.output.panels import MomentTime, draw_moment, quantity_of

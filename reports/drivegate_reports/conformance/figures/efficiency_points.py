@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
-from drivegate.results.behaviour_section import EfficiencyPointSection
+from drivegate.results.sections import EfficiencyPointSection
 from drivegate_cases.documents.wording import figure
 from drivegate_reports.page.style import BLUE, VERMILION, label, new_figure
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from drivegate.contracts.duty.checks.steps import REACHED
-from drivegate.results.behaviour_section import StepSection
+from drivegate.results.sections import StepSection
 from drivegate_cases.documents.wording import figure
 from drivegate_reports.page.style import BLUE, GREEN, GREY, VERMILION, label, label_ends, new_figure
 

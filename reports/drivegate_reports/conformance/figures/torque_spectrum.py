@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from drivegate.results.behaviour_section import TorqueSection
+from drivegate.results.sections import TorqueSection
 from drivegate_cases.documents.wording import figure
 from drivegate_reports.page.style import BLUE, GREEN, GREY, SKY, label, label_ends, new_figure
 

@@ -20,7 +20,7 @@ from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job
-from drivegate.containment.stall_watch import WorkerLimits
+from drivegate.containment.watches import WorkerLimits
 from drivegate.drives.running import run_scenario
 from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.contract.current.records import Nameplate, Sense

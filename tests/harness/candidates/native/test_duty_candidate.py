@@ -17,7 +17,7 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.judging import judged
 from drivegate.containment.judge import Judge, own_candidate
 from drivegate.containment.messages import Job, JudgedCandidate
-from drivegate.containment.stall_watch import WorkerLimits
+from drivegate.containment.watches import WorkerLimits
 from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.current.record import CurrentRecord
 from drivegate.contracts.duty.record import DutyRecord

@@ -19,7 +19,7 @@ from drivegate.contracts.duty.scenarios.building import torque_of, torque_scenar
 from drivegate.contracts.duty.scenarios.fixed import efficiency_scenarios, speed_of
 from drivegate.contracts.duty.torque import torque_course
 from drivegate.drives.running import recorded
-from drivegate.results.behaviour_section import BehaviourSection
+from drivegate.results.sections import BehaviourSection
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.scenario import Scenario

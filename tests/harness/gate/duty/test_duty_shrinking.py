@@ -7,7 +7,7 @@ from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.contracts.duty.scenarios.building import failing, torque_of, torque_scenario
 from drivegate.gate.shrinking import ShrinkPlan, Shrunk, run_shrink
-from drivegate.scenarios.size import size_of
+from drivegate.scenarios.simplification import size_of
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument

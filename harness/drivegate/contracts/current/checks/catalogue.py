@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from drivegate.checks.check import Check
-from drivegate.checks.determinism import DET_1
-from drivegate.checks.timing import TIM_1
+from drivegate.checks.every_contract import DET_1, TIM_1
 from drivegate.contracts.current.checks.command_range import ADV_1, ADV_2, CMD_1
 from drivegate.contracts.current.checks.constant_power import CPW_1, CPW_2
 from drivegate.contracts.current.checks.convergence import CNV_1, CNV_2, CNV_3

@@ -8,8 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 from drivegate.checks.check import Check
-from drivegate.checks.margin import Margin, normalised
-from drivegate.checks.moment import Mark, Moment, Point
+from drivegate.checks.margin import Margin, Mark, Moment, Point, normalised
 from drivegate.checks.record import Record
 from drivegate.contracts.current.checks.declared_speeds import below_base, unless_speeds
 from drivegate.contracts.current.record import CurrentRecord

@@ -8,8 +8,7 @@ from typing import TypeAlias
 
 from drivegate.candidates.declaration import Declaration
 from drivegate.checks.check import ReasonNotApplicable
-from drivegate.scenarios.drive_scale import scale_of
-from drivegate.scenarios.speed_range import SpeedRange
+from drivegate.scenarios.drive_scale import SpeedRange, scale_of
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import limits_of
 

@@ -22,8 +22,7 @@ from drivegate.scenarios.changes import (
     with_speed,
     with_supply,
 )
-from drivegate.scenarios.drive_scale import scale_of, tidy
-from drivegate.scenarios.speed_range import SpeedRange, loaded_range
+from drivegate.scenarios.drive_scale import SpeedRange, loaded_range, scale_of, tidy
 from drivegate.scenarios.title import titled
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import limits_of

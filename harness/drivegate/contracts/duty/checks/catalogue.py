@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from drivegate.checks.check import Check
-from drivegate.checks.determinism import DET_1
-from drivegate.checks.timing import TIM_1
+from drivegate.checks.every_contract import DET_1, TIM_1
 from drivegate.contracts.duty.checks.accuracy import ACC_1
 from drivegate.contracts.duty.checks.commands import DUT_1
 from drivegate.contracts.duty.checks.current import EFF_1, MTP_1, OVC_1, OVC_2

@@ -7,8 +7,7 @@ from numpy.typing import NDArray
 
 from drivegate.candidates.declaration import Declaration
 from drivegate.checks.check import Check
-from drivegate.checks.margin import Margin, at_most
-from drivegate.checks.moment import Mark, Moment
+from drivegate.checks.margin import Margin, Mark, Moment, at_most
 from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.judged import duty_record
 from drivegate.contracts.duty.record import DutyRecord

@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.checks.check import Check
-from drivegate.checks.margin import Margin, at_most
-from drivegate.checks.moment import Mark, Moment
+from drivegate.checks.margin import Margin, Mark, Moment, at_most
 from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.judged import at, duty_record, plant_of, worst
 from drivegate.contracts.duty.checks.optimum import undistorted

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.checks.check import Check
-from drivegate.checks.margin import Margin, at_most, normalised
-from drivegate.checks.moment import Mark, Moment, Point
+from drivegate.checks.margin import Margin, Mark, Moment, Point, at_most, normalised
 from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.judged import duty_record
 from drivegate.contracts.duty.record import DutyRecord

@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.checks.check import Check
-from drivegate.checks.margin import Margin, at_most
-from drivegate.checks.moment import Mark, Moment, Point
+from drivegate.checks.margin import Margin, Mark, Moment, Point, at_most
 from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.judged import duty_record, is_within_reach, plant_of
 from drivegate.contracts.duty.checks.optimum import least_free, undistorted

@@ -10,8 +10,7 @@ import numpy as np
 
 from drivegate.candidates.declaration import Declaration
 from drivegate.checks.check import Check
-from drivegate.checks.margin import Margin, at_most, normalised
-from drivegate.checks.moment import Mark, Moment, Point
+from drivegate.checks.margin import Margin, Mark, Moment, Point, at_most, normalised
 from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.current import FREE_SHARE
 from drivegate.contracts.duty.checks.judged import (

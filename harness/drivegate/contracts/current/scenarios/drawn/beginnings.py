@@ -16,8 +16,7 @@ from drivegate.scenarios.changes import (
     with_dropout,
     with_restarts,
 )
-from drivegate.scenarios.drive_scale import scale_of, tidy
-from drivegate.scenarios.speed_range import SpeedRange
+from drivegate.scenarios.drive_scale import SpeedRange, scale_of, tidy
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.scenario import Scenario
 

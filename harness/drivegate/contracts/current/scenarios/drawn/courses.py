@@ -10,8 +10,7 @@ from drivegate.contracts.current.scenarios.building import TORQUE_DIGITS, coming
 from drivegate.contracts.current.scenarios.drawn.steps import LOAD_STEP, change_times, loaded_speeds, shares
 from drivegate.contracts.current.scenarios.feasibility import COASTING_SHARE
 from drivegate.scenarios.changes import pulsed, repeated, stepped, with_load_factor, with_speed
-from drivegate.scenarios.drive_scale import DriveScale, scale_of, tidy
-from drivegate.scenarios.speed_range import SpeedRange
+from drivegate.scenarios.drive_scale import DriveScale, SpeedRange, scale_of, tidy
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import rounded
 from drivegate_cases.scenario.load import ConstantTorqueLoad

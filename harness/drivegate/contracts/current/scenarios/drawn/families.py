@@ -34,8 +34,7 @@ from drivegate.contracts.current.scenarios.drawn.steps import (
 )
 from drivegate.contracts.current.scenarios.feasibility import coasted_rate
 from drivegate.scenarios.drawn_range import LIGHTEST_SHARE, NONE, DrawnRange, Interval
-from drivegate.scenarios.drive_scale import scale_of, tidy
-from drivegate.scenarios.speed_range import SpeedRange
+from drivegate.scenarios.drive_scale import SpeedRange, scale_of, tidy
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.scenario import Scenario
 

@@ -10,8 +10,7 @@ import math
 from hypothesis import strategies as st
 
 from drivegate.contracts.current.scenarios.building import steady_scenario
-from drivegate.scenarios.drive_scale import scale_of, tidy
-from drivegate.scenarios.speed_range import SpeedRange, loaded_range
+from drivegate.scenarios.drive_scale import SpeedRange, loaded_range, scale_of, tidy
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.scenario import Scenario
 

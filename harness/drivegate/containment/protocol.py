@@ -1,19 +1,35 @@
-"""The one form in which a candidate's process answers: a few numbers and, for a fault, bounded text.
+"""What a judge orders a candidate's process to do, and the one form in which that process replies.
 
-It is written in a process that runs the candidate's code, so whatever stands in it is checked, and none of it is an
-object: no pickle is ever read from there.
+Orders go from the harness to the candidate, never the other way: what comes back is a `Reply` and commands.
+None of them holds a scenario, a seed, or a limit that is judged.
+
+A reply is written in a process that runs the candidate's code, so all of it is checked, and none of it is an object:
+no pickle is ever read from there.
 """
 
 import json
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from struct import Struct
 from struct import error as StructError
-from typing import Any, Final, cast, get_args
+from typing import Any, Final, TypeAlias, cast, get_args
 
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault, FaultKind, Phase, bounded_line, bounded_text
-from drivegate.containment.orders import WORD
+from drivegate_models.contract.current.records import COMMAND
+from drivegate_models.contract.current.signals import Nameplate
+from drivegate_models.contract.duty.signals import DutyNameplate
+from drivegate_models.contract.layout import LAYOUTS
 
+PACKET: Final = Struct("=8sqq")
+"""A word that says whose it is, the number of bytes of the order, which lies in the shared memory, and that of the
+memory itself. A memory that is new is included as a file descriptor."""
+WORD: Final = b"drivegat"
+"""First bytes of every packet, either way."""
 LONGEST_REPLY: Final = 2**17
 """Bytes of a reply at most."""
 CHECK_BYTES: Final = 16
@@ -21,6 +37,67 @@ CHECK_BYTES: Final = 16
 
 _HEADER = Struct(f"=8sqqqqqq{CHECK_BYTES}s")
 _FIELDS = ("kind", "message", "phase", "error", "traceback", "step")
+
+
+@dataclass(frozen=True)
+class Setup:
+    """Take a candidate in hand, without running any of its code."""
+
+    candidate: Candidate
+    """What it is."""
+    memory_limit: int
+    """Bytes that the process may allocate beyond what it has at its start."""
+
+
+@dataclass(frozen=True)
+class MakeInstance:
+    """Make a new instance of the candidate, and let go of the one before."""
+
+
+@dataclass(frozen=True)
+class Reset:
+    """Reset the instance."""
+
+    nameplate: Nameplate | DutyNameplate
+    """What it gets."""
+
+
+@dataclass(frozen=True)
+class CloseLoop:
+    """Close the loop between the instance and a plant, and keep the commands."""
+
+    prepare: Callable[..., Any]
+    """A module's function that makes the run ready, `drivegate_models.loop.closed_loop.prepared_loop` of a
+    drive or `drivegate_models.pm_ac.closed_loop.prepared_duty_loop`."""
+    plant: tuple[Any, ...]
+    """Its arguments: constants of the drive, load and schedule."""
+    options: Mapping[str, Any]
+    """Its further arguments."""
+    restart_steps: Sequence[int] = ()
+    """Steps before which the instance is reset, in the process that has it."""
+    commands: np.dtype[Any] = COMMAND
+    """Layout of the commands that are kept."""
+
+
+@dataclass(frozen=True)
+class GiveSenses:
+    """Step the instance through given Senses, which follow on those given since the reset, and keep the commands."""
+
+    senses: NDArray[Any]
+    """One for each step, as records of the contract, shape (n,)."""
+    currents: NDArray[np.float64]
+    """Their phase currents (A), shape (n, m)."""
+
+    @property
+    def commands(self) -> np.dtype[Any]:
+        """Layout of the commands that are kept."""
+        return LAYOUTS[self.senses.dtype].command
+
+
+RunOrder: TypeAlias = CloseLoop | GiveSenses
+"""What is answered with commands."""
+
+Order: TypeAlias = Setup | MakeInstance | Reset | RunOrder
 
 
 class UnreadableReply(Exception):
