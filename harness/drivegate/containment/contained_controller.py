@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.candidates.compiled_controller import CompiledController
+from drivegate.candidates.controller import CompiledController
 from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.containment.candidate_process import Answered, CandidateProcess
 from drivegate.containment.protocol import CloseLoop, GiveSenses, Reset

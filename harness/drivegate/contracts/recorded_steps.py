@@ -6,8 +6,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from drivegate.candidates.compiled_controller import CompiledController
-from drivegate.candidates.controller import Controller
+from drivegate.candidates.controller import CompiledController, Controller
 from drivegate.candidates.fault import Fault
 from drivegate_models.loop.step_recording import recorder_of, recording_step
 

@@ -4,8 +4,8 @@ from collections.abc import Callable
 from typing import Any
 
 from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS, DutyFault
-from drivegate.candidates.compiled_controller import CompiledController
 from drivegate.candidates.contract import require_nameplate_of
+from drivegate.candidates.controller import CompiledController
 from drivegate.candidates.kinds import FAULTY_PREFIX
 from drivegate_models.contract.duty.records import duty_nameplate_record
 from drivegate_models.contract.duty.signals import CURRENT_REFERENCE, DutyNameplate

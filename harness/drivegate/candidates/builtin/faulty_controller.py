@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from drivegate.candidates.builtin.faults.catalogue import MUTATIONS
 from drivegate.candidates.builtin.faults.mutation import Mutation, number_on
 from drivegate.candidates.builtin.faults.oracle_sizes import nominal_table
-from drivegate.candidates.builtin.near import NEAR_DESIGNS
-from drivegate.candidates.compiled_controller import CompiledController
+from drivegate.candidates.builtin.faults.tolerances import NEAR_DESIGNS
+from drivegate.candidates.controller import CompiledController
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.contract.current.records import nameplate_record
 from drivegate_models.contract.current.signals import Nameplate

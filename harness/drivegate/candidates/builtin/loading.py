@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from drivegate.candidates.candidate import Candidate
-from drivegate.candidates.compiled_controller import CompiledController
-from drivegate.candidates.controller import Controller
+from drivegate.candidates.controller import CompiledController, Controller
 from drivegate.candidates.kinds import DESIGN_PREFIX, FAULTY_PREFIX, NEAR_PREFIX
 from drivegate_models.contract.current.records import nameplate_record
 from drivegate_models.contract.current.signals import Nameplate

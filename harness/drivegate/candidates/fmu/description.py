@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import Any, Final, NamedTuple
 from xml.parsers import expat
 
-from drivegate.candidates.fmu.ports import Ports
-from drivegate.candidates.fmu.variables import REAL, Connections, Mismatch, Variable, connections_of
+from drivegate.candidates.fmu.variables import REAL, Connections, Mismatch, Ports, Variable, connections_of
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_models.errors import InputError
 

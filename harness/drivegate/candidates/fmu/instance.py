@@ -19,8 +19,7 @@ from typing import Any, ClassVar, Final, TypeAlias
 from drivegate.candidates.contract import AnyNameplate
 from drivegate.candidates.fmu.description import FmuDescription
 from drivegate.candidates.fmu.log import callbacks_2, forget_messages, log_3, with_messages
-from drivegate.candidates.fmu.ports import PORTS
-from drivegate.candidates.fmu.variables import Connections
+from drivegate.candidates.fmu.variables import PORTS, Connections
 from drivegate_models.contract.current.signals import Command
 from drivegate_models.contract.duty.signals import DutyCommand
 

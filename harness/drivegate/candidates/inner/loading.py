@@ -8,9 +8,8 @@ from __future__ import annotations
 from typing import Final
 
 from drivegate.candidates.candidate import Candidate, OuterLoop
-from drivegate.candidates.compiled_controller import CompiledController
 from drivegate.candidates.contract import AnyNameplate, require_nameplate_of
-from drivegate.candidates.controller import Controller
+from drivegate.candidates.controller import CompiledController, Controller
 from drivegate.candidates.fault import Fault
 from drivegate.candidates.kinds import KINDS
 from drivegate_models.contract.duty.records import duty_nameplate_record

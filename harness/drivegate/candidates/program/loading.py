@@ -1,15 +1,22 @@
-"""Loading a candidate that is a program: starting it and shaking hands; each instance is a process of its own."""
+"""Loading a candidate that is a program: each instance is a process, with one line to it and one line back."""
 
+import os
+import select
+import signal
+import subprocess
+import time
+import weakref
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Final, TypeVar
 
 from drivegate.candidates.candidate import Candidate, Program
 from drivegate.candidates.contract import AnyNameplate
-from drivegate.candidates.fault import CandidateFault, Fault, FaultKind, Phase, bounded_line
-from drivegate.candidates.program.process import LateAnswer, ProgramEnded, ProgramProcess
+from drivegate.candidates.fault import CandidateFault, Fault, FaultKind, Phase, bounded_line, ending_in_words
 from drivegate.candidates.program.protocol import (
     HELLO,
+    LONGEST_LINE,
     WrongAnswer,
     check_hello,
     check_ready,
@@ -20,15 +27,140 @@ from drivegate.candidates.program.protocol import (
     sense_message,
 )
 from drivegate.candidates.python.bridge import PythonController
-from drivegate_cases.documents.wording import one_line
+from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_models.contract.current.signals import Command, Sense
 from drivegate_models.contract.duty.signals import DutyCommand, DutySense
-from drivegate_models.errors import HarnessFault
+from drivegate_models.errors import HarnessFault, InputError
 
+_PATIENCE = 0.25
+# After a line too many each answer is that of the request before, and may come after every look that does not wait.
+_LOOKS_EVERY = 4096
+_LOOKS_MS = 20.0
 START_DEADLINE: Final = 30.0
 """Time that a program has for its first answer, and for each reset (s)."""
 
 _Answer = TypeVar("_Answer")
+
+
+class LateAnswer(Exception):
+    """There was no answer in time; its text is a sentence."""
+
+
+class ProgramEnded(Exception):
+    """The program has ended by itself."""
+
+    def __init__(self, sentence: str, signal_name: str) -> None:
+        super().__init__(sentence)
+        self.signal_name = signal_name
+
+
+class ProgramProcess:
+    """A program that has been started, in a process group of its own; it ends with this object.
+
+    Its standard error is that of this process. It inherits no other descriptor.
+    """
+
+    def __init__(self, program: Program, folder: Path) -> None:
+        try:
+            process = subprocess.Popen(
+                program.arguments,
+                executable=program.executable,
+                cwd=folder,
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                bufsize=0,
+                process_group=0,
+            )
+        except OSError as error:
+            raise InputError(
+                f"the program {shown_path(program.executable)} cannot be started: {error.strerror}; "
+                "it must be executable, and a script must begin with #! and its interpreter"
+            ) from error
+        assert process.stdin is not None
+        assert process.stdout is not None
+        self._process = process
+        self._to, self._from = process.stdin.fileno(), process.stdout.fileno()
+        os.set_blocking(self._to, False)
+        os.set_blocking(self._from, False)
+        self._requests = 0
+        self._news = select.poll()
+        self._news.register(self._from, select.POLLIN)
+        self.end = weakref.finalize(self, _end, os.getpid(), process)
+
+    def request(self, message: bytes, deadline: float) -> bytes:
+        """Send one line and wait for the line that answers it."""
+        if self._news.poll(_LOOKS_MS if self._looks_longer() else 0.0):
+            self._refuse_unasked()
+        try:
+            sent = os.write(self._to, message)
+        except BrokenPipeError:
+            self._raise_ended("closed its standard input", b"")
+        except BlockingIOError:
+            sent = 0
+        if sent < len(message):
+            raise WrongAnswer("the program does not read its standard input")
+        until = time.monotonic() + deadline
+        answer = self._block(deadline, b"", deadline)
+        while answer[-1:] != b"\n":
+            answer += self._block(until - time.monotonic(), answer, deadline)
+        if answer.find(b"\n") != len(answer) - 1:
+            raise WrongAnswer("the program answered with more than one line")
+        return answer
+
+    def _block(self, patience: float, before: bytes, deadline: float) -> bytes:
+        if patience <= 0 or not self._news.poll(1000.0 * patience):
+            if self._process.poll() is not None:
+                # Another process keeps its standard output open.
+                self._raise_ended("", before)
+            raise LateAnswer(_lateness(before, deadline))
+        block = os.read(self._from, LONGEST_LINE)
+        if not block:
+            self._raise_ended("closed its standard output", before)
+        if len(before) + len(block) > LONGEST_LINE or (
+            b"\n" not in block and len(before) + len(block) == LONGEST_LINE
+        ):
+            raise WrongAnswer(f"the answer is longer than {LONGEST_LINE} bytes")
+        return block
+
+    def _looks_longer(self) -> bool:
+        """Count a request, and return whether to wait before it: often at first, then now and then."""
+        number = self._requests
+        self._requests += 1
+        return number > 0 and (number & (number - 1) == 0 or number % _LOOKS_EVERY == 0)
+
+    def _refuse_unasked(self) -> None:
+        if not os.read(self._from, 1):
+            self._raise_ended("closed its standard output", b"")
+        raise WrongAnswer("the program wrote a line that was not requested")
+
+    def _raise_ended(self, otherwise: str, before: bytes) -> None:
+        """State how the program ended; one that only closed its streams goes on for some time, or for ever."""
+        where = " in the middle of a line" if before else ""
+        try:
+            status = self._process.wait(_PATIENCE)
+        except subprocess.TimeoutExpired:
+            raise WrongAnswer(f"the program {otherwise}{where}") from None
+        predicate, signal_name = ending_in_words(status)
+        raise ProgramEnded(f"the program {predicate}{where}", signal_name)
+
+
+def _lateness(before: bytes, deadline: float) -> str:
+    what = "the program wrote only a part of a line" if before else "the program gave no answer"
+    return f"{what} within {deadline:g} s"
+
+
+def _end(owner: int, process: "subprocess.Popen[bytes]") -> None:
+    """Let the program see the end of its input, then kill it and its process group."""
+    if os.getpid() != owner:
+        return
+    for stream in (process.stdin, process.stdout):
+        if stream is not None:
+            stream.close()
+    with suppress(subprocess.TimeoutExpired):
+        process.wait(_PATIENCE)
+    with suppress(ProcessLookupError, PermissionError):
+        os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
 
 
 def load_controller(candidate: Candidate) -> PythonController:

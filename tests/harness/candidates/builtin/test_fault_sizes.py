@@ -7,8 +7,8 @@ import pytest
 from drivegate.candidates.builtin.faults import oracle_sizes, sizes
 from drivegate.candidates.builtin.faults.catalogue import MUTATIONS
 from drivegate.candidates.builtin.faults.mutation import Mutation, idle_on, number_on, text_on
+from drivegate.candidates.builtin.faults.tolerances import NEAR_DESIGNS
 from drivegate.candidates.builtin.faulty_controller import FaultyController
-from drivegate.candidates.builtin.near import NEAR_DESIGNS
 from drivegate.scenarios.drive_scale import scale_of
 from drivegate_cases.drive.advance import advance_line
 from drivegate_cases.drive.drive_document import PM_AC, DriveDocument, drive_names, load_drive

@@ -8,9 +8,9 @@ import pytest
 
 from drivegate.candidates.builtin.faults.catalogue import MUTATIONS
 from drivegate.candidates.builtin.faults.mutation import Mutation
+from drivegate.candidates.builtin.faults.tolerances import NEAR_DESIGNS
 from drivegate.candidates.builtin.faulty_controller import FaultyController
 from drivegate.candidates.builtin.loading import BuiltinController
-from drivegate.candidates.builtin.near import NEAR_DESIGNS
 from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.margin import Margin

@@ -12,10 +12,9 @@ import numpy as np
 import pytest
 
 from drivegate.candidates.fault import CandidateFault, FaultKind
-from drivegate.candidates.fmu.archive import unpack
 from drivegate.candidates.fmu.instance import FmuError
-from drivegate.candidates.fmu.loading import _unpacked
-from drivegate.candidates.fmu.ports import CURRENT, DUTY
+from drivegate.candidates.fmu.loading import _unpacked, unpack
+from drivegate.candidates.fmu.variables import CURRENT, DUTY
 from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import Judge

@@ -13,7 +13,7 @@ import pytest
 
 from drivegate.candidates.candidate import Program
 from drivegate.candidates.kinds import load_controller
-from drivegate.candidates.program.process import ProgramProcess
+from drivegate.candidates.program.loading import ProgramProcess
 from drivegate.candidates.program.protocol import (
     HELLO,
     LONGEST_LINE,

@@ -1,1 +1,1 @@
-"""The faulty controllers, a module for each kind of fault."""
+"""The faulty controllers, a module for each family of fault."""

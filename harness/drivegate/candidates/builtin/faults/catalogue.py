@@ -7,18 +7,12 @@ from types import MappingProxyType
 from typing import Final, TypeVar
 
 from drivegate.candidates.builtin.faults import (
-    angle_models,
     clocks,
     commands,
-    control_period,
-    derating,
-    filters,
-    flowchart,
     instances,
-    power_estimate,
+    measurements,
     regions,
     regulation,
-    samples,
     searches,
     tolerances,
 )
@@ -29,20 +23,20 @@ from drivegate_models.errors import InputError
 FaultT = TypeVar("FaultT")
 
 _KINDS: Final = (
-    power_estimate.FAULTS,
-    commands.FAULTS,
-    angle_models.FAULTS,
-    searches.FAULTS,
+    measurements.POWER_ESTIMATE_FAULTS,
+    commands.COMMAND_FAULTS,
+    searches.ANGLE_MODEL_FAULTS,
+    searches.SEARCH_FAULTS,
     regulation.FAULTS,
-    clocks.FAULTS,
-    control_period.FAULTS,
-    filters.FAULTS,
-    derating.FAULTS,
+    clocks.CLOCK_FAULTS,
+    clocks.CONTROL_PERIOD_FAULTS,
+    measurements.FILTER_FAULTS,
+    commands.DERATING_FAULTS,
     regions.FAULTS,
-    samples.FAULTS,
+    measurements.SAMPLE_FAULTS,
     instances.FAULTS,
     tolerances.FAULTS,
-    flowchart.FAULTS,
+    searches.FLOWCHART_FAULTS,
 )
 
 MUTATIONS: Final = MappingProxyType({mutation.name: mutation for kind in _KINDS for mutation in kind})

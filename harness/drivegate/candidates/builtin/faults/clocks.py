@@ -1,4 +1,4 @@
-"""Faults of clocks, counters and whole numbers."""
+"""Faults of clocks, counters and whole numbers, and of the control period."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _MILLIAMPERES: Final = sizes.Size(
 )
 _SUM_OF_24_BITS: Final = sizes.Size(lambda drive: 2.0**24 * _MILLIAMPERES.of(drive) / 1000.0, "A")
 
-FAULTS: Final = of_kind(
+CLOCK_FAULTS: Final = of_kind(
     "Clocks and whole numbers",
     Mutation(
         "tick-counter-overflows",
@@ -107,6 +107,48 @@ FAULTS: Final = of_kind(
         fault=faults.REARMS_COUNTED,
         size=20.0,
         shown_by="twenty disturbances in a row",
+    ),
+)
+"""Those of this kind."""
+CONTROL_PERIOD_FAULTS: Final = of_kind(
+    "Control period",
+    Mutation(
+        "period-taken-for-100-microseconds",
+        "Takes the control period for 100 µs, whatever the nameplate says.",
+        "CNV-1",
+        believes=(("control_period", 100e-6),),
+    ),
+    Mutation(
+        "period-taken-for-1-millisecond",
+        "Takes the control period for 1 ms, whatever the nameplate says: at 50 µs it decides every 5 ms.",
+        "CNV-2",
+        believes=(("control_period", 1e-3),),
+        shown_by="a control period of 100 µs or less",
+    ),
+    Mutation(
+        "derivative-of-50-microseconds",
+        "Takes the change of the speed in a step for that in 50 µs, and so damps ten times too much at 500 µs.",
+        "CNV-1",
+        fault=faults.DIFFERENTIATED,
+        size=50e-6,
+        extent=sizes.share(1.0, sizes.INERTIA_CURRENT, digits=2),
+    ),
+    Mutation(
+        "slewed-by-the-step",
+        "Moves the current reference by {size} a step at most, ten times as fast at 50 µs as at 500 µs.",
+        "CNV-1",
+        fault=faults.SLEWED,
+        size=sizes.Size(
+            lambda drive: significant(0.000192 * sizes.CURRENT_LIMIT.of(drive) * sizes.PACE.of(drive), 2),
+            "A",
+        ),
+    ),
+    Mutation(
+        "slow-step",
+        "Divides 15,000 times in vain in every step.",
+        "TIM-1",
+        fault=faults.SLOW,
+        size=15_000.0,
     ),
 )
 """Those of this kind."""

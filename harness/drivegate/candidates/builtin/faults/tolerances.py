@@ -1,7 +1,11 @@
-"""Faults just beyond a tolerance; `near` has their counterparts just within it."""
+"""Faults just beyond a tolerance, and correct controllers just within one, which no check may accuse.
+
+Each correct controller is the reference with one alteration, made as those of the faulty controllers are.
+"""
 
 from __future__ import annotations
 
+from types import MappingProxyType
 from typing import Final
 
 from drivegate.candidates.builtin.faults import oracle_sizes, sizes
@@ -63,3 +67,55 @@ FAULTS: Final = of_kind(
     ),
 )
 """Those of this kind."""
+
+
+def _above_base(part: float) -> sizes.Size:
+    """Make a speed by its share of the range from base speed to the highest."""
+    return sizes.Size(
+        lambda drive: sizes.BASE.of(drive) + part * (sizes.HIGHEST.of(drive) - sizes.BASE.of(drive)), "rpm"
+    )
+
+
+_BEGINS: Final = _above_base(0.04)
+_ABOVE_BASE: Final = _above_base(0.05)
+
+_ALL: Final = of_kind(
+    "Near a limit",
+    Mutation(
+        "speed-offset",
+        "Keeps the speed {size} too high, where k1 is {k1}.",
+        fault=faults.SPEED_BIASED,
+        size=sizes.share(0.8, sizes.K1),
+    ),
+    Mutation(
+        "beside-the-optimum",
+        "Rests {size} above the angle that it has found.",
+        fault=faults.RESTS_BESIDE,
+        size=oracle_sizes.NEAR_OPTIMUM,
+    ),
+    Mutation(
+        "power-almost-a-billionth-off",
+        "Estimates an input power that is 0.92e-9 too high, where 1e-9 is allowed.",
+        fault=faults.ESTIMATE_SCALED,
+        size=1.0 + 0.92e-9,
+    ),
+    Mutation(
+        "advances-from-540-rpm",
+        "Begins the advance at {begins}, where rated power is required from about {required}.",
+        constants=(("advance_begins", _BEGINS),),
+        numbers=(("begins", _BEGINS), ("required", _ABOVE_BASE)),
+    ),
+    Mutation(
+        "gain-doubled",
+        "Has twice the gain in its speed regulator, and so twice the answer to the noise of the measured speed.",
+        factors=(("proportional", 2.0), ("integral_step", 2.0)),
+    ),
+    Mutation(
+        "stops-early",
+        "Takes k2 six times too large, and rests where the optimum is near.",
+        factors=(("power_tolerance", 6.0),),
+    ),
+)
+
+NEAR_DESIGNS: Final = MappingProxyType({mutation.name: mutation for mutation in _ALL})
+"""Every one of them by its name."""
