@@ -13,7 +13,7 @@ from drivegate.candidates.declaration import Declaration, FlowchartProfile
 from drivegate.candidates.kinds import KINDS
 from drivegate_cases.documents.document import Document, Section
 from drivegate_cases.documents.wording import one_line, shown_path
-from drivegate_cases.drive.drive_reference import DriveReference
+from drivegate_cases.drive.drive_document import DriveReference
 from drivegate_cases.drive.pm_ac.inverter import MOST_CARRIERS
 from drivegate_cases.scenario.failure_kind import FailureKind
 from drivegate_cases.scenario.reference import FollowedReference

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.contract import Columns, RecordedTrace
 from drivegate_cases.documents.document import parse_document
-from drivegate_cases.documents.rounding import significant
+from drivegate_cases.documents.wording import significant
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import InputError
 

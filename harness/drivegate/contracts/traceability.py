@@ -8,7 +8,7 @@ from typing import Any, Final
 from drivegate.checks.check import Check
 from drivegate.contracts.catalogue import CONTRACTS, check_of, contract_of, on_drive
 from drivegate_cases.drive.drive_document import DriveDocument
-from drivegate_cases.publication.facts import Fact, facts
+from drivegate_cases.publication import Fact, facts
 
 FIXED: Final = "fixed"
 """Name of the scenarios that are run first, whatever the seed; they exercise all checks but those of `SPECIAL`."""

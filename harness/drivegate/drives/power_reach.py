@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from drivegate.drives.constant_power import last_met
 from drivegate.drives.kinds import FloatArray
-from drivegate_cases.documents.rounding import rounded_to_digits
+from drivegate_cases.documents.wording import rounded_to_digits
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.errors import InputError
 from drivegate_models.units import RADIANS_PER_RPM

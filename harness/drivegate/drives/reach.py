@@ -10,7 +10,7 @@ from drivegate.drives.abilities import ability_of
 from drivegate.drives.kinds import DEFAULT_DRIVE
 from drivegate.drives.power_reach import UnreachableRating, setting_words, unreachable_power
 from drivegate.drives.required_ripple import UnreachableRipple
-from drivegate_cases.documents.rounding import rounded_to_digits
+from drivegate_cases.documents.wording import rounded_to_digits
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_models.errors import InputError
 

@@ -9,7 +9,7 @@ from typing import Final
 
 from drivegate.drives.power_reach import setting_words
 from drivegate.drives.rating import RatedDrive
-from drivegate_cases.documents.rounding import rounded_to_digits
+from drivegate_cases.documents.wording import rounded_to_digits
 from drivegate_cases.drive.limits import POINT_POWER_SHARE
 from drivegate_models.units import RADIANS_PER_RPM
 

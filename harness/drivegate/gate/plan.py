@@ -25,7 +25,7 @@ from drivegate.gate.shard import DrawnRuns, FixedRuns, JointRuns, run_drawn, run
 from drivegate.results.baseline import Baseline, scenario_key
 from drivegate.results.counterexample import Counterexample
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
-from drivegate_cases.drive.scales import NOMINAL
+from drivegate_cases.drive.plant import NOMINAL
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.script import Script
 

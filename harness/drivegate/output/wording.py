@@ -10,7 +10,7 @@ from typing import Any, Final
 from drivegate.checks.margin import margin_in_words
 from drivegate.scenarios.title import stated_supply
 from drivegate_cases.documents.wording import counted
-from drivegate_cases.drive.scales import FACTOR_SYMBOLS
+from drivegate_cases.drive.plant import FACTOR_SYMBOLS
 
 _INCOMPLETE: Final = MappingProxyType(
     {"interrupted": "incomplete, interrupted after ", "max time": "incomplete, --max-time reached after "}

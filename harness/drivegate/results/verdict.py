@@ -19,8 +19,7 @@ from drivegate.results.result import (
     CheckOutcome,
     counted_levels,
 )
-from drivegate_cases.documents.rounding import significant
-from drivegate_cases.documents.wording import counted
+from drivegate_cases.documents.wording import counted, significant
 from drivegate_cases.drive.drive_document import DriveDocument
 
 _NAMED: Final = 4

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 from drivegate.scenarios.drive_scale import rated_torque_at
-from drivegate_cases.drive.scales import NOMINAL
+from drivegate_cases.drive.plant import NOMINAL
 from drivegate_cases.scenario.load import DynamometerLoad, LockedLoad
 from drivegate_cases.scenario.piecewise import Profile, breakpoints, value_from, value_until
 from drivegate_cases.scenario.scenario import Scenario

@@ -10,7 +10,7 @@ from functools import lru_cache
 from typing import Any, Final, TypeAlias
 
 from drivegate_cases.documents.document import parse_document
-from drivegate_cases.documents.rounding import significant
+from drivegate_cases.documents.wording import significant
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import mechanical_time, nearest_step, settling_of, time_unit
 from drivegate_models.errors import InputError

@@ -11,7 +11,7 @@ from drivegate.scenarios.title import stated_supply
 from drivegate_cases.documents.wording import figure
 from drivegate_cases.drive.drive_document import PM_AC
 from drivegate_cases.drive.limits import rounded
-from drivegate_cases.drive.scales import FACTOR_SYMBOLS, NOMINAL
+from drivegate_cases.drive.plant import FACTOR_SYMBOLS, NOMINAL
 from drivegate_cases.scenario.failure import PHASED
 from drivegate_cases.scenario.scenario import LONGEST_CONTROL_PERIOD_S, Scenario
 from drivegate_models.units import RADIANS_PER_RPM

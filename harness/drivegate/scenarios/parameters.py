@@ -6,10 +6,10 @@ from typing import Final
 
 from drivegate_cases.drive.advance import Advance
 from drivegate_cases.drive.drive_document import TABLE_KEYS
+from drivegate_cases.drive.plant import Scales
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.requirements import PmAcRequirements
 from drivegate_cases.drive.requirements import Requirements
-from drivegate_cases.drive.scales import Scales
 
 SCALES: Final = tuple(Scales.model_fields)
 """Parameters of the plant that its controller does not know."""

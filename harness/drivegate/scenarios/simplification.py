@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, Final, TypeAlias
 
 from drivegate.scenarios.facts import COURSES, facts_of
-from drivegate_cases.drive.scales import NOMINAL
+from drivegate_cases.drive.plant import NOMINAL
 from drivegate_cases.scenario.control_periods import on_whole_periods
 from drivegate_cases.scenario.profile import dwell_torque, dwells
 from drivegate_cases.scenario.scenario import LONGEST_CONTROL_PERIOD_S, Scenario

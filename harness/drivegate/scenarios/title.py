@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from drivegate_cases.documents.wording import figure
 from drivegate_cases.drive.drive_document import SPLIT_SUPPLY
-from drivegate_cases.drive.scales import FACTOR_SYMBOLS
+from drivegate_cases.drive.plant import FACTOR_SYMBOLS
 from drivegate_cases.scenario.disturbance import Dropout
 from drivegate_cases.scenario.failure import PHASED
 from drivegate_cases.scenario.load import (

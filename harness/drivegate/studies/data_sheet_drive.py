@@ -12,7 +12,7 @@ from typing import Any, Final
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.documents.wording import one_line
 from drivegate_cases.drive.drive_document import PM_AC, DriveDocument
-from drivegate_cases.drive.pm_ac.flux_constant import FLUX_CONSTANTS
+from drivegate_cases.drive.pm_ac.usual_values import FLUX_CONSTANTS
 from drivegate_models.errors import InputError
 
 _NUMBER: Final = re.compile(r"(?P<number>\d+\.?\d*(e[+-]?\d+)?|\.\d+)(/(?P<second>\d+\.?\d*))?(?P<unit>.*)")

@@ -9,7 +9,7 @@ from math import isfinite, nan
 from pathlib import Path
 from typing import Final
 
-from drivegate_cases.documents.file_bytes import file_bytes
+from drivegate_cases.documents.reading import file_bytes
 from drivegate_cases.documents.wording import nearest, one_line, shown, shown_path, with_point
 from drivegate_models.errors import InputError
 

@@ -1,18 +1,23 @@
-"""From the bytes of a TOML or JSON file to plain data, with one sentence for each way to fail."""
+"""From a TOML or JSON file, or from KEY=VALUE pairs, to plain data, with one sentence for each way to fail."""
 
 import json
 import re
 import tomllib
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 from typing import Any, Final, NoReturn
 
-from drivegate_cases.documents.extent import DEEPEST, TOO_DEEP, excess_of
-from drivegate_cases.documents.file_bytes import file_bytes
-from drivegate_cases.documents.wording import one_line, shown, shown_path, with_point
+from drivegate_cases.documents.wording import nearest, one_line, short_line, shown, shown_path, with_point
 from drivegate_models.errors import InputError
 
+DEEPEST: Final = 32
+"""Most levels of tables and lists, several times what any document has."""
+MOST_KEYS: Final = 200_000
+"""Most keys in all tables of a document."""
+MOST_ENTRIES: Final = 1_000_000
+"""Most entries in all lists of a document."""
+TOO_DEEP: Final = f"is nested too deeply; a document has at most {DEEPEST} levels of tables and lists"
 LARGEST_FILE_BYTES: Final = 16 * 1024 * 1024
 LARGEST_TOML_BYTES: Final = 4 * 1024 * 1024
 """Less than of JSON, which programs write: TOML is written by people, and slow to read."""
@@ -21,6 +26,53 @@ SUFFIXES: Final = (".toml", ".json")
 _PART: Final = r"(?:(?<![\w-])[\w-]++|\"[^\"\n]*+\"|'[^'\n]*+')[ \t]*+"
 _LONG_KEY: Final = re.compile(rf"(?:{_PART}\.[ \t]*+){{{DEEPEST}}}")
 _VALUE: Final = re.compile(r"[=:]\s*([+-]?\d[\d.,eE+-]{0,40})\s*(?:[#}]|$)")
+
+
+def excess_of(value: object) -> str | None:
+    """Return what is too much in a document, in words that follow its name; None for one of a usual extent."""
+    level: list[dict[object, object] | list[object]] = [value] if isinstance(value, (dict, list)) else []
+    keys = entries = 0
+    for _ in range(DEEPEST):
+        keys += sum(len(table) for table in level if isinstance(table, dict))
+        entries += sum(len(listed) for listed in level if isinstance(listed, list))
+        if keys > MOST_KEYS:
+            return f"has more than {MOST_KEYS} keys, the most that a document may have"
+        if entries > MOST_ENTRIES:
+            return f"has more than {MOST_ENTRIES} entries in its lists, the most that a document may have"
+        level = [
+            item
+            for outer in level
+            for item in (outer.values() if isinstance(outer, dict) else outer)
+            if isinstance(item, (dict, list))
+        ]
+        if not level:
+            return None
+    return TOO_DEEP
+
+
+def file_bytes(path: str | Path, kind: str, *, most: int, limit: str, having: str = "") -> bytes:
+    """Read a whole file of at most `most` bytes.
+
+    `kind`, `having` and `limit` are words for the `InputError` that anything else raises: what such a file is, what it
+    has, and what the limit is.
+    """
+    where = shown_path(path)
+    try:
+        place = Path(path)
+        if place.is_dir():
+            raise InputError(f"{where} is a folder, but must be a {kind}{having}")
+        if place.exists() and not place.is_file():
+            raise InputError(f"{where} is not a regular file, but must be a {kind}{having}")
+        with place.open("rb") as stream:
+            data = stream.read(most + 1)
+    except FileNotFoundError as error:
+        raise InputError(f"{where} does not exist; name an existing {kind}") from error
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(f"{where} cannot be read: {one_line(reason)}; name a readable {kind}") from error
+    if len(data) > most:
+        raise InputError(f"{where} is larger than {most // 1024**2} MB, {limit}")
+    return data
 
 
 def read_mapping(path: str | Path) -> dict[str, Any]:
@@ -124,3 +176,33 @@ def _table_at_top(value: Any, where: str) -> dict[str, Any]:
     if not isinstance(value, dict):
         raise InputError(f"{where} holds {shown(value)} at its top, but must hold a table of keys and values")
     return value
+
+
+def parse_overrides(pairs: Sequence[str], known: Collection[str]) -> dict[str, Any]:
+    """Read pairs of key and value."""
+    values: dict[str, Any] = {}
+    for pair in pairs:
+        key, equals, text = (part.strip() for part in pair.partition("="))
+        if not equals or not key or not text:
+            raise InputError(f"--set {shown(pair)} is not a setting, which is written KEY=VALUE")
+        if key not in known:
+            raise InputError(
+                f"--set {short_line(pair)}: the key '{short_line(key)}' is unknown, "
+                f"the nearest known key is '{nearest(key, known)}'"
+            )
+        values[key] = _override_value(text)
+        excess = excess_of(values[key])
+        if excess:
+            raise InputError(f"--set {key}: the value {excess}")
+    return values
+
+
+def _override_value(text: str) -> Any:
+    try:
+        return json.loads(text)
+    except (ValueError, RecursionError):
+        pass
+    try:
+        return float(text)
+    except ValueError:
+        return text

@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 from pydantic import Field, ValidationError
 
-from drivegate_cases.documents.rounding import rounded_to_digits
-from drivegate_cases.documents.wording import shown
+from drivegate_cases.documents.wording import rounded_to_digits, shown
 from drivegate_cases.drive.rating import FOLLOWING
 from drivegate_models.units import RADIANS_PER_RPM
 
 if TYPE_CHECKING:
-    from drivegate_cases.drive.drive_values import DriveValues
+    from drivegate_cases.drive.usual_values import DriveValues
 
 _Sentence = Annotated[str, Field(max_length=1000)]
 _COPIED: Final = re.compile(r"not stated; as in .*(, which has (?P<value>.*)| until it is changed)")

@@ -7,12 +7,12 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal, Self, get_args
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal, Self, TypeAlias, get_args
 
 from pydantic import Field, field_validator, model_validator
 
 from drivegate_cases.documents.document import Document, Section, parse_document
-from drivegate_cases.documents.overrides import parse_overrides
+from drivegate_cases.documents.reading import parse_overrides
 from drivegate_cases.documents.wording import nearest, shown
 from drivegate_cases.drive.advance import Advance, advance_line
 from drivegate_cases.drive.data_sheet import (
@@ -22,12 +22,9 @@ from drivegate_cases.drive.data_sheet import (
     completed,
     following,
 )
-from drivegate_cases.drive.inverter import Inverter
-from drivegate_cases.drive.machine import OF_SHAPE, Machine
-from drivegate_cases.drive.position import Position
+from drivegate_cases.drive.plant import NOMINAL, OF_SHAPE, Inverter, Machine, Scales
 from drivegate_cases.drive.rating import Rating
 from drivegate_cases.drive.requirements import NO_REQUIREMENTS, Requirements, check_points
-from drivegate_cases.drive.scales import NOMINAL, Scales
 from drivegate_models.units import RADIANS_PER_RPM
 
 if TYPE_CHECKING:
@@ -35,6 +32,8 @@ if TYPE_CHECKING:
     from drivegate_models.contract.current.signals import Nameplate
     from drivegate_models.steady.plant import AnyDrive
 
+Position: TypeAlias = Literal["exact", "encoder", "hall"]
+"""The plant's own angle without error, an encoder, or three Hall switches."""
 HIGHEST_CHOPPING_FREQUENCY_HZ = 10e6
 PM_AC: Final = "pm-ac"
 """Kind of drive that has a document of its own, `pm_ac.document.PmAcDocument`."""
@@ -336,7 +335,7 @@ class DriveDocument(Document):
 
     def plant(self, scales: Scales | None = None) -> AnyDrive:
         """Make the plant's parameters, in SI units."""
-        from drivegate_cases.drive.plant_constants import plant_constants
+        from drivegate_cases.drive.plant import plant_constants
 
         limit = self.rating.current_limit_a
         return plant_constants(self.kind, self.machine, self.inverter, limit, scales or NOMINAL)

@@ -1,16 +1,30 @@
-"""The drives of every kind: each is read as the document of its kind."""
+"""The drives of every kind, each read as the document of its kind, by its name, its file or inside another document."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, SerializeAsAny, ValidationError, ValidationInfo
 
 from drivegate_cases.documents.packaged import load_named, packaged_names
+from drivegate_cases.documents.problems import described
 from drivegate_cases.drive.document import PM_AC, SPLIT_SUPPLY, TABLE_KEYS, DriveDocument
 
 # It enters itself as the document of its kind.
 from drivegate_cases.drive.pm_ac import document  # noqa: F401
+from drivegate_models.errors import InputError
 
-__all__ = ["PM_AC", "SPLIT_SUPPLY", "TABLE_KEYS", "DriveDocument", "drive_names", "load_drive"]
+__all__ = [
+    "PM_AC",
+    "SPLIT_SUPPLY",
+    "TABLE_KEYS",
+    "DriveDocument",
+    "DriveReference",
+    "drive_names",
+    "load_drive",
+]
 
 
 def load_drive(name_or_path: str | Path, *, relative_to: Path | None = None) -> DriveDocument:
@@ -22,3 +36,29 @@ def drive_names(*, but: str = "") -> tuple[str, ...]:
     """List the drives that come with drivegate, or those of all kinds but one."""
     names = packaged_names("drives")
     return tuple(name for name in names if load_drive(name).kind != but) if but else names
+
+
+def _drive_by_name(value: Any, info: ValidationInfo) -> Any:
+    """Take a drive from the package or a file where a document only names it, and one of its own kind of document."""
+    if isinstance(value, Mapping):
+        return _of_its_kind(value, info)
+    if not isinstance(value, str):
+        return value
+    try:
+        return load_drive(value, relative_to=(info.context or {}).get("folder"))
+    except InputError as error:
+        raise ValueError(str(error)) from error
+
+
+def _of_its_kind(value: Mapping[str, Any], info: ValidationInfo) -> Any:
+    model = DriveDocument.of_kind(value)
+    if model is DriveDocument:
+        return value
+    try:
+        return model.model_validate(value, context=info.context)
+    except ValidationError as error:
+        raise ValueError(described(error, model)) from error
+
+
+DriveReference = Annotated[SerializeAsAny[DriveDocument], BeforeValidator(_drive_by_name)]
+"""A table of a drive's keys, the bare name of a drive, or the path of its file."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final
 
-from drivegate_cases.documents.rounding import decimal_exponent, significant
+from drivegate_cases.documents.wording import decimal_exponent, significant
 from drivegate_cases.drive.document import DriveDocument
 from drivegate_cases.drive.requirements import RequiredPoint
 from drivegate_models.units import RADIANS_PER_RPM

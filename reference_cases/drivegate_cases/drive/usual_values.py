@@ -4,17 +4,50 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import Any, Final, Protocol, Self
 
+from drivegate_cases.drive.rating import Rating
 from drivegate_models.units import RADIANS_PER_RPM
-
-if TYPE_CHECKING:
-    from drivegate_cases.drive.drive_values import DriveValues
 
 _MILLI = 1e-3
 _PER_1000_RPM = 1.0 / (1000.0 * RADIANS_PER_RPM)
 _MOST_ASKED: Final = 3
 """Units that a warning asks about at most."""
+
+
+class DriveValues(Protocol):
+    """The values of a drive of any kind, and what follows from them."""
+
+    @property
+    def rating(self) -> Rating:
+        """What the drive is made for."""
+
+    @property
+    def machine(self) -> Any:
+        """Windings and shaft."""
+
+    @property
+    def inverter(self) -> Any:
+        """Supply and bridge."""
+
+    @property
+    def provenance(self) -> dict[str, dict[str, str]]:
+        """Where its values come from."""
+
+    def value(self, key: str) -> Any:
+        """Return the value of a key of any table, by its bare name."""
+
+    def replaced(self, **changes: Any) -> Self:
+        """Return a drive that differs in a few keys."""
+
+    def usual_ranges(self) -> tuple[tuple[Any, ...], ...]:
+        """Return the ranges that only a wrong unit leaves, those first that others are measured by."""
+
+    def torque_of_current(self, current: float) -> float:
+        """Return the most torque of a peak phase current (A) while the voltage is ample (N·m)."""
+
+    def greatest_torque(self, current: float, speed: float) -> float:
+        """Return the greatest torque within a current limit (A) and the supply, at a speed (rad/s); in N·m."""
 
 
 @dataclass(frozen=True)

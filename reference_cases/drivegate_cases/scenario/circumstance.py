@@ -2,7 +2,7 @@
 
 from enum import Enum
 
-from drivegate_cases.drive.scales import NOMINAL
+from drivegate_cases.drive.plant import NOMINAL
 from drivegate_cases.scenario.scenario import Scenario
 
 

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate_cases.drive.scales import Scales
+from drivegate_cases.drive.plant import Scales
 from drivegate_cases.scenario.control_periods import seen_at_s
 from drivegate_cases.scenario.load import LockedLoad
 from drivegate_cases.scenario.piecewise import Profile, breakpoints, value_from, value_until

@@ -8,9 +8,8 @@ from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from drivegate_cases.documents.document import Document
 from drivegate_cases.documents.packaged import load_named, packaged_names
-from drivegate_cases.drive.drive_document import DriveDocument
-from drivegate_cases.drive.drive_reference import DriveReference
-from drivegate_cases.drive.scales import Scales
+from drivegate_cases.drive.drive_document import DriveDocument, DriveReference
+from drivegate_cases.drive.plant import Scales
 from drivegate_cases.scenario.control_periods import on_whole_periods, period_start_s, whole_periods
 from drivegate_cases.scenario.disturbance import CurrentError, Drift, Dropout, Glitch
 from drivegate_cases.scenario.failure import Failure

@@ -5,8 +5,7 @@ from typing import Literal, Self
 from pydantic import Field, model_validator
 
 from drivegate_cases.documents.document import Document, Section
-from drivegate_cases.drive.drive_document import DriveDocument
-from drivegate_cases.drive.drive_reference import DriveReference
+from drivegate_cases.drive.drive_document import DriveDocument, DriveReference
 from drivegate_models.contract.current.signals import Nameplate
 
 

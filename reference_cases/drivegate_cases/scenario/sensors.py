@@ -8,10 +8,10 @@ from typing import Annotated, Any, Final, Literal, Self
 from pydantic import BeforeValidator, Field, model_validator
 
 from drivegate_cases.documents.document import Section
-from drivegate_cases.documents.rounding import significant
+from drivegate_cases.documents.wording import significant
+from drivegate_cases.drive.document import Position
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import nearest_step
-from drivegate_cases.drive.position import Position
 
 EDGES_A_LINE: Final = 4
 """Edges of a line of an encoder (1)."""

@@ -47,7 +47,7 @@ def prepare(drive: DriveDocument) -> None:
 
 def page(document: Mapping[str, Any]) -> str:
     """Make the page."""
-    from drivegate_cases.publication.facts import facts, open_assumptions
+    from drivegate_cases.publication import facts, open_assumptions
     from drivegate_reports.conformance.behaviour import shown_behaviour
     from drivegate_reports.conformance.coverage import coverage_gaps, drive_of, evidence_of, fact_rows
     from drivegate_reports.conformance.drive import shown_drive, stated_values

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 
-from drivegate_cases.publication.facts import facts
+from drivegate_cases.publication import facts
 from drivegate_reports.paper.conventional import CONVENTIONAL
 from drivegate_reports.paper.quantities import compared, quantity_keys
 from drivegate_reports.paper.statements import FIGURE_1, STATEMENTS

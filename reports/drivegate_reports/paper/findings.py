@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 
 from drivegate.drives.constant_power import last_met
-from drivegate_cases.publication.facts import Finding, findings
+from drivegate_cases.publication import Finding, findings
 from drivegate_models.steady.oracle import current_sum_curve, feasible_edge, point_at_torque
 from drivegate_models.steady.steady_state import steady_state
 from drivegate_models.units import RADIANS_PER_RPM

@@ -12,8 +12,8 @@ import numpy as np
 from drivegate.candidates.builtin.loading import BuiltinController
 from drivegate.drives.running import run_scenario
 from drivegate_cases.documents.document import parse_document
-from drivegate_cases.documents.rounding import significant
-from drivegate_cases.publication.facts import Fact, Quantity
+from drivegate_cases.documents.wording import significant
+from drivegate_cases.publication import Fact, Quantity
 from drivegate_cases.scenario.operating_point import load_operating_point
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.controllers.current.builtin import SEARCHES

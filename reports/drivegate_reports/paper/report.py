@@ -13,7 +13,7 @@ from typing import Any, Final
 from drivegate.results.provenance import provenance
 from drivegate.results.result import finite
 from drivegate_cases.documents.atomic_write import write_atomically
-from drivegate_cases.publication.facts import facts, open_assumptions, publication
+from drivegate_cases.publication import facts, open_assumptions, publication
 from drivegate_reports.page.page import page_text
 from drivegate_reports.page.style import PageFigure, house_style, page_figure, svg_document
 from drivegate_reports.paper.catalogue import FIGURES, PaperFigure

@@ -10,7 +10,7 @@ import numpy as np
 
 from drivegate.candidates.builtin.loading import BuiltinController
 from drivegate.drives.running import run_scenario
-from drivegate_cases.drive.scales import Scales
+from drivegate_cases.drive.plant import Scales
 from drivegate_cases.scenario.load import ConstantTorqueLoad
 from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.controllers.current.builtin import SEARCHES

@@ -2,7 +2,7 @@ from collections.abc import Callable
 
 import pytest
 
-from drivegate_cases.documents.overrides import parse_overrides
+from drivegate_cases.documents.reading import parse_overrides
 
 KNOWN = ("inductance_h", "phases", "emf_shape", "emf_table")
 

@@ -9,8 +9,14 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from drivegate_cases.documents.extent import DEEPEST, MOST_ENTRIES, MOST_KEYS
-from drivegate_cases.documents.reading import LARGEST_FILE_BYTES, LARGEST_TOML_BYTES, read_mapping
+from drivegate_cases.documents.reading import (
+    DEEPEST,
+    LARGEST_FILE_BYTES,
+    LARGEST_TOML_BYTES,
+    MOST_ENTRIES,
+    MOST_KEYS,
+    read_mapping,
+)
 from drivegate_models.errors import InputError
 
 

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from drivegate_cases.documents.rounding import significant
+from drivegate_cases.documents.wording import significant
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.drive.drive_document import PM_AC, DriveDocument, drive_names, load_drive
-from drivegate_cases.drive.scales import Scales
+from drivegate_cases.drive.plant import Scales
 from drivegate_models.steady.torque_limit import torques_at_limit
 from drivegate_models.units import RADIANS_PER_RPM
 

@@ -1,6 +1,6 @@
 import pytest
 
-from drivegate_cases.drive.machine import EmfTable, check_emf_table
+from drivegate_cases.drive.plant import EmfTable, check_emf_table
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import pytest
 
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.drive.drive_document import TABLE_KEYS, load_drive
-from drivegate_cases.publication.facts import (
+from drivegate_cases.publication import (
     Fact,
     Findings,
     Publication,

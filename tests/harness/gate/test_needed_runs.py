@@ -15,7 +15,7 @@ from drivegate.gate.focus import Focus
 from drivegate.gate.plan import Origin, planned_work
 from drivegate.gate.shard import DrawnRuns, FixedRuns, is_needed, run_drawn
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
-from drivegate_cases.drive.scales import NOMINAL
+from drivegate_cases.drive.plant import NOMINAL
 
 PAPER, INTERIOR = load_drive("paper-5-phase"), load_drive("pm-ac-interior")
 FIXED = fixed_scenarios(PAPER)

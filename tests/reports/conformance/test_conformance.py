@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 
 from drivegate_cases.drive.drive_document import load_drive
-from drivegate_cases.publication.facts import facts, findings, open_assumptions
+from drivegate_cases.publication import facts, findings, open_assumptions
 from drivegate_models.errors import InputError
 from drivegate_reports.conformance.report import REPORT_FILE, page, write
 from drivegate_reports.paper.facts import comparisons

@@ -9,7 +9,7 @@ import pytest
 
 from drivegate.results.sections import BehaviourSection
 from drivegate_cases.documents.wording import figure
-from drivegate_cases.publication.facts import open_assumptions
+from drivegate_cases.publication import open_assumptions
 from drivegate_reports.conformance.behaviour import shown_behaviour
 from drivegate_reports.conformance.coverage import drive_of
 from drivegate_reports.conformance.figures import duty_envelope, efficiency_points, rotor_plane, step_response

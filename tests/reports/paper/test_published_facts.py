@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from drivegate_cases.publication.facts import facts, findings
+from drivegate_cases.publication import facts, findings
 from drivegate_reports.paper.facts import all_comparisons
 from drivegate_reports.paper.findings import local_minima, recomputed_findings
 from drivegate_reports.paper.quantities import quantity_keys

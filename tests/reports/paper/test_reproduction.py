@@ -10,7 +10,7 @@ from typing import Any, get_args
 import numpy as np
 import pytest
 
-from drivegate_cases.publication.facts import facts
+from drivegate_cases.publication import facts
 from drivegate_reports.page.style import house_style
 from drivegate_reports.paper.catalogue import FIGURES
 from drivegate_reports.paper.figures import cycle_waveforms, initial_angle, ripple_over_speed, speed_limit

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from drivegate.contracts.current.checks.catalogue import CHECKS
-from drivegate_cases.publication.facts import Fact, facts, findings
+from drivegate_cases.publication import Fact, facts, findings
 
 ROOT = Path(__file__).parents[3]
 

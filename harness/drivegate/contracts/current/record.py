@@ -11,7 +11,7 @@ from typing import Any
 from drivegate.candidates.declaration import Declaration
 from drivegate.checks.record import Record, Unseen
 from drivegate.contracts.current.run import observed_windows
-from drivegate_cases.drive.scales import Scales
+from drivegate_cases.drive.plant import Scales
 from drivegate_cases.scenario.circumstance import Circumstance, circumstance
 from drivegate_cases.scenario.load import LockedLoad
 from drivegate_cases.scenario.profile import Dwell, dwell_scales, dwell_torque, dwells, is_after_change

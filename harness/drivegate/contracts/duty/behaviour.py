@@ -18,7 +18,7 @@ from drivegate.contracts.duty.fourier_integrals import amplitudes
 from drivegate.contracts.duty.record import DutyRecord
 from drivegate.contracts.duty.scenarios.fixed import efficiency_scenarios, range_scenario, release_scenario
 from drivegate.contracts.duty.torque import torque_course
-from drivegate_cases.documents.rounding import significant
+from drivegate_cases.documents.wording import significant
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.units import RADIANS_PER_RPM

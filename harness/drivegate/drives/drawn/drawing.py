@@ -11,7 +11,7 @@ from math import prod
 from random import Random
 from typing import Any, Final
 
-from drivegate_cases.documents.rounding import significant
+from drivegate_cases.documents.wording import significant
 from drivegate_cases.drive.data_sheet import Provenance
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.errors import HarnessFault

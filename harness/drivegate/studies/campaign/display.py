@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from drivegate.output.console import number, plain, table
-from drivegate_cases.documents.rounding import significant
+from drivegate_cases.documents.wording import significant
 
 if TYPE_CHECKING:
     from rich.console import Console

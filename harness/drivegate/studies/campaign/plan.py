@@ -19,8 +19,7 @@ from drivegate.drives.kinds import require_contract, scenario_at_declared_timing
 from drivegate.scenarios.parameters import SCALES, SHARES, SPEED, SPREADABLE
 from drivegate.studies.campaign.file import Campaign, NormalSpread, Spread
 from drivegate.studies.campaign.row import JUDGED_CHECKS
-from drivegate_cases.documents.rounding import significant
-from drivegate_cases.documents.wording import one_line
+from drivegate_cases.documents.wording import one_line, significant
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.load import DynamometerLoad, LockedLoad, VehicleLoad
 from drivegate_cases.scenario.piecewise import Profile

@@ -15,7 +15,7 @@ from drivegate.drives.kinds import kind_of
 from drivegate.scenarios.parameters import DRIVE_KEYS, SCALES
 from drivegate_cases.documents.wording import nearest, one_line, shown
 from drivegate_cases.drive.drive_document import DriveDocument
-from drivegate_cases.drive.scales import Scales
+from drivegate_cases.drive.plant import Scales
 from drivegate_models.errors import InputError
 
 MOST_POINTS: Final = 20_000_000

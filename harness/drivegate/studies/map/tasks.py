@@ -35,7 +35,7 @@ from drivegate.studies.map.plan import (
     drives_of,
 )
 from drivegate_cases.drive.drive_document import DriveDocument
-from drivegate_cases.drive.scales import Scales
+from drivegate_cases.drive.plant import Scales
 from drivegate_cases.scenario.load import ConstantTorqueLoad
 from drivegate_cases.scenario.profile import dwells
 from drivegate_cases.scenario.scenario import Scenario

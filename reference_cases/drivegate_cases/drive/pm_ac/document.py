@@ -9,20 +9,20 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 from pydantic import Field, field_validator
 
 from drivegate_cases.documents.document import Section
-from drivegate_cases.drive.document import DriveDocument
-from drivegate_cases.drive.machine import (
+from drivegate_cases.drive.document import DriveDocument, Position
+from drivegate_cases.drive.plant import (
+    NOMINAL,
     CoreLossConductance,
     Friction,
     Inertia,
     PolePairs,
     Resistance,
+    Scales,
     ViscousFriction,
 )
 from drivegate_cases.drive.pm_ac.inverter import UPDATES, PmAcInverter
 from drivegate_cases.drive.pm_ac.requirements import NO_PM_AC_REQUIREMENTS, PmAcRequirements
-from drivegate_cases.drive.position import Position
 from drivegate_cases.drive.rating import Rating
-from drivegate_cases.drive.scales import NOMINAL, Scales
 from drivegate_models.units import RADIANS_PER_RPM
 
 if TYPE_CHECKING:

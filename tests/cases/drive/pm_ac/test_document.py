@@ -11,9 +11,9 @@ import pytest
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.drive.drive_document import DriveDocument, drive_names, load_drive
 from drivegate_cases.drive.drive_file import drive_schema, drive_toml
+from drivegate_cases.drive.plant import Scales
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.limits import duty_limits_of
-from drivegate_cases.drive.scales import Scales
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import InputError
 from drivegate_models.pm_ac.fundamental import LINEAR_LIMIT

@@ -7,7 +7,7 @@ from typing import Final
 
 from drivegate.candidates.builtin.faults import sizes
 from drivegate.candidates.builtin.faults.mutation import Mutation, of_kind
-from drivegate_cases.documents.rounding import significant
+from drivegate_cases.documents.wording import significant
 from drivegate_cases.drive.advance import advance_line
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.faults.current import state as faults

@@ -12,7 +12,7 @@ from functools import lru_cache
 from math import frexp, ldexp, pi, radians
 from typing import Any, Final, TypeAlias
 
-from drivegate_cases.documents.rounding import significant
+from drivegate_cases.documents.wording import significant
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import limits_of, mechanical_time, nearest_step
 from drivegate_models.units import RADIANS_PER_RPM

@@ -10,7 +10,7 @@ from drivegate.contracts.current.checks.convergence import ABOVE_BASE_SPEED, wor
 from drivegate.contracts.current.record import CurrentRecord, SteadyWindow
 from drivegate.scenarios.drive_scale import scale_of
 from drivegate_cases.drive.drive_document import DriveDocument
-from drivegate_cases.drive.scales import Scales
+from drivegate_cases.drive.plant import Scales
 from drivegate_cases.scenario.circumstance import Circumstance
 
 _ROUNDING = 1e-9

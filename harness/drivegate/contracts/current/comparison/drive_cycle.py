@@ -15,7 +15,7 @@ from typing import Any, Final
 import numpy as np
 
 from drivegate.scenarios.drive_scale import scale_of, tidy
-from drivegate_cases.documents.rounding import significant
+from drivegate_cases.documents.wording import significant
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.drive_cycle import DriveCycle
 from drivegate_cases.scenario.load import GRAVITY, VehicleLoad

@@ -21,7 +21,7 @@ import numpy as np
 from drivegate.scenarios.drive_scale import scale_of
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import mean_time
-from drivegate_cases.drive.scales import NOMINAL, Scales
+from drivegate_cases.drive.plant import NOMINAL, Scales
 from drivegate_cases.scenario.load import ConstantPowerLoad, LockedLoad
 from drivegate_cases.scenario.piecewise import Profile, breakpoints, value_from, value_until
 from drivegate_cases.scenario.profile import Dwell, dwell_scales, dwell_torque

@@ -16,7 +16,7 @@ from drivegate.contracts.current.scenarios.courses import (
 from drivegate.scenarios.drive_scale import scale_of, tidy, whole_tenths
 from drivegate.scenarios.simplification import Fields, Simplification
 from drivegate_cases.drive.limits import rounded
-from drivegate_cases.drive.scales import NOMINAL
+from drivegate_cases.drive.plant import NOMINAL
 from drivegate_cases.scenario.load import (
     ConstantPowerLoad,
     ConstantTorqueLoad,

@@ -32,7 +32,7 @@ from drivegate.contracts.duty.points import steady_points, step_rows
 from drivegate.contracts.duty.scenarios.building import speed_scenario, torque_of, torque_scenario
 from drivegate.contracts.duty.scenarios.fixed import speed_of
 from drivegate.scenarios.title import titled
-from drivegate_cases.documents.rounding import significant
+from drivegate_cases.documents.wording import significant
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.limits import duty_limits_of
 from drivegate_cases.scenario.control_periods import on_whole_periods

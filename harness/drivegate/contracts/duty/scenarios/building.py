@@ -12,11 +12,11 @@ from drivegate.contracts.duty.scenarios.drawn_range import slow_load_share
 from drivegate.contracts.duty.scenarios.windows import WINDOW_SHARE, run_up_s
 from drivegate.scenarios.drive_scale import rated_torque_at, tidy
 from drivegate.scenarios.title import titled
+from drivegate_cases.drive.document import Position
 from drivegate_cases.drive.limits import rounded
+from drivegate_cases.drive.plant import Scales
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.limits import duty_limits_of
-from drivegate_cases.drive.position import Position
-from drivegate_cases.drive.scales import Scales
 from drivegate_cases.scenario.control_periods import first_period_from, period_start_s
 from drivegate_cases.scenario.disturbance import Dropout, Glitch
 from drivegate_cases.scenario.failure_kind import FailureKind

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Final
 
 from drivegate.scenarios.rotation import mirrored
+from drivegate_cases.drive.plant import NOMINAL
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
-from drivegate_cases.drive.scales import NOMINAL
 from drivegate_cases.scenario.load import DynamometerLoad
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import IDEAL

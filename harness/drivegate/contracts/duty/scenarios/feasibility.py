@@ -16,10 +16,10 @@ from drivegate.contracts.duty.scenarios.position_errors import GREATEST_ANGLE_DE
 from drivegate.contracts.duty.scenarios.windows import DutyDwell, duty_dwells
 from drivegate.scenarios.drive_scale import rated_torque_at
 from drivegate_cases.drive.data_sheet import USABLE_SHARE
+from drivegate_cases.drive.plant import NOMINAL
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.greatest_torque import greatest_within
 from drivegate_cases.drive.pm_ac.limits import duty_limits_of
-from drivegate_cases.drive.scales import NOMINAL
 from drivegate_cases.scenario.load import DynamometerLoad, LockedLoad, VehicleLoad
 from drivegate_cases.scenario.piecewise import value_from
 from drivegate_cases.scenario.scenario import Scenario

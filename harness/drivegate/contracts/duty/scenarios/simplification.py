@@ -12,7 +12,7 @@ from drivegate.contracts.duty.scenarios.fixed import speed_of
 from drivegate.scenarios.rotation import is_mirrored, mirrored, sense_of
 from drivegate.scenarios.simplification import Fields, Simplification
 from drivegate_cases.drive.limits import nearest_step, rounded
-from drivegate_cases.drive.scales import NOMINAL
+from drivegate_cases.drive.plant import NOMINAL
 from drivegate_cases.scenario.load import ConstantTorqueLoad, DynamometerLoad, FanLoad, HoistLoad
 from drivegate_cases.scenario.piecewise import Profile
 from drivegate_cases.scenario.scenario import Scenario

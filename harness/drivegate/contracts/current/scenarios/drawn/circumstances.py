@@ -17,7 +17,7 @@ from drivegate.scenarios.changes import (
 )
 from drivegate.scenarios.drive_scale import SpeedRange, scale_of, tidy
 from drivegate_cases.drive.drive_document import DriveDocument
-from drivegate_cases.drive.scales import NOMINAL
+from drivegate_cases.drive.plant import NOMINAL
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import has_encoder, real_sensors
 

@@ -1,1 +1,0 @@
-"""Facts and findings of the paper."""
