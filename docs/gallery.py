@@ -20,8 +20,8 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.margin import Mark, Moment
 from drivegate.containment.judge import own_candidate
 from drivegate.contracts.catalogue import check_of, contract_of
-from drivegate.contracts.closeup import deciding_moment
 from drivegate.contracts.panels import TIME
+from drivegate.contracts.recorded_trace import deciding_moment
 from drivegate.drives.running import recorded
 from drivegate.output.panels import MomentTime, draw_moment
 from drivegate.results.counterexample import read_counterexample

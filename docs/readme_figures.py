@@ -28,9 +28,9 @@ def _failed_step() -> Figure:
     from drivegate.candidates.resolution import resolve_candidate
     from drivegate.containment.judge import own_candidate
     from drivegate.contracts.catalogue import check_of, contract_of
-    from drivegate.contracts.closeup import deciding_moment
     from drivegate.contracts.duty.document import duty_document
     from drivegate.contracts.duty.scenarios.building import torque_scenario
+    from drivegate.contracts.recorded_trace import deciding_moment
     from drivegate.drives.running import recorded
     from drivegate.output.panels import draw_moment
 

@@ -1,4 +1,4 @@
-"""Steps of a controller through given Senses, whatever its contract: its commands, or its fault, and their time."""
+"""Steps of a controller without a plant, whatever its contract: recorded to the last bit, or on given Senses."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import Any, Final, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegate.candidates.controller import CompiledController, Controller
 from drivegate.candidates.fault import CandidateFault, Fault, placed, refused_command
 from drivegate.checks.every_contract import TIMED_STEPS
 from drivegate.containment.candidate_process import Answered
@@ -19,10 +20,38 @@ from drivegate.containment.protocol import GiveSenses
 from drivegate_models.contract.layout import Layout
 from drivegate_models.loop.exchange import COMPLETED, STOPPED
 from drivegate_models.loop.given_steps import MAKE_STEPS, given_senses
+from drivegate_models.loop.step_recording import recorder_of, recording_step
 
 RefusalOf: TypeAlias = Callable[[Any, int], str]
 """From a command and the status that it ended the steps with, returns why."""
 _ROUNDS: Final = 5
+
+
+class RecordingController(CompiledController):
+    """A controller that records every step of another one, which has been reset."""
+
+    def __init__(self, inner: Controller, rows: NDArray[Any]) -> None:
+        """Record into rows of `drivegate_models.loop.step_recording.row_layout`."""
+        super().__init__(recording_step(), recorder_of(rows, inner.step_address, inner.state_address))
+        self._inner = inner
+        self._rows = rows
+
+    @property
+    def fault(self) -> Fault | None:
+        """What ended the last run, if the inner controller knows."""
+        return self._inner.fault
+
+    @property
+    def steps(self) -> int:
+        """Number of steps that are recorded."""
+        return int(self._state[0]["count"])
+
+    def reset(self, nameplate: Any) -> None:
+        """Reset the inner controller."""
+        self._inner.reset(nameplate)
+        # A reset may make another controller.
+        self._state[0]["step_address"] = self._inner.step_address
+        self._state[0]["state_address"] = self._inner.state_address
 
 
 class GivenSteps:

@@ -1,17 +1,22 @@
-"""The recorded trace of a run: made from a run, or read from a result document that may contain anything."""
+"""The recorded trace of a run, and its deciding moment at full resolution: made from a run, or read from a result."""
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Iterable, Mapping
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field, ValidationError
 
+from drivegate.checks.check import Check
+from drivegate.checks.margin import Margin, Moment
+from drivegate.checks.record import Record
 from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.contract import Columns, RecordedTrace
-from drivegate_cases.documents.document import parse_document
+from drivegate_cases.documents.document import Section, parse_document
 from drivegate_cases.documents.wording import significant
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import InputError
@@ -23,6 +28,8 @@ _TIME_DIGITS: Final = 9
 """Enough to distinguish control periods late in a run."""
 _MOST_POINTS: Final = 5_000
 _GREATEST: Final = 1e9
+_MOST_ROWS: Final = 600
+_CONTEXT: Final = 0.25
 
 
 def recorded_trace(document: Mapping[str, Any], check: Mapping[str, Any]) -> RecordedTrace | None:
@@ -84,3 +91,48 @@ def thinned(whole: Mapping[str, NDArray[Any]], most: int = MOST_POINTS) -> dict[
         digits = _TIME_DIGITS if name == "time_s" else _DIGITS
         columns[name] = [significant(mean, digits) for mean in means]
     return columns
+
+
+class Closeup(Section):
+    """The deciding moment of a run and its signals there."""
+
+    moment: Moment = Field(description="the stretch of the run that decides")
+    columns: dict[str, tuple[float, ...]] = Field(
+        description="signals around it, control period by control period where they are few enough, as in 'traces'"
+    )
+
+
+def deciding_moment(check: Check, record: Record, margin: Margin | None) -> Moment:
+    """Return the moment that a check states for a run, else the stretch that its contract judges."""
+    stated = None if margin is None else check.moment(record)
+    if stated is not None:
+        return stated
+    start, end = contract_of(record.scenario.drive).judged_window(check, record, margin)
+    return Moment(start_s=start, end_s=end)
+
+
+def closeup_of(record: Record, moment: Moment) -> dict[str, Any] | None:
+    """Return the close-up of a moment as plain data; None where that would be the whole run, unmarked."""
+    columns = contract_of(record.scenario.drive).recorded_signals(record.run)
+    time = columns["time_s"]
+    # A stretch without a column of its own is shown with what leads to it.
+    before = 0.0 if moment.column else _CONTEXT * (moment.end_s - moment.start_s)
+    rows = np.flatnonzero((time >= moment.start_s - before) & (time <= moment.end_s))
+    is_marked = bool(moment.column) and moment.column in columns
+    if len(rows) < 2 or (len(rows) == len(time) and not is_marked):
+        return None
+    shown = {name: values[rows[0] : rows[-1] + 1] for name, values in columns.items()}
+    return {"moment": moment.model_dump(mode="json"), "columns": thinned(shown, _MOST_ROWS)}
+
+
+def recorded_closeup(check: Mapping[str, Any], names: tuple[str, ...]) -> tuple[Moment, Columns] | None:
+    """Read the close-up of the run that is shown for a check; None unless all columns of its contract are there."""
+    recording = check.get("recording")
+    if not isinstance(recording, Mapping) or recording.get("closeup") is None:
+        return None
+    try:
+        read = Closeup.model_validate_json(json.dumps(recording["closeup"]))
+    except (ValidationError, TypeError, ValueError):
+        return None
+    columns = columns_of({name: list(values) for name, values in read.columns.items()}, names)
+    return None if columns is None else (read.moment, columns)

@@ -10,8 +10,7 @@ from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.fault import Fault
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.contracts.catalogue import contract_of
-from drivegate.contracts.closeup import closeup_of, deciding_moment
-from drivegate.contracts.recorded_trace import thinned
+from drivegate.contracts.recorded_trace import closeup_of, deciding_moment, thinned
 from drivegate.drives.running import recorded
 from drivegate.results.result import CheckOutcome, Recording
 from drivegate_cases.documents.document import parse_document

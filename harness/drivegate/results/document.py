@@ -6,7 +6,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import AfterValidator, ConfigDict, Field
 
-from drivegate.contracts.closeup import Closeup
+from drivegate.contracts.recorded_trace import Closeup
 from drivegate.results.counterexample import resolved_script_or_scenario
 from drivegate.results.result import RESULT_SCHEMA
 from drivegate.results.sections import BehaviourSection, EnvelopeSection

@@ -73,7 +73,7 @@ class Recording:
     end_s: float
     """The stretch that the check was judged on (s)."""
     closeup: dict[str, Any] | None = None
-    """The deciding moment of a counterexample, `drivegate.contracts.closeup.Closeup` as plain data."""
+    """The deciding moment of a counterexample, `drivegate.contracts.recorded_trace.Closeup` as plain data."""
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from drivegate.contracts.current.checks.feasible_angles import given_below_limit
+from drivegate.contracts.current.numbers import given_below_limit
 from drivegate.output.console import number, plain, table
 from drivegate_cases.documents.wording import counted
 from drivegate_models.errors import InputError

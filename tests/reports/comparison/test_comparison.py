@@ -9,9 +9,8 @@ import re
 import numpy as np
 import pytest
 
-from drivegate.contracts.current.checks.feasible_angles import FEASIBLE
 from drivegate.contracts.current.comparison.page import AFTER_CHANGE, DIFFERENCES, MAPS, OVER_SPEED
-from drivegate.contracts.current.numbers import sensors_of
+from drivegate.contracts.current.numbers import FEASIBLE, sensors_of
 from drivegate.output.console import console_for
 from drivegate.studies.compare.display import show_comparison
 from drivegate_cases.drive.drive_document import load_drive

@@ -11,9 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drivegate.contracts.current.words.account import account
-from drivegate.contracts.current.words.judged_point import judged_point
-from drivegate.contracts.current.words.run_signals import RunSignals, run_signals
+from drivegate.contracts.current.words import RunSignals, account, judged_point, run_signals
 from drivegate.contracts.recorded_trace import recorded_trace
 from drivegate.output.console import console_for
 from drivegate.output.junit import junit_xml

@@ -86,23 +86,20 @@ def _nameplate(scenario: Scenario) -> Nameplate:
 
 
 def _account(trace: RecordedTrace) -> tuple[str, ...]:
-    from drivegate.contracts.current.words.account import account
-    from drivegate.contracts.current.words.run_signals import run_signals
+    from drivegate.contracts.current.words import account, run_signals
 
     return account(run_signals(trace))
 
 
 def _marked_angle(trace: RecordedTrace) -> tuple[float, float] | None:
-    from drivegate.contracts.current.words.judged_point import judged_point
-    from drivegate.contracts.current.words.run_signals import run_signals
+    from drivegate.contracts.current.words import judged_point, run_signals
 
     point = judged_point(run_signals(trace))
     return None if point is None else (max(point.begins_s, 0.0), point.edge_deg)
 
 
 def _common_cause(trace: RecordedTrace) -> str | None:
-    from drivegate.contracts.current.words.account import loss_of_speed
-    from drivegate.contracts.current.words.run_signals import run_signals
+    from drivegate.contracts.current.words import loss_of_speed, run_signals
 
     return loss_of_speed(run_signals(trace))
 
@@ -158,7 +155,7 @@ CURRENT: Final = Contract(
     drawn_range=Later("drivegate.contracts.current.scenarios.drawn.families", "drawn_range"),
     unseen=Later("drivegate.contracts.current.record", "unseen_record"),
     record=_record,
-    judged_window=Later("drivegate.contracts.current.judged_window", "judged_window"),
+    judged_window=Later("drivegate.contracts.current.record", "judged_window"),
     step_seconds=Later("drivegate.contracts.current.timed_steps", "current_step_seconds"),
     layout=Later("drivegate_models.contract.layout", "CURRENT").value,
     sensed=SENSED,

@@ -1,4 +1,4 @@
-"""A drive's numbers in the texts of checks, which name them: ``k1 = {k1}``."""
+"""A drive's numbers in the texts of checks, which name them (``k1 = {k1}``), and feasible angles in words."""
 
 from __future__ import annotations
 
@@ -11,10 +11,21 @@ from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import limits_of, mean_time
 from drivegate_cases.scenario.sensors import has_encoder, real_sensors
 
+FEASIBLE: Final = (
+    "An angle is feasible where it gives the torque with the current reference at its limit too. At another one a "
+    "smaller reference may give it, even with Σ|i| below the least of the feasible angles, but a regulator at its "
+    "limit may lose it."
+)
+"""What feasible means, and why Σ|i| may lie below the least."""
 _SENSORS: Final = {
     "mcs96": "the sensors of the published implementation: encoder, Hall sensors, converter",
     "hall": "the sensors of conventional brushless DC drives: three Hall switches, current sensors, converter",
 }
+
+
+def given_below_limit(reference: float) -> str:
+    """State what is lost where a current reference gives a torque, and the limit does not (A)."""
+    return f"{reference:.3g} A gives the torque, but a regulator at its limit may lose it"
 
 
 def numbers(drive: DriveDocument, _declaration: Declaration) -> dict[str, str]:

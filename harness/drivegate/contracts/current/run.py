@@ -18,7 +18,7 @@ from drivegate.containment.messages import AnyController
 from drivegate.containment.playback import Wrap, require_same_plant, stepped_here
 from drivegate.containment.protocol import CloseLoop
 from drivegate.containment.restarting import Restarter
-from drivegate.contracts.recorded_steps import RecordingController
+from drivegate.contracts.given_steps import RecordingController
 from drivegate.scenarios.drive_scale import scale_of
 from drivegate.scenarios.plant_inputs import (
     plant_converters,

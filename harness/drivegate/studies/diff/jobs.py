@@ -16,7 +16,7 @@ from drivegate.candidates.controller import Controller, show_drive
 from drivegate.candidates.fault import CandidateFault
 from drivegate.containment.messages import JudgedCandidate
 from drivegate.contracts.catalogue import contract_of
-from drivegate.contracts.recorded_steps import RecordingController
+from drivegate.contracts.given_steps import RecordingController
 from drivegate.drives.kinds import kind_of
 from drivegate_cases.documents.wording import shown_path
 from drivegate_cases.scenario.scenario import Scenario

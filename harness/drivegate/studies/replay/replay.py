@@ -19,10 +19,9 @@ from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.contracts.catalogue import check_of as check_named
 from drivegate.contracts.catalogue import contract_of, on_drive
-from drivegate.contracts.closeup import deciding_moment
 from drivegate.contracts.current.flowchart.judging import judge_script
 from drivegate.contracts.parting import SEED_IN_RESET, room_for_commands
-from drivegate.contracts.recorded_trace import trace_of_run
+from drivegate.contracts.recorded_trace import deciding_moment, trace_of_run
 from drivegate.drives.running import recorded, with_repetitions
 from drivegate.gate.plan import REPEATED
 from drivegate.gate.repetition import Repetition, different_elsewhere, explanation_jobs, repetition_job

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.contracts.current.words.judged_point import judged_point
-from drivegate.contracts.current.words.run_signals import RunSignals
+from drivegate.contracts.current.words import RunSignals, judged_point
 from drivegate_cases.scenario.load import ConstantPowerLoad
 from drivegate_reports.conformance.figures.run_panels import (
     LABELS_AT,

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from drivegate.contracts.current.words.run_signals import RunSignals
+from drivegate.contracts.current.words import RunSignals
 from drivegate_cases.drive.limits import limits_of
 from drivegate_models.errors import InputError
 from drivegate_reports.page.style import BLUE, GREEN, VERMILION, label_ends, new_figure

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drivegate.contracts.current.words.run_signals import RunSignals, run_signals
+from drivegate.contracts.current.words import RunSignals, run_signals
 from drivegate.contracts.recorded_trace import recorded_trace
 from drivegate_reports.conformance.figures.torque_ripple import alternative, caption, draw, ripple_of
 from drivegate_reports.conformance.report import page

@@ -9,8 +9,7 @@ from drivegate.checks.every_contract import DET_1, TIM_1
 from drivegate.contracts.current.checks.command_range import ADV_1, ADV_2, CMD_1
 from drivegate.contracts.current.checks.constant_power import CPW_1, CPW_2
 from drivegate.contracts.current.checks.convergence import CNV_1, CNV_2, CNV_3
-from drivegate.contracts.current.checks.current import CUR_1
-from drivegate.contracts.current.checks.neutral import NEU_1
+from drivegate.contracts.current.checks.current import CUR_1, NEU_1
 from drivegate.contracts.current.checks.power import PWR_1, PWR_2
 from drivegate.contracts.current.checks.profile import FLO_1
 from drivegate.contracts.current.checks.ripple import RIP_1, RIP_2, RIP_3

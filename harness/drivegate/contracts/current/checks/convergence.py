@@ -9,7 +9,7 @@ from typing import Final
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, at_most, worst_required
 from drivegate.contracts.current.checks.declared_speeds import above_base, unless_speeds
-from drivegate.contracts.current.checks.feasible_angles import given_below_limit
+from drivegate.contracts.current.numbers import given_below_limit
 from drivegate.contracts.current.record import CurrentRecord, SteadyWindow, rated_torque
 from drivegate_cases.documents.wording import figure
 from drivegate_cases.drive.limits import limits_of, mean_time

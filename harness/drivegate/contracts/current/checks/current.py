@@ -1,4 +1,4 @@
-"""Check of the phase currents' peaks."""
+"""Checks of the phase currents: their peaks, and that what flows into a star flows out of it."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ from drivegate_models.machine import ledger
 
 ROUNDING = 1e-12
 """Relative rounding of a current that reaches the band's edge (1)."""
+NEUTRAL_TOLERANCE = 1e-9
+"""Greatest share of the currents, and of the exchanged energy, that may be missing (1)."""
 
 
 def peak_current(record: CurrentRecord) -> Margin:
@@ -41,4 +43,39 @@ CUR_1 = Check(
     why="Devices and magnets are chosen for that current; where EMF exceeds the supply, the diodes can drive more.",
     evaluate=peak_current,
     reason_not_applicable=_unless_regulated,
+)
+
+
+def isolated_neutral(record: CurrentRecord) -> Margin | None:
+    """Judge the sum of the phase currents, and the charge that each half of the link gives."""
+    if record.scenario.drive.has_split_supply:
+        return None
+    observed = record.run.observed
+    worst = max(observed.neutral_current, observed.unequal_halves)
+    measured = f"Σ i {observed.neutral_current:.1e} of Σ|i|, halves apart by {observed.unequal_halves:.1e}"
+    return Margin("NEU-1", at_most(worst, NEUTRAL_TOLERANCE), measured)
+
+
+def _unless_isolated(_declaration: Declaration, drive: DriveDocument) -> str | None:
+    if drive.has_split_supply:
+        return "the phases of this drive are decoupled: each has its own return to the tap of the supply"
+    return None
+
+
+NEU_1 = Check(
+    id="NEU-1",
+    every_run=True,
+    requirement=(
+        "The phase currents of a star sum to zero, and both halves of its link give the same charge in every control "
+        "period."
+    ),
+    source="Kirchhoff's law",
+    subject="plant",
+    level="required",
+    limit="1e-9 relative in every control period",
+    scenarios="every run of a drive with an isolated neutral",
+    formula="1 - greatest of |Σ i| / Σ|i| and |energy of upper half - of lower half| / exchanged / 1e-9",
+    why="Who conducts in a star follows from this law alone. It is drivegate's own obligation, not the candidate's.",
+    evaluate=isolated_neutral,
+    reason_not_applicable=_unless_isolated,
 )

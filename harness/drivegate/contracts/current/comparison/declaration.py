@@ -26,20 +26,20 @@ from drivegate.contracts.comparison import (
     name_of,
     worst,
 )
-from drivegate.contracts.current.checks.feasible_angles import FEASIBLE
 from drivegate.contracts.current.comparison.best import best_jobs, best_tables
 from drivegate.contracts.current.comparison.drive_cycle import TOLERANCE_KM_H, cycle_vehicle
-from drivegate.contracts.current.comparison.measuring import measured, trace_every
-from drivegate.contracts.current.comparison.page import SECTIONS, method, shown_facts
-from drivegate.contracts.current.comparison.plan import EFFORTS, planned_runs
-from drivegate.contracts.current.comparison.rows import (
+from drivegate.contracts.current.comparison.measuring import (
     cycle_rows,
     disturbance_rows,
     drive_points,
+    measured,
     point_rows,
     repeated_rows,
+    trace_every,
 )
-from drivegate.contracts.current.numbers import sensors_of
+from drivegate.contracts.current.comparison.page import SECTIONS, method, shown_facts
+from drivegate.contracts.current.comparison.plan import EFFORTS, planned_runs
+from drivegate.contracts.current.numbers import FEASIBLE, sensors_of
 from drivegate.scenarios.drive_scale import scale_of
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import limits_of

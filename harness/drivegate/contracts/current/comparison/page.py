@@ -13,7 +13,7 @@ from drivegate.contracts.comparison_drawings import (
     SpeedCurves,
     SpeedLoadMap,
 )
-from drivegate.contracts.current.checks.feasible_angles import FEASIBLE
+from drivegate.contracts.current.numbers import FEASIBLE
 
 MAPS: Final = (
     SpeedLoadMap(

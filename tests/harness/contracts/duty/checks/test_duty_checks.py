@@ -15,7 +15,6 @@ from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import own_candidate
 from drivegate.contracts.catalogue import on_drive
-from drivegate.contracts.closeup import closeup_of, deciding_moment
 from drivegate.contracts.duty.checks.judged import plant_of
 from drivegate.contracts.duty.checks.optimum import greatest_at, least_free, undistorted
 from drivegate.contracts.duty.record import DutyRecord
@@ -27,6 +26,7 @@ from drivegate.contracts.duty.scenarios.building import (
     with_edges,
 )
 from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios, release_scenario
+from drivegate.contracts.recorded_trace import closeup_of, deciding_moment
 from drivegate.drives.drawn.kinds import PM_AC
 from drivegate.drives.running import recorded
 from drivegate.scenarios.changes import with_scales

@@ -8,11 +8,6 @@ from typing import Final, TypeAlias
 from hypothesis import strategies as st
 
 from drivegate.contracts.current.scenarios.building import base_speed_scenario, steady_scenario
-from drivegate.contracts.current.scenarios.drawn.beginnings import (
-    beginning_scenarios,
-    phase_scenarios,
-    restart_scenarios,
-)
 from drivegate.contracts.current.scenarios.drawn.changes import (
     load_step_scenarios,
     required_point_scenarios,
@@ -21,8 +16,11 @@ from drivegate.contracts.current.scenarios.drawn.changes import (
     vehicle_scenarios,
 )
 from drivegate.contracts.current.scenarios.drawn.circumstances import (
+    beginning_scenarios,
     fault_scenarios,
     parameter_scenarios,
+    phase_scenarios,
+    restart_scenarios,
     sensor_scenarios,
 )
 from drivegate.contracts.current.scenarios.drawn.courses import load_course_scenarios, standstill_scenarios

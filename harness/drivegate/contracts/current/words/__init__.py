@@ -1,1 +1,0 @@
-"""What happened in a run of the `current` contract, in words."""
