@@ -20,7 +20,7 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.margin import Mark, Moment
 from drivegate.containment.judge import own_candidate
 from drivegate.contracts.catalogue import check_of, contract_of
-from drivegate.contracts.panels import TIME
+from drivegate.contracts.drawings import TIME
 from drivegate.contracts.recorded_trace import deciding_moment
 from drivegate.drives.running import recorded
 from drivegate.output.panels import MomentTime, draw_moment

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias
 if TYPE_CHECKING:
     from drivegate.checks.record import Record
     from drivegate.containment.messages import Job
-    from drivegate.contracts.comparison_drawings import Drawing
+    from drivegate.contracts.drawings import Drawing
     from drivegate_cases.drive.drive_document import DriveDocument
     from drivegate_cases.scenario.drive_cycle import DriveCycle
     from drivegate_cases.scenario.reference import Reference

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from drivegate.checks.record import Record
     from drivegate.containment.messages import AnyController
     from drivegate.contracts.comparison import Comparison
+    from drivegate.contracts.drawings import Panel
     from drivegate.contracts.given_steps import GivenSteps
-    from drivegate.contracts.panels import Panel
     from drivegate.scenarios.drawn_range import DrawnRange
     from drivegate.scenarios.simplification import Simplification
     from drivegate_cases.drive.drive_document import DriveDocument

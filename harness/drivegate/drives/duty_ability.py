@@ -9,12 +9,11 @@ from typing import Any, Final
 import numpy as np
 
 from drivegate.candidates.declaration import NOTHING_DECLARED
+from drivegate.contracts.duty.best_operation import efficiency_map, known, trajectories
 from drivegate.contracts.duty.document import duty_document
-from drivegate.contracts.duty.efficiency import efficiency_map, known
 from drivegate.contracts.duty.numbers import numbers
 from drivegate.contracts.duty.scenarios.feasibility import IN_HAND, required_torque
 from drivegate.contracts.duty.scenarios.windows import run_up_s
-from drivegate.contracts.duty.trajectories import trajectories
 from drivegate.drives.ability import Ability, RunTime, rating_document
 from drivegate.drives.constant_power import SPEEDS, ConstantPower
 from drivegate.drives.power_reach import PowerReach

@@ -8,7 +8,7 @@ import numpy as np
 
 from drivegate.checks.margin import Moment
 from drivegate.contracts.contract import Columns
-from drivegate.contracts.panels import TIME, Panel
+from drivegate.contracts.drawings import TIME, Panel
 from drivegate_cases.documents.wording import one_line
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from drivegate.contracts.panels import TIME, Panel, panels_for
+from drivegate.contracts.drawings import TIME, Panel, panels_for
 from drivegate.output.panels import side_legend
 from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.documents.wording import one_line, shown_path

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
-from drivegate.contracts.comparison_drawings import (
+from drivegate.contracts.drawings import (
     CycleCurves,
     DifferenceBars,
     Drawing,

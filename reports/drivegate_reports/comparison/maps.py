@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.contracts.comparison import POINTS
-from drivegate.contracts.comparison_drawings import SpeedLoadMap
+from drivegate.contracts.drawings import SpeedLoadMap
 from drivegate_reports.comparison.cells import name, written
 from drivegate_reports.comparison.curves import solved_points
 from drivegate_reports.comparison.inks import Ink

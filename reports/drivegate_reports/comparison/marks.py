@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from drivegate.contracts.comparison import POINTS
-from drivegate.contracts.comparison_drawings import RowMarks
+from drivegate.contracts.drawings import RowMarks
 from drivegate_reports.comparison.cells import written
 from drivegate_reports.comparison.inks import Ink
 from drivegate_reports.page.style import GREY, VERMILION, new_figure

@@ -11,8 +11,8 @@ from typing import Any, Final
 from pydantic import ValidationError
 
 from drivegate.contracts.catalogue import contract_of
+from drivegate.contracts.duty.best_operation import trajectories
 from drivegate.contracts.duty.document import duty_document
-from drivegate.contracts.duty.trajectories import trajectories
 from drivegate.results.sections import BehaviourSection, EfficiencyPointSection
 from drivegate_cases.documents.wording import figure
 from drivegate_cases.drive.drive_document import DriveDocument

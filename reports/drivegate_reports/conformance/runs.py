@@ -13,8 +13,8 @@ from drivegate.checks.margin import Moment
 from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.contract import Columns, Contract, RecordedTrace
 from drivegate.contracts.current.words import run_signals
+from drivegate.contracts.drawings import TIME, Panel, panels_for
 from drivegate.contracts.duty.words import duty_signals
-from drivegate.contracts.panels import TIME, Panel, panels_for
 from drivegate.contracts.recorded_trace import recorded_closeup, recorded_trace
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.scenario.script import Script

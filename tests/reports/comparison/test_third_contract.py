@@ -28,7 +28,7 @@ from drivegate.contracts.comparison import (
     mean,
     name_of,
 )
-from drivegate.contracts.comparison_drawings import MarkPanel, RowMarks
+from drivegate.contracts.drawings import MarkPanel, RowMarks
 from drivegate.contracts.duty.scenarios.building import torque_scenario
 from drivegate.output.console import console_for
 from drivegate.studies.compare.compared_drive import ComparedDrive

@@ -140,7 +140,7 @@ def test_a_drive_without_any_torque_in_reach_is_told_so() -> None:
 
 
 def test_the_plane_of_a_drive_alone_has_one_panel(duty_result: Document) -> None:
-    from drivegate.contracts.duty.trajectories import trajectories
+    from drivegate.contracts.duty.best_operation import trajectories
     from drivegate_cases.drive.pm_ac.document import PmAcDocument
 
     drive = drive_of(duty_result)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Final
 
-from drivegate.contracts.panels import Line, Panel
+from drivegate.contracts.drawings import Line, Panel
 
 SENSED: Final[Mapping[str, str]] = {
     "speed_reference": "rad/s",

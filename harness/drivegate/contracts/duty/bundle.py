@@ -83,9 +83,9 @@ def _record(
     trace_every: int = 0,  # noqa: ARG001  (every run of this contract keeps its whole trace)
     kept: NDArray[Any] | None = None,
 ) -> DutyRecord:
-    from drivegate.contracts.duty.idle_bridge import idle_bridge
     from drivegate.contracts.duty.plant_run import duty_run
     from drivegate.contracts.duty.record import DutyRecord
+    from drivegate.contracts.duty.run import idle_bridge
     from drivegate.contracts.duty.scenarios.compared import mirror_image, with_other_dead_time
 
     run_once = partial(
@@ -177,7 +177,7 @@ DUTY: Final = Contract(
     drawn_range=Later("drivegate.contracts.duty.scenarios.drawn_range", "drawn_range"),
     unseen=Later("drivegate.contracts.duty.record", "unseen_duty_record"),
     record=_record,
-    judged_window=Later("drivegate.contracts.duty.judged_window", "judged_window"),
+    judged_window=Later("drivegate.contracts.duty.record", "judged_window"),
     step_seconds=Later("drivegate.contracts.duty.timed_steps", "duty_step_seconds"),
     layout=Later("drivegate_models.contract.layout", "DUTY").value,
     sensed=SENSED,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final
 
-from drivegate.contracts.panels import Line, Panel
+from drivegate.contracts.drawings import Line, Panel
 from drivegate_models.units import RADIANS_PER_RPM
 
 SENSED: Final[Mapping[str, str]] = {

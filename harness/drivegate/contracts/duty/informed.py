@@ -9,7 +9,7 @@ from __future__ import annotations
 from math import isfinite, pi, sqrt
 from typing import TYPE_CHECKING, Any, Final
 
-from drivegate.contracts.duty.checks.optimum import greatest_at, least_within, undistorted
+from drivegate.contracts.duty.checks.judged import greatest_at, least_within, undistorted
 from drivegate_cases.scenario.load import VehicleLoad
 from drivegate_cases.scenario.piecewise import value_from
 from drivegate_cases.scenario.scenario import Scenario

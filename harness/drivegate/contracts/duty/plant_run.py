@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 from drivegate.containment.contained_controller import CommandPlayer
 from drivegate.containment.messages import AnyController
 from drivegate.containment.playback import Wrap
-from drivegate.contracts.duty.idle_bridge import BRIDGE_ON, IdleBridge
-from drivegate.contracts.duty.run import DutyClosedLoopRun, PrepareDutyLoop, run_duty
+from drivegate.contracts.duty.run import BRIDGE_ON, DutyClosedLoopRun, IdleBridge, PrepareDutyLoop, run_duty
 from drivegate.scenarios.plant_inputs import plant_converters, plant_dropouts, plant_encoder, plant_hall
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import SHUNTS, ShuntSensors, position_of

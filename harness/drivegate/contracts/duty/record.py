@@ -1,4 +1,4 @@
-"""What the checks see of one finished run of a controller of duty ratios."""
+"""What the checks see of one finished run of a controller of duty ratios, and where in it a verdict comes from."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.candidates.declaration import Declaration
+from drivegate.checks.check import Check
+from drivegate.checks.margin import Margin
 from drivegate.checks.record import NotRun, Record, Unseen
 from drivegate.contracts.duty.current_reference import quadrature_for
 from drivegate.contracts.duty.document import duty_document
@@ -163,3 +165,33 @@ def unseen_duty_record(declaration: Declaration, scenario: Scenario) -> DutyReco
         for compared in (with_other_dead_time(scenario), mirror_image(scenario))
     )
     return _UnseenDutyRecord(scenario, run, declaration, other_dead_time=other, mirror=mirror)
+
+
+@dataclass(frozen=True)
+class _PartialRecord(DutyRecord):
+    """A run of which only some of the steady stretches are shown."""
+
+    shown: tuple[DutyWindow, ...] = ()
+    """These stretches."""
+
+    @cached_property
+    def steady(self) -> tuple[DutyWindow, ...]:
+        return self.shown
+
+
+def judged_window(check: Check, record: DutyRecord, margin: Margin | None) -> tuple[float, float]:
+    """Find the steady stretch that alone gives the same margin; the whole run where none decides."""
+    whole = (0.0, record.scenario.duration_s)
+    if margin is None or check.evaluate(_part(record)) is not None:
+        return whole
+    for window in record.steady:
+        alone = check.evaluate(_part(record, window))
+        if alone is not None and alone.value == margin.value:
+            return window.start_s, window.end_s
+    return whole
+
+
+def _part(record: DutyRecord, *shown: DutyWindow) -> DutyRecord:
+    return _PartialRecord(
+        record.scenario, record.run, record.declaration, record.repeated_digests, shown=shown
+    )

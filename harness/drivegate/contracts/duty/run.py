@@ -1,4 +1,4 @@
-"""A run of a controller of duty ratios through a scenario: from plain data to its trace and its commands."""
+"""A run of a controller of duty ratios through a scenario: from plain data to its trace and observations."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.candidates.controller import Controller
+from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.fault import OVERWRITTEN_SIZE, CandidateFault, placed, refused_command
 from drivegate.containment.messages import AnyController
 from drivegate.containment.playback import Wrap, require_same_plant, stepped_here
@@ -20,12 +21,7 @@ from drivegate.containment.protocol import CloseLoop
 from drivegate.containment.restarting import Restarter
 from drivegate.contracts.duty.current_reference import quadrature_profile
 from drivegate.contracts.duty.document import duty_document
-from drivegate.contracts.duty.idle_bridge import BRIDGE_ON, IdleBridge
-from drivegate.scenarios.plant_inputs import (
-    plant_course,
-    plant_load,
-    plant_schedule,
-)
+from drivegate.scenarios.plant_inputs import plant_course, plant_load, plant_schedule
 from drivegate_cases.scenario.load import DynamometerLoad, VehicleLoad
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.contract.duty.records import DUTY_COMMAND
@@ -36,6 +32,8 @@ from drivegate_models.loop.duty_command import BAD_LEG
 from drivegate_models.loop.exchange import COMPLETED, NOT_FINITE, STOPPED
 from drivegate_models.units import RADIANS_PER_RPM
 
+WAITING_PERIODS: Final = 32
+"""Control periods with a turning shaft: an even number, so that a run begins in the same half of the carrier."""
 PrepareDutyLoop: TypeAlias = Callable[..., Any]
 """Makes a run against the plant ready to begin, `drivegate_models.pm_ac.closed_loop.prepared_duty_loop`."""
 
@@ -46,6 +44,32 @@ LEGS: Final = ("first_leg", "second_leg", "third_leg")
 _DIGEST_BITS: Final = 63
 _AFTER_A_STEP: Final = 1e-6
 """Time of a control period at which a step at its start has been taken, in control periods (1)."""
+
+
+@dataclass(frozen=True)
+class IdleBridge:
+    """Numbers of control periods before a run."""
+
+    resting: int = 0
+    """Those at standstill, which come first."""
+    waiting: int = 0
+    """Those in which the shaft turns at the initial speed of the run."""
+
+    @property
+    def periods(self) -> int:
+        """All of them."""
+        return self.resting + self.waiting
+
+
+BRIDGE_ON: Final = IdleBridge()
+"""No such periods."""
+
+
+def idle_bridge(declaration: Declaration, control_period: float) -> IdleBridge:
+    """Return the periods before a run of a candidate; `control_period` is in seconds."""
+    if not declaration.reads_enable:
+        return BRIDGE_ON
+    return IdleBridge(round(declaration.calibration_time_s / control_period), WAITING_PERIODS)
 
 
 @dataclass(frozen=True)

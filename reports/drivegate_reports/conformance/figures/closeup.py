@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from drivegate.checks.margin import Moment
 from drivegate.contracts.contract import Columns
-from drivegate.contracts.panels import TIME, Line, Panel, panels_for
+from drivegate.contracts.drawings import TIME, Line, Panel, panels_for
 from drivegate.output.panels import MomentTime, draw_moment, quantity_of
 from drivegate_reports.page.style import BLUE, GREEN, GREY, VERMILION, label_ends, new_figure
 

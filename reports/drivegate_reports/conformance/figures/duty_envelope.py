@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from drivegate.contracts.duty.efficiency import known_map
+from drivegate.contracts.duty.best_operation import known_map
 from drivegate_reports.conformance.figures.drive_envelope import column
 from drivegate_reports.page.style import BLUE, GREY, label_ends, new_figure
 

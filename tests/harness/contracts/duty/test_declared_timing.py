@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from drivegate.results.wording import drive_in_words
 
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.resolution import resolve_candidate
@@ -16,6 +15,7 @@ from drivegate.contracts.duty.scenarios.building import torque_scenario
 from drivegate.contracts.duty.torque import torque_course
 from drivegate.drives.kinds import common_drive, drive_for, scenario_at_declared_timing
 from drivegate.drives.running import recorded
+from drivegate.output.wording import drive_in_words
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_models.errors import InputError
 

@@ -13,7 +13,7 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.contracts.contract import Witness
-from drivegate.contracts.duty.idle_bridge import WAITING_PERIODS
+from drivegate.contracts.duty.run import WAITING_PERIODS
 from drivegate.contracts.duty.scenarios.building import torque_scenario
 from drivegate.drives.running import recorded
 from drivegate.gate.witnesses import judged_witness

@@ -6,8 +6,7 @@ from math import hypot, sqrt
 
 import pytest
 
-from drivegate.contracts.duty.efficiency import efficiency_map, known_map
-from drivegate.contracts.duty.trajectories import trajectories
+from drivegate.contracts.duty.best_operation import efficiency_map, known_map, trajectories
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_models.pm_ac.fundamental import steady_state

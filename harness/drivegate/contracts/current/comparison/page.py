@@ -6,14 +6,8 @@ from collections.abc import Sequence
 from typing import Final
 
 from drivegate.contracts.comparison import CHECKS, POINTS, RANKING, TIMING, Document, Section
-from drivegate.contracts.comparison_drawings import (
-    CycleCurves,
-    DifferenceBars,
-    RunCurves,
-    SpeedCurves,
-    SpeedLoadMap,
-)
 from drivegate.contracts.current.numbers import FEASIBLE
+from drivegate.contracts.drawings import CycleCurves, DifferenceBars, RunCurves, SpeedCurves, SpeedLoadMap
 
 MAPS: Final = (
     SpeedLoadMap(

@@ -18,10 +18,12 @@ from drivegate.contracts.duty.checks.judged import (
     at,
     duty_record,
     greatest_required,
+    least_free,
+    least_within,
     plant_of,
+    undistorted,
     worst,
 )
-from drivegate.contracts.duty.checks.optimum import least_free, least_within, undistorted
 from drivegate.contracts.duty.current_reference import unless_current
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
 

@@ -12,7 +12,7 @@ from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.judged import duty_record
 from drivegate.contracts.duty.record import DutyRecord
 from drivegate.contracts.duty.run import LEGS
-from drivegate.contracts.duty.scenarios.failures import unnoticed_because
+from drivegate.contracts.duty.scenarios.drawn_range import unnoticed_because
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.failure import SURVIVABLE
 from drivegate_cases.scenario.load import DynamometerLoad

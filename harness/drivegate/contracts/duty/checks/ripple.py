@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, Mark, Moment, at_most
 from drivegate.checks.record import Record
-from drivegate.contracts.duty.checks.judged import at, duty_record, plant_of, worst
-from drivegate.contracts.duty.checks.optimum import undistorted
+from drivegate.contracts.duty.checks.judged import at, duty_record, plant_of, undistorted, worst
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
 from drivegate.contracts.duty.run import DUTY_RATIOS, LEGS
 from drivegate_models.units import RADIANS_PER_RPM

@@ -14,8 +14,13 @@ from numpy.typing import NDArray
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, Mark, Moment, Point, at_most
 from drivegate.checks.record import Record
-from drivegate.contracts.duty.checks.judged import duty_record, is_within_reach, plant_of
-from drivegate.contracts.duty.checks.optimum import least_free, undistorted
+from drivegate.contracts.duty.checks.judged import (
+    duty_record,
+    is_within_reach,
+    least_free,
+    plant_of,
+    undistorted,
+)
 from drivegate.contracts.duty.current_bandwidth import REMAINING, declared_rise_s
 from drivegate.contracts.duty.current_reference import voltage_along_none
 from drivegate.contracts.duty.record import DutyRecord

@@ -15,14 +15,17 @@ from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.current import FREE_SHARE
 from drivegate.contracts.duty.checks.judged import (
     STEADY_FAMILIES,
+    Purpose,
     at,
     duty_record,
+    greatest_at,
     greatest_required,
     is_within_reach,
+    least_free,
     plant_of,
+    undistorted,
     worst,
 )
-from drivegate.contracts.duty.checks.optimum import Purpose, greatest_at, least_free, undistorted
 from drivegate.contracts.duty.checks.steps import SHOWN_BEFORE, TorqueStep, overshoot_of, torque_steps
 from drivegate.contracts.duty.current_reference import unless_current
 from drivegate.contracts.duty.document import duty_document

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from drivegate.contracts.comparison import CHECKS, POINTS, RANKING, TIMING, Document, Section
-from drivegate.contracts.comparison_drawings import MarkPanel, RowMarks
+from drivegate.contracts.drawings import MarkPanel, RowMarks
 
 
 def rise_percent(row: Mapping[str, Any]) -> float | None:

@@ -32,13 +32,13 @@ from drivegate.contracts.duty.scenarios.building import (
 from drivegate.contracts.duty.scenarios.drawn_range import (
     BEYOND_SHARE,
     BRAKING_SHARE,
+    FAILURE_TORQUE_SHARE,
     HEAVIEST_FAILURE_SHARE,
     HEAVIEST_SHARE,
     SHARE_STEP,
     SLOW_SHARE,
     TURNING_SHARE,
 )
-from drivegate.contracts.duty.scenarios.failures import FAILURE_TORQUE_SHARE
 from drivegate.scenarios.changes import CLOCKS_S, with_real_sensors, with_scales
 from drivegate.scenarios.drive_scale import tidy
 from drivegate.scenarios.rotation import goes_backward, is_mirrored, mirrored

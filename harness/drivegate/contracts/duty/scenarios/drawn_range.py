@@ -1,20 +1,28 @@
-"""The range that scenarios of a PM AC drive are drawn from."""
+"""The range that scenarios of a PM AC drive are drawn from, also that of failures and of position errors."""
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
-from drivegate.contracts.duty.scenarios.failures import FAILURE_TORQUE_SHARE
-from drivegate.contracts.duty.scenarios.position_errors import greatest_angle_error
 from drivegate.scenarios.drawn_range import NONE, DrawnRange, Interval
 from drivegate.scenarios.drive_scale import rated_torque_at
 from drivegate.scenarios.rotation import sense_of
 from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.limits import FAILURE_SPEED_SHARE
 from drivegate_cases.scenario.load import DynamometerLoad, HoistLoad, LockedLoad
+from drivegate_cases.scenario.piecewise import value_from
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import ShuntSensors
+from drivegate_models.units import RADIANS_PER_RPM
 
+FAILURE_TORQUE_SHARE: Final = 0.3
+"""Least torque under which something fails, over rated torque: without a current no phase or sensor is missed (1)."""
+_SPEED_ROUNDING: Final = 0.01
+"""What speeds and torques that people can read are rounded by, over base speed and rated torque (1)."""
+GREATEST_ANGLE_DEG: Final = 12.0
+"""Error of the angle up to which anybody is judged (electrical degrees)."""
 SHARE_STEP: Final = 0.05
 """Step of drawn torques and loads over rated torque, and the least of them (1)."""
 TURNING_SHARE: Final = 0.1
@@ -32,6 +40,70 @@ SLOW_LOAD_SHARE: Final = 0.2
 stops the shaft before a regulator of its speed can act."""
 BEYOND_SHARE: Final = 3.0
 """Torque reference that no drive of this kind can follow in weakening, over the one of rated power there (1)."""
+
+
+def unnoticed_because(scenario: Scenario) -> str | None:
+    """Return why nobody is judged on what a controller does after the failure in a scenario, if there is one."""
+    failure, drive = scenario.failure, scenario.drive
+    if failure is None or not isinstance(drive, PmAcDocument):
+        return None
+    base = drive.rating.base_speed_rpm
+    # On a change of the reference the shaft is still at the speed before it.
+    reference = abs(value_from(scenario.speed_rpm, failure.time_s))
+    turning = reference if failure.time_s > 0.0 else abs(scenario.initial_speed_rpm)
+    locks = failure.kind == "locked-rotor"
+    # A shaft that locks shows it by its sudden stop, or by not starting.
+    speed = max(turning, reference) if locks else min(turning, reference)
+    if speed < (FAILURE_SPEED_SHARE - _SPEED_ROUNDING) * base:
+        return f"something fails below {100.0 * FAILURE_SPEED_SHARE:g} % of base speed, where it takes too long to show"
+    if max(turning, *(abs(speed) for _, speed in scenario.speed_rpm)) > (1.0 + _SPEED_ROUNDING) * base:
+        return (
+            "something fails above base speed, where legs that are off rectify and may not be the safe state"
+        )
+    least = (FAILURE_TORQUE_SHARE - _SPEED_ROUNDING) * rated_torque_at(drive, speed)
+    if not locks and abs(_torque(scenario)) < least:
+        return (
+            f"something fails below {100.0 * FAILURE_TORQUE_SHARE:g} % of rated torque, where it may not show"
+        )
+    return None
+
+
+def _torque(scenario: Scenario) -> float:
+    """Return the torque that is asked for, or that the load demands, as something fails (N·m)."""
+    load, failure = scenario.load, scenario.failure
+    assert failure is not None, "something fails in such a scenario"
+    if isinstance(load, DynamometerLoad):
+        return value_from(load.torque_reference_nm, failure.time_s)
+    if isinstance(load, LockedLoad):
+        return 0.0
+    share = value_from(scenario.load_profile, failure.time_s)
+    return load.torque_at(value_from(scenario.speed_rpm, failure.time_s), share)
+
+
+def greatest_angle_error(scenario: Scenario) -> float:
+    """Return a bound of the error of the shown angle (electrical rad), 0 for a sensor without such errors."""
+    given = scenario.sensors
+    if not isinstance(given, ShuntSensors):
+        return 0.0
+    shaft = (
+        math.radians(given.eccentricity_deg)
+        + math.hypot(given.sine_offset, given.cosine_offset)
+        + 0.5 * abs(given.track_gain)
+        + math.radians(abs(given.track_phase_deg))
+    )
+    fastest = max(abs(speed) for _, speed in scenario.speed_rpm) * RADIANS_PER_RPM
+    return scenario.drive.machine.pole_pairs * (shaft + fastest * given.latency_s)
+
+
+def lost_torque_share(scenario: Scenario) -> float:
+    """Return the share of a torque that an angle's error costs on a machine of any saliency (1).
+
+    The mean of a torque of least current falls by 1 - J0(A) for its part by the magnet, and by 1 - J0(2 A) for that by
+    the saliency, with the Bessel function J0 and the amplitude A of the angle's error. Its series is cut where it
+    alternates, so that the share is not too small.
+    """
+    angle = greatest_angle_error(scenario)
+    return angle * angle
 
 
 def drawn_range(scenario: Scenario) -> DrawnRange:

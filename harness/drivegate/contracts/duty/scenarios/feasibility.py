@@ -10,9 +10,14 @@ from typing import Final
 import numpy as np
 
 from drivegate.contracts.duty.document import duty_document
-from drivegate.contracts.duty.scenarios.drawn_range import TURNING_SHARE, is_slow, slow_load_share
-from drivegate.contracts.duty.scenarios.failures import unnoticed_because
-from drivegate.contracts.duty.scenarios.position_errors import GREATEST_ANGLE_DEG, greatest_angle_error
+from drivegate.contracts.duty.scenarios.drawn_range import (
+    GREATEST_ANGLE_DEG,
+    TURNING_SHARE,
+    greatest_angle_error,
+    is_slow,
+    slow_load_share,
+    unnoticed_because,
+)
 from drivegate.contracts.duty.scenarios.windows import DutyDwell, duty_dwells
 from drivegate.scenarios.drive_scale import rated_torque_at
 from drivegate_cases.drive.data_sheet import USABLE_SHARE

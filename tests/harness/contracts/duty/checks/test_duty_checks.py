@@ -15,8 +15,7 @@ from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import own_candidate
 from drivegate.contracts.catalogue import on_drive
-from drivegate.contracts.duty.checks.judged import plant_of
-from drivegate.contracts.duty.checks.optimum import greatest_at, least_free, undistorted
+from drivegate.contracts.duty.checks.judged import greatest_at, least_free, plant_of, undistorted
 from drivegate.contracts.duty.record import DutyRecord
 from drivegate.contracts.duty.scenarios.building import (
     failing,
