@@ -13,9 +13,10 @@ LOOKING: Final = 0.02
 """Minimum averaging time (s). It is extended to whole sixths of an electrical cycle, because the power ripples."""
 _LONGEST = 0.06
 
-# First and last step, as shares of the current limit.
+# First and last step, as shares of the current limit. A smaller last step would change the power by less than the
+# torque does as the speed settles, so that the search would stay wherever the first decisions have left it.
 _FIRST_STEP = 0.06
-_LAST_STEP = 0.002
+_LAST_STEP = 0.006
 # Minimum relative fall of the power for a step that adds current. The unmeasured torque changes by as much in a step,
 # and a search that mistook this for loss would drift.
 _LEAST_GAIN = 1e-5
