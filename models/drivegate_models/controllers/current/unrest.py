@@ -15,6 +15,8 @@ JOLT: Final = 0.5
 # Share of k1, and multiple of the smallest error: quantization by an encoder alone does not indicate the edge.
 _UNSTEADY = 0.1
 _CALM = 1.5
+# Share of the largest speed error of an interval.
+_RETURNED = 0.5
 # Share of the current that the regulator adds in the conducting phases.
 _RESPONSE = 0.5
 
@@ -40,12 +42,23 @@ def is_speed_unsteady(state: Any) -> bool:
 
 
 @inlined
+def is_speed_returning(state: Any) -> bool:
+    """Return True if most of the speed lost in the interval just ended was back at its end.
+
+    Where less angle needs a higher current reference, the speed must fall a little until the regulator has found it.
+    Lost torque does not return.
+    """
+    returning: bool = state.error <= _RETURNED * state.worst_error
+    return returning
+
+
+@inlined
 def is_sagging(state: Any) -> bool:
-    """Return True if the speed was unsteady and is below its reference.
+    """Return True if the speed was unsteady, is below its reference and does not return.
 
     Above the reference no torque is lost, however far the regulator is wound up: it unwinds.
     """
-    sagging: bool = is_speed_unsteady(state) and state.error >= 0.0
+    sagging: bool = is_speed_unsteady(state) and state.error >= 0.0 and not is_speed_returning(state)
     return sagging
 
 

@@ -15,7 +15,7 @@ from drivegate_models.controllers.current.protection import (
     revert_step,
 )
 from drivegate_models.controllers.current.state import HOLDING, SETTLING
-from drivegate_models.controllers.current.unrest import is_sagging
+from drivegate_models.controllers.current.unrest import is_sagging, is_speed_returning
 
 # With a hysteresis band the torque rises in jumps, up which the regulator creeps to its limit within seconds. The
 # minimum creep is a share of the current limit, from the drive tuned on (A).
@@ -122,7 +122,7 @@ def unwind(state: Any, current_sum: float) -> bool:
         # The reference exceeds the current that can flow at this angle.
         state.integral = min(state.integral, current_in_use(state, current_sum))
         angle = state.first_step
-    elif is_creeping(state, current_sum, 0.5 * CHANGED):
+    elif is_creeping(state, current_sum, 0.5 * CHANGED) and not is_speed_returning(state):
         state.integral = state.good_integral
         angle = 0.5 * state.first_step
     else:

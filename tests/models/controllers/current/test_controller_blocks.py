@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from drivegate_models.controllers.current.builtin import initial_angle, regulate_speed
 from drivegate_models.controllers.current.flowchart_search import decide_by_flowchart
-from drivegate_models.controllers.current.state import CONTROLLER_STATE, SETTLING
-from drivegate_models.controllers.current.winding import unwind_after_recovery
+from drivegate_models.controllers.current.state import CONTROLLER_STATE, SEARCHING, SETTLING
+from drivegate_models.controllers.current.winding import has_lost_torque, unwind, unwind_after_recovery
 
 pytestmark = pytest.mark.kernel
 BASE = 500.0 * math.pi / 30.0
@@ -84,3 +84,19 @@ def test_a_regulator_unwinds_no_farther_than_to_the_current_that_flows(
     state.integral = 29.5
     assert unwind_after_recovery(state, current_sum)
     assert state.integral == left
+
+
+@pytest.mark.parametrize(
+    ("error", "lost"),
+    [pytest.param(0.9, True, id="the speed stays away"), pytest.param(0.2, False, id="the speed returns")],
+)
+def test_a_higher_reference_is_lost_torque_only_where_the_speed_stays_away(error: float, lost: bool) -> None:
+    record = np.zeros(1, CONTROLLER_STATE).view(np.recarray)
+    state: Any = record[0]
+    state.mode, state.conducting_phases, state.first_step = SEARCHING, 2, 0.02
+    state.current_limit, state.speed_tolerance, state.calm_error = 26.0, 1.0, 0.01
+    # A step of one degree down; the regulator has found 30 % more reference in a sag of 1 rad/s.
+    state.moved, state.good_power, state.good_integral, state.rest_power = -0.02, 22.0, 11.0, math.inf
+    state.integral, state.worst_error, state.error = 14.3, 1.0, error
+    assert has_lost_torque(state, 21.8, 0.12) is lost, "at slightly less current"
+    assert unwind(state, 21.8) is lost, "the step is reverted"
