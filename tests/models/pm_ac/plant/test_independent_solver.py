@@ -292,9 +292,10 @@ class Solver:
         )
         best, landing = stop, None
         grid = np.unique(np.concatenate([np.linspace(start, stop, 17), found.t]))
+        states = found.sol(grid).T
         for leg in range(3):
             for function in self.watched(law, leg):
-                values = [function(time, found.sol(time)) for time in grid]
+                values = list(map(function, grid, states))
                 for low, high, first, second in zip(grid, grid[1:], values, values[1:], strict=False):
                     if first > 0.0 >= second:
                         time = brentq(lambda t, f=function: f(t, found.sol(t)), low, high, xtol=1e-20)

@@ -240,12 +240,12 @@ class Solver:
             rtol=1e-13,
             atol=1e-15 * max(1.0, self.point.reference),
             dense_output=True,
-            max_step=(stop - start) / 4,
         )
         grid = np.unique(np.concatenate([np.linspace(start, stop, 41), found.t]))
+        states = found.sol(grid).T
         best, landing = stop, []
         for phase, level, function in self.watch(windows, laws):
-            values = [function(time, found.sol(time)) for time in grid]
+            values = list(map(function, grid, states))
             # What begins at its level, or a hair beyond, has just left it.
             for low, high, first, second in zip(grid, grid[1:], values, values[1:], strict=False):
                 if first > 0.0 >= second:
@@ -300,10 +300,10 @@ class Solver:
                 for level in self.levels(k, windows[k]):
                     watched.append((k, level, lambda _, y, k=k, level=level: float(y[k] - level)))
                     watched.append((k, level, lambda _, y, k=k, level=level: float(level - y[k])))
-            elif laws.moving.any():
+            elif laws.moved:
                 watched.append((k, None, lambda t, y, k=k: float((laws.below - laws.wanted(t, y))[k])))
                 watched.append((k, None, lambda t, y, k=k: float((laws.wanted(t, y) - laws.above)[k])))
-        if not laws.moving.any():
+        if not laws.moved:
             watched.append((0, None, laws.room))
         return watched
 
@@ -325,13 +325,15 @@ class Laws:
     start: np.ndarray
 
     def __post_init__(self) -> None:
+        self.moved = int(self.moving.sum())
         self.chopping = ~self.moving & (self.start != 0.0)
+        self.chopped = int(self.chopping.sum())
         # What moves alone stands still, since the currents sum to zero.
-        alone = int(np.sum(self.moving)) == 1 and self.start[int(np.argmax(self.moving))] == 0.0
-        self.is_still = alone or not self.moving.any()
+        alone = self.moved == 1 and self.start[int(np.argmax(self.moving))] == 0.0
+        self.is_still = alone or not self.moved
         self.carries = (self.start != 0.0) | (self.moving & (not self.is_still))
         pulls = self.voltages - self.opposed(self.time, self.start) - self.neutral(self.time, self.start)
-        later = np.mean(self.slopes[self.moving]) - self.slopes if self.moving.any() else 0.0 * pulls
+        later = np.mean(self.slopes[self.moving]) - self.slopes if self.moved else 0.0 * pulls
         direction = np.sign(np.where(np.abs(pulls) > VOLTAGE_TIE, pulls, later))
         self.signs = np.where(self.start != 0.0, np.sign(self.start), np.where(self.moving, direction, 0.0))
 
@@ -343,9 +345,9 @@ class Laws:
 
     def neutral(self, time: float, currents: np.ndarray) -> float:
         against = self.opposed(time, currents)
-        if self.moving.any():
-            return float(np.mean((self.voltages - against)[self.moving]))
-        return 0.5 * float(np.max(self.above - against) + np.min(self.below - against))
+        if self.moved:
+            return float((self.voltages - against)[self.moving].sum()) / self.moved
+        return 0.5 * float((self.above - against).max() + (self.below - against).min())
 
     def wanted(self, time: float, state: np.ndarray) -> np.ndarray:
         """Return the leg voltages that would hold every current."""
@@ -355,7 +357,7 @@ class Laws:
     def room(self, time: float, state: np.ndarray) -> float:
         """Return how much room the neutral has where no phase moves."""
         against = self.opposed(time, state[: len(self.start)])
-        return float(np.min(self.below - against) - np.max(self.above - against))
+        return float((self.below - against).min() - (self.above - against).max())
 
     def equation(self, time: float, state: np.ndarray) -> np.ndarray:
         """Return the rates of currents and integrals."""
@@ -365,19 +367,19 @@ class Laws:
         pulls = legs - held
         shapes = self.offsets + self.slopes * (time - self.middle)
         gaps = self.peak * shapes + pulls
-        ripple = float(np.sum(((self.below - legs) * (legs - self.above))[self.chopping]))
+        ripple = float(((self.below - legs) * (legs - self.above))[self.chopping].sum())
         if not self.is_still:
             # One that chops by itself takes the neutral with it.
-            connected = int(np.sum(self.moving) + np.sum(self.chopping))
+            connected = self.moved + self.chopped
             ripple *= (connected - 1) / connected
         # Rails, not legs: a forward drop is no voltage of the source.
-        taken = float(np.sum(legs * currents)) + self.dropped(legs, currents)
-        squares = float(np.sum((gaps * gaps)[self.carries])) + ripple
-        drag = drive.emf_constant * self.peak * float(np.sum((shapes * shapes)[~self.carries]))
+        taken = float(legs @ currents) + self.dropped(legs, currents)
+        squares = float((gaps * gaps)[self.carries].sum()) + ripple
+        drag = drive.emf_constant * self.peak * float((shapes * shapes)[~self.carries].sum())
         integrals = [
-            float(np.sum(self.signs * currents)),
-            float(np.sum(currents * currents)),
-            drive.emf_constant * float(np.sum(shapes * currents)),
+            float(self.signs @ currents),
+            float(currents @ currents),
+            drive.emf_constant * float(shapes @ currents),
             taken,
             drive.core_loss_conductance * squares,
             drive.core_loss_conductance * drag,
@@ -387,6 +389,8 @@ class Laws:
     def dropped(self, legs: np.ndarray, currents: np.ndarray) -> float:
         """Return the loss in forward drops (W)."""
         drive, total = self.drive, 0.0
+        if drive.switch_drop == drive.diode_drop == 0.0:
+            return total
         for k, sign in enumerate(self.signs):
             on, off = (self.below[k], self.above[k]) if sign > 0.0 else (self.above[k], self.below[k])
             share = (legs[k] - off) / (on - off) if self.chopping[k] else float(legs[k] * sign > 0.0)
