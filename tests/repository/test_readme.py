@@ -11,6 +11,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from tests.harness.ended import ended
 
 from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS
 from drivegate.candidates.resolution import resolve_candidate
@@ -35,7 +36,7 @@ def fresh(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     for line in LINES:
         if line.startswith(tuple(f"drivegate {name} " for name in CHEAP)):
-            ended = subprocess.run(
+            made = subprocess.run(
                 ["bash", "-c", line],
                 cwd=folder,
                 env=os.environ | {"PATH": path},
@@ -43,7 +44,7 @@ def fresh(tmp_path_factory: pytest.TempPathFactory) -> Path:
                 capture_output=True,
                 text=True,
             )
-            assert ended.returncode == 0, f"{line}\n{ended.stdout}{ended.stderr}"
+            assert made.returncode == 0, f"{line}\n{made.stdout}{made.stderr}"
     return folder
 
 
@@ -77,15 +78,18 @@ FOUND = re.findall(r"^([a-z-]+) +([A-Z]+-\d) +(.+)$", TEXT, re.MULTILINE)
 
 
 @pytest.mark.parametrize(("name", "check", "measured"), FOUND, ids=[name for name, _, _ in FOUND])
-def test_a_fault_is_found_as_it_is_shown(name: str, check: str, measured: str, tmp_path: Path) -> None:
-    ended = subprocess.run(
-        [sys.executable, "-m", "drivegate", "check", f"faulty:{name}", "--only", check, "--effort", "quick"],
-        cwd=tmp_path,
-        check=False,
-        capture_output=True,
-        text=True,
-    )
-    assert f"  measured {measured}" in ended.stdout, ended.stdout + ended.stderr
+def test_a_fault_is_found_as_it_is_shown(
+    name: str,
+    check: str,
+    measured: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("drivegate.output.report_writers.entry_points", lambda group: [])
+    printed = ended(capsys, "check", f"faulty:{name}", "--only", check, "--effort", "quick", "--workers", 1)
+    assert f"  measured {measured}" in printed.out, printed.out + printed.err
 
 
 def test_the_numbers_of_what_to_trust_are_those_of_the_tests() -> None:

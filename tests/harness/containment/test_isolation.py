@@ -29,10 +29,17 @@ from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.compilation.kernels import required_cache_folder
 from drivegate_models.errors import InputError
+from drivegate_models.half_bridge.periodic import least_conceivable
 
 
 def digest_of(loaded: JudgedCandidate, scenario: Scenario) -> int:
     return int(recorded(loaded, scenario, loaded.controller()).run.digest)
+
+
+def digest_beside_a_kernel(loaded: JudgedCandidate, scenario: Scenario) -> int:
+    digest = digest_of(loaded, scenario)
+    assert least_conceivable(scenario.drive.plant(), 5.0) > 0.0
+    return digest
 
 
 PAGE = Path(__file__).parents[3] / "docs" / "containment.md"
@@ -128,7 +135,9 @@ class Forgery:
         return exec, ("import sys; 'judge' in sys.argv and open({forged!r}, 'w').close()",)
 import pickle
 for file in Path({kernels!r}).rglob("*.nb[ic]"):
-    file.write_bytes(pickle.dumps(Forgery()))
+    # To compile the closed loop again takes the judge long.
+    if not file.name.startswith("loop_kernel."):
+        file.write_bytes(pickle.dumps(Forgery()))
 class Mine:
     def reset(self, nameplate):
         pass
@@ -142,16 +151,21 @@ def test_a_judge_loads_no_kernel_that_a_candidate_has_changed(
 ) -> None:
     kernels = tmp_path / "cache"
     folder = required_cache_folder()
+    scenario = fixed_scenarios(load_drive("paper-5-phase"))[0].model_copy(update={"duration_s": 0.05})
+    assert least_conceivable(scenario.drive.plant(), 5.0) > 0.0, "it is kept from now on"
     shutil.copytree(folder, kernels / folder.name)
     monkeypatch.setenv("DRIVEGATE_CACHE", str(kernels))
     file = tmp_path / "mine.py"
     file.write_text(FORGED.format(kernels=str(kernels), forged=str(tmp_path / "forged")), encoding="utf-8")
-    scenario = fixed_scenarios(load_drive("paper-5-phase"))[0].model_copy(update={"duration_s": 0.05})
     with WorkerPool(resolve_candidate(f"{file}:Mine"), workers=1) as pool:
-        (ended,) = pool.map([Job(digest_of, scenario)])
-    # What the judge needed, it has compiled and stored again.
+        (ended,) = pool.map([Job(digest_beside_a_kernel, scenario)])
     changed = [each for each in kernels.rglob("*.nb[ic]") if b"/forged" in each.read_bytes()]
     assert changed, "the candidate has changed nothing"
+    # A function called by address, and one called from Python.
+    for needed in ("loop/step_recording.playing_step.", "half_bridge/periodic.least_conceivable-"):
+        stored = set(kernels.glob(f"*/drivegate_models.{needed}*.nbi"))
+        assert stored, f"{needed} is not kept"
+        assert not stored.intersection(changed), f"the judge has to compile and store {needed} again"
     assert not (tmp_path / "forged").exists(), "the judge executed what the candidate wrote"
     assert isinstance(ended, int), ended
 

@@ -148,7 +148,7 @@ class Controller:
 def test_faults_of_a_python_candidate_become_verdicts(
     tmp_path: Path, few_jobs: None, body: str, verdict: str
 ) -> None:
-    result = check(candidate(tmp_path, body), workers=2)
+    result = check(candidate(tmp_path, body), workers=1)
     assert (result.verdict, result.exit_code) == (verdict, 1), result.faults
     if verdict != "non-deterministic":
         assert result.faults[0].sense is None or "speed" in result.faults[0].sense
@@ -156,7 +156,7 @@ def test_faults_of_a_python_candidate_become_verdicts(
 
 
 def test_commands_out_of_range_fail_their_checks_and_are_clamped(tmp_path: Path, few_jobs: None) -> None:
-    found = verdicts(check(candidate(tmp_path, "return Command(1e9, -0.02)"), workers=2))
+    found = verdicts(check(candidate(tmp_path, "return Command(1e9, -0.02)"), workers=1))
     assert found["ADV-2"] == found["CMD-1"] == "fail", found
     assert found["PWR-1"] == "pass", "the plant suffered from a command out of range"
 

@@ -397,7 +397,9 @@ def test_importing_drivegate_brings_neither_pytest_nor_anything_heavy() -> None:
     assert ended.stdout.strip() == "[]"
 
 
-def test_the_items_of_the_reference_come_out_as_the_gate_has_them_for_real(pytester: pytest.Pytester) -> None:
+def test_the_items_of_the_reference_come_out_as_the_gate_has_them_for_real(
+    pytester: pytest.Pytester, one_shard: None
+) -> None:
     pytester.makepyfile(SUITE.format(arguments='effort="quick"'))
     result = pytester.runpytest_subprocess("--drivegate-candidate", "reference", "-rA", "-W", "default")
     (file,) = pytester.path.glob(".pytest_cache/d/drivegate/reference-quick-0/result.json")
