@@ -50,7 +50,9 @@ def placed_figure(
 
 def _settled(figure: Figure) -> Figure:
     """Lay a figure out once and round that: the layout's solver differs in the last digits from time to time."""
-    figure.draw_without_rendering()
+    engine = figure.get_layout_engine()
+    if engine is not None:
+        engine.execute(figure)
     figure.set_layout_engine("none")
     for axis in figure.axes:
         left, bottom, width, height = (round(value, _PLACES) for value in axis.get_position().bounds)

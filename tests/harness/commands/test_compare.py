@@ -62,7 +62,9 @@ def test_the_built_in_candidates_are_compared_the_same_on_any_number_of_workers(
         )
 
 
-def test_drives_are_put_side_by_side_the_same_on_any_number_of_workers(compare, tmp_path, monkeypatch):
+def test_drives_are_put_side_by_side_the_same_on_any_number_of_workers(
+    compare, undrawn, tmp_path, monkeypatch
+):
     drives = ("--drive", "paper-5-phase", "--drive", "fan-3-phase")
     ended = compare("initial", "nonsense", *drives, "--workers", 2, "--output", "two", "--json")
     assert ended.code == 2, ended.err
@@ -121,7 +123,7 @@ def test_drives_that_cannot_be_compared_are_refused(refused, tmp_path):
     assert "no controller can meet what the drive 'fan-3-phase' requires" in said
 
 
-def test_who_fails_or_is_refused_does_not_stop_the_others(compare, controllers, tmp_path):
+def test_who_fails_or_is_refused_does_not_stop_the_others(compare, undrawn, controllers, tmp_path):
     ended = compare("nonsense", "initial", f"{controllers}:Raising", "--workers", 1, "--json")
     assert ended.code == 2
     assert "error: nonsense: the candidate 'nonsense' is unknown" in ended.err

@@ -20,6 +20,7 @@ import yaml
 from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
 from cryptography.hazmat.primitives.serialization import Encoding, NoEncryption, PrivateFormat, PublicFormat
 
+from drivegate.results.waivers import read_waivers
 from drivegate.studies.new import write_candidate
 from drivegate_models.compilation.kernels import cache_key
 
@@ -233,6 +234,10 @@ def test_gitlab_checks_the_same_and_finds_junit(tmp_path: Path) -> None:
     assert job["cache"]["key"]["files"] == [shared["variables"]["DRIVEGATE"]]
     ended = ran(checks, tmp_path / "mine", shared["variables"])
     assert ended.returncode == 0, f"the first push must be green: {ended.stdout}{ended.stderr}"
+    report = tmp_path / "mine" / "drivegate-report"
+    result = json.loads((report / "result.json").read_text(encoding="utf-8"))
+    waived = [check["id"] for check in result["checks"] if check["verdict"] == "waived"]
+    assert waived == [waiver.check for waiver in read_waivers(report.with_name("waivers.toml"), ["mine"])]
     junit = ElementTree.parse(tmp_path / "mine" / job["artifacts"]["reports"]["junit"])
     assert junit.getroot().findall(".//testcase")
     assert job["artifacts"]["when"] == "always"

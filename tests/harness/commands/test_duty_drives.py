@@ -44,7 +44,7 @@ def test_controllers_of_duty_ratios_are_compared_on_one_drive(command, tmp_path)
     assert (tmp_path / "made" / "tables" / "operating_points.csv").is_file()
 
 
-def test_controllers_of_duty_ratios_are_compared_across_drives(command, tmp_path) -> None:
+def test_controllers_of_duty_ratios_are_compared_across_drives(command, undrawn, tmp_path) -> None:
     for name in ("pm-ac-surface", "pm-ac-interior"):
         brief = load_drive(name).replaced(settling_s=0.1)
         (tmp_path / f"{name}.json").write_text(brief.to_json(), encoding="utf-8")

@@ -140,9 +140,10 @@ class Mine:
     scenario = SHORT.replaced(initial_speed_rpm=2500.0, speed_rpm=((0.0, 2500.0),), name="fast")
     table = COUNTEREXAMPLE | {"check": "ADV-2", "scenario": scenario.to_mapping()}
     (tmp_path / "corpus" / "a.json").write_text(json.dumps(table), encoding="utf-8")
-    words = ("check", "mine.py:Mine", "--effort", "quick", "--max-time", "0.001", "--json")
+    check = ("check", "mine.py:Mine", "--effort", "quick", "--only", "ADV-2", "--workers", "1", "--json")
+    words = (*check, "--max-time", "0.001")
     assert by_check(command(*words).document)["ADV-2"]["verdict"] == "inconclusive"
-    words = ("check", "mine.py:Mine", "--effort", "quick", "--corpus", "corpus", "--json")
+    words = (*check, "--corpus", "corpus")
     outcome = by_check(command(*words).document)["ADV-2"]
     assert outcome["verdict"] == "fail"
     assert "fails in 1 of 8 runs: fast;" in outcome["message"], "only the scenario of the corpus breaks it"

@@ -28,7 +28,7 @@ NAMEPLATE = Nameplate(
     *(1, 2.513, 4.0, 0.576, 0.00417, 157.08),
 )
 LIMITS = WorkerLimits(step_processor_seconds=0.5, memory_bytes=2**30)
-IMPATIENT = WorkerLimits(step_processor_seconds=0.5, start_processor_seconds=3.0, memory_bytes=2**30)
+IMPATIENT = WorkerLimits(step_processor_seconds=0.5, start_processor_seconds=2.0, memory_bytes=2**30)
 SPIN = "for (volatile int spin = 1; spin;) {}"
 FILL = """volatile char *filled = malloc((size_t)10 << 30);
     for (size_t k = 0; k < (size_t)10 << 30; k += 4096) filled[k] = 1;"""

@@ -128,8 +128,10 @@ def test_packaged_drives_lie_within_the_bounds(name: str) -> None:
 
 @each_kind
 def test_a_drive_whose_rating_cannot_be_met_is_rejected(kind) -> None:
-    drawn = next(found for number in range(1, 30) if (found := kind.draw(0, number)).rejected)
-    number = int(drawn.document.name.rpartition("-")[2])
+    # The first number of each kind that has one.
+    number = {"half-bridge": 5, "star": 17, "pm-ac": 7}[kind.kind]
+    drawn = kind.draw(0, number)
+    assert drawn.rejected, "another number has a drive that is rejected"
     *before, last = islice(kind.draws(0, number), drawn.rejected + 1)
     assert last.rating == drawn.document.rating
     refuse_unreachable(drawn.document)
