@@ -127,10 +127,22 @@ def suite(pytester: pytest.Pytester) -> Any:
     return run
 
 
+FEW_RUNS = """
+import os
+from drivegate.contracts.current.scenarios import fixed
+from drivegate.gate import plan
+
+every = fixed.fixed_scenarios
+fixed.fixed_scenarios = lambda *given: every(*given)[::3]
+plan.SHARDS = 1
+os.cpu_count = lambda: 1
+"""
+
+
 @pytest.fixture
-def one_shard(pytester: pytest.Pytester) -> None:
-    """Let the process of a suite draw one shard of scenarios beside the fixed ones."""
-    pytester.makeconftest("from drivegate.gate import plan\n\nplan.SHARDS = 1\n")
+def few_runs(pytester: pytest.Pytester) -> None:
+    """Let the process of a suite run a third of the fixed scenarios and one shard of drawn ones, in one worker."""
+    pytester.makeconftest(FEW_RUNS)
 
 
 def of_level(level: str) -> str:
@@ -398,7 +410,7 @@ def test_importing_drivegate_brings_neither_pytest_nor_anything_heavy() -> None:
 
 
 def test_the_items_of_the_reference_come_out_as_the_gate_has_them_for_real(
-    pytester: pytest.Pytester, one_shard: None
+    pytester: pytest.Pytester, few_runs: None
 ) -> None:
     pytester.makepyfile(SUITE.format(arguments='effort="quick"'))
     result = pytester.runpytest_subprocess("--drivegate-candidate", "reference", "-rA", "-W", "default")
@@ -417,7 +429,7 @@ def test_the_items_of_the_reference_come_out_as_the_gate_has_them_for_real(
 
 
 def test_the_initial_angle_alone_misses_the_optimum_for_real(
-    pytester: pytest.Pytester, one_shard: None
+    pytester: pytest.Pytester, few_runs: None
 ) -> None:
     pytester.makepyfile(SUITE.format(arguments='"initial", effort="quick"'))
     result = pytester.runpytest_subprocess("-k", "CNV-2 or ADV-2 or candidate")
@@ -430,7 +442,7 @@ def test_the_initial_angle_alone_misses_the_optimum_for_real(
 
 
 def test_a_controller_that_raises_fails_its_own_item_for_real(
-    pytester: pytest.Pytester, one_shard: None
+    pytester: pytest.Pytester, few_runs: None
 ) -> None:
     pytester.makepyfile(controllers=CONTROLLERS)
     pytester.makepyfile(SUITE.format(arguments='"controllers.py:Raising", effort="quick"'))
