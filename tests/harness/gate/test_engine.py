@@ -52,10 +52,20 @@ def few_jobs(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("drivegate.gate.plan.EXAMPLES", {"quick": 1})
 
 
+def check_of_initial(workers: int) -> CheckResult:
+    """Check the line of angles alone in a third of the fixed scenarios and in two shards of drawn ones."""
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(
+            "drivegate.contracts.current.scenarios.fixed.fixed_scenarios",
+            lambda *given: fixed_scenarios(*given)[::3],
+        )
+        patched.setattr("drivegate.gate.plan.SHARDS", 2)
+        return check("initial", workers=workers, seed=5)
+
+
 @pytest.fixture(scope="module")
 def initial() -> CheckResult:
-    """The check of the line of angles alone, by two workers."""
-    return check("initial", workers=2, seed=5)
+    return check_of_initial(2)
 
 
 def verdicts(result: CheckResult) -> dict[str, str]:
@@ -113,7 +123,7 @@ def as_read(written: dict[str, Any]) -> dict[str, Any]:
 
 def test_the_result_does_not_depend_on_the_number_of_workers(initial: CheckResult) -> None:
     documents = []
-    for result in (check("initial", workers=1, seed=5), initial):
+    for result in (check_of_initial(1), initial):
         document = result.document()
         del document["timing"]
         documents.append(json.dumps(document))
