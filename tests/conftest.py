@@ -47,3 +47,11 @@ def unattended() -> Iterator[None]:
         yield
         if ignored:
             signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+@pytest.fixture
+def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pages with empty figures, since to draw them takes longer than all else; a few tests draw them."""
+    empty = '<svg xmlns="http://www.w3.org/2000/svg" width="1" height="1"></svg>'
+    monkeypatch.setattr("drivegate_reports.page.style.svg_document", lambda *_, **__: empty)
+    monkeypatch.setattr("drivegate_reports.comparison.figures._settled", lambda figure: figure)

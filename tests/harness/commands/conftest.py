@@ -164,14 +164,6 @@ def one_page(monkeypatch):
 
 
 @pytest.fixture
-def undrawn(monkeypatch):
-    """Pages with empty figures, since to draw them takes longer than all else; the tests of reports draw them."""
-    empty = '<svg xmlns="http://www.w3.org/2000/svg" width="1" height="1"></svg>'
-    monkeypatch.setattr("drivegate_reports.page.style.svg_document", lambda *_, **__: empty)
-    monkeypatch.setattr("drivegate_reports.comparison.figures._settled", lambda figure: figure)
-
-
-@pytest.fixture
 def engine(monkeypatch, one_page):
     """The engine and the reports replaced: a pass, and one page."""
     fake = FakeEngine(outcomes=(outcome("CNV-1", "pass"),))

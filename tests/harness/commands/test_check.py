@@ -221,7 +221,7 @@ def test_a_folder_of_somebody_else_is_refused(refused, engine, tmp_path):
     assert "no report of drivegate" in refused("check", "reference", "--output", "mine")
 
 
-def test_a_candidate_that_raises_is_checked_for_real(command, controllers, tmp_path):
+def test_a_candidate_that_raises_is_checked_for_real(command, controllers, one_page, tmp_path):
     ended = command("check", f"{controllers}:Raising", "--effort", "quick", "--workers", "2", "--json")
     assert ended.document["verdict"] == FaultKind.EXCEPTION
     assert ended.document["exit_code"] == 1

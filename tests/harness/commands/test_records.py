@@ -70,7 +70,7 @@ def small(monkeypatch):
     monkeypatch.setattr("drivegate.gate.plan.EXAMPLES", {"quick": 1})
 
 
-def test_a_waived_failure_passes_and_the_corpus_is_run(command, small, corpus, waivers):
+def test_a_waived_failure_passes_and_the_corpus_is_run(command, small, undrawn, corpus, waivers):
     ended = command(*QUICK, "--waivers", waivers, "--corpus", corpus)
     document = ended.document
     assert (ended.code, document["verdict"], document["exit_code"]) == (0, "waived", 0), ended.err

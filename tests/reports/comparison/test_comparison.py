@@ -63,7 +63,7 @@ def test_the_page_begins_with_the_decision(text):
     assert "Rule:" in top
 
 
-def test_the_page_names_the_sensors_that_the_drive_has(document, text):
+def test_the_page_names_the_sensors_that_the_drive_has(document, text, undrawn):
     assert "through the sensors of the published implementation" in text
     document = copy.deepcopy(document)
     document["drive"]["sensors"] = sensors_of(load_drive("star-3-phase"))
