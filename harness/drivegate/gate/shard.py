@@ -7,11 +7,7 @@ from collections.abc import Collection, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from random import Random
-from typing import Any, Final
-
-from hypothesis import HealthCheck, Phase, assume, find, given, seed, settings, target
-from hypothesis import strategies as st
-from hypothesis.errors import NoSuchExample, Unsatisfiable
+from typing import TYPE_CHECKING, Any, Final
 
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.fault import CandidateFault
@@ -22,9 +18,11 @@ from drivegate.containment.messages import JudgedCandidate
 from drivegate.contracts.catalogue import all_checks, contract_of
 from drivegate.contracts.parting import room_for_commands
 from drivegate.drives.running import recorded, with_repetitions
-from drivegate.scenarios.isolation import from_the_seed_alone
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.scenario import Scenario
+
+if TYPE_CHECKING:
+    from hypothesis.strategies import SearchStrategy
 
 _NEVER_SEARCHED: Final = frozenset(
     check.id for check in all_checks().values() if check.subject != "candidate" or check.volatile
@@ -158,6 +156,12 @@ class _Collector:
 
 def run_drawn(loaded: JudgedCandidate, plan: DrawnRuns) -> ShardOutcome:
     """Draw scenarios, and climb toward the smallest margin of any check, so that all checks see the same runs."""
+    from hypothesis import HealthCheck, Phase, assume, given, seed, settings, target
+    from hypothesis.errors import Unsatisfiable
+    from hypothesis.strategies import integers
+
+    from drivegate.scenarios.isolation import from_the_seed_alone
+
     declaration = loaded.candidate.declaration
     drawn = contract_of(plan.drive).drawn_scenarios(plan.drive, declaration, plan.seed)
     if plan.only and not _draws_needed(plan, drawn, declaration):
@@ -173,7 +177,7 @@ def run_drawn(loaded: JudgedCandidate, plan: DrawnRuns) -> ShardOutcome:
         phases=(Phase.generate, Phase.target) if plan.search else (Phase.generate,),
         suppress_health_check=list(HealthCheck),
     )
-    @given(st.integers(0, _TICKETS), drawn)
+    @given(integers(0, _TICKETS), drawn)
     def explore(ticket: int, scenario: Scenario) -> None:
         # Hypothesis would run again what raises; a fault ends the search behind its back.
         margins = collector.margins(ticket, scenario) if collector.fault is None else ()
@@ -189,8 +193,13 @@ def run_drawn(loaded: JudgedCandidate, plan: DrawnRuns) -> ShardOutcome:
     return ShardOutcome(tuple(collector.runs), tuple(collector.infeasible))
 
 
-def _draws_needed(plan: DrawnRuns, drawn: st.SearchStrategy[Scenario], declaration: Declaration) -> bool:
+def _draws_needed(plan: DrawnRuns, drawn: SearchStrategy[Scenario], declaration: Declaration) -> bool:
     """Return True if one of many scenarios that a shard could draw is needed."""
+    from hypothesis import HealthCheck, Phase, find, settings
+    from hypothesis.errors import NoSuchExample
+
+    from drivegate.scenarios.isolation import from_the_seed_alone
+
     looked_at = settings(
         max_examples=max(_LOOKED_AT, plan.examples),
         database=None,

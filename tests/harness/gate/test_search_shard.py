@@ -1,5 +1,7 @@
 """A shard of the search: every run is new and fair, the same seed gives the same runs, climbing can be left out."""
 
+import subprocess
+import sys
 from collections.abc import Iterable
 from dataclasses import replace
 from types import SimpleNamespace
@@ -145,3 +147,8 @@ def test_fixed_scenarios_that_a_drive_cannot_do_are_set_aside(monkeypatch: pytes
 
 def _judged_as_it_is(record: Any, _checks: Iterable[Check]) -> JudgedRun:
     return JudgedRun(record.scenario.to_mapping(), ())
+
+
+def test_planning_and_judging_do_without_hypothesis_which_is_for_drawing() -> None:
+    program = "import sys, drivegate.gate.engine; sys.exit('hypothesis' in sys.modules)"
+    subprocess.run([sys.executable, "-c", program], check=True)

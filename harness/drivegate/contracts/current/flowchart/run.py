@@ -6,11 +6,7 @@ import hashlib
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Final
-
-from hypothesis import HealthCheck, Phase, given, seed, settings
-from hypothesis import strategies as st
-from hypothesis.strategies import SearchStrategy
+from typing import TYPE_CHECKING, Final
 
 from drivegate.candidates.declaration import FlowchartProfile
 from drivegate.checks.judging import JudgedRun, ShardOutcome
@@ -19,9 +15,11 @@ from drivegate.containment.messages import AnyController, JudgedCandidate
 from drivegate.contracts.current.flowchart.judging import judge_script
 from drivegate.contracts.current.flowchart.scripts import Event, fixed_scripts, script_of, usual_speed
 from drivegate.scenarios.drive_scale import scale_of, tidy
-from drivegate.scenarios.isolation import from_the_seed_alone
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.script import Script, ScriptRow
+
+if TYPE_CHECKING:
+    from hypothesis.strategies import SearchStrategy
 
 
 @dataclass(frozen=True)
@@ -74,6 +72,9 @@ def _drawn(scripts: SearchStrategy[Script], plan: ScriptRuns) -> list[Script]:
     drawn: list[Script] = []
     if plan.examples == 0:
         return drawn
+    from hypothesis import HealthCheck, Phase, given, seed, settings
+
+    from drivegate.scenarios.isolation import from_the_seed_alone
 
     @seed(plan.seed)
     @settings(
@@ -146,13 +147,15 @@ def _simpler_rows(row: ScriptRow, first: ScriptRow) -> Iterator[ScriptRow]:
 
 def _drawn_scripts(
     drive: DriveDocument, profile: FlowchartProfile, speed_range_rpm: tuple[float, float] | None
-) -> st.SearchStrategy[Script]:
+) -> SearchStrategy[Script]:
     """Draw scripts."""
     lowest, highest = speed_range_rpm or (0.0, math.inf)
     scale = scale_of(drive)
     step = scale.speed_step_rpm
     lowest = max(lowest, scale.speed(0.1))
     highest = max(min(highest, scale.highest_loaded_rpm), lowest)
+    from hypothesis import strategies as st
+
     powers = st.sampled_from((0.0, -2.0, 2.0, -3.0, 3.0, -5.0, 5.0, -0.5, 0.5))
     errors = st.sampled_from((0.0, 0.0, 0.0, 0.0, 0.0, 0.5, -0.5, 1.5, -1.5))
     return st.builds(
