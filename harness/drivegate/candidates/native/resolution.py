@@ -55,6 +55,11 @@ _REFUSED_FLAGS: Final = (
     "-save-temps",
     "-pipe",
 )
+_OTHER_WIDTHS: Final = ("-m32", "-mx32", "-m16")
+_OF_64_BITS: Final = (
+    "a process of 64 bits loads no library of 32: use types of fixed width such as int32_t and leave the flag out, or "
+    'link an image for the target (kind = "elf"), or start a program of 32 bits (kind = "exec")'
+)
 _REFUSED_WORDS: Final = ("-c", "-E", "-S", "-fsyntax-only", "-r", "--help", "--version", "-", "-###")
 
 
@@ -102,6 +107,8 @@ def _check_flag(flag: str, where: str) -> None:
             f"{where}: the key 'flags' has '{one_line(flag)}', which is no flag; each must begin with '-' and have "
             "its value in the same text, as in '-DGAIN=2'"
         )
+    if flag in _OTHER_WIDTHS:
+        raise InputError(f"{where}: the key 'flags' has '{flag}', but {_OF_64_BITS}")
     if flag in _REFUSED_WORDS or flag.startswith(_REFUSED_FLAGS):
         raise InputError(
             f"{where}: the key 'flags' has '{one_line(flag)}', but what the compiler writes and runs is for drivegate "
@@ -211,7 +218,10 @@ def _check_shared_library(file: Path) -> None:
     """Refuse a file that is no shared library for this machine."""
     if not sys.platform.startswith("linux"):
         return
-    problem = _problem(elf_header(file))
+    header = elf_header(file)
+    problem = _problem(header)
+    if header is not None and header.word_size == 1:
+        raise InputError(f"{shown_path(file)} {problem}; {_OF_64_BITS}")
     if problem:
         raise InputError(f"{shown_path(file)} {problem}; compile it on this machine with cc -shared -fPIC")
 

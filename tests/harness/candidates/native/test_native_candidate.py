@@ -214,6 +214,11 @@ def test_a_manifest_for_a_library(folder, written, controller_source):
         (['include = ["absent"]'], "mine.c", "the key 'include' names 'absent', which is no folder"),
         (['flags = ["other.o"]'], "mine.c", "the key 'flags' has 'other.o', which is no flag"),
         (['flags = ["-o/tmp/x"]'], "mine.c", "the key 'flags' has '-o/tmp/x', but what the compiler writes"),
+        (
+            ['flags = ["-m32"]'],
+            "mine.c",
+            "the key 'flags' has '-m32', but a process of 64 bits loads no library of 32",
+        ),
         (['flags = ["-fplugin=x.so"]'], "mine.c", "the key 'flags' has '-fplugin=x.so', but"),
         (['flags = ["@more"]'], "mine.c", "the key 'flags' has '@more', which is no flag"),
         (['flags = ["-fno-such-flag"]'], "mine.c", "-fno-such-flag"),
