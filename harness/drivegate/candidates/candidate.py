@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 from drivegate.candidates.declaration import Declaration
+from drivegate.candidates.step_costs import NO_COSTS, StepCosts
 from drivegate_cases.documents.wording import shown_path
 from drivegate_models.errors import InputError
 
@@ -50,8 +51,8 @@ class Target:
     """Function that is called before each reset, such as one that runs constructors; None for none."""
     ram: tuple[tuple[int, int], ...] = ()
     """Address and size of further memory, such as where peripherals are (bytes)."""
-    step_instructions: int | None = None
-    """Greatest number of instructions that a step may execute; None for no such limit."""
+    limits: StepCosts = NO_COSTS
+    """What a step may cost; 0 for no limit."""
     step: str | None = None
     """Function that is called in each control period instead of an adapter's; None where there is an adapter."""
     peripherals: tuple[tuple[str, str], ...] = ()
@@ -116,9 +117,9 @@ class Candidate:
     None where nothing shows it before its code runs: then it is asked for what its drive takes."""
 
     @property
-    def step_instructions(self) -> int | None:
-        """Greatest number of instructions that a step may execute; None where it states none."""
-        return self.details.step_instructions if isinstance(self.details, Target) else None
+    def step_limits(self) -> StepCosts:
+        """What a step may cost on the target; 0 where nothing is stated."""
+        return self.details.limits if isinstance(self.details, Target) else NO_COSTS
 
 
 def existing_file(path: Path) -> Path:

@@ -102,6 +102,8 @@ _ALL: Final = (
             "start",
             "ram",
             "step_instructions",
+            "step_cycles",
+            "stack_bytes",
             "step",
             "peripherals",
             "write",

@@ -200,6 +200,15 @@ class Manifest(Document):
         "included",
     )
 
+    step_cycles: Annotated[int, Field(gt=0, le=2**31)] | None = Field(
+        default=None,
+        description="greatest number of cycles of an image for a Cortex-M4 that a step may take, without wait states",
+    )
+
+    stack_bytes: Annotated[int, Field(gt=0, le=2**16)] | None = Field(
+        default=None, description="greatest depth of an image's stack in a step, in bytes"
+    )
+
     step: Text | None = Field(
         default=None,
         description="function of an image that is called in each control period; it needs no adapter, but [read]",

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
+from drivegate.candidates.step_costs import NO_COSTS, StepCosts
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin
 from drivegate.checks.record import Record
@@ -21,6 +22,8 @@ class JudgedRun:
     """Of every check that applies."""
     digest: int = 0
     """Digest of the commands; 0 where they are not compared."""
+    costs: StepCosts = NO_COSTS
+    """Greatest costs of a step on an emulated target."""
 
 
 @dataclass(frozen=True)
@@ -50,4 +53,5 @@ def judged(record: Record, checks: Iterable[Check]) -> JudgedRun:
         record.scenario.to_mapping(),
         tuple(margin for margin in margins if margin is not None),
         record.run.digest,
+        record.costs,
     )

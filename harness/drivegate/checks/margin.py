@@ -31,6 +31,8 @@ class Margin:
     """The measured quantity in people's units."""
     advisory: bool = False
     """Whether the run lies where the check only advises."""
+    is_timed: bool = False
+    """Whether it depends on the machine that checks."""
 
     @property
     def met(self) -> bool:

@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import Any, Protocol
 
 from drivegate.candidates.declaration import Declaration
+from drivegate.candidates.step_costs import NO_COSTS, StepCosts
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.steady.plant import AnyDrive
 
@@ -31,6 +32,10 @@ class Record:
     """What the candidate declares about itself."""
     repeated_digests: tuple[int, ...] = ()
     """Digests of further runs of the same scenario; empty where it ran once."""
+    costs: StepCosts = NO_COSTS
+    """Greatest costs of a step on an emulated target."""
+    allowed_costs: StepCosts = NO_COSTS
+    """What the candidate's manifest allows of them."""
     parting: str = ""
     """Where one of these runs first differs from this one, in words; empty where none does."""
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind, bounded_text, ending_in_words
 from drivegate.candidates.kinds import KINDS
+from drivegate.candidates.step_costs import NO_COSTS, StepCosts
 from drivegate.containment.candidate_handle import CandidateHandle
 from drivegate.containment.protocol import (
     CHECK_BYTES,
@@ -57,8 +58,8 @@ class Answered:
     """Digest of what the plant there came to."""
     fault: Fault | None
     """What ended the run, where it is known there."""
-    most_instructions: int = 0
-    """Greatest number of instructions of a step; 0 where nobody counts them."""
+    costs: StepCosts = NO_COSTS
+    """Greatest costs of a step on an emulated target."""
 
 
 class CandidateProcess:
@@ -121,7 +122,7 @@ class CandidateProcess:
         commands = self._running.copied_commands(order.commands, min(count, steps))
         if fault is not None:
             self._end_without_memory(fault)
-        return Answered(commands, status, reply.check, fault, reply.most_instructions)
+        return Answered(commands, status, reply.check, fault, reply.costs)
 
     def _end_without_memory(self, fault: Fault) -> None:
         """End a process whose memory the candidate may still hold."""

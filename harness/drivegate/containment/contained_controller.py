@@ -7,8 +7,9 @@ from numpy.typing import NDArray
 
 from drivegate.candidates.controller import CompiledController
 from drivegate.candidates.fault import Fault, FaultKind
+from drivegate.candidates.step_costs import NO_COSTS, StepCosts, greatest_costs
 from drivegate.containment.candidate_process import Answered, CandidateProcess
-from drivegate.containment.protocol import CloseLoop, GiveSenses, Reset
+from drivegate.containment.protocol import CloseLoop, GiveSenses, Reset, RunOrder
 from drivegate.containment.serving import check_of
 from drivegate_models.contract.current.signals import Nameplate
 from drivegate_models.contract.duty.signals import DutyNameplate
@@ -56,8 +57,7 @@ class ContainedController:
     """One instance of a candidate in its process; after a crash the next run makes a new one.
 
     `is_python`: whether it is stepped by the Python interpreter. `state_size`: bytes of its state, where it is native;
-    otherwise 0. `most_instructions`: greatest number of instructions of a step through given Senses; 0 where nobody
-    counts them.
+    otherwise 0.
     """
 
     def __init__(self, process: CandidateProcess) -> None:
@@ -66,7 +66,7 @@ class ContainedController:
         self._generation = process.generation
         self.is_python = made.is_python
         self.state_size = made.state_size
-        self.most_instructions = 0
+        self._costs = NO_COSTS
 
     def reset(self, nameplate: Nameplate | DutyNameplate) -> None:
         """Reset the instance."""
@@ -77,10 +77,18 @@ class ContainedController:
 
     def run(self, order: CloseLoop, steps: int) -> PlayedCommands:
         """Run the instance, already reset, in closed loop, and give its commands for being played back."""
-        return PlayedCommands(self._process.answered(order, steps))
+        return PlayedCommands(self._answered(order, steps))
 
     def answers(self, order: GiveSenses) -> Answered:
         """Step the instance through given Senses, which follow on those since the reset."""
-        answered = self._process.answered(order, len(order.senses))
-        self.most_instructions = max(self.most_instructions, answered.most_instructions)
+        return self._answered(order, len(order.senses))
+
+    def _answered(self, order: RunOrder, steps: int) -> Answered:
+        answered = self._process.answered(order, steps)
+        self._costs = greatest_costs((self._costs, answered.costs))
         return answered
+
+    def taken_costs(self) -> StepCosts:
+        """Return the greatest costs of a step on an emulated target since they were last taken."""
+        costs, self._costs = self._costs, NO_COSTS
+        return costs

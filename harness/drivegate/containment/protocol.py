@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault, FaultKind, Phase, bounded_line, bounded_text
+from drivegate.candidates.step_costs import NO_COSTS, StepCosts
 from drivegate_models.contract.current.records import COMMAND
 from drivegate_models.contract.current.signals import Nameplate
 from drivegate_models.contract.duty.signals import DutyNameplate
@@ -35,7 +36,7 @@ LONGEST_REPLY: Final = 2**17
 CHECK_BYTES: Final = 16
 """Bytes of the digest of what the plant in the candidate's process came to."""
 
-_HEADER = Struct(f"=8sqqqqqq{CHECK_BYTES}s")
+_HEADER = Struct(f"=8sqqqqqqqq{CHECK_BYTES}s")
 _FIELDS = ("kind", "message", "phase", "error", "traceback", "step")
 
 
@@ -127,8 +128,8 @@ class Reply:
     """Whether the instance is stepped by the Python interpreter."""
     state_size: int = 0
     """Bytes of a native instance's state; 0 if unknown."""
-    most_instructions: int = 0
-    """Greatest number of instructions of a step; 0 where nobody counts them."""
+    costs: StepCosts = NO_COSTS
+    """Greatest costs of a step on an emulated target."""
     check: bytes = bytes(CHECK_BYTES)
     """Digest of what the plant came to, of `CHECK_BYTES` bytes."""
     text: str = ""
@@ -144,7 +145,7 @@ def packed(reply: Reply) -> bytes:
         reply.steps,
         reply.is_python,
         reply.state_size,
-        reply.most_instructions,
+        *reply.costs,
         reply.check,
     )
     return header + reply.text.encode(errors="replace")[: LONGEST_REPLY - len(header)]
@@ -153,11 +154,13 @@ def packed(reply: Reply) -> bytes:
 def unpacked(message: bytes) -> Reply:
     """Read a reply; whatever is not one raises `UnreadableReply`."""
     try:
-        word, ending, status, steps, is_python, state_size, instructions, check = _HEADER.unpack_from(message)
-        if word != WORD or len(message) > LONGEST_REPLY or min(steps, state_size, instructions) < 0:
+        word, ending, status, steps, is_python, state_size, *costs, check = _HEADER.unpack_from(message)
+        if word != WORD or len(message) > LONGEST_REPLY or min(steps, state_size, *costs) < 0:
             raise UnreadableReply
         text = message[_HEADER.size :].decode(errors="replace")
-        return Reply(Ending(ending), status, steps, bool(is_python), state_size, instructions, check, text)
+        return Reply(
+            Ending(ending), status, steps, bool(is_python), state_size, StepCosts(*costs), check, text
+        )
     except (StructError, ValueError) as error:
         raise UnreadableReply from error
 

@@ -24,6 +24,7 @@ from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.controller import Controller
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind, Phase, exception_fault
 from drivegate.candidates.kinds import load_controller
+from drivegate.candidates.step_costs import NO_COSTS, StepCosts
 from drivegate.containment.protocol import (
     CHECK_BYTES,
     PACKET,
@@ -177,7 +178,7 @@ class _Server:
         if restarter.failures:
             return self._not_restarted(restarter.failures[0], int(status), steps)
         if status == COMPLETED:
-            return Reply(Ending.DONE, status, steps, check=check_of(records))
+            return Reply(Ending.DONE, status, steps, costs=self._taken_costs(), check=check_of(records))
         return self._stopped(int(status), steps)
 
     def _made_ready(
@@ -203,14 +204,18 @@ class _Server:
         from drivegate_models.loop.exchange import COMPLETED
 
         # Only here, since it slows each step down and nobody asks for that of a run.
-        getattr(self._instance, "watch_steps", lambda: None)()
+        getattr(self._instance, "watch_accesses", lambda: None)()
         steps = self._steps_made_ready(pending, memory)
         with self._progress.running():
             status, answered = steps(*pending.pop())
         if status == COMPLETED:
-            instructions = getattr(self._instance, "most_instructions", 0)
-            return Reply(Ending.DONE, int(status), int(answered), most_instructions=instructions)
+            return Reply(Ending.DONE, int(status), int(answered), costs=self._taken_costs())
         return self._stopped(int(status), int(answered))
+
+    def _taken_costs(self) -> StepCosts:
+        take = getattr(self._instance, "taken_costs", None)
+        costs: StepCosts = NO_COSTS if take is None else take()
+        return costs
 
     def _steps_made_ready(self, pending: list[Any], memory: SharedMemory) -> Callable[..., Any]:
         """Exchange a pending order for the arguments of the compiled steps."""

@@ -8,7 +8,9 @@ from typing import Any, Final
 
 from numpy.typing import NDArray
 
+from drivegate.candidates.step_costs import NO_COSTS
 from drivegate.checks.record import Record
+from drivegate.containment.contained_controller import ContainedController
 from drivegate.containment.messages import AnyController, JudgedCandidate
 from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.current.run import run_in_closed_loop
@@ -52,7 +54,7 @@ def recorded(
     """Run a candidate through a scenario for the checks, observed as its declaration requires."""
     require_contract(loaded.candidate, scenario.drive)
     kind = kind_of(scenario.drive)
-    return contract_of(scenario.drive).record(
+    record: Record = contract_of(scenario.drive).record(
         kind.prepare_loop(),
         loaded.candidate.declaration,
         scenario,
@@ -60,6 +62,10 @@ def recorded(
         trace_every=trace_every,
         kept=kept,
     )
+    costs = controller.taken_costs() if isinstance(controller, ContainedController) else NO_COSTS
+    if costs == NO_COSTS:
+        return record
+    return replace(record, costs=costs, allowed_costs=loaded.candidate.step_limits)
 
 
 def with_repetitions(

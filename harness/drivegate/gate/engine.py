@@ -53,7 +53,7 @@ from drivegate.results.result import (
     FixedMargins,
     counted_levels,
 )
-from drivegate.results.verdict import candidate_verdict, check_outcomes, machine_dependent
+from drivegate.results.verdict import candidate_verdict, check_outcomes, costly_steps, machine_dependent
 from drivegate.results.waivers import Waiver, present_day, under_waivers
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.errors import InputError
@@ -238,7 +238,8 @@ def check_candidate(
     result = _result(
         candidate, judged_on, effort, seed, outcomes, comparisons, traces, progress, timing, fail_on
     )
-    result = replace(result, behaviour=behaviour, contested=contested)
+    steps = costly_steps(runs, candidate.step_limits)
+    result = replace(result, behaviour=behaviour, contested=contested, steps=steps)
     yield CheckFinished(replace(result, drive_named=drive_named, isolation=isolation))
 
 

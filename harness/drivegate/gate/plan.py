@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import Enum, auto
 from typing import Final
 
 from drivegate.candidates.declaration import NOTHING_DECLARED, Declaration
 from drivegate.candidates.kinds import KINDS
 from drivegate.candidates.python.bridge import PythonController
+from drivegate.candidates.step_costs import greatest_costs
 from drivegate.checks.every_contract import LARGEST_SHARE
 from drivegate.checks.judging import JudgedRun, ShardOutcome
-from drivegate.checks.margin import Margin, at_most, below
+from drivegate.checks.margin import Margin, below
+from drivegate.checks.target_costs import counted_margin
 from drivegate.containment.contained_controller import ContainedController
 from drivegate.containment.messages import AnyController, Job, JudgedCandidate
 from drivegate.contracts.catalogue import contract_of
@@ -216,10 +218,13 @@ def time_steps(loaded: JudgedCandidate, plan: TimedSteps) -> ShardOutcome:
     record = recorded(loaded, scenario, controller, trace_every=1)
     step_time = contract_of(scenario.drive).step_seconds(controller, record)
     way = way_of_running(loaded.candidate.kind, controller)
-    margin = timing_margin(way, step_time, scenario.control_period_s)
-    if isinstance(controller, ContainedController) and controller.most_instructions:
-        margin = instruction_margin(controller.most_instructions, loaded.candidate.step_instructions, margin)
-    return ShardOutcome((JudgedRun(scenario.to_mapping(), (margin,)),))
+    costs = record.costs
+    if isinstance(controller, ContainedController):
+        costs = greatest_costs((costs, controller.taken_costs()))
+    margin = counted_margin(costs, loaded.candidate.step_limits)
+    if margin is None:
+        margin = timing_margin(way, step_time, scenario.control_period_s)
+    return ShardOutcome((JudgedRun(scenario.to_mapping(), (margin,), costs=costs),))
 
 
 def way_of_running(kind: str, controller: AnyController) -> str:
@@ -232,16 +237,8 @@ def way_of_running(kind: str, controller: AnyController) -> str:
     return KINDS[kind].way_of_running or ("Python" if is_python else "native")
 
 
-def instruction_margin(instructions: int, limit: int | None, timed: Margin) -> Margin:
-    """Judge the instructions of the longest step, or its time where the candidate states no limit of them."""
-    counted = f"at most {instructions} instructions a step"
-    if limit is None:
-        return replace(timed, measured=f"{counted}, none stated in 'step_instructions'; {timed.measured}")
-    return Margin(_CHECK, at_most(instructions, limit), f"{counted}, {limit} stated in 'step_instructions'")
-
-
 def timing_margin(way: str, step_time: float, control_period: float) -> Margin:
     """Judge the time of a step."""
     share = step_time / control_period
     measured = f"{1e6 * step_time:.3g} µs a step ({way}), {100.0 * share:.3g} % of the control period"
-    return Margin(_CHECK, below(step_time, LARGEST_SHARE * control_period), measured)
+    return Margin(_CHECK, below(step_time, LARGEST_SHARE * control_period), measured, is_timed=True)

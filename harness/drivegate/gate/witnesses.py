@@ -10,6 +10,7 @@ from typing import Any, Final
 from drivegate.candidates.declaration import NOTHING_DECLARED, Declaration
 from drivegate.candidates.fault import CandidateFault, Fault
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.checks.every_contract import TIM_1
 from drivegate.checks.judging import JudgedRun
 from drivegate.checks.margin import Margin
 from drivegate.checks.record import Record
@@ -77,7 +78,7 @@ def witnesses_on(check: str, drive: DriveDocument) -> tuple[Witness, ...]:
 def accusations(
     outcomes: Iterable[CheckOutcome], runs: Sequence[JudgedRun], drive: DriveDocument
 ) -> list[Accusation]:
-    """List the failed checks of the candidate that a witness can speak on: not those of a repeated run or a script."""
+    """List the failed checks that a witness can speak on: not those of a repeated run, a script or a target."""
     if not witnesses_for(drive):
         return []
     return [
@@ -85,7 +86,7 @@ def accusations(
         for outcome in outcomes
         if outcome.verdict == "fail"
         and outcome.subject == "candidate"
-        and outcome.id != REPEATED
+        and outcome.id not in (REPEATED, TIM_1.id)
         and outcome.counterexample is not None
         and outcome.counterexample.get("kind") != "script"
     ]

@@ -214,6 +214,24 @@ class TimingSection(Section):
     )
 
 
+class StepCostSection(Section):
+    """A cost of the steps of an image on its target."""
+
+    most: int = Field(ge=0, description="that of the most costly step")
+    limit: int | None = Field(description="limit that the manifest states; null where it states none")
+    scenario: Text = Field(description="name of the run with that step")
+
+
+class StepsSection(Section):
+    """What the steps of an image cost on its target."""
+
+    instructions: StepCostSection = Field(description="instructions, those that a condition skips included")
+    cycles: StepCostSection | None = Field(
+        default=None, description="estimated cycles without wait states, on a Cortex-M4"
+    )
+    stack_bytes: StepCostSection | None = Field(default=None, description="depth of the stack, in bytes")
+
+
 class ResultDocument(Document):
     """The result of the check of one candidate."""
 
@@ -278,6 +296,11 @@ class ResultDocument(Document):
         default=None,
         description="how a controller of duty ratios behaves in plain runs; null for other controllers, where not all "
         "was judged, and in results of earlier versions",
+    )
+    steps: StepsSection | None = Field(
+        default=None,
+        description="what the steps of an image cost on its target; null for other candidates and in results of "
+        "earlier versions",
     )
     provenance: ProvenanceSection = Field(description="versions, commit and content hash")
     timing: TimingSection = Field(

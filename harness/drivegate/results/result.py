@@ -192,6 +192,8 @@ class CheckResult:
     behaviour: dict[str, Any] | None = None
     """What its report shows of a controller of duty ratios beside its checks; None where that was not
     measured."""
+    steps: dict[str, dict[str, Any]] | None = None
+    """Greatest costs of a step of an image on its target; None for other candidates."""
     focus: dict[str, Any] | None = None
     """Under ``only`` the checks that were judged (empty for all), under ``stopped_at_first`` whether the
     check ended with the first failure; None for a whole check."""
@@ -244,6 +246,7 @@ class CheckResult:
             "baseline": None if self.baseline is None else [asdict(entry) for entry in self.baseline],
             "traces": list(self.traces),
             "behaviour": self.behaviour,
+            "steps": self.steps,
             "provenance": self.provenance,
         }
         content = _finite_table(content)

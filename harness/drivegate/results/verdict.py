@@ -8,9 +8,11 @@ from typing import Any, Final
 
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.fault import Fault
+from drivegate.candidates.step_costs import StepCosts, greatest_costs
 from drivegate.checks.check import Check
 from drivegate.checks.judging import JudgedRun
 from drivegate.checks.margin import Margin
+from drivegate.checks.target_costs import costs_in_words, on_target
 from drivegate.contracts.catalogue import all_checks, contract_of, on_drive
 from drivegate.results.result import (
     MOST_MARGINS,
@@ -50,11 +52,25 @@ def machine_dependent(runs: Sequence[JudgedRun]) -> dict[str, dict[str, Any]]:
     """Return the numbers of the checks that depend on the machine."""
     numbers = {}
     for check in all_checks().values():
-        items = considered(check.id, runs) if check.volatile else []
+        items = [item for item in considered(check.id, runs) if item[0].is_timed] if check.volatile else []
         if items:
             margin, _ = min(items, key=lambda item: item[0].value)
             numbers[check.id] = {"margin": margin.value, "measured": margin.measured}
     return numbers
+
+
+def costly_steps(runs: Sequence[JudgedRun], limits: StepCosts) -> dict[str, dict[str, Any]] | None:
+    """Return the greatest costs of a step on the target, each with its limit and a run; None where none is counted."""
+    found = {}
+    for place, (name, limit) in enumerate(limits._asdict().items()):
+        run = max(runs, key=lambda run: run.costs[place], default=None)
+        if run is not None and run.costs[place]:
+            found[name] = {
+                "most": run.costs[place],
+                "limit": limit or None,
+                "scenario": str(run.scenario["name"]),
+            }
+    return found or None
 
 
 def _outcome(
@@ -77,10 +93,14 @@ def _outcome(
     else:
         verdict = "pass" if complete else "inconclusive"
         summary = f"met in {'its only run' if len(items) == 1 else f'all {len(items)} runs'}"
-    if check.volatile:
+    if margin.is_timed:
         # Which run was the worst, and by how much, another machine would find otherwise.
         message = f"{'not ' if failed else ''}met; the numbers depend on the machine and are with the times"
+        if counted_costs := costs_in_words(greatest_costs(run.costs for run in runs)):
+            message += f"; on the target, a step takes at most {counted_costs}"
         return _made(check, verdict, None, len(items), message, None)
+    if check.volatile:
+        check = on_target(check)
     if failed:
         summary = f"{summary}: {_names(run for _, run in failed)}"
     advised = [other for run in runs for other in run.margins if other.check == check.id and other.advisory]

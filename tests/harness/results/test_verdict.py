@@ -68,7 +68,7 @@ def test_what_a_candidate_declares_decides_what_applies() -> None:
 
 @pytest.mark.parametrize(("value", "verdict"), [(0.9, "pass"), (-0.9, "fail")])
 def test_numbers_that_depend_on_the_machine_stay_out_of_the_outcome(value: float, verdict: str) -> None:
-    timed = run("a", Margin("TIM-1", value, "12 µs"))
+    timed = run("a", Margin("TIM-1", value, "12 µs", is_timed=True))
     outcome = judged("TIM-1", timed)
     assert outcome.verdict == verdict
     reported = (outcome.margin, outcome.measured, outcome.scenario, outcome.counterexample)

@@ -1,4 +1,4 @@
-"""Counting the instructions of an emulated target, by a C function that the emulator calls before each block."""
+"""Counting instructions and cycles of an emulated target, by a C function that the emulator calls before each block."""
 
 from __future__ import annotations
 
@@ -11,11 +11,16 @@ from numba import types
 from numba.np.numpy_support import carray
 from numpy.typing import NDArray
 
+from drivegate.candidates.elf.cycles import CORE, REFILL, cycles_of
 from drivegate.candidates.elf.image import Image
 
-COUNT, SEGMENTS = range(2)
-"""Words of the counter: the instructions so far, and the number of pieces of code."""
-_FIRST_PIECE: Final = 2
+COUNT, BEHIND, PIECES = range(3)
+"""Words of the counter: the count so far, the address after the last block, and the number of pieces of code.
+
+A count has the instructions in its lower 32 bits, and the cycles above them, so that both are added at once.
+"""
+CYCLE: Final = 2**32
+_FIRST_PIECE: Final = 3
 _WORDS_PER_PIECE: Final = 3
 _LARGEST_CODE: Final = 2**22
 
@@ -31,14 +36,14 @@ def counter(image: Image) -> NDArray[np.int64]:
     Returns
     -------
     ndarray, shape (n,)
-        The count, the pieces of code (first address, address after the last, place of the table), and for each
-        halfword of their code the number of instructions from there to the end of the piece.
+        The counts, the pieces of code (first address, address after the last, place of the table), and for each
+        halfword of their code the count from there to the end of the piece.
     """
     code = [each for each in image.segments if each.is_executable and each.size <= _LARGEST_CODE]
-    tables = [_instructions_to_the_end(each.content) for each in code]
+    tables = [_counts_to_the_end(each.content) for each in code]
     begin = _FIRST_PIECE + len(code) * _WORDS_PER_PIECE
     head = np.zeros(begin, np.int64)
-    head[SEGMENTS] = len(code)
+    head[PIECES] = len(code)
     for number, (segment, table) in enumerate(zip(code, tables, strict=True)):
         first = _FIRST_PIECE + number * _WORDS_PER_PIECE
         head[first : first + _WORDS_PER_PIECE] = (
@@ -50,16 +55,22 @@ def counter(image: Image) -> NDArray[np.int64]:
     return np.concatenate((head, *tables))
 
 
+def has_cycles(image: Image) -> bool:
+    """Return True if the cycles of the core are known."""
+    return image.core == CORE
+
+
 @cache
-def _instructions_to_the_end(code: bytes) -> NDArray[np.int64]:
-    """Return for each halfword how many instructions follow if one begins there, shape (halfwords + 1,)."""
-    halfwords = np.frombuffer(code[: len(code) & ~1], "<u2")
-    # An instruction of 32 bits begins with 11101, 11110 or 11111 (Armv7-M Architecture Reference Manual, A5.1).
-    lengths = np.where(halfwords >> 11 >= 0b11101, 2, 1).tolist()
-    following = [0] * (len(lengths) + 2)
-    for place in range(len(lengths) - 1, -1, -1):
-        following[place] = 1 + following[place + lengths[place]]
-    return np.array(following[:-1])
+def _counts_to_the_end(code: bytes) -> NDArray[np.int64]:
+    """Return the count of what follows if an instruction begins at a halfword, shape (halfwords + 1,)."""
+    halfwords = np.frombuffer(code[: len(code) & ~1], "<u2").tolist()
+    counts = [0] * (len(halfwords) + 2)
+    for place in range(len(halfwords) - 1, -1, -1):
+        first, second = halfwords[place], (*halfwords[place + 1 : place + 2], 0)[0]
+        # An instruction of 32 bits begins with 11101, 11110 or 11111 (Armv7-M Architecture Reference Manual, A5.1).
+        following = counts[place + (2 if first >> 11 >= 0b11101 else 1)]
+        counts[place] = following + 1 + CYCLE * cycles_of(first, second)
+    return np.array(counts[:-1])
 
 
 @cache
@@ -69,12 +80,15 @@ def counting_function() -> Any:
     def count_block(_engine: int, address: int, size: int, state: Any) -> None:
         # The emulator calls with the length of a block; the shape of the array is not used for bounds.
         words = carray(state, 2**40)
-        for piece in range(words[SEGMENTS]):
+        # A block that does not follow on the one before has been branched to.
+        refill = 0 if address == words[BEHIND] else REFILL * CYCLE
+        words[BEHIND] = address + size
+        for piece in range(words[PIECES]):
             place = _FIRST_PIECE + piece * _WORDS_PER_PIECE
             if words[place] <= address and address + size <= words[place + 1]:
                 # From each of its instructions on, the same ones follow up to the end of the piece.
                 halfword = words[place + 2] + (address - words[place]) // 2
-                words[COUNT] += words[halfword] - words[halfword + size // 2]
+                words[COUNT] += words[halfword] - words[halfword + size // 2] + refill
                 return
 
     pointer: Any = types.CPointer

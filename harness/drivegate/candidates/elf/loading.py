@@ -26,6 +26,7 @@ from drivegate.candidates.elf.variables import variables_of
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind, Phase, bounded_line
 from drivegate.candidates.native.controller import RESETS, STEPS, record_of, refused_by_reset
 from drivegate.candidates.native.loading import COMMON, LARGEST_STATE, require_version
+from drivegate.candidates.step_costs import StepCosts
 from drivegate_cases.documents.wording import one_line
 from drivegate_models.contract.current.records import STATE_ALIGNMENT
 from drivegate_models.contract.duty.signals import DutyNameplate
@@ -71,6 +72,12 @@ class TargetController:
         self._has_adapter = target.step is None
         self._fault: Fault | None = None
         self._processor = CortexM(image, target.ram)
+        self._stack_depth = 0
+        if target.limits.cycles and not self._processor.has_cycles:
+            raise InputError(
+                f"{name} is built for another core than the Cortex-M4, whose cycles alone are known; leave out "
+                "'step_cycles' and state 'step_instructions'"
+            )
         self.state_size = 0
         if self._has_adapter:
             require_version(self._processor.call(self._functions["drivegate_abi_version"]), name)
@@ -103,7 +110,7 @@ class TargetController:
         fields: Any = layout.sense.fields
         words[processor.CURRENTS_OFFSET] = fields["phase_currents"][1]
         registers = self._processor.call_registers(self._state_at, sense, command)
-        words[processor.ARGUMENTS : processor.STACK] = registers
+        words[processor.ARGUMENTS : processor.MOST_INSTRUCTIONS] = registers
         self._words = words
         self._places = places
         self._layout = layout
@@ -113,14 +120,18 @@ class TargetController:
         self.step_address: int = self._step.address
         self.state_address: int = words.ctypes.data
 
-    def watch_steps(self) -> None:
-        """Count the instructions of the steps from now on, and end at an access that is not aligned."""
-        self._words[processor.COUNTER] = self._processor.watch_steps()
+    def watch_accesses(self) -> None:
+        """End at an access that is not aligned from now on."""
+        self._processor.watch_accesses()
 
-    @property
-    def most_instructions(self) -> int:
-        """Greatest number of instructions of a counted step since the reset; 0 where none is counted."""
-        return int(self._words[processor.MOST_INSTRUCTIONS])
+    def taken_costs(self) -> StepCosts:
+        """Return the greatest costs of a step since they were last taken."""
+        words = self._words[[processor.MOST_INSTRUCTIONS, processor.MOST_CYCLES]].tolist()
+        self._words[[processor.MOST_INSTRUCTIONS, processor.MOST_CYCLES]] = 0
+        instructions, cycles = words
+        depth = max(self._stack_depth, self._processor.stack_depth()) if instructions else 0
+        self._stack_depth = 0
+        return StepCosts(instructions, cycles if self._processor.has_cycles else 0, depth)
 
     @property
     def fault(self) -> Fault | None:
@@ -136,13 +147,18 @@ class TargetController:
         record = record_of(nameplate)
         phases = _PHASES_OF_DUTY if isinstance(nameplate, DutyNameplate) else nameplate.phases
         self._words[processor.CURRENTS_BYTES] = 8 * phases
-        self._words[processor.ERROR] = self._words[processor.MOST_INSTRUCTIONS] = 0
+        self._words[processor.ERROR] = 0
+        if self._words[processor.MOST_INSTRUCTIONS]:
+            # A reset in the middle of a run.
+            self._stack_depth = max(self._stack_depth, self._processor.stack_depth())
         self._processor.power_on()
         self._mail[:] = 0
         self._mail[: record.nbytes] = record.view("u1").reshape(-1)
         if not self._has_adapter:
             self._sense_rest(nameplate)
         self._fault = self._reset_fault()
+        # What start and reset need is not that of a step.
+        self._processor.paint_stack()
         if self._fault is not None:
             raise CandidateFault(self._fault)
 

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from drivegate.candidates.elf.exchange import answering_function, run_program
 from drivegate.candidates.elf.expression import DEEPEST
 from drivegate.candidates.elf.image import Image, hexadecimal, place_of
-from drivegate.candidates.elf.instruction_count import COUNT, counter, counting_function
+from drivegate.candidates.elf.instruction_count import CYCLE, counter, counting_function, has_cycles
 from drivegate.candidates.elf.traps import (
     CONTROL_REGISTER,
     MASK,
@@ -44,6 +44,7 @@ binding: Any = import_module("unicorn.unicorn_py3.unicorn")
 PAGE: Final = 4096
 STACK_BYTES: Final = 64 * 1024
 """Size of the stack (bytes)."""
+_ABOVE: Final = 16
 _REGION: Final = 0x1000_0000
 """Records, stack and return address are in a region of this size that the image does not use (bytes)."""
 _MAIL, _STACK, _RETURN = 0x0000_0000, 0x0100_0000, 0x0200_0000
@@ -54,9 +55,14 @@ _TRAP: Final = -1
 # Words of the state that the C function gets.
 ENGINE, BEGIN, UNTIL, SELF, ERROR, STOP_WORD, SCRATCH = range(7)
 HOST_SENSE, SENSE_BYTES, CURRENTS_OFFSET, HOST_CURRENTS, GUEST_CURRENTS, CURRENTS_BYTES = range(7, 13)
-HOST_COMMAND, COMMAND_BYTES, COUNTER, MOST_INSTRUCTIONS, TRAPPED, WRITES, READS, ARGUMENTS = range(13, 21)
-STACK: Final = ARGUMENTS + 5
+HOST_COMMAND, COMMAND_BYTES, COUNTER, TRAPPED, WRITES, READS, ARGUMENTS = range(13, 20)
+MOST_INSTRUCTIONS: Final = ARGUMENTS + 5
+MOST_CYCLES: Final = MOST_INSTRUCTIONS + 1
+_COUNTED: Final = MOST_CYCLES + 1
+STACK: Final = _COUNTED + 2
 WORDS: Final = STACK + DEEPEST
+_PAINT: Final = 0xA5
+"""What the stack is filled with, so that the deepest byte that is written shows."""
 
 _REGISTERS: Final = (
     arm_const.UC_ARM_REG_R0,
@@ -107,10 +113,14 @@ class CortexM:
             if not any(base <= address < base + _REGION for address in taken)
         )
         self._map(self._base + _STACK, STACK_BYTES, True, False)
+        # The first words of a call are above the stack pointer.
+        self._stack = self.memory(self._base + _STACK, STACK_BYTES - _ABOVE)
         self._map(self._base + _RETURN, PAGE, False, True)
         self._refused: tuple[int, int] | None = None
         self._engine.hook_add(unicorn.UC_HOOK_MEM_INVALID, self._note_refused)
-        self._counter: NDArray[np.int64] | None = None
+        self._counter = counter(image)
+        self._add_hook(unicorn.UC_HOOK_BLOCK, counting_function(), self._counter)
+        self._is_watched = False
         self._trapped = np.zeros(MASK + 1, np.int64)
         # What compiled functions get must live as long as the emulator.
         self._rules: list[NDArray[np.int64]] = []
@@ -159,7 +169,7 @@ class CortexM:
     def call_registers(self, *arguments: int) -> tuple[int, ...]:
         """Return the registers of a call: three arguments, stack pointer and link register."""
         three = (*arguments, 0, 0, 0)[:3]
-        return (*three, self._base + _STACK + STACK_BYTES - 16, (self._base + _RETURN) | 1)
+        return (*three, self._base + _STACK + STACK_BYTES - _ABOVE, (self._base + _RETURN) | 1)
 
     def describe(self, error: int) -> str:
         """Describe what ended a call."""
@@ -193,6 +203,7 @@ class CortexM:
         words[SELF] = words.ctypes.data
         words[STOP_WORD] = STOP
         words[TRAPPED] = self._trapped.ctypes.data
+        words[COUNTER] = self._counter.ctypes.data
         return words
 
     def answer(self, function: int, words: NDArray[np.int64]) -> None:
@@ -200,18 +211,29 @@ class CortexM:
         self._rules.append(words)
         self._add_hook(unicorn.UC_HOOK_CODE, answering_function(), words, function, function)
 
-    def watch_steps(self) -> int:
-        """Count instructions and stop at unaligned accesses from now on, which takes as long as the steps.
+    @property
+    def has_cycles(self) -> bool:
+        """Return True if cycles are counted, not only instructions."""
+        return has_cycles(self.image)
 
-        Return the address of the count.
-        """
-        if self._counter is None:
-            self._counter = counter(self.image)
-            self._add_hook(unicorn.UC_HOOK_BLOCK, counting_function(), self._counter)
-            self._watch_accesses()
+    def paint_stack(self) -> None:
+        """Fill the stack, so that `stack_depth` begins at 0."""
+        self._stack[:] = _PAINT
+
+    def stack_depth(self) -> int:
+        """Return how much of the stack has been written since it was filled (bytes)."""
+        written = np.flatnonzero(self._stack != _PAINT)
+        return 0 if written.size == 0 else self._stack.size - int(written[0])
+
+    def watch_accesses(self) -> None:
+        """Stop at accesses that are not aligned from now on, which takes as long as the steps."""
+        if not self._is_watched:
+            self._is_watched = True
+            accesses = [trap for trap in traps_of(self.image) if not trap.is_division]
+            if accesses:
+                self._watch(accesses)
             # What has been translated before calls no hook.
             self._engine.ctl_flush_tb()
-        return int(self._counter[COUNT:].ctypes.data)
 
     def _watch_divisions(self) -> None:
         """Stop at divisions by zero, once the target enables their trap; what it cannot write to stays off."""
@@ -220,12 +242,6 @@ class CortexM:
             control = self.memory(CONTROL_REGISTER, 4).ctypes.data
             for trap in divisions:
                 self._watch([trap], control)
-
-    def _watch_accesses(self) -> None:
-        """Stop at accesses that are not aligned."""
-        accesses = [trap for trap in traps_of(self.image) if not trap.is_division]
-        if accesses:
-            self._watch(accesses)
 
     def _watch(self, traps: list[Trap], control: int = 0) -> None:
         """Have the emulator call the compiled function from the first to the last of the instructions."""
@@ -296,13 +312,12 @@ def step_function() -> Any:
         write_register(words[ENGINE], _R2, own + 8 * (ARGUMENTS + 2))
         write_register(words[ENGINE], _SP, own + 8 * (ARGUMENTS + 3))
         write_register(words[ENGINE], _LR, own + 8 * (ARGUMENTS + 4))
-        words[SCRATCH] = 0
-        if words[COUNTER] != 0:
-            copy_bytes(own + 8 * SCRATCH, words[COUNTER], 8)
+        words[_COUNTED] = words[_COUNTED + 1] = 0
+        copy_bytes(own + 8 * _COUNTED, words[COUNTER], 16)
         words[ERROR] = start(words[ENGINE], words[BEGIN], words[UNTIL], 0, 0)
-        if words[COUNTER] != 0:
-            copy_bytes(words[COUNTER], own + 8 * SCRATCH, 8)
-        words[MOST_INSTRUCTIONS] = max(words[MOST_INSTRUCTIONS], words[SCRATCH])
+        copy_bytes(words[COUNTER], own + 8 * _COUNTED, 8)
+        words[MOST_INSTRUCTIONS] = max(words[MOST_INSTRUCTIONS], words[_COUNTED] % CYCLE)
+        words[MOST_CYCLES] = max(words[MOST_CYCLES], words[_COUNTED] // CYCLE)
         copy_bytes(words[TRAPPED], own + 8 * SCRATCH, 8)
         if words[SCRATCH] != 0:
             words[ERROR] = _TRAP

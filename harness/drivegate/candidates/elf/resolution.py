@@ -12,6 +12,7 @@ from drivegate.candidates.candidate import Candidate, Target, existing_file, exi
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.elf.expression import parsed, parsed_place
 from drivegate.candidates.native.resolution import built_or_given, contract_served, elf_header
+from drivegate.candidates.step_costs import StepCosts
 from drivegate_cases.documents.wording import shown_path
 from drivegate_models.errors import InputError
 
@@ -38,7 +39,7 @@ def from_manifest(manifest: Manifest, specification: str, folder: Path) -> Candi
         image,
         manifest.start,
         manifest.ram,
-        manifest.step_instructions,
+        StepCosts(manifest.step_instructions or 0, manifest.step_cycles or 0, manifest.stack_bytes or 0),
         manifest.step,
         _table(manifest.peripherals),
         _table(manifest.write),

@@ -12,15 +12,19 @@ from pathlib import Path
 
 import pytest
 
+from drivegate.candidates.elf.cycles import CORE, REFILL, cycles_of
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind
 from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.native.compiler import include_folder
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.candidates.step_costs import NO_COSTS, StepCosts
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.contracts.catalogue import contract_of
 from drivegate.drives.running import recorded
 from drivegate.gate.plan import NOTHING_DECLARED, TimedSteps, time_steps
+from drivegate.gate.shard import FixedRuns, run_fixed
+from drivegate.results.verdict import check_outcomes, costly_steps
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import InputError
@@ -157,29 +161,148 @@ def test_the_instructions_of_a_step_are_counted(image: Callable[..., Path], step
         controller = load_controller(resolve_candidate(str(file.rename(file.with_name(name)))))
         loaded = JudgedCandidate(resolve_candidate("reference"), lambda own=controller: own)
         recorded(loaded, scenario, controller)
-        assert controller.most_instructions == 0, "a run is not slowed down by a count that nobody asks for"
-        controller.watch_steps()
-        recorded(loaded, scenario, controller)
-        counts.append(controller.most_instructions)
+        counts.append(controller.taken_costs().instructions)
+        assert controller.taken_costs() == NO_COSTS
     assert counts[1] - counts[0] == more
 
 
+def costs_of(file: Path, scenario: Scenario) -> StepCosts:
+    """Return what the steps of an image cost in a run in this process; the next image gets another name."""
+    file = file.rename(file.with_name(f"image-{len([*file.parent.iterdir()])}.elf"))
+    controller = load_controller(resolve_candidate(str(file)))
+    loaded = JudgedCandidate(resolve_candidate("reference"), lambda: controller)
+    recorded(loaded, scenario, controller)
+    costs: StepCosts = controller.taken_costs()
+    return costs
+
+
+ROOM = '__asm__ volatile("sub sp, #{0}\\n mov r3, #0\\n str r3, [sp]\\n add sp, #{0}" ::: "r3", "memory");'
+
+
 @pytest.mark.parametrize(
-    ("limit", "is_met"), [("step_instructions = 100000", True), ("step_instructions = 10", False)]
+    ("step", "more"),
+    [
+        ('__asm__ volatile(".rept 100\\n nop\\n .endr");', 100),
+        ('__asm__ volatile("mov r3, #7\\n udiv r3, r3, r3" ::: "r3");', 1 + 12),
+        ('__asm__ volatile("vdiv.f32 s15, s15, s15\\n vmla.f32 s15, s15, s15" ::: "s15");', 14 + 3),
+        # Nine branches back are taken, the tenth is not.
+        (
+            '__asm__ volatile("mov r3, #10\\n 1: subs r3, #1\\n bne 1b" ::: "r3", "cc");',
+            1 + 10 * 2 + 9 * REFILL,
+        ),
+    ],
 )
-def test_a_step_is_judged_by_the_instructions_that_the_manifest_allows(
+def test_the_cycles_of_a_step_follow_from_the_table(image: Callable[..., Path], step: str, more: int) -> None:
+    scenario = scenario_of("paper-5-phase")
+    plain = costs_of(image(), scenario)
+    assert costs_of(image(CURRENT, step), scenario).cycles - plain.cycles == more
+
+
+def test_of_another_core_cycles_are_not_known_and_a_limit_of_them_is_refused(
+    image: Callable[..., Path],
+) -> None:
+    file = image(target=("-mcpu=cortex-m3", "-mthumb", "-nostartfiles"))
+    manifest = file.with_name("candidate.toml")
+    manifest.write_text(
+        'schema = 1\nname = "mine"\nkind = "elf"\nentry = "mine.elf"\nstep_cycles = 9\n', encoding="utf-8"
+    )
+    with pytest.raises(
+        InputError, match="mine is built for another core than the Cortex-M4, whose cycles alone"
+    ):
+        load_controller(resolve_candidate(str(manifest)))
+    costs = costs_of(file, scenario_of("paper-5-phase"))
+    assert (costs.cycles, costs.instructions > 100) == (0, True)
+
+
+def test_the_depth_of_the_stack_is_that_of_the_deepest_step(image: Callable[..., Path]) -> None:
+    scenario = scenario_of("paper-5-phase")
+    depths = []
+    for size in (504, 1016):
+        only_once = f"if (self->steps == 7) {{ {ROOM.format(size)} }}"
+        depths.append(costs_of(image(CURRENT, only_once), scenario).stack_bytes)
+    assert depths[1] - depths[0] == 1016 - 504
+    assert 504 < depths[0] < 700
+    # What a reset needs is not that of a step.
+    deep_reset = costs_of(
+        image(CURRENT.replace("return RESET", f"{ROOM.format(1016)} return RESET")), scenario
+    )
+    assert deep_reset.stack_bytes < 200
+
+
+@pytest.mark.parametrize(
+    ("halfwords", "cycles"),
+    [
+        ((0xB5F0, 0), 6),  # push {r4-r7, lr}
+        ((0xBDF0, 0), 6),  # pop {r4-r7, pc}, without the refill
+        ((0x6818, 0), 2),  # ldr r0, [r3]
+        ((0x4B01, 0), 2),  # ldr r3, [pc, #4]
+        ((0xC80E, 0), 4),  # ldm r0, {r1-r3}
+        ((0x4770, 0), 1),  # bx lr
+        ((0xE92D, 0x4FF0), 10),  # stmdb sp!, {r4-r11, lr}
+        ((0xE9D3, 0x0100), 3),  # ldrd r0, r1, [r3]
+        ((0xE8DF, 0xF000), 2),  # tbb [pc, r0]
+        ((0xE853, 0x0F00), 2),  # ldrex r0, [r3]
+        ((0xF8D3, 0x0004), 2),  # ldr.w r0, [r3, #4]
+        ((0xFB02, 0xF303), 1),  # mul r3, r2, r3
+        ((0xFB93, 0xF3F2), 12),  # sdiv r3, r3, r2
+        ((0xFBA3, 0x2300), 1),  # umull r2, r3, r3, r0
+        ((0xEDD3, 0x7A00), 2),  # vldr s15, [r3]
+        ((0xED93, 0x7B00), 3),  # vldr d7, [r3]
+        ((0xED2D, 0x8B04), 5),  # vpush {d8-d9}
+        ((0xEC53, 0x2B17), 2),  # vmov r2, r3, d7
+        ((0xEE77, 0x7A87), 1),  # vadd.f32 s15, s15, s14
+        ((0xEE67, 0x7A87), 1),  # vmul.f32 s15, s15, s14
+        ((0xEEC7, 0x7A87), 14),  # vdiv.f32 s15, s15, s14
+        ((0xEEE7, 0x7A87), 3),  # vfma.f32 s15, s15, s14
+        ((0xEEF1, 0x7AE7), 14),  # vsqrt.f32 s15, s15
+        ((0xEEF0, 0x7AE7), 1),  # vabs.f32 s15, s15
+        ((0xEE17, 0x3A90), 1),  # vmov r3, s15
+        ((0xEEF1, 0xFA10), 1),  # vmrs APSR_nzcv, fpscr
+    ],
+)
+def test_the_cycles_of_an_instruction_are_those_of_the_manual(
+    halfwords: tuple[int, int], cycles: int
+) -> None:
+    assert CORE == "CORTEX_M4"
+    assert cycles_of(*halfwords) == cycles
+
+
+@pytest.mark.parametrize(
+    ("limit", "is_met"),
+    [
+        ("step_instructions = 100000", True),
+        ("step_instructions = 10", False),
+        ("step_cycles = 100000", True),
+        ("step_cycles = 10", False),
+        ("stack_bytes = 10", False),
+    ],
+)
+def test_a_step_is_judged_by_what_the_manifest_allows_in_every_run(
     image: Callable[..., Path], limit: str, is_met: bool
 ) -> None:
     file = image().with_name("candidate.toml")
     file.write_text(
         f'schema = 1\nname = "mine"\nkind = "elf"\nentry = "mine.elf"\n{limit}\n', encoding="utf-8"
     )
-    with Judge(resolve_candidate(str(file))) as judge:
-        outcome = judge.once(Job(time_steps, TimedSteps(scenario_of("paper-5-phase"))))
-    assert not isinstance(outcome, Fault), outcome
-    ((margin,),) = (run.margins for run in outcome.runs)
-    assert margin.met is is_met, margin.measured
-    assert margin.measured.endswith(f"{limit.split()[-1]} stated in 'step_instructions'")
+    scenario, key = scenario_of("paper-5-phase"), limit.split()[0]
+    candidate = resolve_candidate(str(file))
+    with Judge(candidate) as judge:
+        timed = judge.once(Job(time_steps, TimedSteps(scenario)))
+        fixed = judge.once(Job(run_fixed, FixedRuns((scenario,))))
+    assert not isinstance(timed, Fault), timed
+    assert not isinstance(fixed, Fault), fixed
+    for run in (*timed.runs, *fixed.runs):
+        (margin,) = (margin for margin in run.margins if margin.check == "TIM-1")
+        assert margin.met is is_met, margin.measured
+        assert margin.measured.endswith(f"{limit.split()[-1]} stated in '{key}'")
+    outcomes = check_outcomes(fixed.runs, candidate.declaration, scenario.drive, complete=True)
+    (outcome,) = (outcome for outcome in outcomes if outcome.id == "TIM-1")
+    assert (outcome.verdict, outcome.scenario) == ("pass" if is_met else "fail", scenario.to_mapping())
+    steps = costly_steps(fixed.runs, candidate.step_limits)
+    assert steps is not None
+    assert {name for name, cost in steps.items() if cost["limit"]} == {key.removeprefix("step_")}
+    assert {cost["scenario"] for cost in steps.values()} == {scenario.name}
+    assert set(steps) == {"instructions", "cycles", "stack_bytes"}
 
 
 @pytest.mark.parametrize(("source", "drive"), [(CURRENT, "paper-5-phase"), (DUTY, "pm-ac-surface")])
