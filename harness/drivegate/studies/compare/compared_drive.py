@@ -125,10 +125,13 @@ def _common_reference(all_compared: Sequence[Compared]) -> Reference:
     for compared in all_compared:
         if compared.candidate is None or reference in compared.candidate.declaration.references:
             continue
-        compared.error = InputError(
-            f"the candidate '{one_line(compared.candidate.name)}' follows no speed, which this comparison "
-            "gives; compare candidates that follow the same"
+        why = (
+            "follows a q current alone, but a comparison gives speeds or torques; drivegate diff shows where two such "
+            "candidates part"
+            if compared.candidate.declaration.follows_current
+            else "follows no speed, which this comparison gives; compare candidates that follow the same"
         )
+        compared.error = InputError(f"the candidate '{one_line(compared.candidate.name)}' {why}")
     return reference
 
 

@@ -21,13 +21,13 @@ from drivegate.studies.diff.jobs import (
     RecordRequest,
     Rule,
     follow_run,
+    gets_current,
     load_only,
     record_run,
     recorded_rows,
     refuse_without_room,
 )
 from drivegate_cases.documents.wording import one_line
-from drivegate_cases.scenario.reference import reference_of
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import InputError
 
@@ -80,12 +80,12 @@ def compared(
     otherwise. Both are the same up to there, so nothing is lost by asking one after the other.
     With `again` the second one's instance has run the scenario before: against itself, that shows what reset keeps.
     """
-    for candidate in (first, second):
-        if candidate.declaration.follows_current and reference_of(scenario) == "torque":
-            raise InputError(
-                f"the candidate '{one_line(candidate.name)}' declares 'references = [\"current\"]', but a diff passes "
-                "the torque of the scenario on; leave the key out of the manifests that are compared"
-            )
+    of_current = [candidate for candidate in (first, second) if gets_current(candidate, scenario)]
+    if len(of_current) == 1:
+        raise InputError(
+            f"the candidate '{one_line(of_current[0].name)}' declares 'references = [\"current\"]', but the other one "
+            "gets the torque of the scenario; compare candidates that follow the same"
+        )
     with_compiled_kernels([scenario.drive])
     with temporary_folder() as folder, Judge(second) as following:
         refuse_without_room(scenario, folder)

@@ -12,6 +12,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.controller import Controller, show_drive
 from drivegate.candidates.fault import CandidateFault
 from drivegate.containment.messages import JudgedCandidate
@@ -19,6 +20,7 @@ from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.given_steps import RecordingController
 from drivegate.drives.kinds import kind_of
 from drivegate_cases.documents.wording import shown_path
+from drivegate_cases.scenario.reference import reference_of
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import InputError
 from drivegate_models.loop.step_recording import row_layout
@@ -132,7 +134,7 @@ def refuse_without_room(scenario: Scenario, folder: Path) -> None:
 def record_run(loaded: JudgedCandidate, plan: RecordRequest) -> None:
     """Run a scenario and write the record of every step."""
     rows = np.memmap(plan.path, _row_of(plan.scenario), "w+", shape=(plan.scenario.control_periods,))
-    _run_once(plan.scenario, loaded.controller(), rows)
+    _run_once(loaded, plan.scenario, loaded.controller(), rows)
     rows.flush()
 
 
@@ -146,9 +148,10 @@ def follow_run(loaded: JudgedCandidate, plan: FollowRequest) -> Followed | None:
     contract, rows = contract_of(plan.scenario.drive), recorded_rows(plan.path, plan.scenario)
     controller = loaded.controller()
     if plan.again:
-        _run_once(plan.scenario, controller)
+        _run_once(loaded, plan.scenario, controller)
     show_drive(controller, plan.scenario.drive)
-    steps = contract.given_steps(controller, contract.nameplate(plan.scenario))
+    nameplate = contract.nameplate(plan.scenario, **_reference_options(loaded.candidate, plan.scenario))
+    steps = contract.given_steps(controller, nameplate)
     restarts = {round(time / plan.scenario.control_period_s) for time in plan.scenario.restarts_s}
     differs: int | None = None
     answers = np.empty(0, contract.layout().command)
@@ -183,14 +186,30 @@ def _blocks(steps: int, restarts: set[int]) -> Iterator[tuple[int, int]]:
     return pairwise(sorted({*range(0, steps, BLOCK), *(step for step in restarts if step < steps), steps}))
 
 
-def _run_once(scenario: Scenario, controller: Any, rows: NDArray[Any] | None = None) -> None:
+def gets_current(candidate: Candidate, scenario: Scenario) -> bool:
+    """Return True if a candidate gets a q current in place of the scenario's torque."""
+    return candidate.declaration.follows_current and reference_of(scenario) == "torque"
+
+
+def _reference_options(candidate: Candidate, scenario: Scenario) -> dict[str, bool]:
+    """Return what a contract with torques is told of the reference."""
+    return {"follows_current": True} if gets_current(candidate, scenario) else {}
+
+
+def _run_once(
+    loaded: JudgedCandidate, scenario: Scenario, controller: Any, rows: NDArray[Any] | None = None
+) -> None:
     """Run a controller, and record its steps where there is room for them."""
 
     def recording(inner: Controller) -> Controller:
         return inner if rows is None else RecordingController(inner, rows)
 
     contract_of(scenario.drive).run(
-        kind_of(scenario.drive).prepare_loop(), scenario, controller, wrap=recording
+        kind_of(scenario.drive).prepare_loop(),
+        scenario,
+        controller,
+        wrap=recording,
+        **_reference_options(loaded.candidate, scenario),
     )
 
 

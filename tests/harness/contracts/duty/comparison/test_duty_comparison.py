@@ -187,3 +187,7 @@ def test_candidates_that_follow_a_speed_alone_choose_the_plan() -> None:
     assert _common_reference([both, speed, torque]) == "speed"
     assert speed.error is None
     assert "follows no speed, which this comparison gives" in str(torque.error)
+    declaration = replace(torque.candidate.declaration, references=("current",))
+    torque.candidate = replace(torque.candidate, declaration=declaration)
+    assert _common_reference([both, torque]) == "speed"
+    assert "follows a q current alone, but a comparison gives speeds or torques" in str(torque.error)
