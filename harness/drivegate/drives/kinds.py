@@ -241,7 +241,11 @@ def at_declared_timing(drive: DriveDocument, candidates: Iterable[Candidate]) ->
     try:
         return drive.replaced(**changes)
     except InputError as error:
-        raise InputError(f"the drive '{drive.name}' cannot have what the manifest states: {error}") from error
+        # The beginning names the class of the document.
+        reason = str(error).partition(": ")[2]
+        raise InputError(
+            f"the drive '{drive.name}' cannot have what the manifest states: {reason}"
+        ) from error
 
 
 def scenario_at_declared_timing(scenario: Scenario, candidates: Iterable[Candidate]) -> Scenario:

@@ -75,7 +75,8 @@ def test_candidates_are_compared_at_one_rate_which_a_further_one_follows(tmp_pat
 
 def test_a_drive_that_does_not_bear_it_is_refused_by_the_name_of_the_candidate(tmp_path: Path) -> None:
     with pytest.raises(
-        InputError, match=r"drive 'pm-ac-2kw' cannot have what the manifest states: .*carrier = \"double\""
+        InputError,
+        match=r"drive 'pm-ac-2kw' cannot have what the manifest states: in the key 'inverter', .*carrier = \"double\"",
     ) as refused:
         drive_for(candidate(tmp_path, 2), load_drive("pm-ac-2kw"))
     assert "\n" not in str(refused.value)
