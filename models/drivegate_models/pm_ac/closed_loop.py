@@ -12,14 +12,15 @@ from drivegate_models.contract.duty.signals import LEG_OFF
 from drivegate_models.loop.exchange import COMPLETED
 from drivegate_models.loop.restarting import Restarts, no_restarts
 from drivegate_models.loop.schedule import Course, Schedule, steady
-from drivegate_models.machine import ledger
+from drivegate_models.machine import advance_status, ledger
 from drivegate_models.machine.load import Load
 from drivegate_models.pm_ac.exchange import DutyExchange, make_exchange
 from drivegate_models.pm_ac.failure import Failure, make_failure
-from drivegate_models.pm_ac.loop_kernel import DutyRoom, DutyTiming, run_periods, settle_before_start
+from drivegate_models.pm_ac.loop_kernel import DutyRoom, DutyTiming, release_before_start, run_periods
 from drivegate_models.pm_ac.loop_records import DutyRecords, make_records
-from drivegate_models.pm_ac.plant.advance import make_phases
+from drivegate_models.pm_ac.plant.advance import PmAcPhases, make_phases
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
+from drivegate_models.pm_ac.rectifying import settle_rectifying
 from drivegate_models.pm_ac.sensing import DutySensors, delayed_glitches, ideal_duty_sensors, low_side_ratio
 
 
@@ -158,7 +159,7 @@ def prepared_duty_loop(
     fails = make_failure() if failure is None else failure
     resets = no_restarts() if restarts is None else restarts
     phases = make_phases()
-    if settle_before_start(drive, phases, load, schedule, timing, room):
+    if not _settle_before_start(drive, phases, load, schedule, timing, room):
         timing = timing._replace(has_no_start=True)
     arguments = (
         drive,
@@ -175,6 +176,29 @@ def prepared_duty_loop(
         records,
     )
     return PreparedDutyLoop(run_periods, arguments, exchange, records, before)
+
+
+def _settle_before_start(
+    drive: PmAcDrive, phases: PmAcPhases, load: Load, schedule: Schedule, timing: DutyTiming, room: DutyRoom
+) -> bool:
+    """Set the machine to its steady state at the initial speed, with the legs off; return True if there is one.
+
+    It is without current, or with the diodes' current. The transient to this state is not part of the run.
+    """
+    speed, link, factors = release_before_start(drive, phases, load, schedule, timing, room)
+    status = settle_rectifying(
+        drive,
+        phases,
+        timing.initial_angle,
+        speed,
+        link,
+        factors,
+        timing.control_period,
+        room.ratios[0],
+        room.legs[0],
+        room.period,
+    )
+    return int(status) == advance_status.COMPLETED
 
 
 def run_duty_loop(drive: PmAcDrive, load: Load, schedule: Schedule, **options: Any) -> DutyRun:

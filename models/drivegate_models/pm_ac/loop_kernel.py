@@ -30,7 +30,6 @@ from drivegate_models.pm_ac.failure import (
 from drivegate_models.pm_ac.loop_records import DutyRecords, write_period
 from drivegate_models.pm_ac.plant.advance import PmAcPhases, advance_period, release_legs, stored_energy
 from drivegate_models.pm_ac.plant.drive import PmAcDrive, alignment_of, drifted
-from drivegate_models.pm_ac.rectifying import settle_rectifying
 from drivegate_models.pm_ac.sensing import (
     EXACT,
     DutySensors,
@@ -163,29 +162,20 @@ def _command(
 
 
 @unallocating
-def settle_before_start(
+def release_before_start(
     drive: PmAcDrive, phases: PmAcPhases, load: Load, schedule: Schedule, timing: DutyTiming, room: DutyRoom
-) -> int:
-    """Set the machine to its steady state at the initial speed of the run, with the legs off until a command acts.
+) -> tuple[float, float, tuple[float, float]]:
+    """Turn all legs off at the initial speed of the run, as they are until a command acts.
 
-    It is without current, or with the diodes' current. The transient to this state is not part of the run. Returns 0,
-    or another number if there is no such state. A kernel of its own passes through the compiler in half the time.
+    Returns that speed (rad/s), the link voltage (V) and the factors on winding resistance and magnet flux (1).
+    A kernel of its own passes through the compiler in half the time.
     """
     begin = conditions_at(schedule, room.course_positions, 0.0)
     speed = begin.speed_reference if load.kind == LOCKED else timing.initial_speed
+    link = 2.0 * begin.supply
     plant = drifted(drive, begin.resistance_factor, begin.emf_factor)
-    release_legs(plant, phases, timing.initial_angle, speed, 2.0 * begin.supply)
-    return settle_rectifying(
-        plant,
-        phases,
-        timing.initial_angle,
-        speed,
-        2.0 * begin.supply,
-        timing.control_period,
-        room.ratios[0],
-        room.legs[0],
-        room.period,
-    )
+    release_legs(plant, phases, timing.initial_angle, speed, link)
+    return speed, link, (begin.resistance_factor, begin.emf_factor)
 
 
 @unallocating
@@ -203,7 +193,7 @@ def run_periods(
     restarts: Restarts,
     records: DutyRecords,
 ) -> tuple[int, int]:
-    """Run a controller against the plant, whose machine `settle_before_start` has set to its initial state.
+    """Run a controller against the plant, whose machine is in its initial state.
 
     `schedule`: external conditions. The supply is half of the link voltage, and the speed is the reference. `torque`:
     torque reference (N m). Control periods before the run have negative numbers and are not recorded. Returns `status`,

@@ -14,7 +14,7 @@ from drivegate_models.machine import ledger
 from drivegate_models.machine.advance_status import COMPLETED
 from drivegate_models.machine.rotor_frame import PER_ROOT_THREE
 from drivegate_models.pm_ac.plant.advance import PmAcPhases, advance_period
-from drivegate_models.pm_ac.plant.drive import CENTRED, PmAcDrive
+from drivegate_models.pm_ac.plant.drive import CENTRED, PmAcDrive, drifted
 
 MOST_TURNS: Final = 200
 """Maximum number of electrical turns until the currents are periodic."""
@@ -43,6 +43,7 @@ def settle_rectifying(
     angle: float,
     speed: float,
     link: float,
+    factors: tuple[float, float],
     longest: float,
     ratios: NDArray[np.float64],
     legs: NDArray[np.int64],
@@ -55,13 +56,15 @@ def settle_rectifying(
     - `angle`: electrical angle at the start and the end of every turn (rad).
     - `speed`: shaft speed, of either sign (rad/s).
     - `link`: voltage of the dc link (V).
+    - `factors`: on the winding resistance and on the magnet's flux (1).
     - `longest`: maximum length of a part that is computed at once (s).
     - `ratios`, shape (3,): duty ratios, all zero.
     - `legs`, shape (3,): `LEG_OFF` of the contract for each leg.
     - `totals`, shape (ledger.ENTRIES,): receives the exact integrals over the last turn.
     - Result: `COMPLETED`, or the status with which the plant's advance failed.
     """
-    if not rectifies(drive, speed, link):
+    plant = drifted(drive, factors[0], factors[1])
+    if not rectifies(plant, speed, link):
         return COMPLETED
     turn = 2.0 * pi / (drive.pole_pairs * abs(speed))
     parts = max(ceil(turn / longest), _FEWEST_PARTS)
@@ -73,7 +76,7 @@ def settle_rectifying(
         for part in range(parts):
             begin = within_a_turn(angle + part * part_angle)
             status = advance_period(
-                drive, phases, begin, speed, link, ratios, legs, CENTRED, turn / parts, totals
+                plant, phases, begin, speed, link, ratios, legs, CENTRED, turn / parts, totals
             )
             if status != COMPLETED:
                 return int(status)

@@ -161,12 +161,18 @@ def three(x):
 """
 
 
-def test_a_function_is_compiled_once_for_all_constants_and_callable_all_the_same(tmp_path: Path) -> None:
-    """numba would compile it for each constant, and with the arguments of a Python call taken apart."""
-    (tmp_path / "constants.py").write_text(_CONSTANTS, encoding="utf-8")
-    shown = "print(three(1.0), scaled.signatures, scaled(4, 0.5))"
+_OTHER_CALLER = """
+from constants import scaled
+from drivegate_models.compilation.kernels import kernel
+@kernel
+def four(x):
+    return scaled(4, x)
+"""
+
+
+def _printed(tmp_path: Path, command: str) -> str:
     done = subprocess.run(
-        [sys.executable, "-c", f"from constants import scaled, three; {shown}"],
+        [sys.executable, "-c", command],
         cwd=tmp_path,
         env={**os.environ, compilation.CACHE_VARIABLE: str(tmp_path / "cache")},
         capture_output=True,
@@ -174,4 +180,24 @@ def test_a_function_is_compiled_once_for_all_constants_and_callable_all_the_same
         check=True,
         timeout=120,
     )
-    assert done.stdout.strip() == "6.0 [(int64, float64)] 2.0"
+    return done.stdout.strip()
+
+
+def test_a_function_is_compiled_once_for_all_constants_and_callable_all_the_same(tmp_path: Path) -> None:
+    """numba would compile it for each constant, and with the arguments of a Python call taken apart."""
+    (tmp_path / "constants.py").write_text(_CONSTANTS, encoding="utf-8")
+    shown = "print(three(1.0), scaled.signatures, scaled(4, 0.5))"
+    assert _printed(tmp_path, f"from constants import scaled, three; {shown}") == "6.0 [(int64, float64)] 2.0"
+
+
+def test_an_inlined_function_has_machine_code_in_its_callers_alone(tmp_path: Path) -> None:
+    """Another process takes its code from the cache, for a caller that is compiled there."""
+    (tmp_path / "constants.py").write_text(_CONSTANTS, encoding="utf-8")
+    (tmp_path / "other.py").write_text(_OTHER_CALLER, encoding="utf-8")
+    shown = "print(three(1.0), [each.library.get_pointer_to_function(each.fndesc.llvm_func_name) for each in compiled])"
+    command = (
+        f"from constants import scaled, three; three(2.0); compiled = scaled.overloads.values(); {shown}"
+    )
+    assert _printed(tmp_path, command) == "6.0 [0]", "address of its machine code"
+    command = "from other import four, scaled; print(four(0.5), sum(scaled.stats.cache_hits.values()))"
+    assert _printed(tmp_path, command) == "2.0 1", "value and hits of the cache"

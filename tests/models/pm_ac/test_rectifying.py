@@ -48,7 +48,9 @@ def settled(drive: PmAcDrive, rpm: float, angle: float = 0.0) -> tuple[PmAcPhase
     """Return the state and the integrals over a turn, at the nominal link."""
     phases, totals = make_phases(), np.zeros(ledger.ENTRIES)
     nothing = np.zeros(3), np.zeros(3, np.int64)
-    status = settle_rectifying(drive, phases, angle, rpm * RPM, drive.link_voltage, PERIOD, *nothing, totals)
+    status = settle_rectifying(
+        drive, phases, angle, rpm * RPM, drive.link_voltage, (1.0, 1.0), PERIOD, *nothing, totals
+    )
     assert status == COMPLETED
     return phases, totals
 

@@ -167,7 +167,7 @@ def _rectified_current(scenario: Scenario) -> float:
 def _settled_peak(plant: PmAcDrive, speed: float, link: float, period: float) -> float:
     totals = np.zeros(ledger.ENTRIES)
     legs_off = np.zeros(3), np.full(3, LEG_OFF, np.int64)
-    settle_rectifying(plant, make_phases(), 0.0, speed, link, period, *legs_off, totals)
+    settle_rectifying(plant, make_phases(), 0.0, speed, link, (1.0, 1.0), period, *legs_off, totals)
     return float(totals[ledger.PEAK])
 
 
