@@ -13,10 +13,10 @@ from functools import cache, cached_property
 from math import radians
 from typing import Final, Literal, TypeAlias
 
+from drivegate.candidates.builtin.candidates import BUILTIN_CANDIDATES
 from drivegate.candidates.builtin.faults.catalogue import MUTATIONS
 from drivegate.candidates.builtin.faults.mutation import Mutation
 from drivegate.candidates.builtin.faulty_controller import FaultyController
-from drivegate.candidates.builtin.resolution import BUILTIN_CANDIDATES
 from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.contracts.current.record import CurrentRecord
 from drivegate.contracts.current.scenarios.building import steady_scenario

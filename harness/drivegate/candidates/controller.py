@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
-from numpy.typing import NDArray
-
 from drivegate.candidates.fault import Fault
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from drivegate_cases.drive.drive_document import DriveDocument
 
 

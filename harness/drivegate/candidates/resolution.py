@@ -8,7 +8,7 @@ from dataclasses import replace
 from importlib.metadata import entry_points
 from pathlib import Path
 
-from drivegate.candidates.builtin.resolution import BUILTIN_CANDIDATES, DUTY_CANDIDATES
+from drivegate.candidates.builtin.candidates import BUILTIN_CANDIDATES, DUTY_CANDIDATES
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.kinds import KINDS, MANIFEST_SUFFIX, WHOLE_FILE_SUFFIXES
 from drivegate_cases.documents.wording import nearest, one_line, shown_path

@@ -8,7 +8,7 @@ import pytest
 from drivegate import __version__
 from drivegate.candidates import resolution as candidate_resolution
 from drivegate.candidates.builtin import resolution as builtin_resolution
-from drivegate.candidates.builtin.resolution import BUILTIN_CANDIDATES
+from drivegate.candidates.builtin.candidates import BUILTIN_CANDIDATES
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate_models.errors import InputError

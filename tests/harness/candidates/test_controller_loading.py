@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from drivegate.candidates.builtin.resolution import BUILTIN_CANDIDATES
+from drivegate.candidates.builtin.candidates import BUILTIN_CANDIDATES
 from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.python.bridge import PythonController
 from drivegate.candidates.resolution import resolve_candidate

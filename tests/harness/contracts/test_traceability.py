@@ -7,8 +7,8 @@ from collections.abc import Callable
 import pytest
 from hypothesis import HealthCheck, Phase, given, seed, settings
 
+from drivegate.candidates.builtin.candidates import BUILTIN_CANDIDATES
 from drivegate.candidates.builtin.loading import BuiltinController
-from drivegate.candidates.builtin.resolution import BUILTIN_CANDIDATES
 from drivegate.candidates.declaration import Declaration
 from drivegate.contracts.catalogue import CONTRACTS
 from drivegate.contracts.contract import Contract

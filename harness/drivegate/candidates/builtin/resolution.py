@@ -1,76 +1,26 @@
-"""The controllers that are included, what they declare, and from the name of one to a candidate."""
+"""From the name of a controller that comes with drivegate, or a manifest with it, to a candidate."""
 
 from __future__ import annotations
 
 import hashlib
-import re
-from math import radians
 from pathlib import Path
-from types import MappingProxyType
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
+from drivegate.candidates.builtin.candidates import (
+    BUILTIN_CANDIDATES,
+    DESIGN_CANDIDATES,
+    DUTY_CANDIDATES,
+)
 from drivegate.candidates.candidate import Candidate
-from drivegate.candidates.declaration import Declaration, FlowchartProfile
+from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.kinds import DESIGN_PREFIX, FAULTY_PREFIX, NEAR_PREFIX
 from drivegate.version import __version__
 from drivegate_cases.documents.wording import nearest, one_line, shown_path
-from drivegate_cases.scenario.failure_kind import FAILURE_KINDS
 from drivegate_models.errors import InputError
-from drivegate_models.units import RADIANS_PER_RPM
 
 if TYPE_CHECKING:
     from drivegate.candidates.contract import ContractName
     from drivegate.candidates.manifest import Manifest
-
-BUILTIN_CANDIDATES: Final = MappingProxyType(
-    {
-        "reference": Declaration(estimates_power=True),
-        "published": Declaration(
-            flowchart=FlowchartProfile(
-                speed_tolerance=5.0 * RADIANS_PER_RPM,
-                power_tolerance=0.0,
-                power_tolerance_fraction=0.001,
-                step=radians(1),
-                period=0.1,
-            ),
-            estimates_power=True,
-        ),
-        "initial": Declaration(estimates_power=True),
-    }
-)
-"""Declarations by bare name."""
-
-DUTY_CANDIDATES: Final = MappingProxyType(
-    {
-        name: Declaration(detects=FAILURE_KINDS)
-        for name in (
-            "foc",
-            "foc-mtpa",
-            "foc-loss-model",
-            "foc-loss-search",
-            "predictive-flux",
-            "direct-torque",
-        )
-    }
-)
-"""Declarations of those that answer with duty ratios, by bare name."""
-
-_DESIGNS = ("golden-section", "quadratic-interpolation", "angle-table", "sweep")
-
-DESIGN_CANDIDATES: Final = MappingProxyType(
-    {f"{DESIGN_PREFIX}{design}": Declaration(estimates_power=True) for design in _DESIGNS}
-)
-"""Declarations of correct candidates of other designs than the reference controller, by name with the prefix.
-
-The harness tests itself with them: no check may accuse a correct controller, whatever its design.
-"""
-
-_PREFIXED: Final = re.compile(f"({FAULTY_PREFIX}|{DESIGN_PREFIX}|{NEAR_PREFIX})[a-z0-9-]+")
-
-
-def is_builtin_name(text: str) -> bool:
-    """Return True if a text has the form of the name of a candidate that comes with drivegate, and of nothing else."""
-    return text in BUILTIN_CANDIDATES or text in DUTY_CANDIDATES or _PREFIXED.fullmatch(text) is not None
 
 
 def from_text(specification: str) -> Candidate:

@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from drivegate.candidates.builtin.resolution import BUILTIN_CANDIDATES
+from drivegate.candidates.builtin.candidates import BUILTIN_CANDIDATES
 from drivegate.candidates.candidate import Candidate, Composition, existing_file, hash_of
 from drivegate.candidates.python.resolution import module_sources
 from drivegate.version import __version__

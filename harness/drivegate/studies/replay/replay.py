@@ -8,7 +8,7 @@ from typing import Any, Final
 
 import drivegate_models
 from drivegate import version
-from drivegate.candidates.builtin.resolution import is_builtin_name
+from drivegate.candidates.builtin.candidates import is_builtin_name
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault
 from drivegate.candidates.kinds import KINDS

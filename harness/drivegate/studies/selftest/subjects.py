@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Final
 
+from drivegate.candidates.builtin.candidates import DESIGN_CANDIDATES, DUTY_CANDIDATES
 from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS, DutyFault
 from drivegate.candidates.builtin.faults.catalogue import MUTATIONS, find_fault
 from drivegate.candidates.builtin.faults.mutation import Mutation, idle_on, text_on
 from drivegate.candidates.builtin.faults.tolerances import NEAR_DESIGNS
-from drivegate.candidates.builtin.resolution import DESIGN_CANDIDATES, DUTY_CANDIDATES
 from drivegate.candidates.kinds import FAULTY_PREFIX, NEAR_PREFIX
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.contracts.catalogue import contract_of

@@ -2,8 +2,8 @@
 
 import pytest
 
+from drivegate.candidates.builtin.candidates import DESIGN_CANDIDATES
 from drivegate.candidates.builtin.faults.tolerances import NEAR_DESIGNS
-from drivegate.candidates.builtin.resolution import DESIGN_CANDIDATES
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.resolution import resolve_candidate
