@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final
 from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.drives.running import run_scenario
-from drivegate.studies.bench.rates import run_correctness
+from drivegate.studies.bench.measurements import run_correctness
 from drivegate.studies.bench.workbench import (
     Correctness,
     NotMeasured,

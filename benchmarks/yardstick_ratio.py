@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 
 from drivegate.drives.running import run_scenario
-from drivegate.studies.bench.rates import run_correctness
+from drivegate.studies.bench.measurements import run_correctness
 from drivegate.studies.bench.workbench import (
     Correctness,
     NotMeasured,

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from drivegate.checks.record import Record
+    from drivegate.checks.check import Record
     from drivegate.contracts.contract import Columns
 
 DOCS: Final = Path(__file__).parent

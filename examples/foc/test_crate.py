@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.checks.judging import judged
+from drivegate.checks.check import judged
 from drivegate.containment.judge import own_candidate
 from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.duty.scenarios.building import torque_of, torque_scenario

@@ -13,7 +13,7 @@ from motulator.drive import model
 from numpy.typing import NDArray
 
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.checks.judging import judged
+from drivegate.checks.check import judged
 from drivegate.containment.judge import own_candidate
 from drivegate.contracts.duty.scenarios.building import torque_scenario
 from drivegate.drives.kinds import kind_of

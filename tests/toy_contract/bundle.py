@@ -12,9 +12,8 @@ from tests.toy_contract.controllers import KIND
 from tests.toy_contract.motor import COMMAND, DRIVE_FILE, SENSE, ToyRun, ToySense, called, run_motor
 
 from drivegate.candidates.kinds import KINDS
-from drivegate.checks.check import Check
+from drivegate.checks.check import Check, Record, Unseen
 from drivegate.checks.margin import Margin, at_most
-from drivegate.checks.record import Record, Unseen
 from drivegate.contracts.catalogue import CONTRACTS
 from drivegate.contracts.comparison import (
     POINTS,

@@ -1,15 +1,18 @@
-"""What a check is: a requirement declared once, and a function from a run to margins."""
+"""What a check is: a requirement declared once, what it sees of a finished run, and the margins that it returns."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Any, Literal, TypeAlias
+from functools import cached_property
+from typing import Any, Literal, Protocol, TypeAlias
 
 from drivegate.candidates.declaration import Declaration
+from drivegate.candidates.step_costs import NO_COSTS, StepCosts
 from drivegate.checks.margin import Margin, Moment
-from drivegate.checks.record import Record
 from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_models.steady.plant import AnyDrive
 
 Evaluate: TypeAlias = Callable[[Any], Margin | None]
 """From the record of a run of the check's contract to its margin; None where it does not apply to the run."""
@@ -17,6 +20,53 @@ StateMoment: TypeAlias = Callable[[Any], Moment | None]
 """From the record of a run to the moment that decides its margin; None where no single signal shows it."""
 ReasonNotApplicable: TypeAlias = Callable[[Declaration, DriveDocument], str | None]
 """From a declaration and a drive to the reason why the check does not apply to that candidate; None where it does."""
+
+
+class Run(Protocol):
+    """The observation of a run, whatever its contract."""
+
+    @property
+    def digest(self) -> int:
+        """Digest of all commands, bit for bit."""
+
+
+@dataclass(frozen=True)
+class Record:
+    """A finished run with what belongs to it."""
+
+    scenario: Scenario
+    """The scenario."""
+    run: Run
+    """The observation; each contract has its own type."""
+    declaration: Declaration
+    """What the candidate declares about itself."""
+    repeated_digests: tuple[int, ...] = ()
+    """Digests of further runs of the same scenario; empty where it ran once."""
+    costs: StepCosts = NO_COSTS
+    """Greatest costs of a step on an emulated target."""
+    allowed_costs: StepCosts = NO_COSTS
+    """What the candidate's manifest allows of them."""
+    parting: str = ""
+    """Where one of these runs first differs from this one, in words; empty where none does."""
+
+    @cached_property
+    def drive(self) -> AnyDrive:
+        """The plant that the run was made on."""
+        return self.scenario.drive.plant(self.scenario.scales)
+
+
+class NotRun(Exception):
+    """Raised where something is read that only the run shows."""
+
+
+class Unseen:
+    """Stand-in for what a run shows: reading anything but what is already known raises `NotRun`."""
+
+    def __init__(self, **known: Any) -> None:
+        self.__dict__.update(known)
+
+    def __getattr__(self, name: str) -> Any:
+        raise NotRun(name)
 
 
 def always_applicable(_declaration: Declaration, _drive: DriveDocument) -> str | None:
@@ -71,3 +121,48 @@ class Check:
     """Why the check does not apply, on a drive, to a candidate that declares what it does."""
     volatile: bool = False
     """Whether the measured numbers depend on the machine, so that they belong beside a result's times."""
+
+
+@dataclass(frozen=True)
+class JudgedRun:
+    """A run's scenario and margins; what a worker hands back."""
+
+    scenario: dict[str, Any]
+    """The scenario as plain data."""
+    margins: tuple[Margin, ...]
+    """Of every check that applies."""
+    digest: int = 0
+    """Digest of the commands; 0 where they are not compared."""
+    costs: StepCosts = NO_COSTS
+    """Greatest costs of a step on an emulated target."""
+
+
+@dataclass(frozen=True)
+class InfeasibleScenario:
+    """A drawn scenario on which no candidate may be judged; it was not run."""
+
+    scenario: str
+    """Its name."""
+    reason: str
+    """Why no controller could do what it requires."""
+
+
+@dataclass(frozen=True)
+class ShardOutcome:
+    """What a job came to."""
+
+    runs: tuple[JudgedRun, ...]
+    """In the order in which they were made."""
+    infeasible: tuple[InfeasibleScenario, ...] = ()
+    """Drawn scenarios that no controller could do, which were not run."""
+
+
+def judged(record: Record, checks: Iterable[Check]) -> JudgedRun:
+    """Apply checks to a run."""
+    margins = (check.evaluate(record) for check in checks)
+    return JudgedRun(
+        record.scenario.to_mapping(),
+        tuple(margin for margin in margins if margin is not None),
+        record.run.digest,
+        record.costs,
+    )

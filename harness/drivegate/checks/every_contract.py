@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from drivegate.checks.check import Check
+from drivegate.checks.check import Check, Record
 from drivegate.checks.margin import Margin
-from drivegate.checks.record import Record
 from drivegate.checks.target_costs import margin_on_target
 
 TIMED_STEPS = 4000

@@ -6,9 +6,8 @@ from dataclasses import replace
 from typing import Final
 
 from drivegate.candidates.step_costs import StepCosts
-from drivegate.checks.check import Check
+from drivegate.checks.check import Check, Record
 from drivegate.checks.margin import Margin, at_most, worst_required
-from drivegate.checks.record import Record
 
 _ID: Final = "TIM-1"
 _COSTS: Final = (

@@ -78,7 +78,7 @@ def command(
 
     from drivegate.containment.backend import Backend
     from drivegate.studies.campaign.file import read_campaign
-    from drivegate.studies.campaign.table import require_parquet
+    from drivegate.studies.campaign.folder import require_parquet
 
     require_parquet("a campaign")
     where = Backend(backend, workers, scheduler)

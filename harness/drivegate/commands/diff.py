@@ -94,9 +94,8 @@ def command(
     check_targets(None, None, plot)
 
     from drivegate.drives.kinds import require_contract, scenario_at_declared_timing
-    from drivegate.studies.diff.diff import compared
+    from drivegate.studies.diff.diff import BITWISE, Rule, compared
     from drivegate.studies.diff.document import document_of
-    from drivegate.studies.diff.jobs import BITWISE, Rule
 
     for candidate in candidates:
         require_contract(candidate, scenario.drive)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias
 
 if TYPE_CHECKING:
-    from drivegate.checks.record import Record
+    from drivegate.checks.check import Record
     from drivegate.containment.messages import Job
     from drivegate.contracts.drawings import Drawing
     from drivegate_cases.drive.drive_document import DriveDocument

@@ -13,9 +13,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from drivegate.candidates.declaration import Declaration
-    from drivegate.checks.check import Check
+    from drivegate.checks.check import Check, Record
     from drivegate.checks.margin import Margin
-    from drivegate.checks.record import Record
     from drivegate.containment.messages import AnyController
     from drivegate.contracts.comparison import Comparison
     from drivegate.contracts.drawings import Panel

@@ -11,9 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, ValidationError
 
-from drivegate.checks.check import Check
+from drivegate.checks.check import Check, Record
 from drivegate.checks.margin import Margin, Moment
-from drivegate.checks.record import Record
 from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.contract import Columns, RecordedTrace
 from drivegate_cases.documents.document import Section, parse_document

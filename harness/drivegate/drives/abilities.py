@@ -1,15 +1,20 @@
-"""What drives of each kind can do."""
+"""What drives of each kind can do, and what a check refuses of a drive, with the values that it accepts instead."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Final
+from dataclasses import dataclass
+from typing import Final, TypeAlias
 
 from drivegate.drives.ability import Ability
 from drivegate.drives.angle_ability import ANGLE_ABILITY
 from drivegate.drives.duty_ability import DUTY_ABILITY
-from drivegate.drives.kinds import HALF_BRIDGE, PM_AC, STAR
-from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate.drives.kinds import DEFAULT_DRIVE, HALF_BRIDGE, PM_AC, STAR
+from drivegate.drives.power_reach import UnreachableRating, setting_words, unreachable_power
+from drivegate.drives.required_ripple import UnreachableRipple
+from drivegate_cases.documents.wording import rounded_to_digits
+from drivegate_cases.drive.drive_document import DriveDocument, load_drive
+from drivegate_models.errors import InputError
 
 ABILITIES: Final[Mapping[str, Ability]] = {
     HALF_BRIDGE.name: ANGLE_ABILITY,
@@ -22,3 +27,79 @@ ABILITIES: Final[Mapping[str, Ability]] = {
 def ability_of(drive: DriveDocument) -> Ability:
     """Return what a drive of that kind can do, whoever controls it."""
     return ABILITIES[drive.kind]
+
+
+@dataclass(frozen=True)
+class TooSlow:
+    """A drive whose runs would take too long."""
+
+    time: float
+    """Time that it needs (s)."""
+    longest: float
+    """Longest time that is accepted (s)."""
+    until: str
+    """What happens in that time, in words."""
+    change: Mapping[str, float]
+    """A value that a check accepts, by its key."""
+
+    @property
+    def accepted(self) -> tuple[Mapping[str, float], ...]:
+        """The change that a check accepts."""
+        return (self.change,)
+
+    def sentence(self) -> str:
+        """Return what takes too long, and the value that a check accepts."""
+        return (
+            f"it needs {self.time:.3g} s {self.until}, but must need at most {self.longest:g} s; a check accepts "
+            f"{setting_words(self.change)}"
+        )
+
+    def document(self) -> dict[str, object]:
+        """Return the same as plain data."""
+        return {
+            "key": next(iter(self.change)),
+            "message": self.sentence(),
+            "needed_time_s": self.time,
+            "longest_time_s": self.longest,
+            "accepted": [dict(self.change)],
+        }
+
+
+Refusal: TypeAlias = TooSlow | UnreachableRating | UnreachableRipple
+"""A reason why a check refuses a drive, with a sentence about it."""
+
+
+def unreachable_rating(document: DriveDocument) -> UnreachableRating | None:
+    """Find where rated power is out of reach, and the nearest ratings that are not."""
+    ability = ability_of(document)
+    return unreachable_power(document, ability.reach, ability.accepts)
+
+
+def refusals(document: DriveDocument) -> tuple[Refusal, ...]:
+    """Find every reason why a check refuses a drive: too slow, or required of it what no controller can do."""
+    unmet = ability_of(document).unmet(document)
+    found = (_too_slow(document), unreachable_rating(document), *unmet)
+    return tuple(refusal for refusal in found if refusal is not None)
+
+
+def refuse_unreachable(document: DriveDocument) -> None:
+    """Refuse a drive whose rating or requirements no controller can meet: no candidate is to be failed for it."""
+    if document == load_drive(DEFAULT_DRIVE):
+        return
+    for found in refusals(document):
+        if isinstance(found, TooSlow):
+            raise InputError(f"the drive '{document.name}' is too slow to be checked: {found.sentence()}")
+        raise InputError(
+            f"no controller can meet what the drive '{document.name}' requires: {found.sentence()}"
+        )
+
+
+def _too_slow(document: DriveDocument) -> TooSlow | None:
+    run_time = ability_of(document).run_time
+    found = run_time(document)
+    if found.time <= found.longest:
+        return None
+    lighter = {"inertia_kg_m2": rounded_to_digits(found.share * document.machine.inertia_kg_m2, up=False)}
+    faster = {"base_speed_rpm": rounded_to_digits(document.rating.base_speed_rpm / found.share, up=True)}
+    is_enough = run_time(document.replaced(**lighter)).time <= found.longest
+    return TooSlow(found.time, found.longest, found.until, lighter if is_enough else faster)

@@ -9,7 +9,7 @@ from typing import Any, Final
 from numpy.typing import NDArray
 
 from drivegate.candidates.step_costs import NO_COSTS
-from drivegate.checks.record import Record
+from drivegate.checks.check import Record
 from drivegate.containment.contained_controller import ContainedController
 from drivegate.containment.messages import AnyController, JudgedCandidate
 from drivegate.contracts.catalogue import contract_of

@@ -13,15 +13,15 @@ from typing import Any, Final
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.fault import Fault, FaultKind
-from drivegate.checks.judging import InfeasibleScenario, JudgedRun, ShardOutcome
+from drivegate.checks.check import InfeasibleScenario, JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin, margin_in_words
 from drivegate.containment.candidate_isolation import isolating_layers
 from drivegate.containment.messages import Job
 from drivegate.containment.pool import WorkEnded, WorkerPool
 from drivegate.containment.watches import SlowRun
 from drivegate.contracts.catalogue import CONTRACTS, all_checks, contract_of
+from drivegate.drives.abilities import refuse_unreachable
 from drivegate.drives.kinds import drive_for
-from drivegate.drives.reach import refuse_unreachable
 from drivegate.gate.events import (
     CheckFinished,
     CheckPlan,

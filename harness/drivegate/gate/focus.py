@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterable
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
-from drivegate.checks.judging import JudgedRun
+from drivegate.checks.check import JudgedRun
 from drivegate.results.counterexample import Counterexample
 from drivegate.results.result import CheckOutcome
 from drivegate_models.errors import InputError

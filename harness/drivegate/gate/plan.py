@@ -11,8 +11,8 @@ from drivegate.candidates.declaration import NOTHING_DECLARED, Declaration
 from drivegate.candidates.kinds import KINDS
 from drivegate.candidates.python.bridge import PythonController
 from drivegate.candidates.step_costs import greatest_costs
+from drivegate.checks.check import JudgedRun, ShardOutcome
 from drivegate.checks.every_contract import LARGEST_SHARE
-from drivegate.checks.judging import JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin, below
 from drivegate.checks.target_costs import counted_margin
 from drivegate.containment.contained_controller import ContainedController

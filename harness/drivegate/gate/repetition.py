@@ -9,7 +9,7 @@ from typing import Any, Final
 from numpy.typing import NDArray
 
 from drivegate.candidates.fault import Fault
-from drivegate.checks.judging import JudgedRun
+from drivegate.checks.check import JudgedRun
 from drivegate.checks.margin import Margin
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.containment.pool import WorkerPool

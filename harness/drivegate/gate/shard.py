@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.fault import CandidateFault
-from drivegate.checks.judging import InfeasibleScenario, JudgedRun, ShardOutcome, judged
+from drivegate.checks.check import InfeasibleScenario, JudgedRun, NotRun, ShardOutcome, judged
 from drivegate.checks.margin import Margin
-from drivegate.checks.record import NotRun
 from drivegate.containment.messages import JudgedCandidate
 from drivegate.contracts.catalogue import all_checks, contract_of
 from drivegate.contracts.parting import room_for_commands

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind
-from drivegate.checks.judging import JudgedRun
+from drivegate.checks.check import JudgedRun
 from drivegate.checks.margin import Margin
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.contracts.catalogue import check_of, contract_of

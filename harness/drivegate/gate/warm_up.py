@@ -13,7 +13,7 @@ from functools import partial
 from drivegate.candidates.declaration import NOTHING_DECLARED
 from drivegate.candidates.fault import Fault
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.checks.judging import judged
+from drivegate.checks.check import judged
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.containment.pool import WorkerPool
 from drivegate.contracts.catalogue import CONTRACTS

@@ -10,10 +10,9 @@ from typing import Any, Final
 from drivegate.candidates.declaration import NOTHING_DECLARED, Declaration
 from drivegate.candidates.fault import CandidateFault, Fault
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.checks.check import JudgedRun, Record
 from drivegate.checks.every_contract import TIM_1
-from drivegate.checks.judging import JudgedRun
 from drivegate.checks.margin import Margin
-from drivegate.checks.record import Record
 from drivegate.containment.judge import own_candidate
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.contracts.catalogue import check_of, contract_of

@@ -16,7 +16,6 @@ from functools import cache
 from pathlib import Path
 from typing import Final
 
-from drivegate.isolation.landlock import restrict_to
 from drivegate.isolation.namespaces import (
     DEVICES,
     SCRATCH,
@@ -24,7 +23,7 @@ from drivegate.isolation.namespaces import (
     enter_file_system,
     enter_process_namespace,
 )
-from drivegate.isolation.refused_calls import refuse_calls
+from drivegate.isolation.rights import refuse_calls, restrict_to
 from drivegate.isolation.system_calls import control_process
 from drivegate_cases.documents.wording import shown
 from drivegate_models.errors import InputError

@@ -6,9 +6,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path, PurePath
 from typing import Any, Final
 
+from drivegate.output.continuous_integration import write_junit, write_markdown
 from drivegate.output.explanations import distinct_faults, explanations, in_runs
-from drivegate.output.junit import write_junit
-from drivegate.output.markdown import write_markdown
 from drivegate.output.report_writers import (
     LoadWriter,
     WriteReport,

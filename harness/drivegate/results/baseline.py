@@ -19,7 +19,7 @@ from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
-    from drivegate.checks.judging import JudgedRun
+    from drivegate.checks.check import JudgedRun
 
 FEWEST_PAIRS: Final = 5
 """Pairs below which no test could show anything: with 4, the least p-value there is is 1/16."""

@@ -14,7 +14,7 @@ from drivegate.checks.margin import margin_in_words
 from drivegate.results.provenance import hash_of_content
 
 if TYPE_CHECKING:
-    from drivegate.checks.judging import InfeasibleScenario
+    from drivegate.checks.check import InfeasibleScenario
     from drivegate_cases.drive.drive_document import DriveDocument
 
 RESULT_SCHEMA: Final = 2

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault
-from drivegate.checks.record import Record
+from drivegate.checks.check import Record
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.contracts.catalogue import contract_of

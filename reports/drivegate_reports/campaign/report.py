@@ -16,8 +16,7 @@ from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.documents.wording import counted
 from drivegate_reports.campaign import distributions
 from drivegate_reports.campaign.distributions import CheckDistribution
-from drivegate_reports.page.page import require_document
-from drivegate_reports.page.printable import clean, plain_number
+from drivegate_reports.page.page import clean, plain_number, require_document
 from drivegate_reports.page.style import PageFigure, page_figure
 
 REPORT_FILE: Final = "campaign.html"

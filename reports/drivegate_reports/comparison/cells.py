@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from drivegate.contracts.comparison import Column, Words
 from drivegate_cases.documents import wording
-from drivegate_reports.page.printable import clean
+from drivegate_reports.page.page import clean
 
 _LONGEST_NAME: Final = 80
 

@@ -19,8 +19,7 @@ from drivegate_reports.comparison.report import (
     troubles_of,
 )
 from drivegate_reports.comparison.sheets import FAILED, held_of, joined
-from drivegate_reports.page.page import require_document
-from drivegate_reports.page.printable import clean
+from drivegate_reports.page.page import clean, require_document
 
 REPORT_FILE: Final = "drive-comparison.html"
 """Name of the page in the report's folder."""

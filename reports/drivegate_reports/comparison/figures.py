@@ -28,7 +28,7 @@ from drivegate_reports.comparison.curves import (
 from drivegate_reports.comparison.inks import Ink
 from drivegate_reports.comparison.maps import draw_map, map_words
 from drivegate_reports.comparison.marks import draw_marks, marked_rows, marks_in_words
-from drivegate_reports.page.printable import clean
+from drivegate_reports.page.page import clean
 from drivegate_reports.page.style import PageFigure, page_figure
 
 if TYPE_CHECKING:

@@ -16,8 +16,7 @@ from drivegate_reports.comparison.cells import Sheet, name, written
 from drivegate_reports.comparison.figures import drawn
 from drivegate_reports.comparison.inks import inks_of
 from drivegate_reports.comparison.sheets import joined, table_sheet
-from drivegate_reports.page.page import require_document
-from drivegate_reports.page.printable import clean
+from drivegate_reports.page.page import clean, require_document
 from drivegate_reports.page.style import PageFigure
 
 REPORT_FILE: Final = "comparison.html"

@@ -9,7 +9,7 @@ from typing import Any, Final, TypeAlias
 from drivegate.contracts.catalogue import comparison_of
 from drivegate.contracts.comparison import Column, Comparison, Excess, Figure, Words, name_of
 from drivegate_reports.comparison.cells import Cell, Sheet, name, sheet_of, written
-from drivegate_reports.page.printable import clean
+from drivegate_reports.page.page import clean
 
 Row: TypeAlias = Mapping[str, Any]
 

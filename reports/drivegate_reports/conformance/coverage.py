@@ -12,7 +12,7 @@ from drivegate.drives.kinds import DEFAULT_DRIVE
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.publication import facts
-from drivegate_reports.page.printable import clean
+from drivegate_reports.page.page import clean
 from drivegate_reports.paper.catalogue import FIGURES
 from drivegate_reports.paper.drives import is_of_paper
 

@@ -15,7 +15,7 @@ from drivegate_cases.drive.data_sheet import origin
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import limits_of
 from drivegate_reports.conformance.figures import drive_envelope, duty_envelope, rotor_plane
-from drivegate_reports.page.printable import clean
+from drivegate_reports.page.page import clean
 from drivegate_reports.page.style import PageFigure, page_figure
 
 _KEPT: Final = 20

@@ -12,7 +12,7 @@ from drivegate.checks.margin import margin_in_words
 from drivegate.output.result_file import counterexample_name
 from drivegate.output.wording import scenario_in_short
 from drivegate.results.result import Witnessed
-from drivegate_reports.page.printable import LONGEST_BLOCK, clean, plain_data
+from drivegate_reports.page.page import LONGEST_BLOCK, clean, plain_data
 
 TONES: Final = {
     "pass": "pass",

@@ -30,7 +30,7 @@ from drivegate_reports.conformance.figures import (
 from drivegate_reports.conformance.figures import script as script_figure
 from drivegate_reports.conformance.figures.run_panels import reused_run_panels
 from drivegate_reports.conformance.figures.torque_ripple import ripple_of
-from drivegate_reports.page.printable import clean
+from drivegate_reports.page.page import clean
 from drivegate_reports.page.style import PageFigure, page_figure
 
 

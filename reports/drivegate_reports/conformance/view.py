@@ -25,8 +25,7 @@ from drivegate_reports.conformance.rows import (
     comparison_row,
     fault_row,
 )
-from drivegate_reports.page.page import require_document
-from drivegate_reports.page.printable import clean
+from drivegate_reports.page.page import clean, require_document
 
 MOST_FAULTS: Final = 20
 """Most faults that are shown one by one."""

@@ -1,9 +1,10 @@
-"""How every page is made: one template folder, one style sheet, one script, and a strict content policy."""
+"""How every page is made: printable text, one template folder, one style sheet, one script, and a strict policy."""
 
 from __future__ import annotations
 
 import base64
 import hashlib
+import json
 from collections.abc import Mapping
 from functools import cache
 from importlib.resources import files
@@ -14,6 +15,10 @@ from drivegate_models.errors import InputError
 if TYPE_CHECKING:
     from jinja2 import Environment
 
+LONGEST_TEXT: Final = 2_000
+"""Longest text of a cell (characters)."""
+LONGEST_BLOCK: Final = 20_000
+"""Longest scenario or traceback (characters)."""
 STYLE_SHEET: Final = "house.css"
 """Style sheet of every page, among the templates."""
 SCRIPT: Final = "tables.js"
@@ -22,6 +27,36 @@ TRACE_STYLES: Final = ("uplot/uPlot.min.css",)
 TRACE_SCRIPTS: Final = ("uplot/uPlot.iife.min.js", "traces.js")
 TRACE_LICENCE: Final = "uplot/LICENSE"
 """What a page with traces has besides."""
+
+
+def clean(value: object, longest: int = LONGEST_TEXT) -> str:
+    """Make any text printable and bounded; line ends are kept."""
+    text = str(value)[: longest + 1]
+    shown = "".join(
+        character
+        if character == "\n" or character.isprintable()
+        else character.encode("unicode_escape").decode("ascii")
+        for character in text
+    )
+    return shown if len(shown) <= longest else shown[: longest - 1] + "…"
+
+
+def plain_number(value: float, digits: int = 3) -> str:
+    """Write a number with its sign and never in powers of ten: people read −399, not −4e+02."""
+    text = f"{value:+.{digits}g}"
+    return (f"{value:+.0f}" if "e" in text else text).replace("-", "−")
+
+
+def plain_data(value: object, indent: int = 0) -> str:
+    """Write plain data so that it reads well: a line for each key, lists on one line."""
+    if not isinstance(value, Mapping) or not value:
+        return json.dumps(value, ensure_ascii=False, default=str)
+    lines = []
+    for key, item in value.items():
+        nested = isinstance(item, Mapping) and bool(item)
+        written = plain_data(item, indent + 1)
+        lines.append(f"{'  ' * indent}{key}:{chr(10) if nested else ' '}{written}")
+    return "\n".join(lines)
 
 
 def page_text(template: str, *, traces: bool = False, **values: Any) -> str:

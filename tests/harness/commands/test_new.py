@@ -13,8 +13,7 @@ from drivegate.commands.new import CHOICES, DRIVE
 from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.results.provenance import versions
 from drivegate.results.waivers import read_waivers
-from drivegate.studies.diff.diff import compared
-from drivegate.studies.diff.jobs import Rule
+from drivegate.studies.diff.diff import Rule, compared
 from drivegate.studies.new import KINDS, WAIVED, WHEELS, wheel_name, write_candidate
 from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.errors import InputError

@@ -13,7 +13,7 @@ import pytest
 
 from drivegate.candidates.fault import Fault
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.checks.judging import judged
+from drivegate.checks.check import judged
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.contracts.catalogue import contract_of

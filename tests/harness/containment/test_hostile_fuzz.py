@@ -21,7 +21,7 @@ from hypothesis import strategies as st
 
 from drivegate.candidates.fault import LONGEST_MESSAGE, LONGEST_TRACEBACK, Fault
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.checks.judging import JudgedRun, judged
+from drivegate.checks.check import JudgedRun, judged
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.containment.watches import WorkerLimits

@@ -10,7 +10,7 @@ import pytest
 
 from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.checks.judging import judged
+from drivegate.checks.check import judged
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job
 from drivegate.containment.watches import WorkerLimits
@@ -105,7 +105,7 @@ def honest(attempt):
 
 
 REPLACED = """
-import drivegate.contracts.current.checks.catalogue as catalogue, drivegate.checks.judging as judging
+import drivegate.contracts.current.checks.catalogue as catalogue, drivegate.checks.check as judging
 import drivegate.containment.serving as serving, drivegate.contracts.current.run as runs
 from drivegate.checks.margin import Margin
 judging.judged = lambda record, checks: judging.JudgedRun({}, tuple(Margin(c.id, 1.0, "fine") for c in checks))

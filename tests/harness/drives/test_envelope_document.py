@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
+from drivegate.drives.angle_ability import facts, required
 from drivegate.drives.envelope import envelope, few_speeds_of, recommended_line, speeds_of
 from drivegate.drives.envelope_document import envelope_document, envelope_of
-from drivegate.drives.envelope_words import facts, required
 from drivegate.drives.rating import rated_drive
 from drivegate.results.result import finite
 from drivegate_cases.drive.drive_document import load_drive

@@ -5,9 +5,9 @@ from typing import Any
 
 import pytest
 
+from drivegate.drives.abilities import refusals, refuse_unreachable, unreachable_rating
 from drivegate.drives.power_reach import UnreachableRating
 from drivegate.drives.rating import RatedDrive, rated_drive
-from drivegate.drives.reach import refusals, refuse_unreachable, unreachable_rating
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_models.errors import InputError
 from drivegate_models.units import RADIANS_PER_RPM

@@ -2,8 +2,8 @@
 
 import pytest
 
+from drivegate.drives.abilities import refuse_unreachable
 from drivegate.drives.rating import rated_drive
-from drivegate.drives.reach import refuse_unreachable
 from drivegate.drives.required_ripple import unreachable_ripple
 from drivegate_cases.drive.drive_document import PM_AC, drive_names, load_drive
 from drivegate_models.errors import InputError

@@ -13,8 +13,7 @@ from drivegate.contracts.duty.scenarios.building import supply_step_scenario, to
 from drivegate.contracts.duty.scenarios.drawn import FAMILY_GROUPS, drawn_scenarios
 from drivegate.contracts.duty.scenarios.feasibility import unfair_because
 from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios
-from drivegate.drives.abilities import ability_of
-from drivegate.drives.reach import refuse_unreachable
+from drivegate.drives.abilities import ability_of, refuse_unreachable
 from drivegate.results.verdict import check_outcomes
 from drivegate.studies.selftest.subjects import seeded
 from drivegate_cases.drive.drive_document import load_drive

@@ -6,7 +6,7 @@ import pytest
 
 from drivegate.candidates.declaration import Declaration, FlowchartProfile
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.checks.judging import judged
+from drivegate.checks.check import judged
 from drivegate.containment.judge import own_candidate
 from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.contracts.current.scenarios.fixed import fixed_scenarios

@@ -14,8 +14,7 @@ from drivegate.candidates.controller import Controller
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.checks.check import Check
-from drivegate.checks.judging import JudgedRun, ShardOutcome
+from drivegate.checks.check import Check, JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin
 from drivegate.contracts.current.scenarios.drawn.families import FAMILY_GROUPS
 from drivegate.contracts.current.scenarios.fixed import fixed_scenarios

@@ -1,6 +1,6 @@
 """What becomes of a failure that its own scenario does not show a second time."""
 
-from drivegate.checks.judging import JudgedRun
+from drivegate.checks.check import JudgedRun
 from drivegate.checks.margin import Margin
 from drivegate.gate.shrinking import FailedRun, Shrunk, with_simplest
 from drivegate.results.result import CheckOutcome, Found

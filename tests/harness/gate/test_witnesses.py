@@ -9,7 +9,7 @@ import pytest
 
 from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.checks.judging import JudgedRun
+from drivegate.checks.check import JudgedRun
 from drivegate.checks.margin import Margin
 from drivegate.containment.judge import own_candidate
 from drivegate.contracts.catalogue import CONTRACTS

@@ -7,9 +7,8 @@ from typing import Any
 
 import pytest
 
+from drivegate.output.continuous_integration import junit_xml, markdown
 from drivegate.output.explanations import explanations, unjudged_in_words
-from drivegate.output.junit import junit_xml
-from drivegate.output.markdown import markdown
 from drivegate.output.result_reports import workflow_commands
 
 CRASH = {"kind": "crash", "phase": "step", "message": "the process was killed", "traceback": ""}

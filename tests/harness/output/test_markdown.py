@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from drivegate.output.markdown import markdown
+from drivegate.output.continuous_integration import markdown
 
 WORST = "90.29 A; fails in 2 of 9 runs: hard-run, plain-run"
 

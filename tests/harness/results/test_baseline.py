@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from drivegate.checks.judging import JudgedRun
+from drivegate.checks.check import JudgedRun
 from drivegate.checks.margin import Margin
 from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.gate.plan import Origin, planned_work

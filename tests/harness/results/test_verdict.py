@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from drivegate.candidates.declaration import Declaration, FlowchartProfile
-from drivegate.checks.judging import JudgedRun
+from drivegate.checks.check import JudgedRun
 from drivegate.checks.margin import Margin
 from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.gate.shrinking import Shrunk, simplest_failures, with_simplest

@@ -14,8 +14,7 @@ import pytest
 from drivegate.contracts.current.words import RunSignals, account, judged_point, run_signals
 from drivegate.contracts.recorded_trace import recorded_trace
 from drivegate.output.console import console_for
-from drivegate.output.junit import junit_xml
-from drivegate.output.markdown import markdown
+from drivegate.output.continuous_integration import junit_xml, markdown
 from drivegate.studies.check.checked import Checked
 from drivegate.studies.check.display import show_checked
 from drivegate_cases.scenario.load import ConstantPowerLoad

@@ -11,7 +11,7 @@ from drivegate_models.errors import InputError
 from drivegate_reports.conformance.report import page
 from drivegate_reports.conformance.rows import margin_bar
 from drivegate_reports.conformance.view import view_of
-from drivegate_reports.page.printable import LONGEST_BLOCK, LONGEST_TEXT, clean, plain_data, plain_number
+from drivegate_reports.page.page import LONGEST_BLOCK, LONGEST_TEXT, clean, plain_data, plain_number
 
 Factory = Callable[..., dict[str, Any]]
 

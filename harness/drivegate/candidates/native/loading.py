@@ -9,8 +9,13 @@ from drivegate.candidates.candidate import Candidate, NativeBuild
 from drivegate.candidates.contract import HEADERS, ContractName
 from drivegate.candidates.controller import Controller
 from drivegate.candidates.fault import bounded_line
-from drivegate.candidates.native.controller import RESETS, STEPS, NativeController, same_arithmetic
-from drivegate.candidates.native.global_state import GlobalState
+from drivegate.candidates.native.controller import (
+    RESETS,
+    STEPS,
+    GlobalState,
+    NativeController,
+    same_arithmetic,
+)
 from drivegate_cases.documents.wording import one_line
 from drivegate_models.contract.current.records import ABI_MAJOR, ABI_MINOR
 from drivegate_models.errors import HarnessFault, InputError

@@ -9,9 +9,8 @@ from functools import cached_property
 from typing import Any
 
 from drivegate.candidates.declaration import Declaration
-from drivegate.checks.check import Check
+from drivegate.checks.check import Check, Record, Unseen
 from drivegate.checks.margin import Margin
-from drivegate.checks.record import Record, Unseen
 from drivegate.contracts.current.run import observed_windows
 from drivegate_cases.drive.plant import Scales
 from drivegate_cases.scenario.circumstance import Circumstance, circumstance

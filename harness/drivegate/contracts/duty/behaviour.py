@@ -9,15 +9,14 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.checks.record import Record
+from drivegate.checks.check import Record
 from drivegate.contracts.duty.best_operation import efficiency
 from drivegate.contracts.duty.checks.current import EFFICIENCY_POINTS, efficiency_windows, losses
 from drivegate.contracts.duty.checks.judged import duty_record
 from drivegate.contracts.duty.checks.steps import decisive_step
-from drivegate.contracts.duty.fourier_integrals import amplitudes
 from drivegate.contracts.duty.record import DutyRecord
 from drivegate.contracts.duty.scenarios.fixed import efficiency_scenarios, range_scenario, release_scenario
-from drivegate.contracts.duty.torque import torque_course
+from drivegate.contracts.duty.torque import amplitudes, torque_course
 from drivegate_cases.documents.wording import significant
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.scenario import Scenario

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from drivegate.candidates.declaration import Declaration
-    from drivegate.checks.record import Record
+    from drivegate.checks.check import Record
     from drivegate.containment.messages import AnyController
     from drivegate.contracts.contract import RecordedTrace
     from drivegate.contracts.duty.record import DutyRecord

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.checks.record import Record
+from drivegate.checks.check import Record
 from drivegate.contracts.duty.checks.judged import duty_record
 from drivegate.contracts.duty.columns import COLUMNS, VOLTAGE
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow

@@ -11,9 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.candidates.declaration import Declaration
-from drivegate.checks.check import Check
+from drivegate.checks.check import Check, NotRun, Record, Unseen
 from drivegate.checks.margin import Margin
-from drivegate.checks.record import NotRun, Record, Unseen
 from drivegate.contracts.duty.current_reference import quadrature_for
 from drivegate.contracts.duty.document import duty_document
 from drivegate.contracts.duty.run import DutyClosedLoopRun

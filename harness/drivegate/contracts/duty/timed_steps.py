@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegate.checks.check import Record
 from drivegate.checks.every_contract import TIMED_STEPS
-from drivegate.checks.record import Record
 from drivegate.containment.messages import AnyController
 from drivegate.contracts.duty.record import DutyRecord
 from drivegate.contracts.duty.run import duty_nameplate, refusal_of

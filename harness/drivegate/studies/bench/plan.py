@@ -11,17 +11,19 @@ from typing import Any, Final
 from drivegate.contracts.catalogue import CONTRACTS
 from drivegate.drives.kinds import DEFAULT_KIND, DRIVE_KINDS
 from drivegate.drives.running import run_scenario
-from drivegate.studies.bench.process_times import gate_time, help_words, start_time
-from drivegate.studies.bench.rates import (
+from drivegate.studies.bench.measurements import (
     CANDIDATES,
     OVERHEAD_SIMULATED,
     POINTS,
     SENSORS,
     SIMULATED,
     SPEEDS_RPM,
+    gate_time,
+    help_words,
     loop_rate,
     oracle_time,
     python_overhead,
+    start_time,
     steady_rate,
 )
 from drivegate.studies.bench.record import BenchRow

@@ -24,10 +24,9 @@ from drivegate.gate.warm_up import compile_missing
 from drivegate.output.report_writers import CAMPAIGN_GROUP, report_points, write_reports
 from drivegate.output.resumed_folder import failures_refused
 from drivegate.results.provenance import versions
-from drivegate.studies.campaign.folder import CampaignFolder
+from drivegate.studies.campaign.folder import CampaignFolder, table_bytes
 from drivegate.studies.campaign.plan import CampaignPlan, Chunk
 from drivegate.studies.campaign.row import CampaignRow, RowRequest, fault_row, run_row
-from drivegate.studies.campaign.table import table_bytes
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_models.errors import InputError
 

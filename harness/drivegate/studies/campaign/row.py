@@ -8,10 +8,9 @@ from types import MappingProxyType
 from typing import Final
 
 from drivegate.candidates.fault import Fault, bounded_line
-from drivegate.checks.check import Check, judged_elsewhere
+from drivegate.checks.check import Check, Record, judged_elsewhere
 from drivegate.checks.every_contract import DET_1
 from drivegate.checks.margin import Margin
-from drivegate.checks.record import Record
 from drivegate.containment.messages import JudgedCandidate
 from drivegate.contracts.catalogue import CONTRACTS, check_of, contract_of
 from drivegate.drives.running import recorded

@@ -12,10 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.results.proportion import CONFIDENCE, Proportion, proportion
-from drivegate.studies.campaign.folder import CampaignFolder
+from drivegate.studies.campaign.folder import MARGIN, CampaignFolder, columns_of
 from drivegate.studies.campaign.plan import CampaignPlan
 from drivegate.studies.campaign.row import FAIL, HARNESS_FAULT, PASS, UNCOUNTED
-from drivegate.studies.campaign.table import MARGIN, columns_of
 
 QUANTILES: Final = (0.0, 0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 1.0)
 """Shares of the runs whose margins are at most as large as what is reported."""

@@ -12,7 +12,7 @@ from drivegate.results.counterexample import Counterexample
 from drivegate.results.provenance import versions
 from drivegate.results.result import finite
 from drivegate.scenarios.simplification import size_of
-from drivegate.studies.campaign.folder import CampaignFolder
+from drivegate.studies.campaign.folder import CampaignFolder, columns_of
 from drivegate.studies.campaign.plan import CampaignPlan
 from drivegate.studies.campaign.row import HARNESS_FAULT, SET_ASIDE
 from drivegate.studies.campaign.statistics import (
@@ -22,7 +22,6 @@ from drivegate.studies.campaign.statistics import (
     plain,
     statistics,
 )
-from drivegate.studies.campaign.table import columns_of
 from drivegate_cases.documents.document import parse_document
 
 COUNTEREXAMPLES: Final = "counterexamples"

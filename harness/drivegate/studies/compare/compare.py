@@ -17,8 +17,8 @@ from drivegate.candidates.contract import ANSWERS
 from drivegate.candidates.fault import bounded_line
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.contracts.comparison import ComparisonRequest
+from drivegate.drives.abilities import refuse_unreachable
 from drivegate.drives.kinds import at_declared_timing, common_drive
-from drivegate.drives.reach import refuse_unreachable
 from drivegate.output.progress import progress_on
 from drivegate.output.report_folder import ReportFolder
 from drivegate.output.report_writers import (
@@ -29,7 +29,7 @@ from drivegate.output.report_writers import (
 )
 from drivegate.output.result_file import as_json
 from drivegate.studies.compare.compared_drive import DEFAULT_CYCLE, ComparisonOptions
-from drivegate.studies.compare.drive_tables import drive_labels
+from drivegate.studies.compare.drive_comparison import drive_labels
 from drivegate_cases.documents.wording import one_line
 from drivegate_models.errors import InputError
 

@@ -12,8 +12,7 @@ from drivegate.contracts.comparison import POINTS, Comparison, ComparisonRequest
 from drivegate.results.provenance import hash_of_content, provenance
 from drivegate.results.result import finite
 from drivegate.studies.compare.engine import CHECKS_EFFORT, COMPARED, Best, Compared
-from drivegate.studies.compare.ranking import ranking_rows, region_rows, rule_of
-from drivegate.studies.compare.statistics import METHOD, difference_rows
+from drivegate.studies.compare.ranking import METHOD, difference_rows, ranking_rows, region_rows, rule_of
 from drivegate_cases.drive.drive_document import DriveDocument
 
 SCHEMA: Final = 1

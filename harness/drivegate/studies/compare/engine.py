@@ -10,7 +10,7 @@ from typing import Any, Final, TypeAlias
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault, FaultKind, bounded_line
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.checks.judging import JudgedRun
+from drivegate.checks.check import JudgedRun
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.containment.pool import WorkerPool
 from drivegate.contracts.catalogue import contract_of

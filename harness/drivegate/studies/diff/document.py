@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from drivegate.candidates.candidate import Candidate
 from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.contract import Contract
-from drivegate.studies.diff.diff import FIRST, Difference, StepComparison
-from drivegate.studies.diff.jobs import BITWISE, Rule, differing
+from drivegate.studies.diff.diff import BITWISE, FIRST, Difference, Rule, StepComparison, differing
 from drivegate_cases.scenario.scenario import Scenario
 
 SCHEMA: Final = 1

@@ -7,8 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Final
 
-from drivegate.drives.abilities import ability_of
-from drivegate.drives.reach import refusals
+from drivegate.drives.abilities import ability_of, refusals
 from drivegate.output.progress import progress_on, with_rate
 from drivegate.studies.drive.figure import write_figure
 from drivegate.studies.drive.fit import fit_document, read_measured

@@ -9,8 +9,7 @@ from rich.text import Text
 
 from drivegate.output.console import plain, table, verdict_text
 from drivegate.scenarios.facts import PLAIN_RUN
-from drivegate.studies.selftest.detection import FaultRow, detection_by_kind
-from drivegate.studies.selftest.matrix import DesignRow, LeastMargin, Matrix
+from drivegate.studies.selftest.matrix import DesignRow, FaultRow, LeastMargin, Matrix, detection_by_kind
 
 if TYPE_CHECKING:
     from rich.console import Console

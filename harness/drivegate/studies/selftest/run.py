@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final
 from drivegate.candidates.fault import Fault
 from drivegate.candidates.kinds import FAULTY_PREFIX
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.checks.judging import ShardOutcome
+from drivegate.checks.check import ShardOutcome
 from drivegate.containment.messages import Job
 from drivegate.containment.pool import WorkerPool
 from drivegate.contracts.catalogue import contract_of
@@ -23,8 +23,7 @@ from drivegate.gate.warm_up import compile_missing
 from drivegate.output.event_loop import finished
 from drivegate.output.progress import progress_on
 from drivegate.results.result import CheckOutcome, CheckResult
-from drivegate.studies.selftest.detection import FaultRow
-from drivegate.studies.selftest.matrix import DesignRow, LeastMargin
+from drivegate.studies.selftest.matrix import DesignRow, FaultRow, LeastMargin
 from drivegate.studies.selftest.subjects import CorrectDesign, FaultOnDrive, SeededFault
 from drivegate.studies.selftest.trial import Trial, TrialOutcome, run_trial
 from drivegate_cases.drive.drive_document import DriveDocument

@@ -8,7 +8,7 @@ from typing import Any
 
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import CandidateFault
-from drivegate.checks.judging import JudgedRun, ShardOutcome
+from drivegate.checks.check import JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin
 from drivegate.containment.judge import own_candidate
 from drivegate.containment.messages import Job, JudgedCandidate

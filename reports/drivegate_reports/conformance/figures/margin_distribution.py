@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate_reports.page.printable import plain_number
+from drivegate_reports.page.page import plain_number
 from drivegate_reports.page.style import BLUE, GREY, VERMILION, label, new_figure
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ import pytest
 
 from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.checks.judging import judged
+from drivegate.checks.check import judged
 from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.contracts.current.record import CurrentRecord
 from drivegate.drives.running import run_scenario

@@ -14,7 +14,7 @@ from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.native.compiler import include_folder
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.checks.judging import judged
+from drivegate.checks.check import judged
 from drivegate.containment.judge import Judge, own_candidate
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.containment.watches import WorkerLimits

@@ -14,7 +14,7 @@ import pytest
 
 from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.checks.judging import judged
+from drivegate.checks.check import judged
 from drivegate.checks.margin import Margin
 from drivegate.containment.messages import JudgedCandidate
 from drivegate.contracts.catalogue import contract_of

@@ -10,7 +10,7 @@ import pytest
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind
 from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.checks.judging import judged
+from drivegate.checks.check import judged
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job
 from drivegate.containment.watches import WorkerLimits

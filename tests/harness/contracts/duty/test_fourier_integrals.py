@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drivegate.contracts.duty.fourier_integrals import Stretches, amplitudes
+from drivegate.contracts.duty.torque import Stretches, amplitudes
 
 
 def test_a_square_wave_has_its_amplitudes_whatever_its_stretches() -> None:

@@ -6,9 +6,9 @@ from itertools import islice
 
 import pytest
 
+from drivegate.drives.abilities import refusals, refuse_unreachable
 from drivegate.drives.drawn import drawing
 from drivegate.drives.drawn.kinds import DRAWN_KINDS, FEWEST_PERIODS, HALF_BRIDGE, PM_AC
-from drivegate.drives.reach import refusals, refuse_unreachable
 from drivegate_cases.drive.drive_document import DriveDocument, drive_names, load_drive
 from drivegate_cases.drive.drive_file import drive_toml
 from drivegate_cases.drive.limits import limits_of

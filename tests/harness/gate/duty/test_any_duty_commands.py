@@ -18,7 +18,7 @@ from tests.harness.containment.test_hostile_fuzz import DRAWN_ONCE, assert_a_ver
 from drivegate.candidates.declaration import NOTHING_DECLARED
 from drivegate.candidates.fault import CandidateFault, Fault
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.checks.judging import JudgedRun
+from drivegate.checks.check import JudgedRun
 from drivegate.containment.messages import JudgedCandidate
 from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.duty.run import DUTY_RATIOS, LEGS

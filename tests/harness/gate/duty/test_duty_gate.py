@@ -10,7 +10,7 @@ import pytest
 from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS
 from drivegate.candidates.declaration import NOTHING_DECLARED
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.checks.judging import judged
+from drivegate.checks.check import judged
 from drivegate.containment.judge import Judge, own_candidate
 from drivegate.containment.messages import Job
 from drivegate.contracts.catalogue import CONTRACTS, contract_of
@@ -26,7 +26,7 @@ from drivegate.contracts.duty.scenarios.building import (
     with_lost_samples,
 )
 from drivegate.contracts.duty.scenarios.feasibility import unfair_because
-from drivegate.drives.reach import refuse_unreachable
+from drivegate.drives.abilities import refuse_unreachable
 from drivegate.drives.running import recorded
 from drivegate.gate.engine import check_candidate
 from drivegate.gate.events import CheckFinished

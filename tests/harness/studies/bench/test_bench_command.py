@@ -5,9 +5,9 @@ import json
 import pytest
 
 from drivegate.drives.kinds import HALF_BRIDGE
-from drivegate.studies.bench import process_times, rates
+from drivegate.studies.bench import measurements
+from drivegate.studies.bench.measurements import gate_time, start_time
 from drivegate.studies.bench.plan import Planned
-from drivegate.studies.bench.process_times import gate_time, start_time
 from drivegate.studies.bench.record import BenchDocument, bench_document, compared_with
 from drivegate.studies.bench.workbench import Correctness, NotMeasured, Value
 from drivegate_cases.documents.document import parse_document
@@ -19,7 +19,7 @@ NAME = "loop.reference.1500.ideal"
 @pytest.fixture
 def short(monkeypatch):
     """Runs of half a second, so that a test takes little more."""
-    monkeypatch.setitem(rates.SIMULATED, "reference", 1.0)
+    monkeypatch.setitem(measurements.SIMULATED, "reference", 1.0)
 
 
 def test_it_measures_keeps_and_compares(bench, short, tmp_path):
@@ -51,7 +51,7 @@ def test_it_measures_keeps_and_compares(bench, short, tmp_path):
 
 
 def test_a_wrong_result_is_exit_code_1(bench, short, monkeypatch):
-    monkeypatch.setattr(rates, "ENERGY_TOLERANCE", -1.0)
+    monkeypatch.setattr(measurements, "ENERGY_TOLERANCE", -1.0)
     ended = bench("--quick", "--only", NAME, "--json")
     assert ended.code == 1
     assert ended.document["valid"] is False
@@ -158,7 +158,7 @@ def test_a_gate_is_right_only_with_its_verdict(workbench, monkeypatch):
             seen.append((words, dict(environment)))
             return code, json.dumps({"verdict": verdict, "runs": 3})
 
-        monkeypatch.setattr(process_times, "_ended", run)
+        monkeypatch.setattr(measurements, "_ended", run)
 
     ended(0, "pass")
     assert gate_time(workbench, "quick", kind=HALF_BRIDGE, cold=False).correctness.valid

@@ -8,7 +8,7 @@ import pytest
 from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.drives.running import run_scenario
-from drivegate.studies.bench import plan, rates
+from drivegate.studies.bench import measurements, plan
 from drivegate.studies.bench.plan import planned
 from drivegate.studies.bench.workbench import NotMeasured, operating_scenario
 
@@ -31,26 +31,26 @@ def run():
 def test_speed_and_energy_decide_whether_a_run_is_right(run, monkeypatch, entry, factor, valid):
     changed = run.observed._replace(**{entry: getattr(run.observed, entry) * factor})
     monkeypatch.setitem(run.__dict__, "observed", changed)
-    assert rates.run_correctness(operating_scenario(1500, "ideal", 1.0), run).valid is valid
+    assert measurements.run_correctness(operating_scenario(1500, "ideal", 1.0), run).valid is valid
 
 
-@pytest.mark.parametrize("candidate", rates.CANDIDATES)
+@pytest.mark.parametrize("candidate", measurements.CANDIDATES)
 def test_every_kind_of_candidate_is_measured(workbench, monkeypatch, candidate):
-    monkeypatch.setitem(rates.SIMULATED, candidate, 1.0)
-    value = rates.loop_rate(workbench, candidate, 1500, "mcs96")
+    monkeypatch.setitem(measurements.SIMULATED, candidate, 1.0)
+    value = measurements.loop_rate(workbench, candidate, 1500, "mcs96")
     assert value.correctness.valid, value.correctness.measured
     assert value.value >= value.median > 0.0
 
 
 def test_a_star_is_measured_on_its_own_plant(workbench, monkeypatch):
-    monkeypatch.setitem(rates.SIMULATED, "reference", 1.0)
+    monkeypatch.setitem(measurements.SIMULATED, "reference", 1.0)
     seen = []
 
     def watched(scenario, controller):
         seen.append(scenario.drive.name)
         return run_scenario(scenario, controller)
 
-    monkeypatch.setattr(rates, "run_scenario", watched)
+    monkeypatch.setattr(measurements, "run_scenario", watched)
     for name in ("star.loop.1000", "star.steady"):
         (one,) = (row for row in planned(quick=True, cold=False) if row.name == name)
         value = one.measure(workbench)
@@ -60,48 +60,48 @@ def test_a_star_is_measured_on_its_own_plant(workbench, monkeypatch):
 
 def test_loops_are_measured_on_one_processor_which_they_give_back(workbench, monkeypatch):
     allowed, seen = os.sched_getaffinity(0), []
-    monkeypatch.setitem(rates.SIMULATED, "initial", 1.0)
+    monkeypatch.setitem(measurements.SIMULATED, "initial", 1.0)
 
     def watched(*words):
         seen.append(os.sched_getaffinity(0))
         return run_scenario(*words)
 
-    monkeypatch.setattr(rates, "run_scenario", watched)
-    rates.loop_rate(workbench, "initial", 1500, "ideal")
+    monkeypatch.setattr(measurements, "run_scenario", watched)
+    measurements.loop_rate(workbench, "initial", 1500, "ideal")
     assert {len(processors) for processors in seen} == {1}
     assert os.sched_getaffinity(0) == allowed
 
 
 def test_the_overhead_of_python_is_reported_beside_the_candidates_own_time(workbench, monkeypatch):
-    monkeypatch.setattr(rates, "SIMULATED", 1.0)
-    value = rates.python_overhead(workbench)
+    monkeypatch.setattr(measurements, "SIMULATED", 1.0)
+    value = measurements.python_overhead(workbench)
     assert value.correctness.valid, value.correctness.measured
     assert 0.0 < value.value < 100.0
     assert value.correctness.measured.endswith("commands those of its twin in numba")
 
 
 def test_an_overhead_against_a_loop_of_another_course_is_no_measure(workbench, monkeypatch):
-    monkeypatch.setattr(rates, "SIMULATED", 3.0)
-    monkeypatch.setattr(rates, "TWIN", "reference")
-    assert not rates.python_overhead(workbench).correctness.valid
+    monkeypatch.setattr(measurements, "SIMULATED", 3.0)
+    monkeypatch.setattr(measurements, "TWIN", "reference")
+    assert not measurements.python_overhead(workbench).correctness.valid
 
 
 def test_a_kind_whose_compiler_is_missing_says_so(workbench, monkeypatch):
     monkeypatch.setenv("CC", "no-such-compiler")
     with pytest.raises(NotMeasured, match="no-such-compiler"):
-        rates.loop_rate(workbench, "c", 1500, "ideal")
+        measurements.loop_rate(workbench, "c", 1500, "ideal")
 
 
 @pytest.mark.parametrize("band", [0.25, 0.0])
 def test_steady_states_are_checked_by_their_power(workbench, monkeypatch, band):
-    assert rates.steady_rate(workbench, band).correctness.valid
-    monkeypatch.setattr(rates, "CLOSING", -1.0)
-    assert not rates.steady_rate(workbench, band).correctness.valid
+    assert measurements.steady_rate(workbench, band).correctness.valid
+    monkeypatch.setattr(measurements, "CLOSING", -1.0)
+    assert not measurements.steady_rate(workbench, band).correctness.valid
 
 
 def test_the_oracle_is_checked_at_the_angle_that_it_found(workbench, monkeypatch):
-    assert rates.oracle_time(workbench, 1500.0, 9.8).correctness.valid
-    found = rates.oracle_time(workbench, 1500.0, 9.8).correctness.measured
+    assert measurements.oracle_time(workbench, 1500.0, 9.8).correctness.valid
+    found = measurements.oracle_time(workbench, 1500.0, 9.8).correctness.measured
     assert "9.8000 N·m" in found
     from drivegate_models.steady import oracle
 
@@ -112,7 +112,7 @@ def test_the_oracle_is_checked_at_the_angle_that_it_found(workbench, monkeypatch
         return best._replace(current_sum=best.current_sum * 1.001)
 
     monkeypatch.setattr(oracle, "least_current_sum", wrong)
-    assert not rates.oracle_time(workbench, 1500.0, 9.8).correctness.valid
+    assert not measurements.oracle_time(workbench, 1500.0, 9.8).correctness.valid
 
 
 def test_memory_that_grows_is_wrong(workbench, monkeypatch):

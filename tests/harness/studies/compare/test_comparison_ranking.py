@@ -8,8 +8,7 @@ from drivegate.contracts.comparison import POINTS
 from drivegate.contracts.current.comparison.declaration import COMPARISON
 from drivegate.results.result import CheckOutcome
 from drivegate.studies.compare.engine import Compared, labelled
-from drivegate.studies.compare.ranking import ranking_rows, region_rows
-from drivegate.studies.compare.statistics import difference_rows
+from drivegate.studies.compare.ranking import difference_rows, ranking_rows, region_rows
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_models.errors import InputError
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from drivegate.studies.compare.statistics import NO_DIFFERENCE, paired_difference
+from drivegate.studies.compare.ranking import NO_DIFFERENCE, paired_difference
 
 # Student's own example (Cushny and Peebles): hours of sleep gained with two drugs by ten patients.
 DEXTRO = [0.7, -1.6, -0.2, -1.2, -0.1, 3.4, 3.7, 0.8, 0.0, 2.0]

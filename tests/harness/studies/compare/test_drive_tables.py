@@ -8,7 +8,7 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.contracts.comparison import ComparisonRequest
 from drivegate.contracts.current.comparison.plan import EFFORTS, planned_runs
 from drivegate.studies.compare.compared_drive import ComparedDrive
-from drivegate.studies.compare.drive_tables import operating_rows, summary_rows
+from drivegate.studies.compare.drive_comparison import operating_rows, summary_rows
 from drivegate.studies.compare.engine import Compared
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.drive_cycle import load_drive_cycle

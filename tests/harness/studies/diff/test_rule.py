@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from drivegate.studies.diff.jobs import BITWISE, Rule, differing, first_difference
+from drivegate.studies.diff.diff import BITWISE, Rule, differing, first_difference
 from drivegate_models.contract.current.records import COMMAND
 from drivegate_models.contract.duty.records import DUTY_COMMAND
 

@@ -14,9 +14,16 @@ from drivegate.contracts.current.run import plant_state
 from drivegate.contracts.duty.scenarios.building import torque_scenario
 from drivegate.drives.kinds import kind_of
 from drivegate.drives.running import run_scenario
-from drivegate.studies.diff.diff import FIRST, SECOND, compared
+from drivegate.studies.diff.diff import (
+    FIRST,
+    SECOND,
+    RecordRequest,
+    Rule,
+    compared,
+    record_run,
+    recorded_rows,
+)
 from drivegate.studies.diff.document import units_in_the_last_place
-from drivegate.studies.diff.jobs import RecordRequest, Rule, record_run, recorded_rows
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.errors import InputError

@@ -8,9 +8,8 @@ import pytest
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.output.console import console_for
 from drivegate.results.result import CheckOutcome, CheckResult
-from drivegate.studies.selftest.detection import FaultRow, detection_by_kind
 from drivegate.studies.selftest.display import show_matrix
-from drivegate.studies.selftest.matrix import DesignRow, LeastMargin, Matrix
+from drivegate.studies.selftest.matrix import DesignRow, FaultRow, LeastMargin, Matrix, detection_by_kind
 from drivegate.studies.selftest.run import judged_design
 from drivegate.studies.selftest.subjects import CorrectDesign, correct_designs
 from drivegate.studies.selftest.trial import Catch

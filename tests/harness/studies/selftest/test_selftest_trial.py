@@ -8,7 +8,7 @@ import pytest
 from drivegate.candidates.builtin.faults.catalogue import find_mutation
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.checks.judging import JudgedRun, ShardOutcome
+from drivegate.checks.check import JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.contracts.current.scenarios.fixed import fixed_scenarios

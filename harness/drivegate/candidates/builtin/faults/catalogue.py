@@ -8,7 +8,6 @@ from typing import Final, TypeVar
 
 from drivegate.candidates.builtin.faults import (
     clocks,
-    commands,
     instances,
     measurements,
     regions,
@@ -24,14 +23,14 @@ FaultT = TypeVar("FaultT")
 
 _KINDS: Final = (
     measurements.POWER_ESTIMATE_FAULTS,
-    commands.COMMAND_FAULTS,
+    regulation.COMMAND_FAULTS,
     searches.ANGLE_MODEL_FAULTS,
     searches.SEARCH_FAULTS,
-    regulation.FAULTS,
+    regulation.REGULATOR_FAULTS,
     clocks.CLOCK_FAULTS,
     clocks.CONTROL_PERIOD_FAULTS,
     measurements.FILTER_FAULTS,
-    commands.DERATING_FAULTS,
+    regulation.DERATING_FAULTS,
     regions.FAULTS,
     measurements.SAMPLE_FAULTS,
     instances.FAULTS,

@@ -7,9 +7,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from drivegate.checks.check import Check
+from drivegate.checks.check import Check, Record
 from drivegate.checks.margin import Margin, Mark, Moment, Point, normalised
-from drivegate.checks.record import Record
 from drivegate.contracts.current.checks.declared_speeds import below_base, unless_speeds
 from drivegate.contracts.current.record import CurrentRecord
 

@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.checks.record import Record
+from drivegate.checks.check import Record
 from drivegate.contracts.comparison import ComparisonRequest, DrivePoint, PlannedRun, Row
 from drivegate.contracts.current.comparison.best import least_at, where_of
 from drivegate.contracts.current.comparison.drive_cycle import cycle_figures

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from drivegate.candidates.declaration import FlowchartProfile
-from drivegate.checks.judging import JudgedRun, ShardOutcome
+from drivegate.checks.check import JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin
 from drivegate.containment.messages import AnyController, JudgedCandidate
 from drivegate.contracts.current.flowchart.judging import judge_script

@@ -6,9 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from drivegate.checks.check import Check
+from drivegate.checks.check import Check, Record
 from drivegate.checks.margin import Margin, at_most
-from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.judged import (
     UNWEAKENED_FAMILIES,
     at,

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from drivegate.checks.check import Check
+from drivegate.checks.check import Check, Record
 from drivegate.checks.margin import GREATEST, Margin, normalised
-from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.judged import duty_record
 from drivegate.contracts.duty.run import DUTY_RATIOS
 

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from drivegate.checks.check import Check
+from drivegate.checks.check import Check, Record
 from drivegate.checks.margin import Margin, Mark, Moment, Point, at_most
-from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.judged import (
     STEADY_FAMILIES,
     UNWEAKENED_FAMILIES,

@@ -7,9 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.checks.check import Check
+from drivegate.checks.check import Check, Record
 from drivegate.checks.margin import Margin, Mark, Moment, Point, at_most
-from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.judged import duty_record, worst
 from drivegate.contracts.duty.checks.steps import (
     SHOWN_BEFORE,

@@ -6,9 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.candidates.declaration import Declaration
-from drivegate.checks.check import Check
+from drivegate.checks.check import Check, Record
 from drivegate.checks.margin import Margin, Mark, Moment, at_most
-from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.judged import duty_record
 from drivegate.contracts.duty.record import DutyRecord
 from drivegate.contracts.duty.run import LEGS

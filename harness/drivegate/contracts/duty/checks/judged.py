@@ -10,8 +10,8 @@ from functools import lru_cache
 from math import isfinite
 from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias
 
+from drivegate.checks.check import Record
 from drivegate.checks.margin import Margin
-from drivegate.checks.record import Record
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
 from drivegate.scenarios.rotation import sense_of
 from drivegate_models.units import RADIANS_PER_RPM

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from drivegate.checks.check import Check
+from drivegate.checks.check import Check, Record
 from drivegate.checks.margin import Margin, at_most
-from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.judged import duty_record
 
 TOLERANCE = 1e-9

@@ -9,9 +9,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.checks.check import Check
+from drivegate.checks.check import Check, Record
 from drivegate.checks.margin import Margin, Mark, Moment, at_most
-from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.judged import at, duty_record, plant_of, undistorted, worst
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
 from drivegate.contracts.duty.run import DUTY_RATIOS, LEGS

@@ -7,9 +7,8 @@ from math import degrees
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.checks.check import Check
+from drivegate.checks.check import Check, Record
 from drivegate.checks.margin import Margin, Mark, Moment, Point, at_most, normalised
-from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.judged import duty_record
 from drivegate.contracts.duty.record import DutyRecord
 from drivegate.scenarios.rotation import sense_of

@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.checks.check import Check
+from drivegate.checks.check import Check, Record
 from drivegate.checks.margin import Margin, Mark, Moment, Point, at_most
-from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.judged import (
     duty_record,
     is_within_reach,

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Final
 
-from drivegate.checks.check import Check
+from drivegate.checks.check import Check, Record
 from drivegate.checks.margin import Margin, at_most
-from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.judged import at, duty_record, worst
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
 

@@ -9,9 +9,8 @@ from typing import Final
 import numpy as np
 
 from drivegate.candidates.declaration import Declaration
-from drivegate.checks.check import Check
+from drivegate.checks.check import Check, Record
 from drivegate.checks.margin import Margin, Mark, Moment, Point, at_most, normalised
-from drivegate.checks.record import Record
 from drivegate.contracts.duty.checks.current import FREE_SHARE
 from drivegate.contracts.duty.checks.judged import (
     STEADY_FAMILIES,

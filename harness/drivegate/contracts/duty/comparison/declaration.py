@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from math import hypot
 from typing import Any, Final
 
-from drivegate.checks.record import Record
+from drivegate.checks.check import Record
 from drivegate.contracts.comparison import (
     POINTS,
     Column,

@@ -14,7 +14,7 @@ from drivegate.output.event_loop import finished
 from drivegate.output.progress import Display
 from drivegate.results.result import CheckOutcome, CheckResult
 from drivegate.scenarios.facts import facts_in_short
-from drivegate.studies.selftest.detection import FaultRow
+from drivegate.studies.selftest.matrix import FaultRow
 from drivegate.studies.selftest.run import SelftestEffort, design_check, try_faults
 from drivegate.studies.selftest.subjects import CorrectDesign, SeededFault, chosen_faults
 from drivegate_cases.drive.drive_document import DriveDocument

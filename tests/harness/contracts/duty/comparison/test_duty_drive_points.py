@@ -10,7 +10,7 @@ from drivegate.contracts.duty.comparison.declaration import EFFORTS, planned_dut
 from drivegate.contracts.duty.scenarios.building import torque_of
 from drivegate.contracts.duty.scenarios.fixed import speed_of
 from drivegate.studies.compare.compared_drive import ComparedDrive
-from drivegate.studies.compare.drive_tables import drive_rows, operating_rows, summary_rows
+from drivegate.studies.compare.drive_comparison import drive_rows, operating_rows, summary_rows
 from drivegate.studies.compare.engine import Compared
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument

@@ -11,11 +11,10 @@ from drivegate.contracts.catalogue import CONTRACTS
 from drivegate.contracts.duty.columns import OBSERVATIONS
 from drivegate.studies.campaign.engine import packed, run_chunk
 from drivegate.studies.campaign.file import read_campaign
-from drivegate.studies.campaign.folder import CampaignFolder
+from drivegate.studies.campaign.folder import CampaignFolder, table_bytes
 from drivegate.studies.campaign.plan import planned
 from drivegate.studies.campaign.row import JUDGED_CHECKS
 from drivegate.studies.campaign.summary import summarised
-from drivegate.studies.campaign.table import table_bytes
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_models.errors import InputError
 

@@ -10,11 +10,11 @@ import pytest
 
 from drivegate.output.console import console_for
 from drivegate.output.progress import Display
-from drivegate.studies.selftest.detection import FaultRow
 from drivegate.studies.selftest.drawn import run, tasks
 from drivegate.studies.selftest.drawn.display import show_drives
 from drivegate.studies.selftest.drawn.run import DrivesRequest, selftest_on_drives
 from drivegate.studies.selftest.drawn.tasks import FailedCheck, GateRow, row_from
+from drivegate.studies.selftest.matrix import FaultRow
 from drivegate.studies.selftest.run import SelftestEffort
 from drivegate.studies.selftest.subjects import SeededFault
 from drivegate_cases.drive.drive_document import load_drive
