@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from numpy.typing import NDArray
 
-from drivegate.candidates.step_costs import NO_COSTS
+from drivegate.candidates.step_costs import NO_COSTS, StepCosts
 from drivegate.checks.check import Record
 from drivegate.containment.contained_controller import ContainedController
 from drivegate.containment.messages import AnyController, JudgedCandidate
@@ -62,10 +62,15 @@ def recorded(
         trace_every=trace_every,
         kept=kept,
     )
-    costs = controller.taken_costs() if isinstance(controller, ContainedController) else NO_COSTS
+    costs = taken_costs(controller)
     if costs == NO_COSTS:
         return record
     return replace(record, costs=costs, allowed_costs=loaded.candidate.step_limits)
+
+
+def taken_costs(controller: AnyController) -> StepCosts:
+    """Return the greatest costs of a step on an emulated target since they were last taken."""
+    return controller.taken_costs() if isinstance(controller, ContainedController) else NO_COSTS
 
 
 def with_repetitions(

@@ -81,6 +81,8 @@ def test_every_kind_gives_the_commands_of_the_built_in_line_of_angles(tmp_path, 
     # So what `initial` passes and fails is what the new candidate passes and fails.
     ended = compared(resolve_candidate("initial"), candidate, RISING, Rule(), before=0, after=0)
     assert (ended.fault, ended.difference, ended.steps) == (None, None, RISING.control_periods)
+    is_counted = [costs.instructions > 0 for costs in ended.costs]
+    assert is_counted == [False, kind == "cortex-m"], "instructions of an image"
 
 
 def test_the_wheel_is_drivegate_as_it_is_here(tmp_path):

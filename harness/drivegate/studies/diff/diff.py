@@ -15,12 +15,14 @@ from numpy.typing import NDArray
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.controller import Controller, show_drive
 from drivegate.candidates.fault import CandidateFault, Fault
+from drivegate.candidates.step_costs import NO_COSTS, StepCosts
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.containment.temporary_folder import temporary_folder
 from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.given_steps import RecordingController
 from drivegate.drives.kinds import kind_of
+from drivegate.drives.running import taken_costs
 from drivegate.output.waiting import with_compiled_kernels
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_cases.scenario.reference import reference_of
@@ -113,11 +115,14 @@ class FollowRequest:
 class Followed:
     """How the second candidate answered."""
 
-    step: int
+    costs: StepCosts
+    """Greatest costs of a step on an emulated target."""
+    step: int | None
+    """The step of the first difference; None for none."""
     begin: int
-    """The step of the first difference, and of the first answer."""
+    """The step of the first answer."""
     answers: NDArray[Any]
-    """Its commands from there on, up to a fault, as records of the contract."""
+    """Its commands from there on, up to a fault, as records of the contract; empty without a difference."""
 
 
 def load_only(loaded: JudgedCandidate, _payload: None) -> None:
@@ -136,11 +141,13 @@ def refuse_without_room(scenario: Scenario, folder: Path) -> None:
         )
 
 
-def record_run(loaded: JudgedCandidate, plan: RecordRequest) -> None:
-    """Run a scenario and write the record of every step."""
+def record_run(loaded: JudgedCandidate, plan: RecordRequest) -> StepCosts:
+    """Run a scenario and write the record of every step; return the greatest costs of one."""
     rows = np.memmap(plan.path, _row_of(plan.scenario), "w+", shape=(plan.scenario.control_periods,))
-    _run_once(loaded, plan.scenario, loaded.controller(), rows)
+    controller = loaded.controller()
+    _run_once(loaded, plan.scenario, controller, rows)
     rows.flush()
+    return taken_costs(controller)
 
 
 def recorded_rows(path: Path, scenario: Scenario) -> NDArray[Any]:
@@ -148,8 +155,8 @@ def recorded_rows(path: Path, scenario: Scenario) -> NDArray[Any]:
     return np.memmap(path, _row_of(scenario), "r")
 
 
-def follow_run(loaded: JudgedCandidate, plan: FollowRequest) -> Followed | None:
-    """Pass on to a candidate what was sensed, until it answers otherwise; None where it never does."""
+def follow_run(loaded: JudgedCandidate, plan: FollowRequest) -> Followed:
+    """Pass on to a candidate what was sensed, until it answers otherwise."""
     contract, rows = contract_of(plan.scenario.drive), recorded_rows(plan.path, plan.scenario)
     controller = loaded.controller()
     if plan.again:
@@ -180,10 +187,11 @@ def follow_run(loaded: JudgedCandidate, plan: FollowRequest) -> Followed | None:
             if differs is None:
                 raise fault
             break
+    costs = taken_costs(controller)
     if differs is None:
-        return None
+        return Followed(costs, None, 0, answers[:0])
     first, begin = done - len(answers), max(differs - plan.before, 0)
-    return Followed(differs, begin, answers[begin - first : differs + 1 + plan.after - first])
+    return Followed(costs, differs, begin, answers[begin - first : differs + 1 + plan.after - first])
 
 
 def _blocks(steps: int, restarts: set[int]) -> Iterator[tuple[int, int]]:
@@ -249,6 +257,8 @@ class StepComparison:
     """The fault of one of them."""
     faulted: str | None = None
     """Which one."""
+    costs: tuple[StepCosts, StepCosts] = (NO_COSTS, NO_COSTS)
+    """Greatest costs of a step of both on an emulated target."""
 
 
 def compared(
@@ -288,14 +298,11 @@ def compared(
         ended = following.run(Job(follow_run, FollowRequest(path, scenario, rule, before, after, again)))
         if isinstance(ended, Fault):
             return StepComparison(ended.step or 0, fault=ended, faulted=SECOND)
-        rows = recorded_rows(path, scenario)
-        if ended is None:
-            return StepComparison(len(rows))
-        return StepComparison(ended.step, _difference(ended, rows, scenario, after))
-
-
-def _difference(ended: Followed, rows: NDArray[Any], scenario: Scenario, after: int) -> Difference:
-    prepare = kind_of(scenario.drive).prepare_loop()
-    plant = contract_of(scenario.drive).plant_state(prepare, scenario, rows["command"], ended.step)
-    around = rows[ended.begin : ended.step + 1 + after].copy()
-    return Difference(ended.step, ended.begin, plant, around, ended.answers)
+        rows, costs = recorded_rows(path, scenario), (recorded, ended.costs)
+        if ended.step is None:
+            return StepComparison(len(rows), costs=costs)
+        prepare = kind_of(scenario.drive).prepare_loop()
+        plant = contract_of(scenario.drive).plant_state(prepare, scenario, rows["command"], ended.step)
+        around = rows[ended.begin : ended.step + 1 + after].copy()
+        found = Difference(ended.step, ended.begin, plant, around, ended.answers)
+        return StepComparison(ended.step, found, costs=costs)

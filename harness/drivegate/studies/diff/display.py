@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import io
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from drivegate.candidates.step_costs import StepCosts
+from drivegate.checks.target_costs import costs_in_words
 from drivegate.contracts.contract import Contract
 from drivegate.output.console import plain, table
 from drivegate.output.panels import side_legend
@@ -21,6 +23,14 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from rich.console import Console
+
+
+_LAST_DIGITS: Final = 1e-5
+"""Relative difference that rounding explains, of a step that computes in single precision (1)."""
+_ROUNDING: Final = (
+    "likely: rounding. Compilers for a target fuse multiplications with additions, and its mathematics library may be "
+    "another one; build both with -ffp-contract=off, or state a tolerance with --tolerance"
+)
 
 
 def show_difference(
@@ -45,10 +55,26 @@ def show_difference(
     else:
         console.print(plain(f"DIFFERENT first in step {found['step']}, at {found['time_s']:g} s", "bold red"))
         _show_difference(console, found, sensed)
+    for candidate in document["candidates"]:
+        if costs := costs_in_words(StepCosts(**candidate["step_costs"])):
+            console.print(plain(f"on its target, {candidate['name']} takes at most {costs}"))
+    if found is not None and is_rounding_of_a_target(document):
+        console.print(plain(_ROUNDING))
     for path in document["files"]:
         console.print(plain(f"written: {path}"))
     if found is not None and not document["files"]:
         console.print(plain(f"next: drivegate diff {words} --plot difference.svg draws both", "dim"))
+
+
+def is_rounding_of_a_target(document: dict[str, Any]) -> bool:
+    """Return True if one candidate alone is an image, and the first difference is one of the last digits."""
+    kinds = [candidate["kind"] for candidate in document["candidates"]]
+    differing = [field for field in document["difference"]["commands"] if field["differs"]]
+    return kinds.count("elf") == 1 and all(
+        field["ulps"] is not None
+        and abs(field["difference"]) <= _LAST_DIGITS * max(abs(field["first"]), abs(field["second"]))
+        for field in differing
+    )
 
 
 def _show_difference(console: Console, found: dict[str, Any], sensed: Mapping[str, str]) -> None:

@@ -40,8 +40,13 @@ def document_of(
         "verdict": verdict,
         "exit_code": 0 if verdict == EQUAL else 1,
         "candidates": [
-            {"name": candidate.name, "kind": candidate.kind, "hash": candidate.content_hash}
-            for candidate in candidates
+            {
+                "name": candidate.name,
+                "kind": candidate.kind,
+                "hash": candidate.content_hash,
+                "step_costs": {name: cost for name, cost in costs._asdict().items() if cost},
+            }
+            for candidate, costs in zip(candidates, comparison.costs, strict=True)
         ],
         "scenario": scenario.name,
         "drive": scenario.drive.identity(),

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from drivegate.studies.diff.diff import BITWISE, Rule, differing, first_difference
+from drivegate.studies.diff.display import is_rounding_of_a_target
 from drivegate_models.contract.current.records import COMMAND
 from drivegate_models.contract.duty.records import DUTY_COMMAND
 
@@ -52,3 +53,23 @@ def test_a_whole_number_differs_whatever_the_tolerance():
 @pytest.mark.filterwarnings("error")
 def test_bits_count_unless_there_is_a_tolerance(one, other, tolerance, expected):
     assert differing(np.array([one]), np.array([other]), tolerance).tolist() == [expected]
+
+
+@pytest.mark.parametrize(
+    ("kinds", "second", "expected"),
+    [
+        pytest.param(("c", "elf"), 1.000003, True, id="an image in single precision"),
+        pytest.param(("c", "elf"), 1.00003, False, id="too much for rounding"),
+        pytest.param(("c", "rust"), 1.000003, False, id="no image"),
+        pytest.param(("elf", "elf"), 1.000003, False, id="two images"),
+    ],
+)
+def test_last_digits_of_an_image_are_explained_by_rounding(kinds, second, expected):
+    fields = [
+        {"first": 1.0, "second": second, "difference": second - 1.0, "ulps": 1, "differs": True},
+        {"first": 1.0, "second": 2.0, "difference": 1.0, "ulps": 2, "differs": False},
+    ]
+    document = {"candidates": [{"kind": kind} for kind in kinds], "difference": {"commands": fields}}
+    assert is_rounding_of_a_target(document) is expected
+    fields[0] |= {"ulps": None}
+    assert not is_rounding_of_a_target(document), "a fault code or a leg is no number that is rounded"
