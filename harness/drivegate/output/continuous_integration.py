@@ -104,7 +104,7 @@ def _write_outcome(case: ElementTree.Element, result: dict[str, Any], check: dic
     if failure is None or check["counterexample"] is None:
         return
     # It brings the oracle, which a result without failures does not need.
-    from drivegate.output.explanations import account_of
+    from drivegate.output.causes import account_of
 
     failure.text = "\n".join([failure.text or "", *map(one_line, account_of(result, check))]).rstrip("\n")
 
@@ -200,7 +200,7 @@ def _causes(result: dict[str, Any]) -> list[str]:
     if all(check["counterexample"] is None for check in result["checks"]):
         return []
     # It brings the oracle, which a result without failures does not need.
-    from drivegate.output.explanations import causes_of
+    from drivegate.output.causes import causes_of
 
     lines = [f"- {escaped(cause)}" for cause in causes_of(result)]
     return ["", "## Common cause", "", *lines] if lines else []
@@ -208,7 +208,7 @@ def _causes(result: dict[str, Any]) -> list[str]:
 
 def _account(result: dict[str, Any], check: dict[str, Any]) -> list[str]:
     # It brings the oracle, which a result without failures does not need.
-    from drivegate.output.explanations import account_of
+    from drivegate.output.causes import account_of
 
     return [f"  {escaped(sentence)}" for sentence in account_of(result, check)]
 

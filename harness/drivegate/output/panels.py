@@ -1,4 +1,4 @@
-"""The panel with the deciding moment of a run, and the legend of any panel."""
+"""The panel with the deciding moment of a run."""
 
 from __future__ import annotations
 
@@ -23,13 +23,6 @@ _MOST_TREADS: Final = 150
 _SECONDS_FROM: Final = 5.0
 _WITH_LABELS: Final = 1.32
 _LABELS_AT: Final = 1.012
-
-
-def side_legend(axes: Axes) -> None:
-    """Put the legend to the right of a panel; to be used where the layout is constrained."""
-    axes.legend(
-        loc="upper left", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.0, frameon=False, fontsize="small"
-    )
 
 
 class MomentTime:

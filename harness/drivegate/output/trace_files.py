@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from drivegate.contracts.drawings import TIME, Panel, panels_for
-from drivegate.output.panels import side_legend
+from drivegate.output.legend import side_legend
 from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_models.errors import InputError

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, Self
 from pydantic import Field, field_validator, model_validator
 
 from drivegate_cases.documents.document import Section
-from drivegate_models.machine.emf import sine_corners, table_corners, trapezoid_corners
 
 if TYPE_CHECKING:
     import numpy as np
@@ -225,6 +224,9 @@ def plant_constants(
 
 
 def _emf_corners(machine: Machine) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    # It brings numpy, which a document that is refused does not need.
+    from drivegate_models.machine.emf import sine_corners, table_corners, trapezoid_corners
+
     if machine.emf_shape == "table":
         angles = [math.radians(angle) for angle, _ in machine.emf_table]
         return table_corners(angles, [value for _, value in machine.emf_table])

@@ -10,7 +10,8 @@ from shlex import quote
 from typing import Any, Final
 
 from drivegate.isolation.layers import layers_in_words
-from drivegate.output.explanations import causes_of, first_to_mend, likely_causes_of, unjudged_in_words
+from drivegate.output.causes import causes_of, first_to_mend, likely_causes_of
+from drivegate.output.explanations import unjudged_in_words
 from drivegate.output.result_file import counterexample_name
 from drivegate.output.wording import drive_in_words, drive_option
 from drivegate.results.result import RESULT_SCHEMA, counted_levels

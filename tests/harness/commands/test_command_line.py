@@ -283,6 +283,6 @@ def test_a_missing_package_is_named_as_pip_takes_it(refused, tmp_path, monkeypat
     def spec(name, *more):
         return None if name in absent else found(name, *more)
 
-    for module in ("output.trace_files", "studies.campaign.table", "containment.backend"):
+    for module in ("output.trace_files", "studies.campaign.folder", "containment.backend"):
         monkeypatch.setattr(f"drivegate.{module}.find_spec", spec)
     assert f"pip install {package}" in refused(*words)

@@ -10,9 +10,10 @@ from typing import Any
 
 import pytest
 
+from drivegate.output.causes import causes_of, first_to_mend
 from drivegate.output.console import console_for
 from drivegate.output.continuous_integration import junit_xml, markdown
-from drivegate.output.explanations import by_urgency, causes_of, first_to_mend
+from drivegate.output.explanations import by_urgency
 from drivegate.studies.check.checked import Checked
 from drivegate.studies.check.display import show_checked
 from drivegate_reports.conformance.view import view_of

@@ -7,16 +7,9 @@ from pathlib import Path
 from shlex import quote
 from typing import TYPE_CHECKING, Any
 
+from drivegate.output.causes import causes_of, first_to_mend, likely_causes_of
 from drivegate.output.console import ADVISED, STYLES, plain, table, verdict_text
-from drivegate.output.explanations import (
-    by_urgency,
-    causes_of,
-    distinct_faults,
-    first_to_mend,
-    in_runs,
-    likely_causes_of,
-    unjudged_in_words,
-)
+from drivegate.output.explanations import by_urgency, distinct_faults, in_runs, unjudged_in_words
 from drivegate.output.result_file import counterexample_name
 from drivegate.output.wording import (
     drive_in_words,
@@ -101,7 +94,7 @@ def _show_counterexample(
     console: Console, document: dict[str, Any], check: dict[str, Any], folder: Path | None
 ) -> None:
     # It brings the oracle, which a check without failures does not need.
-    from drivegate.output.explanations import account_of
+    from drivegate.output.causes import account_of
 
     outcome = "fails" if check["verdict"] == "fail" else f"fails, {check['verdict']}"
     style = "bold" if check["level"] == "required" else STYLES[ADVISED]

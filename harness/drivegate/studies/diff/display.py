@@ -12,7 +12,7 @@ from drivegate.candidates.step_costs import StepCosts
 from drivegate.checks.target_costs import costs_in_words
 from drivegate.contracts.contract import Contract
 from drivegate.output.console import plain, table
-from drivegate.output.panels import side_legend
+from drivegate.output.legend import side_legend
 from drivegate.studies.diff.diff import Difference
 from drivegate.studies.diff.document import in_words
 from drivegate_cases.documents.atomic_write import write_atomically

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 from drivegate.checks.margin import margin_in_words
 from drivegate.contracts.catalogue import contract_of
 from drivegate.output.console import plain
-from drivegate.output.panels import side_legend
+from drivegate.output.legend import side_legend
 from drivegate.output.result_file import COUNTEREXAMPLES
 from drivegate.output.trace_files import write_plot
 from drivegate.results.counterexample import Counterexample

@@ -25,7 +25,7 @@ from drivegate.contracts.recorded_trace import deciding_moment, trace_of_run
 from drivegate.drives.running import recorded, with_repetitions
 from drivegate.gate.plan import REPEATED
 from drivegate.gate.repetition import Repetition, different_elsewhere, explanation_jobs, repetition_job
-from drivegate.output.explanations import account_of_run
+from drivegate.output.causes import account_of_run
 from drivegate.output.waiting import report_slow, with_compiled_kernels
 from drivegate.results.counterexample import Counterexample
 from drivegate.results.provenance import versions

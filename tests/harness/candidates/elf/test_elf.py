@@ -133,7 +133,7 @@ def run_here(candidate: str, scenario: Scenario, *, is_watched: bool = False) ->
     loaded = JudgedCandidate(resolved, partial(load_controller, resolved))
     controller = loaded.controller()
     if is_watched:
-        controller.watch_steps()  # type: ignore[attr-defined]
+        controller.watch_accesses()  # type: ignore[attr-defined]
     try:
         return int(recorded(loaded, scenario, controller).run.digest)
     except CandidateFault as ended:

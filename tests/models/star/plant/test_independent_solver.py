@@ -240,6 +240,7 @@ class Solver:
             rtol=1e-13,
             atol=1e-15 * max(1.0, self.point.reference),
             dense_output=True,
+            max_step=(stop - start) / 4,
         )
         grid = np.unique(np.concatenate([np.linspace(start, stop, 41), found.t]))
         states = found.sol(grid).T
