@@ -98,5 +98,5 @@ def test_a_higher_reference_is_lost_torque_only_where_the_speed_stays_away(error
     # A step of one degree down; the regulator has found 30 % more reference in a sag of 1 rad/s.
     state.moved, state.good_power, state.good_integral, state.rest_power = -0.02, 22.0, 11.0, math.inf
     state.integral, state.worst_error, state.error = 14.3, 1.0, error
-    assert has_lost_torque(state, 21.8, 0.12) is lost, "at slightly less current"
-    assert unwind(state, 21.8) is lost, "the step is reverted"
+    assert has_lost_torque(state, 21.8, 0.12) == lost, "at slightly less current"
+    assert unwind(state, 21.8) == lost, "the step is reverted"
