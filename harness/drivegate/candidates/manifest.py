@@ -173,7 +173,7 @@ class Manifest(Document):
 
     update_delay: Literal[0, 1] | None = Field(
         default=None,
-        description="control periods between a step of such a candidate and the period that its duty ratios act in, by "
+        description="control periods from a step to the one in which its duty ratios act, by "
         "default those of the drive; 0 if they act in the period of the sample",
     )
 

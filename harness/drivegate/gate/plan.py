@@ -12,7 +12,7 @@ from drivegate.candidates.kinds import KINDS
 from drivegate.candidates.python.bridge import PythonController
 from drivegate.candidates.step_costs import greatest_costs
 from drivegate.checks.check import JudgedRun, ShardOutcome
-from drivegate.checks.every_contract import LARGEST_SHARE
+from drivegate.checks.every_contract import LARGEST_SHARE, TIM_1
 from drivegate.checks.margin import Margin, below
 from drivegate.checks.target_costs import counted_margin
 from drivegate.containment.contained_controller import ContainedController
@@ -21,7 +21,7 @@ from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.current.flowchart.run import ScriptRuns, run_scripts, script_margin
 from drivegate.contracts.current.flowchart.scripts import fixed_scripts, usual_speed
 from drivegate.drives.kinds import DEFAULT_DRIVE
-from drivegate.drives.running import recorded
+from drivegate.drives.running import recorded, taken_costs
 from drivegate.gate.focus import WHOLE, Focus
 from drivegate.gate.shard import DrawnRuns, FixedRuns, JointRuns, run_drawn, run_fixed, run_joint
 from drivegate.results.baseline import Baseline, scenario_key
@@ -31,7 +31,6 @@ from drivegate_cases.drive.plant import NOMINAL
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.script import Script
 
-_CHECK: Final = "TIM-1"
 EXAMPLES: Final = {"quick": 4, "default": 36, "nightly": 400}
 """Scenarios drawn in each shard, by effort."""
 SHARDS: Final = 8
@@ -56,7 +55,7 @@ class Origin(Enum):
     TIMED = auto()
 
 
-_OF_ONE_CHECK: Final = {Origin.SCRIPTS: "FLO-1", Origin.TIMED: "TIM-1"}
+_OF_ONE_CHECK: Final = {Origin.SCRIPTS: "FLO-1", Origin.TIMED: TIM_1.id}
 
 
 @dataclass(frozen=True)
@@ -218,9 +217,7 @@ def time_steps(loaded: JudgedCandidate, plan: TimedSteps) -> ShardOutcome:
     record = recorded(loaded, scenario, controller, trace_every=1)
     step_time = contract_of(scenario.drive).step_seconds(controller, record)
     way = way_of_running(loaded.candidate.kind, controller)
-    costs = record.costs
-    if isinstance(controller, ContainedController):
-        costs = greatest_costs((costs, controller.taken_costs()))
+    costs = greatest_costs((record.costs, taken_costs(controller)))
     margin = counted_margin(costs, loaded.candidate.step_limits)
     if margin is None:
         margin = timing_margin(way, step_time, scenario.control_period_s)
@@ -241,4 +238,4 @@ def timing_margin(way: str, step_time: float, control_period: float) -> Margin:
     """Judge the time of a step."""
     share = step_time / control_period
     measured = f"{1e6 * step_time:.3g} µs a step ({way}), {100.0 * share:.3g} % of the control period"
-    return Margin(_CHECK, below(step_time, LARGEST_SHARE * control_period), measured, is_timed=True)
+    return Margin(TIM_1.id, below(step_time, LARGEST_SHARE * control_period), measured, is_timed=True)

@@ -358,6 +358,7 @@ def _set_environment(self: Any, name: str, environment: Any) -> None:
         _set_known_environment(self, name, environment)
 
 
+# numba offers no other place to decide this.
 codegen.JITCPUCodegen.set_env = _set_environment  # type: ignore[method-assign]
 codegen.JITCPUCodegen._library_class = _CodeLibrary
 

@@ -105,6 +105,21 @@ FunctionIdentity._unique_ids = itertools.count(1_000_000)
 """
 
 
+def _printed(tmp_path: Path, command: str) -> str:
+    """Return what a command prints in a process with its own cache in a folder, where it also finds modules."""
+    surroundings = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
+    done = subprocess.run(
+        [sys.executable, "-c", command],
+        cwd=tmp_path,
+        env={**surroundings, compilation.CACHE_VARIABLE: str(tmp_path / "cache")},
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=120,
+    )
+    return done.stdout.strip()
+
+
 def test_functions_of_one_factory_stay_apart_whichever_process_compiled_them(tmp_path: Path) -> None:
     package = shutil.copytree(
         Path(drivegate_models.__file__).parent,
@@ -112,19 +127,12 @@ def test_functions_of_one_factory_stay_apart_whichever_process_compiled_them(tmp
         ignore=shutil.ignore_patterns("__pycache__"),
     )
     (package / "factory.py").write_text(_FACTORY, encoding="utf-8")
-    surroundings = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
     # numba numbers the functions that a process compiles, and each of these is the first one of its process.
-    for use in ("double(1.0)", "triple(1.0)", "print(both(1.0))"):
-        done = subprocess.run(
-            [sys.executable, "-c", _FIRST_OF_A_PROCESS + use],
-            cwd=tmp_path,
-            env={**surroundings, compilation.CACHE_VARIABLE: str(tmp_path / "cache")},
-            capture_output=True,
-            text=True,
-            check=True,
-            timeout=120,
-        )
-    assert done.stdout.strip() == "(2.0, 3.0)", "one function was linked in place of the other"
+    printed = [
+        _printed(tmp_path, _FIRST_OF_A_PROCESS + use)
+        for use in ("double(1.0)", "triple(1.0)", "print(both(1.0))")
+    ]
+    assert printed[-1] == "(2.0, 3.0)", "one function was linked in place of the other"
 
 
 def test_folders_that_nothing_has_used_for_long_go(tmp_path: Path) -> None:
@@ -168,19 +176,6 @@ from drivegate_models.compilation.kernels import kernel
 def four(x):
     return scaled(4, x)
 """
-
-
-def _printed(tmp_path: Path, command: str) -> str:
-    done = subprocess.run(
-        [sys.executable, "-c", command],
-        cwd=tmp_path,
-        env={**os.environ, compilation.CACHE_VARIABLE: str(tmp_path / "cache")},
-        capture_output=True,
-        text=True,
-        check=True,
-        timeout=120,
-    )
-    return done.stdout.strip()
 
 
 def test_a_function_is_compiled_once_for_all_constants_and_callable_all_the_same(tmp_path: Path) -> None:

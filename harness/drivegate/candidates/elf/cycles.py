@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from typing import Final
 
+from drivegate.candidates.elf.image import halfwords_of
+
 CORE: Final = "CORTEX_M4"
 """The core, by its name in images, whose cycles these are."""
 REFILL: Final = 3
@@ -21,7 +23,7 @@ _ACCESS: Final = 2
 
 def cycles_of(first: int, second: int) -> int:
     """Return the cycles of an instruction from its halfwords, without those of a refill; `second` may be another's."""
-    if first >> 11 < 0b11101:
+    if halfwords_of(first) == 1:
         return _of_short(first)
     if first & 0xFC00 == 0xEC00 and second & 0x0E00 == 0x0A00:
         return _of_floating(first, second)

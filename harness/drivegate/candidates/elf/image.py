@@ -90,6 +90,14 @@ def place_of(image: Image, address: int) -> str:
     return f"{within}{f' ({short_line(line)})' if line else ''}, at {hexadecimal(address)}"
 
 
+def halfwords_of(first: int) -> int:
+    """Return how many halfwords an instruction has that begins with one.
+
+    One of 32 bits begins with 11101, 11110 or 11111 (Armv7-M Architecture Reference Manual, A5.1).
+    """
+    return 2 if first >> 11 >= 0b11101 else 1
+
+
 def hexadecimal(address: int) -> str:
     """Write an address of the target; unlike one of this machine it is the same in each run, and stays in reports."""
     return f"{address:08X}h"

@@ -12,7 +12,7 @@ from numba.np.numpy_support import carray
 from numpy.typing import NDArray
 
 from drivegate.candidates.elf.cycles import CORE, REFILL, cycles_of
-from drivegate.candidates.elf.image import Image
+from drivegate.candidates.elf.image import Image, halfwords_of
 
 COUNT, BEHIND, PIECES = range(3)
 """Words of the counter: the count so far, the address after the last block, and the number of pieces of code.
@@ -40,7 +40,7 @@ def counter(image: Image) -> NDArray[np.int64]:
         halfword of their code the count from there to the end of the piece.
     """
     code = [each for each in image.segments if each.is_executable and each.size <= _LARGEST_CODE]
-    tables = [_counts_to_the_end(each.content) for each in code]
+    tables = [_counts_to_the_end(each.content, has_cycles(image)) for each in code]
     begin = _FIRST_PIECE + len(code) * _WORDS_PER_PIECE
     head = np.zeros(begin, np.int64)
     head[PIECES] = len(code)
@@ -61,15 +61,14 @@ def has_cycles(image: Image) -> bool:
 
 
 @cache
-def _counts_to_the_end(code: bytes) -> NDArray[np.int64]:
+def _counts_to_the_end(code: bytes, with_cycles: bool) -> NDArray[np.int64]:
     """Return the count of what follows if an instruction begins at a halfword, shape (halfwords + 1,)."""
     halfwords = np.frombuffer(code[: len(code) & ~1], "<u2").tolist()
     counts = [0] * (len(halfwords) + 2)
     for place in range(len(halfwords) - 1, -1, -1):
         first, second = halfwords[place], (*halfwords[place + 1 : place + 2], 0)[0]
-        # An instruction of 32 bits begins with 11101, 11110 or 11111 (Armv7-M Architecture Reference Manual, A5.1).
-        following = counts[place + (2 if first >> 11 >= 0b11101 else 1)]
-        counts[place] = following + 1 + CYCLE * cycles_of(first, second)
+        cycles = cycles_of(first, second) if with_cycles else 0
+        counts[place] = counts[place + halfwords_of(first)] + 1 + CYCLE * cycles
     return np.array(counts[:-1])
 
 

@@ -18,7 +18,7 @@ from numba import types
 from numba.np.numpy_support import carray
 from numpy.typing import NDArray
 
-from drivegate.candidates.elf.image import Image
+from drivegate.candidates.elf.image import Image, halfwords_of
 from drivegate_models.compilation.calling import copy_bytes
 
 arm_const: Any = import_module("unicorn.arm_const")
@@ -85,13 +85,15 @@ def _within(image: Image, start: int, size: int) -> Iterator[Trap]:
     place, conditions = 0, list[int]()
     while place < len(code):
         first, second = code[place], (*code[place + 1 : place + 2], 0)[0]
-        is_long = first >> 11 >= 0b11101
+        length = halfwords_of(first)
         condition = conditions.pop(0) if conditions else _ALWAYS
         conditions = conditions or _conditions(first)
-        rule = _rule_of_long(first, second) if is_long else _rule_of_short(first, image.core == "CORTEX_M0")
+        rule = (
+            _rule_of_long(first, second) if length == 2 else _rule_of_short(first, image.core == "CORTEX_M0")
+        )
         if rule is not None and rule[1] not in (_SP, _PC):
             yield Trap(start + 2 * place, rule, condition)
-        place += 2 if is_long else 1
+        place += length
 
 
 def _conditions(half: int) -> list[int]:

@@ -205,7 +205,7 @@ def gets_current(candidate: Candidate, scenario: Scenario) -> bool:
 
 
 def _reference_options(candidate: Candidate, scenario: Scenario) -> dict[str, bool]:
-    """Return what a contract with torques is told of the reference."""
+    """Return the options of a run in which a candidate gets a q current."""
     return {"follows_current": True} if gets_current(candidate, scenario) else {}
 
 

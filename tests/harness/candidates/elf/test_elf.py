@@ -7,18 +7,18 @@ from __future__ import annotations
 
 import subprocess
 from collections.abc import Callable
-from functools import partial
 from pathlib import Path
 
 import pytest
 
 from drivegate.candidates.elf.cycles import CORE, REFILL, cycles_of
+from drivegate.candidates.elf.loading import TargetController
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind
 from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.native.compiler import include_folder
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.candidates.step_costs import NO_COSTS, StepCosts
-from drivegate.containment.judge import Judge
+from drivegate.containment.judge import Judge, own_candidate
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.contracts.catalogue import contract_of
 from drivegate.drives.running import recorded
@@ -129,11 +129,11 @@ def run(candidate: str, scenario: Scenario) -> object:
 
 def run_here(candidate: str, scenario: Scenario, *, is_watched: bool = False) -> int | Fault:
     """Run an image in this process, which compiles what steps a target only once."""
-    resolved = resolve_candidate(candidate)
-    loaded = JudgedCandidate(resolved, partial(load_controller, resolved))
+    loaded = own_candidate(resolve_candidate(candidate))
     controller = loaded.controller()
     if is_watched:
-        controller.watch_accesses()  # type: ignore[attr-defined]
+        assert isinstance(controller, TargetController)
+        controller.watch_accesses()
     try:
         return int(recorded(loaded, scenario, controller).run.digest)
     except CandidateFault as ended:

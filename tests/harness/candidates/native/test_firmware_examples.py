@@ -5,18 +5,16 @@ from __future__ import annotations
 import shutil
 from dataclasses import replace
 from datetime import UTC, datetime
-from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 from typing import NamedTuple
 
 import pytest
 
-from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.check import judged
 from drivegate.checks.margin import Margin
-from drivegate.containment.messages import JudgedCandidate
+from drivegate.containment.judge import own_candidate
 from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.duty.scenarios.building import torque_scenario
 from drivegate.drives.running import recorded
@@ -100,7 +98,7 @@ def margins_of(seeded: Seeded, folder: Path, line: str) -> dict[str, Margin]:
     assert text.count(seeded.line) == 1
     file.write_text(text.replace(seeded.line, line), encoding="utf-8")
     candidate = resolve_candidate(str(folder / MANIFESTS.get(seeded.style, "candidate.toml")))
-    loaded = JudgedCandidate(candidate, partial(load_controller, candidate))
+    loaded = own_candidate(candidate)
     record = recorded(loaded, SCENARIOS[seeded.scenario], loaded.controller())
     return {margin.check: margin for margin in judged(record, CONTRACT.checks()).margins}
 
@@ -140,8 +138,7 @@ def test_the_interrupt_handler_measures_the_offsets_of_its_currents(tmp_path: Pa
     )
     swings = []
     for declaration in (candidate.declaration.with_bridge_on(), candidate.declaration):
-        one = replace(candidate, declaration=declaration)
-        loaded = JudgedCandidate(one, partial(load_controller, one))
+        loaded = own_candidate(replace(candidate, declaration=declaration))
         torque = recorded(loaded, offset, loaded.controller()).run.column("torque")[-2000:]
         swings.append(torque.max() - torque.min())
     assert swings[1] < 0.25 * swings[0], "only standstill with the bridge off shows them"

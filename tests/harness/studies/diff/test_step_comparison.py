@@ -102,29 +102,29 @@ def test_a_candidate_is_equal_to_itself(candidate):
 OF_CURRENTS = """
 from drivegate import DutyCommand
 
-class Told:
+class Echo:
     def reset(self, nameplate): self.kind = nameplate.reference_kind
     def step(self, sense): return DutyCommand((0.5, 0.5, 0.5), torque=self.kind, speed=sense.reference)
 
-class Fixed(Told):
+class Fixed(Echo):
     def step(self, sense): return DutyCommand((0.5, 0.5, 0.5), torque=2.0, speed=sense.reference)
 """
 
 
 def test_two_candidates_that_follow_a_q_current_get_it_in_place_of_a_torque(tmp_path):
     (tmp_path / "mine.py").write_text(OF_CURRENTS, encoding="utf-8")
-    told, fixed = (
+    echo, fixed = (
         replace(
             resolve_candidate(f"{tmp_path / 'mine.py'}:{name}"),
             declaration=Declaration(references=("current",)),
         )
-        for name in ("Told", "Fixed")
+        for name in ("Echo", "Fixed")
     )
     held = torque_scenario(load_drive("pm-ac-interior"), 100.0, (1.0,)).replaced(duration_s=0.01)
-    for first, second in ((told, fixed), (fixed, told)):
+    for first, second in ((echo, fixed), (fixed, echo)):
         ended = compare(first, second, scenario=held)
         assert (ended.steps, ended.difference, ended.fault) == (held.control_periods, None, None)
-    assert compared(told, fixed, held, Rule(), before=0, after=0, again=True).difference is None
+    assert compared(echo, fixed, held, Rule(), before=0, after=0, again=True).difference is None
 
 
 def test_a_candidate_that_follows_a_q_current_is_refused_next_to_one_that_follows_a_torque():
