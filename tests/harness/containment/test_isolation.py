@@ -111,6 +111,22 @@ def test_processes_of_a_candidate_reach_each_other_by_a_local_port(ending: Calla
     assert Layer.NAMESPACES not in available_layers() or ending(step) == 2.0
 
 
+@pytest.mark.parametrize("missing", [None, Layer.NAMESPACES])
+def test_layers_are_tried_one_by_one_only_where_not_all_work(
+    monkeypatch: pytest.MonkeyPatch, missing: Layer | None
+) -> None:
+    every, tried = tuple(Layer), []
+
+    def work(some: tuple[Layer, ...]) -> bool:
+        tried.append(some)
+        return missing not in some
+
+    monkeypatch.setattr(layers, "_work", work)
+    # The function itself: its answer is kept for the rest of the process.
+    assert available_layers.__wrapped__() == tuple(layer for layer in every if layer != missing)
+    assert tried == [every, *((layer,) for layer in every if missing is not None)]
+
+
 def test_strict_refuses_where_a_layer_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(layers, "available_layers", lambda: (Layer.LANDLOCK, Layer.REFUSED_CALLS))
     monkeypatch.setenv(layers.ISOLATION_VARIABLE, "strict")
