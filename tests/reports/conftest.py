@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import copy
+import fcntl
 import json
+import os
+import pickle
+import shutil
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import pytest
 from playwright.sync_api import Browser, sync_playwright
@@ -47,6 +51,7 @@ from drivegate_reports.conformance.report import page
 from drivegate_reports.paper.report import PAGE_FILE, reproduce
 
 Document = dict[str, Any]
+MadeT = TypeVar("MadeT")
 BROWSER_OPTIONS = [
     "--headless",
     "--no-sandbox",
@@ -309,11 +314,26 @@ def _made_up_drive(drive: DriveDocument, names: Sequence[str], *, faulted: bool)
     return ComparedDrive(request, plan, everybody, document)
 
 
+def _made_once(
+    factory: pytest.TempPathFactory, name: str, make: Callable[[Path], MadeT]
+) -> tuple[Path, MadeT]:
+    """Return a folder and what filling it has returned; the workers of pytest-xdist share it, and one makes it."""
+    own = factory.getbasetemp()
+    place = own.parent if "PYTEST_XDIST_WORKER" in os.environ else own
+    folder, kept = place / name, place / f"{name}.pickle"
+    with (place / f"{name}.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not kept.exists():
+            shutil.rmtree(folder, ignore_errors=True)
+            folder.mkdir()
+            kept.write_bytes(pickle.dumps(make(folder)))
+    return folder, pickle.loads(kept.read_bytes())
+
+
 @pytest.fixture(scope="session")
 def reproduction(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Document]:
     """Return the folder of a reproduction of the paper, and its document."""
-    folder = tmp_path_factory.mktemp("reproduction")
-    return folder, reproduce(folder)
+    return _made_once(tmp_path_factory, "reproduction", reproduce)
 
 
 @pytest.fixture(scope="session")
@@ -484,28 +504,25 @@ def browser(browser_path: str) -> Iterator[Browser]:
 
 
 @pytest.fixture(scope="session")
-def pages(
-    tmp_path_factory: pytest.TempPathFactory,
-    recorded: dict[str, Any],
-    duty_result: dict[str, Any],
-    duty_comparison: dict[str, Any],
-    reproduction: tuple[Path, dict[str, Any]],
-    made_up: Callable[..., dict[str, Any]],
-    made_up_drives: Callable[..., dict[str, Any]],
-) -> dict[str, Path]:
+def pages(tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRequest) -> dict[str, Path]:
     """Return each page that is written."""
-    folder = tmp_path_factory.mktemp("pages")
+    _, written = _made_once(tmp_path_factory, "pages", lambda folder: _write_pages(folder, request))
+    return written
+
+
+def _write_pages(folder: Path, request: pytest.FixtureRequest) -> dict[str, Path]:
     conformance = folder / "conformance"
     conformance.mkdir()
+    recorded, duty_result = (request.getfixturevalue(name) for name in ("recorded", "duty_result"))
     page = write_result(recorded, conformance, report_formats(["conformance"])).pages["conformance"]
     duty, ratios = folder / "duty", folder / "ratios"
     duty.mkdir()
     ratios.mkdir()
-    write_comparison(duty_comparison, ratios)
-    document = json.loads(json.dumps(made_up(faulted=True)))
+    write_comparison(_made_up_duty_comparison(), ratios)
+    document = json.loads(json.dumps(_made_up_comparison(faulted=True)))
     write_tables(document, folder)
     (folder / COMPARISON_FILE).write_text(json.dumps(document), encoding="utf-8")
-    across = json.loads(json.dumps(made_up_drives(faulted=True)))
+    across = json.loads(json.dumps(_made_up_drives(faulted=True)))
     drives = folder / "drives"
     drives.mkdir()
     write_comparison(across, drives)
@@ -515,7 +532,7 @@ def pages(
     return {
         "conformance": conformance / page,
         "duty": duty / write_result(duty_result, duty, report_formats(["conformance"])).pages["conformance"],
-        "reproduction": reproduction[0] / PAGE_FILE,
+        "reproduction": request.getfixturevalue("reproduction")[0] / PAGE_FILE,
         "ratios": ratios / comparison.REPORT_FILE,
         "comparison": comparison.write(document, folder),
         "drives": drives / drive_report.REPORT_FILE,

@@ -27,7 +27,7 @@ def compare(command, monkeypatch, tmp_path):
 
 
 def test_the_built_in_candidates_are_compared_the_same_on_any_number_of_workers(
-    compare, tmp_path, monkeypatch
+    compare, undrawn, tmp_path, monkeypatch
 ):
     ended = compare("reference", "initial", "published", "--workers", 2, "--output", "two", "--json")
     assert ended.code == 0, ended.err
