@@ -211,6 +211,13 @@ def test_any_finite_commands_are_judged_and_can_be_reported(scenario, commands):
     json.dumps([shown.columns, shown.windows], allow_nan=False)
 
 
+WITHOUT_PAGES = """
+from drivegate.commands.command_line import main
+from drivegate.output import report_writers
+report_writers.entry_points = lambda group: []
+main()
+"""
+"""The command line without pages, which test_hostile_zoo.py writes of hostile candidates."""
 NEXT_TO_NOTHING = (5e-324, 5e-324, 5e-324)
 CHECKED = [
     (Drawn("nothing", "step", NEXT_TO_NOTHING, NEXT_TO_NOTHING), "fail"),
@@ -226,7 +233,7 @@ def test_a_check_of_a_hostile_candidate_ends_as_documented(drawn, verdict, surro
     before = surroundings.own()
     report = tmp_path / "report"
     command = [
-        str(Path(sys.executable).with_name("drivegate")),
+        *(sys.executable, "-c", WITHOUT_PAGES),
         "check",
         "mine.py:Mine",
         "--output",
