@@ -16,6 +16,7 @@ from drivegate.scenarios.changes import (
     with_dropout,
     with_glitch,
     with_imbalance,
+    with_load_factor,
     with_load_shares,
     with_real_sensors,
     with_scales,
@@ -93,18 +94,19 @@ def _in_words(point: RequiredPoint) -> str:
 
 
 def _steady(drive: DriveDocument) -> list[Scenario]:
-    scale = scale_of(drive)
     rated = [_rated(drive, share) for share in (0.05, 0.2, 0.4, 0.65, 0.85, 1.0)]
-    beyond = [
-        steady_scenario(drive, scale.speed_beyond(share), power_share=1.0, constant_power=True)
-        for share in (0.5, 1.0)
-    ]
+    beyond = [_beyond(drive, share) for share in (0.5, 1.0)]
     half = [_torque(drive, share, 0.5) for share in (0.1, 0.5, 1.0)]
     return [*rated, *half, *beyond]
 
 
 def _rated(drive: DriveDocument, speed_share: float) -> Scenario:
     speed = scale_of(drive).speed(speed_share)
+    return steady_scenario(drive, speed, power_share=1.0, constant_power=True)
+
+
+def _beyond(drive: DriveDocument, share: float) -> Scenario:
+    speed = scale_of(drive).speed_beyond(share)
     return steady_scenario(drive, speed, power_share=1.0, constant_power=True)
 
 
@@ -137,6 +139,11 @@ def _changing(drive: DriveDocument) -> list[Scenario]:
         with_speed(_torque(drive, 0.9, 0.6), stepped(fast, slow, at, over_s=scale.units(2))),
         # Long at the current limit, which a regulator without anti-windup does not survive.
         with_speed(_torque(drive, 1.0, 0.8), stepped(scale.speed(0.1), scale.speed(1.0), at)),
+        with_speed(_beyond(drive, 0.8), stepped(scale.speed_beyond(0.3), scale.speed_beyond(0.8), at)),
+        with_load_factor(
+            _torque(drive, 0.1, 0.5),
+            (*coming_on(drive), *pulsed(1.0, 0.0, at, scale.units(0.5))[1:]),
+        ),
         with_supply(_torque(drive, 1.0, 0.8), pulsed(1.0, 0.9, at, scale.units(0.5))),
         with_supply(_rated(drive, 0.65), stepped(1.0, 0.92, at)),
         vehicle_scenario(

@@ -172,7 +172,16 @@ def _speeds(drive: PmAcDocument) -> list[Scenario]:
             drive, near, torque_of(drive, near, 0.5), GONE_PERIODS * drive.control_period_s
         ),
         with_fan(speed_scenario(drive, (below, fast, below), torque_nm=at_fast)),
+        *(_beyond_highest(drive) if drive.weakens else ()),
     ]
+
+
+def _beyond_highest(drive: PmAcDocument) -> list[Scenario]:
+    """Make the run whose speed steps begin and end above the highest speed."""
+    rating = drive.rating
+    highest, room = rating.highest_speed_rpm, rating.overspeed_rpm - rating.highest_speed_rpm
+    first, second = (tidy(highest + share * room) for share in (0.2, 0.8))
+    return [speed_scenario(drive, (first, second, first), torque_nm=torque_of(drive, second, 0.5))]
 
 
 def _slow_speeds(drive: PmAcDocument) -> list[Scenario]:
