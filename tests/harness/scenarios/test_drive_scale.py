@@ -71,7 +71,9 @@ def digest(scenarios: tuple[Scenario, ...]) -> str:
 
 def test_the_drive_of_the_paper_is_run_as_it_was_before_drives_had_scales() -> None:
     """A change of these numbers changes every verdict that was given before."""
-    assert digest(fixed_scenarios(PAPER)) == "34967f933f9143e1", "the fixed scenarios"
+    younger = ("1650-1900rpm-1500W", "600rpm-11.94Nm-100-0-100%")
+    fixed = tuple(run for run in fixed_scenarios(PAPER) if run.name not in younger)
+    assert digest(fixed) == "34967f933f9143e1", "the fixed scenarios"
     *joint, shortest_period = combined_scenarios(PAPER, None, 0)
     assert digest(tuple(joint)) == "5015f388ae50e334", "the joint scenarios of seed 0"
     assert digest((shortest_period,)) == "73197d296c62f612", "the one that no seed changes"
@@ -79,7 +81,7 @@ def test_the_drive_of_the_paper_is_run_as_it_was_before_drives_had_scales() -> N
 
 def test_a_small_drive_is_run_at_its_own_speeds_and_loads() -> None:
     fixed = {scenario.name: scenario for scenario in fixed_scenarios(SMALL)}
-    assert len(fixed) == 36, sorted(fixed)
+    assert len(fixed) == 38, sorted(fixed)
     speeds = {speed for scenario in fixed.values() for _, speed in scenario.speed_rpm}
     assert min(speeds) == 2200.0, "0.73 of base speed, where an unloaded run begins"
     assert max(speeds) == 10000.0, "overspeed"

@@ -71,6 +71,12 @@ def _weakens_little(state: Any) -> None:
     state["deepest"] = 0.3 * max(state["deepest"], -state["magnet_flux"] / state["direct_inductance"])
 
 
+def _impatient(state: Any) -> None:
+    """Wait for a fiftieth of the time in which a loaded shaft begins to turn."""
+    for field in ("stall_periods", "hall_stall_periods"):
+        state[field] //= 50
+
+
 def _unseen_along(share: float) -> Callable[[DutyNameplate], dict[str, float]]:
     """Hide a current along the magnet's axis from the controller, of a share of the limit against the magnet."""
 
@@ -94,7 +100,7 @@ def _under(
 DUTY_FAULTS: Final = {
     "stuck-weakening": DutyFault(
         "FWK-2",
-        "Weakens by 30 % of the current limit at all times, whatever the voltage, also at standstill without torque.",
+        "Weakens by 30 % of the current limit at all times.",
         perturbed=_unseen_along(STUCK_SHARE),
     ),
     "delay-turned-back": DutyFault(
@@ -185,7 +191,7 @@ DUTY_FAULTS: Final = {
     ),
     "swapped-axes": DutyFault(
         "MTP-1",
-        "Takes the inductances of the two axes for each other, and strengthens the field for reluctance torque.",
+        "Swaps the inductances of the axes.",
         believes=lambda plate: plate._replace(
             direct_inductance=plate.quadrature_inductance, quadrature_inductance=plate.direct_inductance
         ),
@@ -227,12 +233,12 @@ DUTY_FAULTS: Final = {
     ),
     "field-strengthened": DutyFault(
         "FWK-2",
-        "Holds a current of 10 % of the limit along the magnet's axis that strengthens the field.",
+        "Strengthens the field by 10 % of the current limit.",
         perturbed=_unseen_along(-0.1),
     ),
     "shallow-weakening": DutyFault(
         "FWK-1",
-        "Never weakens by more than 30 % of what cancels the magnet's flux, or of the current limit if that is less.",
+        "Weakens by at most 30 % of what cancels the magnet's flux, or of the current limit.",
         alter=_weakens_little,
     ),
     "delay-overcompensated": DutyFault(
@@ -247,7 +253,7 @@ DUTY_FAULTS: Final = {
     ),
     "third-current-computed": DutyFault(
         "SAF-1",
-        "Measures two currents and computes the third, and takes a sensor that is stuck for one that works.",
+        "Computes the third current from the other two, and so misses a stuck sensor.",
         perturbed=lambda _plate: {"computes_third": 1.0},
     ),
     "dead-time-times-ten": DutyFault(
@@ -257,32 +263,32 @@ DUTY_FAULTS: Final = {
     ),
     "small-current-offset": DutyFault(
         "RIP-4",
-        "Reads the first phase current 3 % of the current limit too high, which the sum of the currents does not show.",
+        "Reads the first phase current 3 % of the current limit too high.",
         perturbed=lambda plate: {"current_added": 0.03 * plate.current_limit},
     ),
     "clamped-phases": DutyFault(
         "STP-1",
-        "Takes the link's voltage for half of what it is, and clamps the duty ratio of each phase by itself.",
+        "Takes the link's voltage for half, and clamps each phase's duty ratio by itself.",
         perturbed=lambda _plate: {"stretch": 2.0, "clamps": 1.0},
     ),
     "swapped-hall-switches": DutyFault(
         "ACC-1",
-        "Has two of its Hall switches in each other's place, so that its angle turns backward.",
+        "Has two Hall switches swapped, so that its angle turns backward.",
         perturbed=lambda _plate: {"angle_factor": -1.0},
     ),
     "short-encoder-counter": DutyFault(
         "ACC-1",
-        "Counts the edges of an encoder of 2500 lines in 16 bits, and takes the count that wraps around for the angle.",
+        "Counts an encoder of 10,000 edges a turn in 16 bits.",
         perturbed=lambda _plate: {"wraps_after": 2.0 * pi * 2**16 / ENCODER_EDGES},
     ),
     "patient-stall-watch": DutyFault(
         "SAF-1",
-        "Waits for four seconds before it takes a shaft for locked that stands under the greatest torque.",
+        "Takes a standing shaft for locked only after four seconds under the greatest torque.",
         alter=_scaled(100, "stall_periods", "hall_stall_periods"),
     ),
     "hall-edges-counted": DutyFault(
         "SAF-1",
-        "Counts the edges of its Hall switches in place of reading their state, and is a sector off once one is lost.",
+        "Counts Hall edges instead of reading states.",
         perturbed=lambda plate: {"counts_edges": 1.0, "pole_pairs": float(plate.pole_pairs)},
     ),
     "weak-braking": DutyFault(
@@ -294,7 +300,7 @@ DUTY_FAULTS: Final = {
     ),
     "braking-cut-off": DutyFault(
         "ACC-1",
-        "Refuses to brake above 105 % of the nominal link voltage, where the link takes the power.",
+        "Refuses to brake above 105 % of the nominal link voltage.",
         perturbed=_under(TORQUE_REFERENCE, "braking_voltage", lambda plate: 1.05 * plate.supply_voltage),
     ),
     "slow-shaft-unseen": DutyFault(
@@ -331,28 +337,137 @@ DUTY_FAULTS: Final = {
     ),
     "microseconds-signed": DutyFault(
         "ACC-1",
-        "Ramps its reference up by a clock of microseconds with a sign, which is negative after 36 minutes.",
+        "Ramps its reference up by a signed clock of microseconds, negative after 36 minutes.",
         perturbed=lambda plate: {"ramp": 100.0 * plate.control_period},
     ),
     "offsets-under-current": DutyFault(
         "RIP-4",
-        "Takes the currents of its first step below base speed for offsets, also where it restarts under current.",
+        "Takes the first currents below base speed for offsets, also after a restart.",
         perturbed=lambda plate: {"calibrates_below": plate.base_speed},
     ),
     "undervoltage-at-once": DutyFault(
         "ROB-5",
-        "Turns its bridge off for good at the first sample of the link's voltage below half of it.",
+        "Turns its bridge off at one sample of less than half the link voltage.",
         perturbed=lambda plate: {"least_voltage": 0.5 * plate.supply_voltage},
     ),
     "jump-of-angle-believed": DutyFault(
         "SAF-1",
-        "Takes a jump of the angle for a turn, and does not notice a magnet that slips on the shaft.",
+        "Does not notice the jump of the angle by a magnet that slips.",
         alter=_scaled(1000.0, "farthest_drift"),
     ),
     "hall-edge-awaited": DutyFault(
         "SAF-1",
-        "Holds its angle at the sector's end and takes its speed for falling where a Hall edge does not come.",
+        "Holds its angle at the sector's end where a Hall edge is missing.",
         alter=_scaled(0.0, "led_on_longest"),
+    ),
+    "braking-reserve": DutyFault(
+        "FWK-2",
+        "Plans braking currents with 20 % less of the link than there is.",
+        perturbed=_under(TORQUE_REFERENCE, "braking_supply_factor", lambda _plate: 0.8),
+    ),
+    "overvoltage-ends-braking": DutyFault(
+        "ACC-1",
+        "Turns its bridge off above 112 % of the link's voltage while it brakes.",
+        perturbed=_under(TORQUE_REFERENCE, "highest_voltage", lambda plate: 1.12 * plate.supply_voltage),
+    ),
+    "weakening-kept-near-base": DutyFault(
+        "FWK-2",
+        "Weakens from 97 % of base speed on, and in part down to 90 %.",
+        perturbed=lambda plate: {
+            "weakens_from": 0.97 * plate.base_speed,
+            "weakens_until": 0.9 * plate.base_speed,
+            "weakened_by": 0.25 * plate.current_limit,
+            "pole_pairs": float(plate.pole_pairs),
+        },
+    ),
+    "offsets-after-idling": DutyFault(
+        "RIP-4",
+        "Takes its currents for offsets after the load has vanished, also once it is back.",
+        perturbed=lambda plate: {
+            **_under(
+                SPEED_REFERENCE, "idle_torque", lambda plate: 1.6 * plate.rated_power / plate.base_speed
+            )(plate),
+            "idle_noticed": 400.0,
+            "idle_calibrated": 1300.0,
+            "is_calibrated": 1.0,
+            "calibrates_below": plate.base_speed,
+        },
+    ),
+    "reference-clipped": DutyFault(
+        "ACC-1",
+        "Limits a speed reference to the highest speed.",
+        perturbed=_under(SPEED_REFERENCE, "most_reference", lambda plate: plate.highest_speed),
+    ),
+    "speed-clipped": DutyFault(
+        "ACC-1",
+        "Reads no speed above 104 % of the highest.",
+        perturbed=lambda plate: {"most_speed": 1.04 * plate.highest_speed},
+    ),
+    "lost-currents-trip": DutyFault(
+        "ROB-5",
+        "Turns its bridge off at one sample without currents.",
+        perturbed=lambda plate: {"vanishing_current": 0.05 * plate.current_limit},
+    ),
+    "false-edges-trip": DutyFault(
+        "ROB-5",
+        "Turns its bridge off where the angle jumps by 2 electrical degrees.",
+        perturbed=lambda plate: {
+            "farthest_jump": radians(2.0) / plate.pole_pairs,
+            "trips_at_jump": 1.0,
+            "control_period": plate.control_period,
+        },
+    ),
+    "phase-after-false-edges": DutyFault(
+        "ROB-5",
+        "Adds 120 electrical degrees where the angle jumps by 2.",
+        perturbed=lambda plate: {
+            "farthest_jump": radians(2.0) / plate.pole_pairs,
+            "jump_taken_for": radians(120.0) / plate.pole_pairs,
+            "control_period": plate.control_period,
+        },
+    ),
+    "swinging-speed-trips": DutyFault(
+        "ROB-5",
+        "Turns its bridge off where the speed swings by 1 %.",
+        perturbed=lambda plate: {"loose_swing": 0.01, "control_period": plate.control_period},
+    ),
+    "swings-damped-one-way": DutyFault(
+        "ROB-5",
+        "Damps swings of the speed, but only takes torque.",
+        perturbed=_under(
+            TORQUE_REFERENCE,
+            "damping",
+            lambda plate: 30.0 * plate.rated_power / (plate.base_speed * plate.base_speed),
+        ),
+    ),
+    "current-sensors-low": DutyFault(
+        "OVC-2",
+        "Reads its currents 1.3 % too low.",
+        perturbed=lambda _plate: {"current_factor": 0.987},
+    ),
+    "jumps-of-angle-smoothed": DutyFault(
+        "SAF-1",
+        "Follows a jump of the angle by 30 electrical degrees slowly.",
+        perturbed=lambda plate: {
+            "farthest_jump": radians(30.0) / plate.pole_pairs,
+            "angle_slew": radians(90.0) / plate.pole_pairs * plate.control_period,
+            "control_period": plate.control_period,
+        },
+    ),
+    "start-angle-assumed": DutyFault(
+        "STA-1",
+        "Takes the angle at which the shaft rests for zero.",
+        perturbed=lambda _plate: {"assumes_zero": 1.0},
+    ),
+    "impatient-stall-watch": DutyFault(
+        "ACC-1",
+        "Takes a shaft for locked after a few control periods.",
+        alter=_impatient,
+    ),
+    "lowering-refused": DutyFault(
+        "ACC-1",
+        "Turns its bridge off while a load drives the shaft backward.",
+        perturbed=_under(SPEED_REFERENCE, "refuses_lowering", lambda _plate: 1.0),
     ),
 }
 """All of them, by the name behind ``faulty:``."""

@@ -58,6 +58,7 @@ LIKELY_CAUSES: Final = (
         "current-sensor-offset",
         "small-current-offset",
         "offsets-under-current",
+        "offsets-after-idling",
     ),
     _cause(
         "currents or torque are scaled wrong, by a sensor's gain or the magnet's flux",
@@ -65,12 +66,16 @@ LIKELY_CAUSES: Final = (
         "ACC-1 confirms it: the torque is off in proportion to its reference",
         "current-sensor-gain",
         "weak-magnets-assumed",
+        "current-sensors-low",
+        "swings-damped-one-way",
     ),
     _cause(
         "the angle of the shaft has an offset",
         "ACC-1 ACC-1:torque FWK-1 FWK-2 FWK-2:negative SYM-1",
         "SYM-1 confirms it: a run backward is not the mirror image",
         "angle-offset",
+        "start-angle-assumed",
+        "phase-after-false-edges",
     ),
     _cause(
         "the inductances of d and q are swapped or taken for equal, or the d current has the wrong sign",
@@ -87,6 +92,7 @@ LIKELY_CAUSES: Final = (
         "FWK-2 confirms it: there is d current at standstill",
         "stuck-weakening",
         "strong-magnets-assumed",
+        "weakening-kept-near-base",
     ),
     _cause(
         "the current regulator is too slow, or its voltage is limited too early",
@@ -118,6 +124,7 @@ LIKELY_CAUSES: Final = (
         "speed-misread",
         "no-speed-integral",
         "slow-torque",
+        "speed-clipped",
     ),
     _cause(
         "the speed regulator assumes another inertia",
@@ -135,6 +142,7 @@ LIKELY_CAUSES: Final = (
         "shallow-weakening",
         "shrunken-ratios",
         "shy-current-limit",
+        "braking-reserve",
     ),
     _cause(
         "the current limit is taken too high",
@@ -166,6 +174,11 @@ LIKELY_CAUSES: Final = (
         "hall-edge-awaited",
         "jump-of-angle-believed",
         "undervoltage-at-once",
+        "lost-currents-trip",
+        "false-edges-trip",
+        "swinging-speed-trips",
+        "impatient-stall-watch",
+        "jumps-of-angle-smoothed",
     ),
     _cause(
         "part of the range of references is refused or limited",
@@ -177,6 +190,9 @@ LIKELY_CAUSES: Final = (
         "idle-speed-forced",
         "backward-refused",
         "microseconds-signed",
+        "overvoltage-ends-braking",
+        "reference-clipped",
+        "lowering-refused",
     ),
 )
 """All of them."""

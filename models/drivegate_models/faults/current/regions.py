@@ -12,9 +12,15 @@ from drivegate_models.units import RPM
 
 @inlined
 def cap_speed_reference(state: Any, fault: int) -> None:
-    """Limit the speed reference in the controller's copy of the Sense."""
+    """Limit the speed reference in the controller's copy of the Sense, or its rate."""
+    sense = state.sense
     if fault == faults.SPEED_CAPPED:
-        state.sense.speed_reference = min(state.sense.speed_reference, state.size)
+        sense.speed_reference = min(sense.speed_reference, state.size)
+    elif fault == faults.BEYOND_RAMPED:
+        if state.memory > state.extent and sense.speed_reference > state.extent:
+            slowest, fastest = state.memory - state.size, state.memory + state.size
+            sense.speed_reference = min(max(sense.speed_reference, slowest), fastest)
+        state.memory = sense.speed_reference
 
 
 @inlined

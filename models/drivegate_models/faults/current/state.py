@@ -135,6 +135,15 @@ SPEED_CAPPED: Final = 94
 STOP_LATCHES: Final = 95
 """After a speed reference of zero, the angle remains zero."""
 
+BEYOND_RAMPED: Final = 96
+"""Above a speed `extent`, the speed reference changes by at most `size` per step."""
+BEYOND_TRIPS: Final = 97
+"""A change of the speed reference above `size` limits the current permanently."""
+IDLE_TRIPS: Final = 98
+"""After `size` continuous seconds without a current reference while turning, the current is limited permanently."""
+IDLE_LATCHES: Final = 99
+"""After `size` such seconds, the angle remains zero."""
+
 LEARNS: Final = 100
 """The search begins at the offset found last."""
 RUNS_COUNTED: Final = 101

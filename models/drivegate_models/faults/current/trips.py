@@ -11,6 +11,35 @@ from drivegate_models.faults.current import state as faults
 _UNDER_LOAD: Final = 0.8
 _DERATED_SHARE: Final = 0.2
 _HALF_CYCLE: Final = 0.25
+# Share of the current limit up to which a current reference counts as none.
+_IDLE_SHARE: Final = 0.01
+
+
+@inlined
+def _count_idling(state: Any, reference: float) -> None:
+    """Latch once a turning shaft has had no current reference (A) for some time; it has had one before."""
+    if reference > _IDLE_SHARE * state.controller.current_limit:
+        state.tally = 1
+        state.memory = 0.0
+    elif state.tally == 1 and state.sense.speed_reference > 0.0:
+        state.memory += state.controller.control_period
+    if state.memory >= state.size:
+        state.latched = 1
+
+
+@inlined
+def _trips_by_reference(state: Any, fault: int) -> bool:
+    """Update the fault's state, and return True if a reference of speed or current has been one that it trips at."""
+    if fault == faults.BEYOND_TRIPS:
+        reference = state.sense.speed_reference
+        if reference != state.memory and min(reference, state.memory) > state.size:
+            state.latched = 1
+        state.memory = reference
+    elif fault == faults.IDLE_TRIPS:
+        _count_idling(state, state.late_reference)
+    else:
+        return False
+    return bool(state.latched == 1)
 
 
 @inlined
@@ -49,8 +78,8 @@ def is_derated(state: Any, fault: int) -> bool:
 @inlined
 def derate(state: Any, fault: int, command: Any) -> None:
     """Limit the current reference further if the fault has tripped."""
-    derated = is_derated(state, fault)
-    if fault == faults.PEAK_TRIPS:
+    derated = is_derated(state, fault) or _trips_by_reference(state, fault)
+    if fault in (faults.PEAK_TRIPS, faults.IDLE_TRIPS):
         state.late_reference = command.current_reference
     if derated:
         limit = _DERATED_SHARE * state.controller.current_limit
@@ -67,6 +96,8 @@ def end_advance(state: Any, fault: int, command: Any) -> None:
     elif fault == faults.STOP_LATCHES:
         if state.sense.speed_reference <= 0.0:
             state.latched = 1
+    elif fault == faults.IDLE_LATCHES:
+        _count_idling(state, command.current_reference)
     else:
         return
     if state.latched == 1:

@@ -15,12 +15,17 @@ from drivegate_models.compilation.calling import call_step, double_at, step_sign
 from drivegate_models.compilation.kernels import KEEPS_CACHE, inlined
 from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE, duty_command_record
 from drivegate_models.contract.duty.signals import LEG_OFF
+from drivegate_models.faults.duty.shaft import follow_shaft
+from drivegate_models.faults.duty.trips import mistakes_samples
 from drivegate_models.machine.rotor_frame import RotorFrame, phase_current
 from drivegate_models.machine.sine import cosine_sine
 
 _TURN = 2.0 * pi
 # Range of a clock of microseconds in 32 bits (s).
 _SIGNED = 2.0**32 * 1e-6
+# Torque of a loaded drive, and of an idle one, relative to rated torque.
+_LOADED = 0.2
+_IDLE = 0.05
 # Sectors of an electrical cycle, by the states of the Hall switches as bits; -1 for invalid states.
 _SECTORS = (-1, 0, 2, 1, 4, 5, 3, -1)
 
@@ -34,6 +39,8 @@ PERTURBED_STATE: Final = np.dtype(
         ("currents_address", np.int64),
         ("sense", DUTY_SENSE),
         ("command", DUTY_COMMAND),
+        # Control period (s), for faults that follow the shaft.
+        ("control_period", np.float64),
         ("currents", np.float64, (3,)),
         # Offsets of the shaft's angle (rad) and of the first current (A).
         ("angle_added", np.float64),
@@ -62,6 +69,29 @@ PERTURBED_STATE: Final = np.dtype(
         # Maximum backward reference (rad/s or N m), and link voltage above which there is none (V).
         ("backward_limit", np.float64),
         ("braking_voltage", np.float64),
+        # While the torque reference opposes the rotation: factor on the link voltage (1), and link voltage above which
+        # the bridge is turned off for good (V).
+        ("braking_supply_factor", np.float64),
+        ("highest_voltage", np.float64),
+        # Maximum magnitudes of the reference (rad/s or N m) and of the measured speed (rad/s).
+        ("most_reference", np.float64),
+        ("most_speed", np.float64),
+        # Speed from which the shaft counts as weakened, and below which it no longer does (rad/s), 0 for never; d-axis
+        # current of weakening that is kept in between (A), and 1 while the shaft counts as weakened.
+        ("weakens_from", np.float64),
+        ("weakens_until", np.float64),
+        ("weakened_by", np.float64),
+        ("is_weakened", np.int64),
+        # Rated torque if the currents are taken for offsets after idling (N m), 0 for never; control periods after
+        # which idling is noticed, and after which they are taken; 1 once the drive has been loaded, and control periods
+        # since it began to idle.
+        ("idle_torque", np.float64),
+        ("idle_noticed", np.int64),
+        ("idle_calibrated", np.int64),
+        ("was_loaded", np.int64),
+        ("idling", np.int64),
+        # 1 if a weight is not lowered: the bridge is off while torque and a negative speed differ in sign.
+        ("refuses_lowering", np.int64),
         # Time over which a reference is ramped up by a clock of signed microseconds in 32 bits (s), 0 for none.
         ("ramp", np.float64),
         # Link voltage below which the bridge is turned off for good (V), and 1 once it is.
@@ -76,6 +106,31 @@ PERTURBED_STATE: Final = np.dtype(
         ("computes_third", np.int64),
         ("is_late", np.int64),
         ("before", np.float64, (3,)),
+        # Plausibility of single samples: largest current that may vanish in one period (A), and the largest one of the
+        # preceding step.
+        ("vanishing_current", np.float64),
+        ("current_before", np.float64),
+        # Swing of the speed about its mean that counts as a loose sensor, relative to it (1); the mean (rad/s), the
+        # side of it that the speed was on last, and the number of changes of that side.
+        ("loose_swing", np.float64),
+        ("mean_speed", np.float64),
+        ("swing_side", np.float64),
+        ("swings", np.int64),
+        # Angle by which the shaft may jump in a period (rad), 0 for any; 1 if a farther jump turns the bridge off, and
+        # the sector that it counts as (rad); 1 once a step has been seen, the rotation in the preceding period (rad),
+        # and the angle of the preceding step (rad).
+        ("farthest_jump", np.float64),
+        ("trips_at_jump", np.int64),
+        ("jump_taken_for", np.float64),
+        ("is_following", np.int64),
+        ("turned_before", np.float64),
+        ("angle_seen", np.float64),
+        # Angle by which what is left of a jump is followed in a period (rad), 0 for jumps that are followed at once.
+        ("angle_slew", np.float64),
+        # Torque that a speed above its mean takes from the reference (N m s).
+        ("damping", np.float64),
+        # 1 if the angle at the first step of a shaft at rest is taken for zero.
+        ("assumes_zero", np.int64),
         # Factor on the duty ratios about their middle (1), 1 if they are then limited to their range, 1 if two phases
         # are swapped, and the requested control period (s), 0 for none.
         ("stretch", np.float64),
@@ -100,9 +155,23 @@ def perturbed_state(step_address: int, state_address: int, changes: dict[str, fl
     for record in ("sense", "command", "currents"):
         state[f"{record}_address"] = state.ctypes.data + offsets[record][1]
     state["command"] = duty_command_record()
-    for name in ("current_factor", "speed_factor", "supply_factor", "angle_factor", "stretch"):
+    for name in (
+        "current_factor",
+        "speed_factor",
+        "supply_factor",
+        "braking_supply_factor",
+        "angle_factor",
+        "stretch",
+    ):
         state[name] = 1.0
-    state["backward_limit"] = state["braking_voltage"] = np.inf
+    for name in (
+        "backward_limit",
+        "braking_voltage",
+        "highest_voltage",
+        "most_reference",
+        "most_speed",
+    ):
+        state[name] = np.inf
     for name, value in changes.items():
         state[name] = value
     return state
@@ -149,17 +218,49 @@ def _perturbed_reference(state: Any, sense: Any) -> float:
     """Return the reference of speed or torque that the controller sees (rad/s or N m)."""
     if state.ramp > 0.0:
         return float(_ramp_share(state, sense.time) * sense.reference)
-    if sense.reference > 0.0:
-        return float(max(sense.reference, state.least_reference))
+    reference = min(max(sense.reference, -state.most_reference), state.most_reference)
+    if reference > 0.0:
+        return float(max(reference, state.least_reference))
     limit = 0.0 if sense.supply_voltage > state.braking_voltage else state.backward_limit
-    return float(max(sense.reference, -limit))
+    return float(max(reference, -limit))
+
+
+@inlined
+def _unseen_direct(state: Any, speed: float) -> float:
+    """Return the d-axis current that is hidden from the controller (A), at the shaft's speed (rad/s)."""
+    fast = abs(speed)
+    if fast > state.weakens_from > 0.0:
+        state.is_weakened = 1
+    elif fast < state.weakens_until:
+        state.is_weakened = 0
+    kept = state.is_weakened == 1 and fast < state.weakens_from
+    return float(state.direct_added + (state.weakened_by if kept else 0.0))
+
+
+@inlined
+def _calibrate_idle(state: Any) -> None:
+    """Have the currents of the next step taken for offsets some time after the torque has vanished."""
+    torque = abs(state.command.torque)
+    if torque > _LOADED * state.idle_torque:
+        state.was_loaded = 1
+    is_idle = torque < _IDLE * state.idle_torque
+    if state.idling >= state.idle_noticed or (state.was_loaded == 1 and is_idle):
+        state.idling += 1
+    else:
+        state.idling = 0
+    if state.idling >= state.idle_calibrated:
+        state.is_calibrated = 0
+        state.idling = 0
+        state.was_loaded = 0
 
 
 @inlined
 def _write_sense(state: Any, sense: Any) -> None:
     """Write the perturbed Sense for the controller."""
     cosine, sine = cosine_sine(state.pole_pairs * sense.angle)
-    added = RotorFrame(state.direct_added, 0.0, cosine, sine)
+    added = RotorFrame(_unseen_direct(state, sense.speed), 0.0, cosine, sine)
+    if state.idle_torque > 0.0:
+        _calibrate_idle(state)
     for phase in range(3):
         measured = state.current_factor * double_at(sense.phase_currents, phase) + phase_current(added, phase)
         if phase == 0:
@@ -172,10 +273,15 @@ def _write_sense(state: Any, sense: Any) -> None:
     state.is_calibrated = 1
     if state.computes_third == 1:
         state.currents[2] = -state.currents[0] - state.currents[1]
+    follow_shaft(state, sense)
     state.sense = sense
     perturbed = state.sense
     perturbed.phase_currents = state.currents_address
     perturbed.supply_voltage = state.supply_factor * sense.supply_voltage
+    if sense.reference * sense.speed < 0.0:
+        perturbed.supply_voltage *= state.braking_supply_factor
+        if sense.supply_voltage > state.highest_voltage:
+            state.is_off = 1
     if state.wraps_after > 0.0:
         _wrap_count(state, sense.angle)
     if state.counts_edges == 1 and sense.hall > 0:
@@ -183,7 +289,11 @@ def _write_sense(state: Any, sense: Any) -> None:
     perturbed.angle = state.angle_factor * sense.angle + state.angle_added
     perturbed.angle += state.ahead * (abs(sense.speed) - sense.speed)
     perturbed.speed = state.speed_factor * sense.speed if abs(sense.speed) >= state.least_speed else 0.0
+    perturbed.speed = min(max(perturbed.speed, -state.most_speed), state.most_speed)
     perturbed.reference = _perturbed_reference(state, sense)
+    perturbed.reference -= state.damping * max(sense.speed - state.mean_speed, 0.0)
+    if mistakes_samples(state, sense):
+        state.is_off = 1
 
 
 @inlined
@@ -208,7 +318,8 @@ def _write_command(state: Any, command: Any) -> None:
     command.fault = controller_command.fault
     if state.sense.supply_voltage < state.least_voltage:
         state.is_off = 1
-    if state.is_off == 1:
+    lowers = state.sense.speed < 0.0 < controller_command.torque
+    if state.is_off == 1 or (state.refuses_lowering == 1 and lowers):
         command.first_leg = LEG_OFF
         command.second_leg = LEG_OFF
         command.third_leg = LEG_OFF

@@ -16,10 +16,17 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.margin import Margin
 from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.contracts.current.record import CurrentRecord
-from drivegate.contracts.current.scenarios.building import base_speed_scenario
+from drivegate.contracts.current.scenarios.building import base_speed_scenario, coming_on
 from drivegate.contracts.current.scenarios.fixed import fixed_scenarios, steady_scenario
 from drivegate.drives.running import run_scenario
-from drivegate.scenarios.changes import stepped, with_dropout, with_supply
+from drivegate.scenarios.changes import (
+    pulsed,
+    stepped,
+    with_dropout,
+    with_load_factor,
+    with_speed,
+    with_supply,
+)
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.contract.current.signals import Nameplate
@@ -84,6 +91,17 @@ def swell() -> Scenario:
     return with_supply(SHORT, stepped(1.0, 1.1, 10.0))
 
 
+def step_beyond() -> Scenario:
+    return with_speed(
+        steady_scenario(DRIVE, 1900.0, power_share=1.0, constant_power=True), stepped(1600.0, 1900.0, 14.0)
+    )
+
+
+def vanishing() -> Scenario:
+    part = steady_scenario(DRIVE, 600.0, power_share=0.5, constant_power=False)
+    return with_load_factor(part, (*coming_on(DRIVE), *pulsed(1.0, 0.0, 10.0, 0.5)[1:]))
+
+
 # What few scenarios have.
 SHOWN_BY: dict[str, Callable[[], Scenario]] = {
     "milliseconds-overflow": long_run,
@@ -99,6 +117,10 @@ SHOWN_BY: dict[str, Callable[[], Scenario]] = {
     "lost-speeds-add-up": speed_lost_often,
     "standstill-latches": through_standstill,
     "corner-without-limit": lightly_loaded,
+    "reference-ramped-beyond": step_beyond,
+    "step-beyond-trips": step_beyond,
+    "idling-trips": vanishing,
+    "idling-ends-advance": vanishing,
     "lost-current-trips": currents_lost,
     "swell-trips": swell,
 }

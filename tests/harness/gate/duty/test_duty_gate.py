@@ -16,14 +16,19 @@ from drivegate.containment.messages import Job
 from drivegate.contracts.catalogue import CONTRACTS, contract_of
 from drivegate.contracts.duty.scenarios.building import (
     failing,
+    hoist_scenario,
     load_step_scenario,
+    most_false_edges,
     restarted,
     speed_scenario,
     supply_step_scenario,
     torque_of,
     torque_scenario,
+    vanishing_load_scenario,
     with_edges,
+    with_false_edges,
     with_lost_samples,
+    with_position_errors,
 )
 from drivegate.contracts.duty.scenarios.feasibility import unfair_because
 from drivegate.drives.abilities import refuse_unreachable
@@ -66,34 +71,64 @@ def revealing_runs(drive: DriveDocument = INTERIOR) -> tuple[Scenario, ...]:
     )
 
 
-def rarer_runs() -> dict[str, Scenario]:
-    """Give the runs of what few firmwares are tried in, by the fault that shows in it alone."""
+def rare_families() -> dict[str, dict[str, Scenario]]:
+    """Give what few firmwares are tried in, and for each the faults that show in it alone, with a run of each."""
     assert isinstance(INTERIOR, PmAcDocument)
-    base = INTERIOR.rating.base_speed_rpm
+    base, highest = INTERIOR.rating.base_speed_rpm, INTERIOR.rating.highest_speed_rpm
     rated = torque_of(INTERIOR, base, 1.0)
-    braking = torque_scenario(INTERIOR, base, (-0.5 * rated,))
-    slowest = load_step_scenario(INTERIOR, 0.01 * base, 0.02 * rated, (0.0, 1.0))
-    stopped = speed_scenario(INTERIOR, (0.5 * base, 0.0, 0.03 * base))
     light, heavy = (
         speed_scenario(INTERIOR, (0.5 * base, 0.55 * base), torque_nm=0.3 * rated, inertia_factor=factor)
         for factor in (0.3, 2.0)
     )
-    backward = mirrored(torque_scenario(INTERIOR, 1.5 * base, (0.5 * rated,)))
     held = torque_scenario(INTERIOR, 0.5 * base, (0.5 * rated,))
+    turning = load_step_scenario(INTERIOR, base, 0.5 * rated, (1.0, 0.8))
+    slipping = failing(held, "slip", 0.5 * held.duration_s, slip_deg=60.0)
+    swelling = supply_step_scenario(torque_scenario(INTERIOR, base, (-0.5 * rated,)), INTERIOR, (1.0, 1.15))
+    vanishing = vanishing_load_scenario(INTERIOR, 0.95 * base, 0.5 * rated, 1000 * INTERIOR.control_period_s)
+    beyond = speed_scenario(INTERIOR, (1.02 * highest, 1.08 * highest), torque_nm=0.1 * rated)
+    start = speed_scenario(
+        INTERIOR, (0.2 * base,), torque_nm=0.5 * rated, initial_speed_rpm=0.0, initial_angle_deg=90.0
+    )
+    false_edges = with_false_edges(held, most_false_edges(INTERIOR), 0.1, 1)
     return {
-        "jump-of-angle-believed": failing(held, "slip", 0.5 * held.duration_s, slip_deg=60.0),
-        "microseconds-signed": restarted(held, (), 2147.4),
-        "offsets-under-current": restarted(held, (0.5,)),
-        "undervoltage-at-once": with_lost_samples(held, ("supply",), (0.1,)),
-        "backward-refused": speed_scenario(INTERIOR, (0.3 * base, -0.3 * base), torque_nm=0.3 * rated),
-        "one-way-prediction": backward,
-        "weak-braking": torque_scenario(INTERIOR, base, (0.0, -rated)),
-        "braking-cut-off": supply_step_scenario(braking, INTERIOR, (1.0, 1.15)),
-        "slow-shaft-unseen": stopped,
-        "idle-speed-forced": slowest,
-        "light-rotor-assumed": heavy,
-        "heavy-rotor-assumed": light,
+        "braking": {
+            "weak-braking": torque_scenario(INTERIOR, base, (0.0, -rated)),
+            "braking-reserve": torque_scenario(INTERIOR, 1.9 * base, (-0.3 * rated,)),
+        },
+        "link steps while braking": {"braking-cut-off": swelling, "overvoltage-ends-braking": swelling},
+        "low speed": {
+            "slow-shaft-unseen": speed_scenario(INTERIOR, (0.5 * base, 0.0, 0.03 * base)),
+            "idle-speed-forced": load_step_scenario(INTERIOR, 0.01 * base, 0.02 * rated, (0.0, 1.0)),
+        },
+        "inertia": {"light-rotor-assumed": heavy, "heavy-rotor-assumed": light},
+        "backward": {
+            "backward-refused": speed_scenario(INTERIOR, (0.3 * base, -0.3 * base), torque_nm=0.3 * rated),
+            "one-way-prediction": mirrored(torque_scenario(INTERIOR, 1.5 * base, (0.5 * rated,))),
+            "lowering-refused": hoist_scenario(INTERIOR, (0.5 * base, -0.5 * base), 0.6 * rated),
+        },
+        "load that vanishes": {"weakening-kept-near-base": vanishing, "offsets-after-idling": vanishing},
+        "above the highest speed": {"reference-clipped": beyond, "speed-clipped": beyond},
+        "start": {"start-angle-assumed": start, "impatient-stall-watch": start},
+        "restart": {
+            "offsets-under-current": restarted(held, (0.5,)),
+            "microseconds-signed": restarted(held, (), 2147.4),
+        },
+        "lost sample": {
+            "undervoltage-at-once": with_lost_samples(held, ("supply",), (0.1,)),
+            "lost-currents-trip": with_lost_samples(held, ("currents",), (0.1,)),
+        },
+        "false edge": {"false-edges-trip": false_edges, "phase-after-false-edges": false_edges},
+        "position error": {
+            "swinging-speed-trips": with_position_errors(turning, 1, track_gain=0.026, track_phase_deg=1.5),
+            "swings-damped-one-way": with_position_errors(held, 1, eccentricity_deg=1.5, sine_offset=0.026),
+        },
+        "slip": {"jump-of-angle-believed": slipping, "jumps-of-angle-smoothed": slipping},
     }
+
+
+def rarer_runs() -> dict[str, Scenario]:
+    """Give the run of each of these faults."""
+    return {name: run for runs in rare_families().values() for name, run in runs.items()}
 
 
 @cache
@@ -129,6 +164,10 @@ def test_a_fault_of_a_rarer_operation_is_caught_there_alone(name: str) -> None:
     assert failed_checks("foc", (run,)) == frozenset()
     assert failed_checks(f"faulty:{name}", revealing_runs()) == failed_checks("foc", revealing_runs())
     assert DUTY_FAULTS[name].check in failed_checks(f"faulty:{name}", (run,))
+
+
+def test_each_rarer_operation_has_two_faults_that_it_alone_shows() -> None:
+    assert {family: len(runs) for family, runs in rare_families().items() if len(runs) < 2} == {}
 
 
 @pytest.mark.parametrize(

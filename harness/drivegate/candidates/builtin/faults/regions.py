@@ -7,6 +7,7 @@ from typing import Final
 
 from drivegate.candidates.builtin.faults import sizes
 from drivegate.candidates.builtin.faults.mutation import Mutation, of_kind
+from drivegate_cases.documents.wording import significant
 from drivegate_cases.drive.advance import advance_line
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.faults.current import state as faults
@@ -21,6 +22,15 @@ def _far_above_the_line(drive: DriveDocument) -> float:
     start, slope = advance_line(drive)
     speed = sizes.in_range(_ROW).number(drive) - sizes.BASE.number(drive)
     return min(round(degrees(start + slope * speed) + _ABOVE_THE_LINE, 1), _MOST)
+
+
+# At the pace of the reference of the paper's drive 50 ms.
+_MOMENT: Final = sizes.Size(lambda drive: sizes.per_pace(0.05).of(drive), "s")
+
+
+def _creep(drive: DriveDocument) -> float:
+    """Return a rate of the speed reference at which the time to converge is not enough for any step (rpm/s)."""
+    return significant(0.5 * sizes.K1.of(drive) / sizes.SETTLING.of(drive), 2)
 
 
 FAULTS: Final = of_kind(
@@ -70,6 +80,40 @@ FAULTS: Final = of_kind(
         fault=faults.SPEED_CAPPED,
         size=sizes.beyond_range(0.8),
         shown_by="more than {size}",
+    ),
+    Mutation(
+        "reference-ramped-beyond",
+        "Lets its speed reference change slowly above {highest}: by {rate} a second.",
+        "CPW-2",
+        fault=faults.BEYOND_RAMPED,
+        size=sizes.Size(lambda drive: _creep(drive) * sizes.CONTROL_PERIOD, "rpm"),
+        extent=sizes.HIGHEST,
+        numbers=(("rate", sizes.Size(_creep, "rpm")),),
+        shown_by="a step of the speed reference above {highest}",
+    ),
+    Mutation(
+        "step-beyond-trips",
+        "Takes a change of its speed reference above {highest} for a runaway, and limits the current to a fifth.",
+        "CPW-2",
+        fault=faults.BEYOND_TRIPS,
+        size=sizes.HIGHEST,
+        shown_by="a step of the speed reference above {highest}",
+    ),
+    Mutation(
+        "idling-trips",
+        "Takes {size} without a load for the end of all work, and limits the current to a fifth for good.",
+        "CNV-3",
+        fault=faults.IDLE_TRIPS,
+        size=_MOMENT,
+        shown_by="a load that vanishes and comes back",
+    ),
+    Mutation(
+        "idling-ends-advance",
+        "Ends the advance for good where the load is gone for {size}.",
+        "CNV-2",
+        fault=faults.IDLE_LATCHES,
+        size=_MOMENT,
+        shown_by="a load that vanishes and comes back",
     ),
     Mutation(
         "standstill-latches",

@@ -1,0 +1,40 @@
+"""Faults that turn the bridge off for good where nothing has failed."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+from drivegate_models.compilation.calling import double_at
+from drivegate_models.compilation.kernels import inlined
+
+# Share of a current that is left of one that has vanished, and the number of swings of a loose sensor.
+_LEFT: Final = 0.01
+_SWINGS: Final = 40
+
+
+@inlined
+def _vanishes(state: Any, sense: Any) -> bool:
+    """Return True if all currents have vanished since the preceding step."""
+    currents = sense.phase_currents
+    largest = max(abs(double_at(currents, 0)), abs(double_at(currents, 1)), abs(double_at(currents, 2)))
+    before = state.current_before
+    state.current_before = largest
+    return bool(before > state.vanishing_current > 0.0 and largest < _LEFT * before)
+
+
+@inlined
+def _swings(state: Any, sense: Any) -> bool:
+    """Return True if the speed has swung about its mean for some time."""
+    away = sense.speed - state.mean_speed
+    if abs(away) > state.loose_swing * abs(state.mean_speed) > 0.0:
+        side = 1.0 if away > 0.0 else -1.0
+        if side != state.swing_side:
+            state.swings += 1
+        state.swing_side = side
+    return bool(state.swings >= _SWINGS)
+
+
+@inlined
+def mistakes_samples(state: Any, sense: Any) -> bool:
+    """Return True if samples of a healthy drive count as a failure."""
+    return _vanishes(state, sense) or _swings(state, sense)
