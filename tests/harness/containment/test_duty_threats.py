@@ -61,7 +61,7 @@ def attempt(tmp_path: Path, no_process_left: None):
         text = CANDIDATE.format(top=top, step=indent(step.strip(), " " * 12))
         file.write_text(text, encoding="utf-8")
         with Judge(resolve_candidate(f"{file}:Mine"), limits=LIMITS) as judge:
-            return judge.run(Job(digest_of, SCENARIO))
+            return judge.once(Job(digest_of, SCENARIO))
 
     return made
 

@@ -94,7 +94,7 @@ def attempt(tmp_path):
             encoding="utf-8",
         )
         with Judge(resolve_candidate(f"{file}:Mine"), limits=limits) as judge:
-            return judge.run(Job(target, SCENARIO))
+            return judge.once(Job(target, SCENARIO))
 
     return made
 

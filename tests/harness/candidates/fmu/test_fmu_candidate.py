@@ -335,7 +335,7 @@ def test_a_fault_in_a_step_gets_its_verdict_and_the_next_job_works(fault, versio
     statement, kind, message = FAULTS[fault]
     candidate = resolve_candidate(str(workshop(version, fifth=statement)))
     with Judge(candidate, limits=QUICK) as worker:
-        fault = worker.run(Job(worker_jobs.drive, 7))
+        fault = worker.once(Job(worker_jobs.drive, 7))
         assert (fault.kind, fault.phase, fault.step) == (kind, "step", 4)
         assert message in fault.message
         assert worker.run(Job(worker_jobs.drive, 3)) == 6.0

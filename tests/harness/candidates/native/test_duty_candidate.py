@@ -57,7 +57,7 @@ def ended(
     def run(**parts: str) -> CurrentRecord | Fault:
         candidate = resolve_candidate(str(written(tmp_path, duty_source(**parts))))
         with Judge(candidate, limits=LIMITS) as judge:
-            return judge.run(Job(run_once, short))
+            return judge.once(Job(run_once, short))
 
     return run
 

@@ -50,7 +50,7 @@ def ended(tmp_path, written, controller_source, scenario):
         candidate = resolve_candidate(str(written(tmp_path, controller_source(**parts))))
         limits = IMPATIENT if SPIN in str(parts) else LIMITS
         with Judge(candidate, limits=limits) as worker:
-            ended = worker.run(Job(run_once, scenario))
+            ended = worker.once(Job(run_once, scenario))
             return ended if isinstance(ended, Fault) else ended.run
 
     return run
