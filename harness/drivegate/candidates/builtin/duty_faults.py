@@ -428,8 +428,13 @@ DUTY_FAULTS: Final = {
     ),
     "swinging-speed-trips": DutyFault(
         "ROB-5",
-        "Turns its bridge off where the speed swings by 1 %.",
-        perturbed=lambda plate: {"loose_swing": 0.01, "control_period": plate.control_period},
+        "Turns its bridge off where the speed swings within a turn.",
+        perturbed=lambda plate: {
+            "loose_swing": 0.03 / plate.pole_pairs,
+            # As if it had counted these before: a slow shaft swings less often in a run.
+            "swings": 24.0,
+            "control_period": plate.control_period,
+        },
     ),
     "swings-damped-one-way": DutyFault(
         "ROB-5",
@@ -437,7 +442,7 @@ DUTY_FAULTS: Final = {
         perturbed=_under(
             TORQUE_REFERENCE,
             "damping",
-            lambda plate: 30.0 * plate.rated_power / (plate.base_speed * plate.base_speed),
+            lambda plate: 15.0 * plate.pole_pairs * plate.rated_power / plate.base_speed**2,
         ),
     ),
     "current-sensors-low": DutyFault(
