@@ -168,7 +168,9 @@ def check_candidate(
     focus = focus.within(judged_on.contract, [check.id for check in contract_of(judged_on).checks()])
     # What a candidate does not declare is known before anything is compiled or run.
     focus.require_judged(check_outcomes((), candidate.declaration, judged_on, complete=False))
-    refuse_unreachable(judged_on)
+    is_compiled = not uncompiled_kinds([judged_on])
+    if is_compiled:
+        refuse_unreachable(judged_on)
     isolation = isolating_layers(candidate)
     today = present_day() if waivers else None
     started = datetime.now(UTC)
@@ -195,6 +197,9 @@ def check_candidate(
         return is_ended() or progress.is_overdue()
 
     yield from _compile_missing(judged_on, ends)
+    if not (is_compiled or ends()):
+        # It needs most of the kernels, which would be compiled in this process alone.
+        refuse_unreachable(judged_on)
     with WorkerPool(candidate, workers=count, on_slow=on_slow, is_ended=ends) as pool:
         yield Running()
         try:

@@ -1,6 +1,7 @@
 """The check of a candidate from end to end, in real worker processes."""
 
 import json
+import re
 import textwrap
 import time
 from pathlib import Path
@@ -11,6 +12,7 @@ import pytest
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
 from drivegate.drives.envelope_document import envelope_of
+from drivegate.gate import engine
 from drivegate.gate.engine import check_candidate
 from drivegate.gate.events import CheckFinished, CheckStarted, Event, RunDone, Shrinking
 from drivegate.output.result_file import as_json
@@ -212,6 +214,22 @@ def test_a_check_that_is_ended_has_what_its_runs_have_shown(tmp_path: Path, few_
     assert result.runs == ended[0].done
     document = json.loads(as_json(result.document()))
     assert parse_document(document, ResultDocument, "the result").incomplete == "interrupted"
+
+
+@pytest.mark.parametrize("uncompiled", [(), ("star",)])
+def test_a_drive_is_refused_once_its_kernels_are_compiled(
+    monkeypatch: pytest.MonkeyPatch, uncompiled: tuple[str, ...]
+) -> None:
+    compiled: list[str] = []
+
+    def refuse(_: DriveDocument) -> None:
+        raise InputError(f"with {compiled} compiled")
+
+    monkeypatch.setattr(engine, "uncompiled_kinds", lambda _: uncompiled)
+    monkeypatch.setattr(engine, "compile_kernels", lambda kinds, _: compiled.extend(kinds))
+    monkeypatch.setattr(engine, "refuse_unreachable", refuse)
+    with pytest.raises(InputError, match=re.escape(f"with {list(uncompiled)} compiled")):
+        list(check_candidate(resolve_candidate("initial"), drive=load_drive("star-3-phase")))
 
 
 def test_an_unknown_effort_is_refused() -> None:
