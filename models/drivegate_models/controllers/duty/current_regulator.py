@@ -40,6 +40,8 @@ def reset_regulator(state: Any, nameplate: Any) -> None:
     halves = 2.0 if nameplate.updates == 2 else 1.0
     state.dead_ratio = nameplate.dead_time * nameplate.control_every / (halves * nameplate.control_period)
     state.dead_current = _DEAD_SHARE * nameplate.current_limit
+    carrier_period = halves * nameplate.control_period / nameplate.control_every
+    state.ripple = carrier_period / (nameplate.direct_inductance + nameplate.quadrature_inductance)
     state.direct_gain = bandwidth * nameplate.direct_inductance
     state.quadrature_gain = bandwidth * nameplate.quadrature_inductance
     state.direct_integral_step = BANDWIDTH * max(nameplate.resistance, _INTEGRAL * state.direct_gain)
@@ -102,28 +104,51 @@ def write_ratios(command: Any, along: float, across: float, supply: float) -> No
 
 
 @inlined
-def _compensated_ratio(state: Any, ratio: float, current: float) -> float:
-    """Return a duty ratio with dead-time compensation for a current (A), limited to 0 to 1."""
-    share = min(max(current / state.dead_current, -1.0), 1.0)
-    return float(min(max(ratio + share * state.dead_ratio, 0.0), 1.0))
+def _compensated_ratio(state: Any, ratio: float, current: float, ripple: float) -> float:
+    """Return a duty ratio with dead-time compensation for a current (A), limited to 0 to 1.
+
+    `ripple` is the current above its mean when the leg turns on (A), and below it when the leg turns off. A current
+    that has different signs at the two edges loses no time at either.
+    """
+    on = min(max((current + ripple) / state.dead_current, -1.0), 1.0)
+    off = min(max((current - ripple) / state.dead_current, -1.0), 1.0)
+    return float(min(max(ratio + 0.5 * (on + off) * state.dead_ratio, 0.0), 1.0))
+
+
+@inlined
+def _ripple_at_edge(one: float, second: float, third: float) -> float:
+    """Return the current above its mean when the leg of duty ratio `one` turns on, in a period centred on its pulses.
+
+    The unit is the supply times half of a carrier period over the inductance (1).
+    """
+    mean = (one + second + third) / 3.0
+    # Legs of larger duty ratios are on already, and raise the neutral.
+    earlier = (max(second - one, 0.0) + max(third - one, 0.0)) / 3.0
+    return -earlier - (one - mean) * (1.0 - one)
 
 
 @inlined
 def compensate_dead_time(
-    state: Any, command: Any, turned: tuple[float, float], direct: float, quadrature: float
+    state: Any, command: Any, turned: tuple[float, float], direct: float, quadrature: float, supply: float
 ) -> None:
     """Compensate the command's duty ratios for dead time, if there is any.
 
     `turned` is the cosine and sine of the rotor's electrical angle while the duty ratios act. `direct` and
-    `quadrature` are the reference currents at that time (A).
+    `quadrature` are the reference currents at that time (A), and `supply` is the link voltage (V).
     """
     if state.dead_ratio <= 0.0:
         return
     cosine, sine = turned
     along, across = cosine * direct - sine * quadrature, sine * direct + cosine * quadrature
-    command.first_duty = _compensated_ratio(state, command.first_duty, along)
-    command.second_duty = _compensated_ratio(state, command.second_duty, of_phase(1, along, across))
-    command.third_duty = _compensated_ratio(state, command.third_duty, of_phase(2, along, across))
+    first, second, third = command.first_duty, command.second_duty, command.third_duty
+    unit = supply * state.ripple
+    command.first_duty = _compensated_ratio(state, first, along, unit * _ripple_at_edge(first, second, third))
+    command.second_duty = _compensated_ratio(
+        state, second, of_phase(1, along, across), unit * _ripple_at_edge(second, third, first)
+    )
+    command.third_duty = _compensated_ratio(
+        state, third, of_phase(2, along, across), unit * _ripple_at_edge(third, first, second)
+    )
 
 
 @inlined
@@ -147,7 +172,7 @@ def write_voltage(
     state.across_voltage[0] = sine * along + cosine * across
     supply = max(sense.supply_voltage, 1e-9)
     write_ratios(command, state.along_voltage[0], state.across_voltage[0], supply)
-    compensate_dead_time(state, command, turned, current[0], current[1])
+    compensate_dead_time(state, command, turned, current[0], current[1], supply)
 
 
 @inlined

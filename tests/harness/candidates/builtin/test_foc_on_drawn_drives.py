@@ -1,4 +1,4 @@
-"""Field-oriented control on drawn drives: a salient machine beyond its magnet's flux, and dead time."""
+"""Field-oriented control on unusual drives: a salient machine beyond its magnet's flux, dead time, and wide ripple."""
 
 import pytest
 
@@ -8,7 +8,28 @@ from drivegate.contracts.catalogue import CONTRACTS
 from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios
 from drivegate.drives.drawn.kinds import PM_AC
 from drivegate.drives.running import recorded
+from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 
+SERVO = load_drive("pm-ac-surface").with_overrides(
+    [
+        "machine.pole_pairs=4",
+        "machine.resistance_ohm=2.85",
+        "machine.direct_inductance_h=0.00306",
+        "machine.quadrature_inductance_h=0.00306",
+        "machine.magnet_flux_v_s=0.0462",
+        "machine.core_loss_conductance_s=0",
+        "machine.inertia_kg_m2=7e-5",
+        "inverter.link_voltage_v=320",
+        "inverter.carrier_frequency_hz=16000",
+        "inverter.dead_time_s=1e-6",
+        "rating.base_speed_rpm=6000",
+        "rating.highest_speed_rpm=7500",
+        "rating.overspeed_rpm=8000",
+        "rating.rated_power_w=400",
+        "rating.current_limit_a=10.9",
+    ]
+)
+"""A servo whose ripple exceeds its currents, so that they change sign within a carrier period."""
 CHECKS = {check.id: check for check in CONTRACTS["duty"].checks()}
 
 
@@ -23,7 +44,16 @@ CHECKS = {check.id: check for check in CONTRACTS["duty"].checks()}
     ],
 )
 def test_foc_meets_a_check_on_a_drawn_drive(check_id: str, number: int, label: str) -> None:
-    drive = PM_AC.draw(0, number).document
+    assert_met(PM_AC.draw(0, number).document, check_id, label)
+
+
+@pytest.mark.parametrize("check_id", ["STP-1", "DEC-1"])
+def test_dead_time_is_not_compensated_where_a_current_changes_sign_between_the_edges(check_id: str) -> None:
+    assert_met(SERVO, check_id, "3000rpm-torque-0-0.573-")
+
+
+def assert_met(drive: DriveDocument, check_id: str, label: str) -> None:
+    """Assert that `foc` meets a check in the fixed runs of a drive whose names contain the label."""
     loaded = own_candidate(resolve_candidate("foc"))
     controller = loaded.controller()
     margins = [
@@ -32,5 +62,5 @@ def test_foc_meets_a_check_on_a_drawn_drive(check_id: str, number: int, label: s
         if label in scenario.name
     ]
     judged = [margin for margin in margins if margin is not None]
-    assert judged, f"no fixed scenario of drive {number} is judged by {check_id}"
+    assert judged, f"no fixed scenario of {drive.name} is judged by {check_id}"
     assert all(margin.met for margin in judged), [margin for margin in judged if not margin.met]
