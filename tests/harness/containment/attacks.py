@@ -341,7 +341,7 @@ ATTACKS = (
     Attack("sets the host's name", "name = socket.gethostname(); socket.sethostname(name); aim()"),
     Attack("sets the clock", "time.clock_settime(time.CLOCK_REALTIME, time.time()); aim()"),
     Attack("becomes another user", "os.setuid(12345); aim()"),
-    Attack("raises its own priority", "os.setpriority(os.PRIO_PROCESS, 0, -5); aim()"),
+    Attack("raises its own priority", "os.nice(-1); aim()"),
 )
 """Every attack, in the order of the table."""
 
