@@ -168,14 +168,26 @@ def check_candidate(
     focus = focus.within(judged_on.contract, [check.id for check in contract_of(judged_on).checks()])
     # What a candidate does not declare is known before anything is compiled or run.
     focus.require_judged(check_outcomes((), candidate.declaration, judged_on, complete=False))
-    is_compiled = not uncompiled_kinds([judged_on])
-    if is_compiled:
+    uncompiled = uncompiled_kinds([judged_on])
+    if not uncompiled:
         refuse_unreachable(judged_on)
     isolation = isolating_layers(candidate)
     today = present_day() if waivers else None
     started = datetime.now(UTC)
     began = time.monotonic()
     count = workers or os.cpu_count() or 1
+    how = CheckPlan(judged_on, _drive_from(candidate, drive), effort, seed, count, isolation)
+    yield CheckStarted(candidate.name, None, how)
+    counting = _counting(candidate, judged_on, fail_on, waivers)
+    progress = _Progress(None if max_time is None else began + max_time, focus, counting)
+    traces: tuple[dict[str, list[float]], ...] = ()
+    behaviour: dict[str, Any] | None = None
+
+    def ends() -> bool:
+        return is_ended() or progress.is_overdue()
+
+    if uncompiled:
+        yield from _compile(uncompiled, judged_on, ends)
     work = planned_work(
         effort,
         seed,
@@ -186,22 +198,8 @@ def check_candidate(
         baseline=baseline,
         focus=focus,
     )
-    how = CheckPlan(judged_on, _drive_from(candidate, drive), effort, seed, count, isolation)
-    yield CheckStarted(candidate.name, sum(item.runs for item in work), how)
-    counting = _counting(candidate, judged_on, fail_on, waivers)
-    progress = _Progress(None if max_time is None else began + max_time, focus, counting)
-    traces: tuple[dict[str, list[float]], ...] = ()
-    behaviour: dict[str, Any] | None = None
-
-    def ends() -> bool:
-        return is_ended() or progress.is_overdue()
-
-    yield from _compile_missing(judged_on, ends)
-    if not (is_compiled or ends()):
-        # It needs most of the kernels, which would be compiled in this process alone.
-        refuse_unreachable(judged_on)
     with WorkerPool(candidate, workers=count, on_slow=on_slow, is_ended=ends) as pool:
-        yield Running()
+        yield Running(sum(item.runs for item in work))
         try:
             yield from _run_all(pool, work, progress)
             if progress.complete and not progress.cuts_short():
@@ -262,12 +260,12 @@ def _drive_from(candidate: Candidate, named: DriveDocument | None) -> DriveFrom:
     return "default" if candidate.drive is None else "manifest"
 
 
-def _compile_missing(drive: DriveDocument, is_ended: Callable[[], bool]) -> Iterator[Event]:
-    kinds = uncompiled_kinds([drive])
-    if kinds:
-        yield Compiling(kinds)
-        with suppress(WorkEnded):
-            compile_kernels(kinds, is_ended)
+def _compile(kinds: tuple[str, ...], drive: DriveDocument, is_ended: Callable[[], bool]) -> Iterator[Event]:
+    yield Compiling(kinds)
+    with suppress(WorkEnded):
+        compile_kernels(kinds, is_ended)
+        # Not sooner: it needs most of the kernels, which this process would compile alone.
+        refuse_unreachable(drive)
 
 
 def _run_all(pool: WorkerPool, work: Sequence[Work], progress: _Progress) -> Iterator[Event]:

@@ -36,8 +36,8 @@ class CheckStarted:
 
     candidate_name: str
     """The candidate."""
-    planned_runs: int
-    """Number of runs at most."""
+    planned_runs: int | None
+    """Number of runs at most; None of a check, whose runs are planned once its drive is known to be within reach."""
     plan: CheckPlan | None = None
     """How it is checked; None of a part of a comparison."""
 
@@ -52,7 +52,10 @@ class Compiling:
 
 @dataclass(frozen=True)
 class Running:
-    """The first run begins."""
+    """The first run of a check begins."""
+
+    planned_runs: int
+    """Number of runs at most."""
 
 
 @dataclass(frozen=True)

@@ -36,9 +36,12 @@ def followed(events: Iterable[Event], display: Display) -> CheckResult | None:
 
 def _with_pace(events: Iterable[Event], display: Display, pace: CheckPace) -> Iterator[Event]:
     """Describe a check that will take hours, as its events go by."""
+    workers = 1
     for event in events:
         if isinstance(event, CheckStarted) and event.plan is not None:
-            pace.begin(event.planned_runs, event.plan.workers)
+            workers = event.plan.workers
+        if isinstance(event, Running):
+            pace.begin(event.planned_runs, workers)
         if isinstance(event, RunDone) and (words := pace.slow_in_words(event.done, event.planned)):
             display.announce(words)
         yield event

@@ -6,8 +6,10 @@ import json
 import pytest
 
 from drivegate.contracts.current.comparison import plan as comparison_plan
+from drivegate.studies.compare import engine
 from drivegate.studies.compare.compare import table_text
 from drivegate_cases.drive.drive_document import load_drive
+from drivegate_models.errors import InputError
 
 SMALL = comparison_plan.ComparisonEffort((0.2, 1.0), (0.25, 1.0), 1, 1, 3)
 CYCLE = "time_s,speed_km_h\n0,0\n1,0\n5,15\n7,15\n11,0\n12,0\n"
@@ -121,6 +123,24 @@ def test_drives_that_cannot_be_compared_are_refused(refused, tmp_path):
     (tmp_path / "weak.json").write_text(json.dumps(weak.to_mapping()), encoding="utf-8")
     said = refused("compare", "initial", "--drive", "paper-5-phase", "--drive", "weak.json")
     assert "no controller can meet what the drive 'fan-3-phase' requires" in said
+
+
+def test_every_drive_is_refused_once_its_kernels_are_compiled(command, monkeypatch):
+    compiled = []
+
+    def refuse(drive):
+        if drive.name == "star-3-phase":
+            raise InputError(f"with {compiled} compiled")
+
+    monkeypatch.setattr(engine, "uncompiled_kinds", lambda drives: tuple(drive.kind for drive in drives))
+    monkeypatch.setattr(engine, "compile_kernels", compiled.extend)
+    monkeypatch.setattr("drivegate.studies.compare.compare.refuse_unreachable", refuse)
+    ended = command("compare", "initial", "--drive", "fan-3-phase", "--drive", "star-3-phase")
+    assert ended.code == 2
+    first, second, refusal = ended.err.splitlines()
+    assert first.startswith("comparison: compiling the kernels, which is done once and takes about 20 s")
+    assert second.startswith("comparison: compiling the kernels, which is done once and takes about 40 s")
+    assert refusal == "error: with ['half-bridge', 'star'] compiled"
 
 
 def test_who_fails_or_is_refused_does_not_stop_the_others(compare, undrawn, controllers, tmp_path):

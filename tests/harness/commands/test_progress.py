@@ -55,7 +55,7 @@ def test_a_log_has_a_headline_and_a_line_for_each_phase(clock):
     events = [
         START,
         Compiling(("pm-ac",)),
-        Running(),
+        Running(10),
         *(RunDone(done, 10, "a scenario", "") for done in range(1, 11)),
         Shrinking("", 0, 2),
         Shrinking("CNV-1", 1, 2),

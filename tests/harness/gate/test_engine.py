@@ -232,6 +232,16 @@ def test_a_drive_is_refused_once_its_kernels_are_compiled(
         list(check_candidate(resolve_candidate("initial"), drive=load_drive("star-3-phase")))
 
 
+def test_a_drive_whose_runs_cannot_be_planned_is_refused_before_they_are(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(engine, "uncompiled_kinds", lambda _: ("half-bridge",))
+    monkeypatch.setattr(engine, "compile_kernels", lambda _, __: None)
+    slow = load_drive("fan-3-phase").replaced(inertia_kg_m2=1e3)
+    with pytest.raises(InputError, match="is too slow to be checked"):
+        list(check_candidate(resolve_candidate("initial"), drive=slow))
+
+
 def test_an_unknown_effort_is_refused() -> None:
     with pytest.raises(InputError, match="must be one of quick, default, nightly"):
         list(check_candidate(resolve_candidate("initial"), effort="heroic"))

@@ -80,8 +80,6 @@ def compare(
     for drive in drives:
         options.refuse_unused(drive)
     cycle = load_drive_cycle(options.cycle or DEFAULT_CYCLE)
-    for drive in drives:
-        refuse_unreachable(drive)
     requests = [ComparisonRequest(drive, options.effort, options.seed, cycle) for drive in drives]
     with ReportFolder(output) as folder:
         document, made = _compared(specifications, resolved, requests, labels, options)
@@ -102,12 +100,19 @@ def _compared(
 ) -> tuple[dict[str, Any] | None, Sequence[ComparedDrive]]:
     """Compare candidates on every drive; the document is that of the one drive, or of all of them."""
     # It brings what candidates that are refused do not need.
+    from drivegate.output.event_loop import followed
     from drivegate.results.waivers import present_day
     from drivegate.studies.compare.compared_drive import compared_on
     from drivegate.studies.compare.drive_comparison import drive_comparison_document
+    from drivegate.studies.compare.engine import prepared
 
     began, made = time.monotonic(), []
     with progress_on(sys.stderr) as display:
+        display.begin("comparison")
+        for request in requests:
+            followed(prepared(request.drive), display)
+            # Not sooner: it needs most of the kernels, which this process would compile alone.
+            refuse_unreachable(request.drive)
         for label, request in zip(labels, requests, strict=True):
             place = f" on {label}" if label else ""
             made.append(compared_on(specifications, resolved, request, options, display, place=place))

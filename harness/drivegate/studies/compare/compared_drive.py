@@ -16,7 +16,7 @@ from drivegate.output.event_loop import followed
 from drivegate.output.progress import Display
 from drivegate.results.waivers import present_day
 from drivegate.studies.compare.document import comparison_document
-from drivegate.studies.compare.engine import Compared, find_best, named_candidates, prepared, run_plan
+from drivegate.studies.compare.engine import Compared, find_best, named_candidates, run_plan
 from drivegate_cases.documents.wording import one_line
 from drivegate_cases.scenario.reference import Reference
 from drivegate_models.errors import InputError
@@ -89,7 +89,6 @@ def compared_on(
     started, began = present_day().isoformat(), time.monotonic()
     all_compared = named_candidates(specifications, resolved)
     request = replace(request, reference=_common_reference(all_compared))
-    followed(prepared(request.drive), display)
     plan = contract_of(request.drive).comparison().plan(request)
     for compared in all_compared:
         if compared.error is None:
