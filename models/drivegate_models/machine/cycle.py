@@ -18,6 +18,12 @@ def wrapped(angle: float) -> float:
     return max(angle - 2.0 * pi * turns, 0.0)
 
 
+@inlined
+def within_half_turn(angle: float) -> float:
+    """Return an angle minus whole turns, in [-pi, pi) (rad)."""
+    return angle - 2.0 * pi * floor(angle / (2.0 * pi) + 0.5)
+
+
 class Shape(NamedTuple):
     """The present linear piece of a phase's back-EMF shape; times are from the beginning of the advance (s)."""
 

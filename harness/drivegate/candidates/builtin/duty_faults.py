@@ -61,7 +61,8 @@ class DutyFault:
 def _scaled(factor: float, *fields: str) -> Callable[[Any], None]:
     def alter(state: Any) -> None:
         for field in fields:
-            state[field] *= factor
+            # Not in place: a count of periods stays a whole number.
+            state[field] = state[field] * factor
 
     return alter
 
@@ -69,12 +70,6 @@ def _scaled(factor: float, *fields: str) -> Callable[[Any], None]:
 def _weakens_little(state: Any) -> None:
     """Allow a share of the weakening that a machine can use: more than that costs it little torque."""
     state["deepest"] = 0.3 * max(state["deepest"], -state["magnet_flux"] / state["direct_inductance"])
-
-
-def _impatient(state: Any) -> None:
-    """Wait for a fiftieth of the time in which a loaded shaft begins to turn."""
-    for field in ("stall_periods", "hall_stall_periods"):
-        state[field] //= 50
 
 
 def _unseen_along(share: float) -> Callable[[DutyNameplate], dict[str, float]]:
@@ -467,7 +462,7 @@ DUTY_FAULTS: Final = {
     "impatient-stall-watch": DutyFault(
         "ACC-1",
         "Takes a shaft for locked after a few control periods.",
-        alter=_impatient,
+        alter=_scaled(0.02, "stall_periods", "hall_stall_periods"),
     ),
     "lowering-refused": DutyFault(
         "ACC-1",

@@ -38,9 +38,9 @@ def reset_regulator(state: Any, nameplate: Any) -> None:
     state.remaining_error = max(1.0 - BANDWIDTH * (nameplate.update_delay + 0.5), 0.0)
     # Dead time occurs once per carrier period, which consists of two control periods with double update.
     halves = 2.0 if nameplate.updates == 2 else 1.0
-    state.dead_ratio = nameplate.dead_time * nameplate.control_every / (halves * nameplate.control_period)
-    state.dead_current = _DEAD_SHARE * nameplate.current_limit
     carrier_period = halves * nameplate.control_period / nameplate.control_every
+    state.dead_ratio = nameplate.dead_time / carrier_period
+    state.dead_current = _DEAD_SHARE * nameplate.current_limit
     state.ripple = carrier_period / (nameplate.direct_inductance + nameplate.quadrature_inductance)
     state.direct_gain = bandwidth * nameplate.direct_inductance
     state.quadrature_gain = bandwidth * nameplate.quadrature_inductance

@@ -10,6 +10,7 @@ from math import floor, pi
 from typing import Any, Final
 
 from drivegate_models.compilation.kernels import inlined
+from drivegate_models.machine.cycle import within_half_turn
 
 # Rate of the observer relative to the bandwidth of the speed regulator, which it must exceed by far.
 _RATE: Final = 10.0
@@ -87,8 +88,7 @@ def _correct(state: Any, electrical: float, rate: float, sector: int, passed: in
         # After a restart, the timer shows the sector's middle.
         entered = sector if passed > 0 else sector + 1
         place = _FIRST_EDGE + _SECTOR * entered + 0.5 * period * state.rate
-    travelled = place - state.place
-    travelled -= _TURN * floor(travelled / _TURN + 0.5)
+    travelled = within_half_turn(place - state.place)
     if state.is_placed == 1:
         error = travelled - state.turned_on
         share = state.observer_rate / (1.0 + state.observer_rate * state.since_edge)
@@ -131,8 +131,7 @@ def observe_shaft(state: Any, sense: Any, seen: Any) -> None:
     passed = (sector - state.sector + 8) % _SECTORS - 2
     if passed != 0:
         _correct(state, electrical, timed, sector, passed)
-    begin = _FIRST_EDGE + _SECTOR * state.sector - state.place
-    begin -= _TURN * floor(begin / _TURN + 0.5)
+    begin = within_half_turn(_FIRST_EDGE + _SECTOR * state.sector - state.place)
     inside = min(max(state.turned_on, begin), begin + _SECTOR)
     rate = state.rate
     was_led_on = state.led_on > 0.0

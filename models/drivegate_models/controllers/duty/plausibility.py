@@ -9,12 +9,13 @@ position is lost.
 
 from __future__ import annotations
 
-from math import floor, isnan, pi, sqrt
+from math import isnan, pi, sqrt
 from typing import Any, Final
 
 from drivegate_models.compilation.calling import double_at
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.contract.duty.signals import LEG_OFF
+from drivegate_models.machine.cycle import within_half_turn
 from drivegate_models.machine.rotor_frame import of_phase
 from drivegate_models.machine.sine import cosine_sine
 
@@ -67,8 +68,6 @@ _CARRYING = 0.15
 _PASSED = pi / 5.0
 _PASSED_IN_A_PERIOD = _PASSED / 8.0
 
-_TURN = 2.0 * pi
-
 
 @inlined
 def reset_plausibility(state: Any, nameplate: Any) -> None:
@@ -114,7 +113,7 @@ def _turned(state: Any, sense: Any) -> float:
     """Return the rotation since the preceding step (rad electrical)."""
     turned = float(state.pole_pairs * (sense.angle - state.angle_before))
     state.angle_before = sense.angle
-    return turned - _TURN * floor(turned / _TURN + 0.5)
+    return float(within_half_turn(turned))
 
 
 @inlined

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from math import floor, pi
+from math import pi
 from typing import Any, Final
 
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.controllers.duty.hall_observer import greatest_speed, observe_shaft
+from drivegate_models.machine.cycle import within_half_turn
 
 # Maximum extrapolation without an edge (rad electrical): a sector, in which the edge after the missing one appears,
 # plus the placement errors of both.
@@ -15,8 +16,6 @@ _LED_ON: Final = 1.1 * pi / 3.0
 _LEAST_SPEED: Final = 0.15
 # Share of the expected rotation in a period below which the timer limits the angle at its sector's end.
 _HELD_BACK: Final = 0.9
-
-_TURN = 2.0 * pi
 
 
 @inlined
@@ -51,8 +50,7 @@ def locate_shaft(state: Any, sense: Any) -> Any:
     if state.regulates_speed == 1:
         observe_shaft(state, sense, seen)
         return seen
-    turned = state.pole_pairs * (sense.angle - state.hall_angle)
-    turned -= _TURN * floor(turned / _TURN + 0.5)
+    turned = within_half_turn(state.pole_pairs * (sense.angle - state.hall_angle))
     # Both as angles in the sense of rotation.
     sense_of_rotation = 1.0 if state.hall_speed >= 0.0 else -1.0
     turned *= sense_of_rotation

@@ -17,6 +17,7 @@ from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE, dut
 from drivegate_models.contract.duty.signals import LEG_OFF
 from drivegate_models.faults.duty.shaft import follow_shaft
 from drivegate_models.faults.duty.trips import mistakes_samples
+from drivegate_models.machine.cycle import within_half_turn
 from drivegate_models.machine.rotor_frame import RotorFrame, phase_current
 from drivegate_models.machine.sine import cosine_sine
 
@@ -180,10 +181,9 @@ def perturbed_state(step_address: int, state_address: int, changes: dict[str, fl
 @inlined
 def _wrap_count(state: Any, angle: float) -> None:
     """Wrap a counter at its end: the angle permanently lacks the lost counts."""
-    turn = angle - state.angle_before
-    state.angle_before = angle
     # Without the whole turn by which the angle itself wraps.
-    state.turned += turn - _TURN * floor(turn / _TURN + 0.5)
+    state.turned += within_half_turn(angle - state.angle_before)
+    state.angle_before = angle
     if abs(state.turned) >= state.wraps_after:
         lost = state.wraps_after if state.turned > 0.0 else -state.wraps_after
         state.turned -= lost

@@ -2,20 +2,13 @@
 
 from __future__ import annotations
 
-from math import floor, pi
 from typing import Any, Final
 
 from drivegate_models.compilation.kernels import inlined
+from drivegate_models.machine.cycle import within_half_turn
 
-_TURN: Final = 2.0 * pi
 # Share of the present speed that its mean adopts in each step (1).
 _ADOPTED: Final = 1.0 / 512.0
-
-
-@inlined
-def _wrapped(angle: float) -> float:
-    """Return an angle within half a turn (rad)."""
-    return float(angle - _TURN * floor(angle / _TURN + 0.5))
 
 
 @inlined
@@ -31,7 +24,7 @@ def follow_shaft(state: Any, sense: Any) -> None:
     # Hall switches show a speed that jumps at their edges.
     adopted = _ADOPTED if sense.hall < 0 else 1.0
     state.mean_speed += adopted * (sense.speed - state.mean_speed)
-    turned = _wrapped(sense.angle - state.angle_seen)
+    turned = within_half_turn(sense.angle - state.angle_seen)
     state.angle_seen = sense.angle
     jump = turned - state.turned_before
     if sense.hall < 0 and abs(jump) > state.farthest_jump > 0.0:
