@@ -52,7 +52,9 @@ def with_load_shares(scenario: Scenario, *changes: tuple[float, float]) -> Scena
     (_, share), *later = changes
     factor: list[tuple[float, float]] = [(0.0, 0.0), (scale_of(scenario.drive).load_ramp_s, share)]
     for time, following in later:
-        factor += [(time, factor[-1][1]), (time, following)]
+        before = (time, factor[-1][1])
+        # A change may come just when the load is there.
+        factor += [(time, following)] if before == factor[-1] else [before, (time, following)]
     stepped_load = load.model_copy(update={"factor": tuple(factor)})
     return _with_change(scenario, factor[-1][0], load=stepped_load)
 

@@ -18,6 +18,7 @@ from drivegate.scenarios.changes import (
     with_speed,
     with_supply,
 )
+from drivegate.scenarios.drive_scale import scale_of
 from drivegate.scenarios.facts import facts_in_short, facts_of
 from drivegate.scenarios.simplification import simplified, size_of
 from drivegate_cases.drive.drive_document import load_drive
@@ -104,3 +105,8 @@ def test_the_supply_of_a_link_with_a_tap_is_stated_by_halves() -> None:
     sagging = with_supply(PLAIN, stepped(1.0, 0.9, 10.0))
     assert "half-supply 48, then 43.2 V" in sagging.description
     assert ", half-supply 48 → 43.2 V" in scenario_in_short(sagging.to_mapping())
+
+
+def test_a_load_may_change_just_when_it_is_there() -> None:
+    changed = with_load_shares(PLAIN, (0.0, 0.3), (scale_of(DRIVE).load_ramp_s, 0.0))
+    assert changed.load.factor == ((0.0, 0.0), (0.2, 0.3), (0.2, 0.0))
