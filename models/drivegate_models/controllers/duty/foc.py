@@ -58,6 +58,10 @@ VOLTAGE_SHARE: Final = 0.98
 _SPEED_SHARE = 0.02
 _MOST_SPEED_SHARE = 0.1
 _FAN_EXPONENT = 2.0
+# Swing of the seen speed by a position sensor's error of 2 electrical degrees twice a turn, over the speed and for one
+# pole pair; and the torque that the regulator may answer it with at base speed, over rated torque.
+_SPEED_SWING = 0.07
+_SWING_TORQUE = 0.5
 _SPEED_INTEGRAL = 0.25
 # Rate of field weakening by the voltage in use, relative to that of the currents; minimum share of the undistorted
 # voltage for the references; and maximum voltage in use, because a step needs its voltage only for a short time.
@@ -71,6 +75,8 @@ _WHOLE_ROOM_FROM = 0.2
 _FULL_TORQUE_PERIODS = 80.0
 # Share of the requested torque below which it counts as limited.
 _LIMITED = 0.999999
+# Torque requested for a speed error, over the greatest torque, from which the shaft is accelerating.
+_ACCELERATING = 0.5
 
 
 @inlined
@@ -80,7 +86,9 @@ def reset_state(state: Any, nameplate: Any) -> None:
     state.control_period = period
     slope = _FAN_EXPONENT * nameplate.rated_power / (nameplate.base_speed * nameplate.base_speed)
     current_bandwidth = BANDWIDTH / period
-    slowest, fastest = _SPEED_SHARE * current_bandwidth, _MOST_SPEED_SHARE * current_bandwidth
+    swing = _SPEED_SWING * nameplate.base_speed / nameplate.pole_pairs
+    calm = _SWING_TORQUE * nameplate.rated_power / (nameplate.base_speed * nameplate.inertia * swing)
+    slowest, fastest = min(_SPEED_SHARE * current_bandwidth, calm), _MOST_SPEED_SHARE * current_bandwidth
     speed_bandwidth = min(max(slope / nameplate.inertia, slowest), fastest)
     reset_regulator(state, nameplate)
     reset_prediction(state)
@@ -171,9 +179,16 @@ def _ramped(state: Any, requested: float) -> float:
 
 @inlined
 def _unwind_speed(state: Any, reference: float, speed: float, requested: float, possible: float) -> None:
-    """Anti-windup: stop the speed regulator's integral if the limits do not allow the requested torque."""
+    """Anti-windup: stop the speed regulator's integral if the limits do not allow the requested torque.
+
+    The limited rate alone only counts while the shaft accelerates. Otherwise a seen speed that swings within a turn
+    would stop the integral in one half of each swing, and lower the mean speed.
+    """
     error = reference - speed
-    if state.regulates_speed == 1 and abs(possible) < _LIMITED * abs(requested) and requested * error > 0.0:
+    limited = state.torque
+    if state.speed_gain * abs(error) > _ACCELERATING * state.greatest_torque:
+        limited = requested
+    if state.regulates_speed == 1 and abs(possible) < _LIMITED * abs(limited) and requested * error > 0.0:
         state.speed_integral -= state.speed_integral_step * error
 
 
