@@ -18,6 +18,8 @@ from drivegate_cases.scenario.circumstance import Circumstance
 from drivegate_models.steady.oracle import point_at_torque
 
 _ROUNDING = 1e-6
+# A candidate may rest on the feasible edge itself, where its means hold a torque that is out of reach by rounding.
+_EDGE = 1e-3
 
 
 def _is_required_point(window: SteadyWindow) -> bool:
@@ -43,7 +45,10 @@ def _ideal_ripple(check: str, record: CurrentRecord, windows: list[SteadyWindow]
         angle = window.values.angle
         torque = window.values.torque
         where = f"at {math.degrees(angle):.2f}°, {figure(window.dwell.speed_rpm)} rpm and {torque:.3g} N·m"
-        point = point_at_torque(ideal, window.speed, min(max(angle, 0.0), math.pi / 2.0), torque)
+        place = min(max(angle, 0.0), math.pi / 2.0)
+        point = point_at_torque(ideal, window.speed, place, torque)
+        if not point.static:
+            point = point_at_torque(ideal, window.speed, place, (1.0 - _EDGE) * torque)
         if not point.static or torque <= 0.0:
             margins.append(Margin(check, -1.0, f"the torque is out of reach {where}"))
             continue

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drivegate.contracts.current.checks import ripple
-from drivegate_models.steady.oracle import TorquePoint, point_at_torque
+from drivegate_models.steady.oracle import TorquePoint, feasible_edge, point_at_torque
 
 RATED = {"kind": "constant_power", "power_w": 1500.0, "factor": [[0.0, 1.0]]}
 
@@ -51,6 +51,15 @@ def test_an_angle_that_cannot_give_the_torque_fails(record, checks):
     margin = checks["RIP-1"].evaluate(record(window={"ANGLE": math.radians(30.0)}))
     assert not margin.met
     assert margin.measured == "the torque is out of reach at 30.00°, 1500 rpm and 9.8 N·m"
+
+
+def test_an_angle_on_the_feasible_edge_is_not_out_of_reach_by_rounding(record, checks):
+    run = record(window={"ANGLE": math.radians(54.0)})
+    ideal = run.drive._replace(hysteresis_band=0.0)
+    edge = feasible_edge(ideal, 1500.0 * math.pi / 30.0, 9.8)
+    for torque, met in ((9.8 * (1.0 + 1e-4), True), (9.8 * (1.0 + 5e-3), False)):
+        margin = checks["RIP-1"].evaluate(record(window={"ANGLE": edge, "TORQUE": torque}))
+        assert margin.met is met, margin
 
 
 @pytest.mark.parametrize(
