@@ -45,17 +45,24 @@ def moments(at_s: float, *, every_s: float) -> tuple[float, ...]:
     return tuple(tidy(at_s + number * every_s) for number in range(TWENTY))
 
 
+def coming_on_to(ramp_s: float, share: float, later: Profile) -> Profile:
+    """Return the shares of a load that comes on to one of them, and changes later, at the earliest when it is there."""
+    there = (ramp_s, share)
+    return ((0.0, 0.0), there, *(later[1:] if later[:1] == (there,) else later))
+
+
 def with_load_shares(scenario: Scenario, *changes: tuple[float, float]) -> Scenario:
     """Step a switched load."""
     load = scenario.load
     assert not isinstance(load, (LockedLoad, VehicleLoad)), "only a switched load has shares"
-    (_, share), *later = changes
-    factor: list[tuple[float, float]] = [(0.0, 0.0), (scale_of(scenario.drive).load_ramp_s, share)]
-    for time, following in later:
-        before = (time, factor[-1][1])
-        # A change may come just when the load is there.
-        factor += [(time, following)] if before == factor[-1] else [before, (time, following)]
-    stepped_load = load.model_copy(update={"factor": tuple(factor)})
+    (_, share), *steps = changes
+    later: list[tuple[float, float]] = []
+    before = share
+    for time, following in steps:
+        later += [(time, before), (time, following)]
+        before = following
+    factor = coming_on_to(scale_of(scenario.drive).load_ramp_s, share, tuple(later))
+    stepped_load = load.model_copy(update={"factor": factor})
     return _with_change(scenario, factor[-1][0], load=stepped_load)
 
 

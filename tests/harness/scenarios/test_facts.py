@@ -3,6 +3,7 @@
 import pytest
 
 from drivegate.contracts.current.scenarios.building import plain_scenario, steady_scenario
+from drivegate.contracts.current.scenarios.drawn.courses import load_course
 from drivegate.contracts.current.scenarios.simplification import SIMPLIFICATIONS
 from drivegate.contracts.duty.scenarios.fixed import range_scenario
 from drivegate.output.wording import scenario_in_short
@@ -12,6 +13,7 @@ from drivegate.scenarios.changes import (
     with_dropout,
     with_glitch,
     with_imbalance,
+    with_load_factor,
     with_load_shares,
     with_real_sensors,
     with_scales,
@@ -105,6 +107,14 @@ def test_the_supply_of_a_link_with_a_tap_is_stated_by_halves() -> None:
     sagging = with_supply(PLAIN, stepped(1.0, 0.9, 10.0))
     assert "half-supply 48, then 43.2 V" in sagging.description
     assert ", half-supply 48 → 43.2 V" in scenario_in_short(sagging.to_mapping())
+
+
+@pytest.mark.parametrize("course", ["ramp", "vanishing", "gone", "repeated"])
+def test_a_drawn_load_may_change_just_when_it_is_there(course: str) -> None:
+    scale = scale_of(DRIVE)
+    factor = load_course(course, 0.3, 0.6, scale.load_ramp_s, 0.5, scale)
+    with_load_factor(PLAIN, factor)
+    assert factor[:2] == ((0.0, 0.0), (scale.load_ramp_s, 0.3))
 
 
 def test_a_load_may_change_just_when_it_is_there() -> None:

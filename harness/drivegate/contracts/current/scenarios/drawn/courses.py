@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from drivegate.contracts.current.scenarios.building import TORQUE_DIGITS, coming_on, steady_scenario
 from drivegate.contracts.current.scenarios.drawn.steps import LOAD_STEP, change_times, loaded_speeds, shares
 from drivegate.contracts.current.scenarios.feasibility import COASTING_SHARE
-from drivegate.scenarios.changes import pulsed, repeated, stepped, with_load_factor, with_speed
+from drivegate.scenarios.changes import coming_on_to, pulsed, repeated, stepped, with_load_factor, with_speed
 from drivegate.scenarios.drive_scale import DriveScale, SpeedRange, scale_of, tidy
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import rounded
@@ -68,7 +68,7 @@ def load_course(
             profile = repeated(before, after, at_s, every_s=scale.repeated_every_s)
         case _:
             raise AssertionError(f"there is no course '{course}'")
-    return ((0.0, 0.0), (scale.load_ramp_s, before), *profile[1:])
+    return coming_on_to(scale.load_ramp_s, before, profile[1:])
 
 
 def standstill_scenarios(
