@@ -40,8 +40,8 @@ _FARTHEST = 0.25
 _FLUX_FORGOTTEN = 0.6
 _FLUX_SLOW = 0.2
 # Maximum deceleration relative to that of maximum torque and inertia, and speed relative to base speed below which
-# it is not checked. A factor of two is for a load of maximum torque, and another one for half the nominal inertia.
-_STEEPEST = 4.0
+# it is not checked. A factor of two is for a load of maximum torque, and the other one for 0.3 of the nominal inertia.
+_STEEPEST = 2.0 / 0.3
 _SLOW = 0.05
 _STOPPED = 0.5
 # Speed relative to base speed that counts as standstill. Torque that no load withstands: relative to maximum torque,

@@ -189,7 +189,7 @@ def test_the_steps_of_hall_switches_are_no_lost_angle() -> None:
 
 def slowing(drive: Drive, share: float) -> Callable[[int], None]:
     """Return what slows the shaft down at a share of what torque and inertia are trusted with."""
-    step = share * 4.0 * GREATEST_TORQUE / INERTIA * PERIOD
+    step = share * 2.0 / 0.3 * GREATEST_TORQUE / INERTIA * PERIOD
 
     def slow(_: int) -> None:
         drive.sense.speed = max(drive.sense.speed - step, 0.0)
