@@ -7,7 +7,8 @@ from typing import Any, Final
 
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.controllers.current.current_share import maximum_current_sum
-from drivegate_models.controllers.current.protection import ALARM, rearm
+from drivegate_models.controllers.current.modes import rearm
+from drivegate_models.controllers.current.protection import ALARM
 from drivegate_models.controllers.current.state import NOT_RETRIED
 from drivegate_models.controllers.current.unrest import JOLT, disturbed_speed_error
 

@@ -55,6 +55,8 @@ def composed_step_function() -> Any:
         sense_address, command_address = senses.ctypes.data, commands.ctypes.data
         state = composed.controller
         if composed.speed_regulator != 0:
+            # The block's reference regulates the speed, so the angle must not.
+            state.angle_proportional = 0.0
             composed.integral = state.integral
             call_step(composed.speed_regulator, 0, sense_address, command_address)
             if command.struct_size < 0:

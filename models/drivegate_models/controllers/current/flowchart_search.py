@@ -20,7 +20,8 @@ from drivegate_models.controllers.current.forbidden_angle import (
     forget_other_load,
     lowest_offset,
 )
-from drivegate_models.controllers.current.protection import begin_settling, take_step
+from drivegate_models.controllers.current.modes import begin_following, begin_settling, hold_angle, may_follow
+from drivegate_models.controllers.current.protection import take_step
 from drivegate_models.controllers.current.retry import (
     is_edge_distance_costly,
     may_retry,
@@ -29,7 +30,7 @@ from drivegate_models.controllers.current.retry import (
 )
 from drivegate_models.controllers.current.state import NOT_RETRIED, SMALLEST_STEP
 from drivegate_models.controllers.current.unrest import JOLT, current_sum_noise, is_speed_unsteady
-from drivegate_models.controllers.current.watch import BEGINNING, WAITING, hold_angle, watch_search
+from drivegate_models.controllers.current.watch import BEGINNING, WAITING, watch_search
 
 _IMPROVEMENTS = 3
 _WORSE = 3
@@ -73,6 +74,9 @@ def rest_or_confirm(state: Any, current_sum: float) -> None:
     start the search therefore confirms its result with new steps like the first. `current_sum` is the mean of the
     interval (A).
     """
+    if may_follow(state):
+        begin_following(state)
+        return
     at_edge = state.offset - state.first_step < lowest_offset(state)
     if at_edge and is_edge_distance_costly(state) and may_retry(state, True):
         retry(state, True)

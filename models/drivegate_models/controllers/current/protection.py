@@ -10,12 +10,18 @@ from math import inf, radians
 from typing import Any, Final
 
 from drivegate_models.compilation.kernels import inlined
-from drivegate_models.controllers.current.forbidden_angle import allow_all_angles, forbid
+from drivegate_models.controllers.current.forbidden_angle import forbid
+from drivegate_models.controllers.current.modes import (
+    begin_following,
+    begin_settling,
+    may_follow,
+    rearm,
+    stop_following,
+)
 from drivegate_models.controllers.current.state import (
+    FOLLOWING,
     HOLDING,
-    NOT_RETRIED,
     RETRIED,
-    SETTLING,
     SMALLEST_STEP,
 )
 
@@ -41,49 +47,6 @@ _REGAIN = 0.25
 _SLOWEST_REGAIN = 0.04
 _LONGEST_CLIMB = radians(8.0)
 _HEAVIER_THAN_HELD = 1.1
-
-
-@inlined
-def begin_settling(state: Any) -> None:
-    """Start a new decision interval, and wait until the current sum repeats before the next step."""
-    state.mode = SETTLING
-    state.old_power = inf
-    state.moved = 0.0
-    state.quiet = 0
-    state.improvements = 0
-    state.count = 0
-    state.power_sum = 0.0
-    state.worst_error = 0.0
-    state.saturated = 0
-    state.saturated_run = 0
-    state.starved_run = 0
-    state.waited = 0
-
-
-@inlined
-def rearm(state: Any) -> None:
-    """Return to the initial angle and reset all findings, because command or load has changed."""
-    state.offset = 0.0
-    state.step = state.first_step
-    # The initial line is above the edge, so less angle needs less current.
-    state.direction = -1.0
-    allow_all_angles(state)
-    state.forbidden_power = 0.0
-    state.retried = NOT_RETRIED
-    state.good_integral = inf
-    state.good_power = inf
-    state.climb = 0.5 * state.first_step
-    state.regained = -inf
-    state.calm_error = inf
-    state.confirmed = 0
-    state.widened = 0
-    state.reversals = 0
-    state.grows = 1
-    state.jolted_at = inf
-    state.lost_speed = inf
-    state.initial_power = 0.0
-    state.lowest = -inf
-    begin_settling(state)
 
 
 @inlined
@@ -113,6 +76,8 @@ def back_off(state: Any, angle: float, lost: bool) -> None:
     state.step = max(min(0.5 * state.step, 0.5 * state.first_step), SMALLEST_STEP)
     state.direction = -1.0
     begin_settling(state)
+    if lost and may_follow(state):
+        begin_following(state)
 
 
 @inlined
@@ -214,6 +179,13 @@ def guard_regulation(
         state.supply_voltage = voltage
         rearm(state)
     sag = speed_reference - speed
+    if state.mode == FOLLOWING:
+        # A single wrong reading of the speed must not end it.
+        state.starved_run = state.starved_run + 1 if sag > 3.0 * state.speed_tolerance else 0
+        if state.starved_run * period >= _DWELL:
+            # Under this load the angle cannot hold the speed, so the search keeps off the edge instead.
+            stop_following(state, current_sum, False)
+        return
     if state.offset < 0.0 and sag > (1.0 if state.mode == HOLDING else 3.0) * state.speed_tolerance:
         # The load has grown, or the angle was too small for it from the start; in both cases do not try it again.
         held = state.mode == HOLDING

@@ -20,6 +20,8 @@ SEARCHING: Final = 1
 """Mode: each decision moves the angle."""
 HOLDING: Final = 2
 """Mode: the optimum is found; wait for a change."""
+FOLLOWING: Final = 3
+"""Mode: the current is not limited, and the angle regulates the speed."""
 STEPPED_OFF: Final = -1
 """Value of `quiet` while holding, directly after a step off the edge."""
 NOT_RETRIED: Final = 0
@@ -99,6 +101,8 @@ CONTROLLER_STATE: Final = np.dtype(
         ("forbidden_power", np.float64),
         ("lost_at", np.float64),
         ("retried", np.int64),
+        # Maximum speed error of the calmest interval, and the one that is expected at this angle.
+        ("least_error", np.float64),
         ("calm_error", np.float64),
         ("last_power", np.float64),
         ("last_integral", np.float64),
@@ -116,6 +120,22 @@ CONTROLLER_STATE: Final = np.dtype(
         ("waited", np.int64),
         ("widened", np.int64),
         ("initial_power", np.float64),
+        # Regulation of the speed by the angle. A gain of 0 excludes it.
+        ("angle_proportional", np.float64),
+        ("angle_integral_step", np.float64),
+        ("angle_integral", np.float64),
+        # Share of the gain, and its lower limit at base speed.
+        ("angle_gain", np.float64),
+        ("least_angle_gain", np.float64),
+        # The current reference on its way to the limit.
+        ("freed_reference", np.float64),
+        ("freed_step", np.float64),
+        # 0 once the angle could not regulate the speed under the present load.
+        ("follows", np.int64),
+        ("followed_power", np.float64),
+        # Speed at which the peak EMF equals the nominal supply, and the present ratio of both.
+        ("matched_speed", np.float64),
+        ("emf_over_supply", np.float64),
     ],
     align=True,
 )

@@ -18,15 +18,16 @@ from drivegate_models.controllers.current.another_load import (
     rearm_unless_repeated,
 )
 from drivegate_models.controllers.current.current_share import is_current_below
-from drivegate_models.controllers.current.forbidden_angle import allow_all_angles, forbid, is_heavier_load
-from drivegate_models.controllers.current.protection import (
-    back_off,
-    back_off_farther,
-    begin_settling,
-    rearm,
-    revert_step,
+from drivegate_models.controllers.current.following import decide_following
+from drivegate_models.controllers.current.forbidden_angle import (
+    allow_all_angles,
+    forbid,
+    is_heavier_load,
 )
+from drivegate_models.controllers.current.modes import begin_settling, rearm
+from drivegate_models.controllers.current.protection import back_off, back_off_farther, revert_step
 from drivegate_models.controllers.current.state import (
+    FOLLOWING,
     HOLDING,
     NOT_RETRIED,
     SEARCHING,
@@ -71,21 +72,6 @@ _RESTLESS = 0.003
 _FAR_CLIMB = 4.0
 # Steps that are long, in first steps.
 _LONG = 1.5
-
-
-@inlined
-def hold_angle(state: Any, current_sum: float) -> None:
-    """Hold the present angle, at which the current sum is `current_sum` (A)."""
-    state.mode = HOLDING
-    state.held_power = current_sum
-    state.rest_power = inf
-    # Without a preceding step, this is the only good angle known.
-    if state.good_power == inf:
-        state.good_offset = state.offset
-        state.good_integral = state.integral
-        state.good_power = current_sum
-    state.moved = 0.0
-    state.quiet = 0
 
 
 @inlined
@@ -156,6 +142,7 @@ def record_interval(state: Any, current_sum: float) -> None:
     # An encoder reading may be exact by chance, which does not measure its quantization.
     if state.worst_error > EXACT:
         state.calm_error = min(state.calm_error, state.worst_error)
+        state.least_error = min(state.least_error, state.worst_error)
     state.winding = state.winding + 1 if winds_up(state, current_sum) else 0
     state.last_integral = state.integral
     state.last_power = current_sum
@@ -217,6 +204,21 @@ def leaves_search(state: Any, load_changed: bool, jolted: bool) -> bool:
 
 
 @inlined
+def rests(state: Any, current_sum: float, change: float) -> bool:
+    """Monitor an operation that the search has led to, and return True; return False while it is still searching.
+
+    `current_sum` is the mean of the decision interval and `change` its change from the preceding interval (A).
+    """
+    if state.mode == FOLLOWING:
+        decide_following(state, current_sum, abs(change) <= _SETTLED * current_sum)
+        return True
+    if state.mode == HOLDING:
+        decide_holding(state, current_sum, change)
+        return True
+    return False
+
+
+@inlined
 def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int, float]:
     """Make the part of a decision that is the same for every search, at the end of an interval.
 
@@ -232,8 +234,7 @@ def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int
     regulated = state.worst_error <= state.speed_tolerance and state.saturated == 0
     change = current_sum - state.old_power
     state.old_power = current_sum
-    if state.mode == HOLDING:
-        decide_holding(state, current_sum, change)
+    if rests(state, current_sum, change):
         return WAITING, change
     if state.mode == SETTLING and state.error > state.lost_speed:
         back_off_farther(state, state.error)

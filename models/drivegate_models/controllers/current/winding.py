@@ -7,13 +7,8 @@ from typing import Any
 
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.controllers.current.another_load import CHANGED
-from drivegate_models.controllers.current.protection import (
-    SLACK,
-    STARVED,
-    back_off,
-    begin_settling,
-    revert_step,
-)
+from drivegate_models.controllers.current.modes import begin_settling
+from drivegate_models.controllers.current.protection import SLACK, STARVED, back_off, revert_step
 from drivegate_models.controllers.current.state import HOLDING, SETTLING
 from drivegate_models.controllers.current.unrest import is_sagging, is_speed_returning
 

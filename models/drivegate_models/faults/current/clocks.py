@@ -6,7 +6,7 @@ from math import floor, trunc
 from typing import Any, Final
 
 from drivegate_models.compilation.kernels import inlined
-from drivegate_models.controllers.current.protection import rearm
+from drivegate_models.controllers.current.modes import rearm
 from drivegate_models.controllers.current.state import HOLDING
 from drivegate_models.faults.current import state as faults
 

@@ -7,6 +7,7 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.check import Check
 from drivegate.contracts.current.checks.convergence import (
     CNV_1,
+    CNV_2,
     converges,
     reaches_optimum,
     window_convergence,
@@ -188,6 +189,17 @@ def test_a_speed_that_falls_on_is_caught_before_the_regulator_winds_up(scenario:
     for window in record.windows():
         value, measured = window_convergence(window)
         assert value >= 0.0, measured
+
+
+@pytest.mark.parametrize("share", [0.5, 0.75])
+def test_the_angle_regulates_the_speed_where_the_emf_exceeds_the_supply(share: float) -> None:
+    """There, at 1900 rpm, the least current sum is that of a current without limit."""
+    scenario = steady_scenario(PAPER, 1900.0, power_share=share, constant_power=False)
+    candidate = resolve_candidate("reference")
+    run = run_scenario(scenario, load_controller(candidate))
+    margin = CNV_2.evaluate(CurrentRecord(scenario, run, candidate.declaration))
+    assert margin is not None, "CNV-2 judges this run"
+    assert margin.value > 0.95, margin
 
 
 @pytest.mark.parametrize(

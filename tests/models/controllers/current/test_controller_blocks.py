@@ -10,7 +10,9 @@ from hypothesis import strategies as st
 
 from drivegate_models.controllers.current.builtin import initial_angle, regulate_speed
 from drivegate_models.controllers.current.flowchart_search import decide_by_flowchart
-from drivegate_models.controllers.current.state import CONTROLLER_STATE, SEARCHING, SETTLING
+from drivegate_models.controllers.current.modes import begin_following, may_follow
+from drivegate_models.controllers.current.protection import guard_regulation
+from drivegate_models.controllers.current.state import CONTROLLER_STATE, FOLLOWING, SEARCHING, SETTLING
 from drivegate_models.controllers.current.winding import has_lost_torque, unwind, unwind_after_recovery
 
 pytestmark = pytest.mark.kernel
@@ -100,3 +102,43 @@ def test_a_higher_reference_is_lost_torque_only_where_the_speed_stays_away(error
     state.integral, state.worst_error, state.error = 14.3, 1.0, error
     assert has_lost_torque(state, 21.8, 0.12) == lost, "at slightly less current"
     assert unwind(state, 21.8) == lost, "the step is reverted"
+
+
+def following_state() -> Any:
+    state = flowchart_state()
+    state["angle_proportional"] = 0.01
+    state["emf_over_supply"] = 1.3
+    state["follows"] = 1
+    state["offset"] = -0.1
+    state["current_limit"] = 26.0
+    state["conducting_phases"] = 4.0
+    return state
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [("angle_proportional", 0.0), ("emf_over_supply", 1.1), ("follows", 0), ("offset", 0.0)],
+)
+def test_the_angle_regulates_the_speed_only_where_the_emf_limits_the_current(
+    field: str, value: float
+) -> None:
+    state = following_state()
+    assert may_follow(state[0])
+    state[field] = value
+    assert not may_follow(state[0])
+
+
+def test_only_a_lasting_loss_of_speed_ends_the_regulation_by_the_angle() -> None:
+    """Single wrong readings, of an encoder with a false count, do not."""
+    state = following_state()
+    begin_following(state[0])
+    for k in range(100):
+        sag = 60.0 if k % 10 == 0 else 0.0
+        guard_regulation(state[0], 200.0 - sag, 200.0, 0.0, 40.0, 26.0, 1e-3)
+        state["speed_reference"] = 200.0
+        state["mode"] = FOLLOWING if k == 0 else state["mode"]
+    assert state["mode"][0] == FOLLOWING
+    for _ in range(25):
+        guard_regulation(state[0], 140.0, 200.0, 0.0, 40.0, 26.0, 1e-3)
+    assert state["mode"][0] == SETTLING
+    assert not may_follow(state[0]), "it is not tried again under this load"

@@ -51,6 +51,7 @@ def reset_design(state: Any, nameplate: Any, design: int) -> None:
     # The start of a search writes the rest.
     reset_state(state.controller, nameplate, GUARDED)
     state.controller.tries_again = 0
+    state.controller.angle_proportional = 0.0
     state.design = design
     state.tabled = 0
     state.target = 0.0

@@ -39,14 +39,13 @@ from drivegate_models.controllers.current.designs.state import (
 )
 from drivegate_models.controllers.current.designs.table import MOST_LOOKUPS, look_up
 from drivegate_models.controllers.current.forbidden_angle import MARGIN, forget_other_load
-from drivegate_models.controllers.current.protection import rearm
+from drivegate_models.controllers.current.modes import hold_angle, rearm
 from drivegate_models.controllers.current.state import HOLDING
 from drivegate_models.controllers.current.unrest import is_speed_unsteady
 from drivegate_models.controllers.current.watch import (
     BEGINNING,
     CONTINUING,
     WAITING,
-    hold_angle,
     is_current_too_small,
     watch_search,
 )

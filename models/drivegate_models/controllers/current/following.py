@@ -1,0 +1,90 @@
+"""Operation in which the angle regulates the speed while the current is not limited.
+
+Where the peak EMF clearly exceeds the supply, this is the operation of least current sum: the EMF limits the current
+there, and what a regulator saves at a greater angle costs more than a smaller angle does.
+"""
+
+from __future__ import annotations
+
+from math import inf, radians
+from typing import Any, Final
+
+from drivegate_models.compilation.kernels import inlined
+from drivegate_models.controllers.current.modes import stop_following
+from drivegate_models.controllers.current.state import SMALLEST_STEP
+
+ANGLE_BANDWIDTH: Final = 40.0
+"""Bandwidth of the speed regulation by the angle, on the drive tuned on (1/s)."""
+ANGLE_INTEGRAL_RATE: Final = 5.0
+"""Rate of the integral of that regulator, on the drive tuned on (1/s)."""
+POWER_PER_ANGLE: Final = 1.4
+"""Power that an unlimited current gains with the angle, over rated power (1/rad electrical)."""
+LEAST_SLOPE: Final = 3.0
+"""Least multiple of the slope of a load of rated power, whose torque grows as the speed falls."""
+FREEING_TIME: Final = 0.1
+"""Time in which the current reference rises from zero to its limit, on the drive tuned on (s)."""
+
+# Share of k1: only at a greater speed the current reference stops rising.
+_TOO_FAST = 0.3
+# Up to a speed error of k1 the gain is reduced, by this factor in each interval and to this share. At the full gain,
+# each step of an encoder's speed moves the angle.
+_EASED = 0.8
+_LEAST_GAIN = 0.05
+# Share of the gain below which the integral is slower, too, so that the regulation stays damped; its inverse.
+_INTEGRAL_SLOWER = 4.0
+# Greatest angle above the initial one.
+_FARTHEST = radians(10.0)
+# Intervals in which the current sum repeats, before it is the one at rest.
+_STEADY_INTERVALS = 3
+# Current sums, relative to the one at rest, that indicate another load.
+_LIGHTER = 0.88
+_HEAVIER = 1.2
+
+
+@inlined
+def follow_speed(state: Any, error: float, speed: float) -> float:
+    """Regulate the speed by the angle, and return the current reference (A).
+
+    `error` is speed reference minus `speed` (rad/s).
+    """
+    if error > -_TOO_FAST * state.speed_tolerance:
+        state.freed_reference = min(state.freed_reference + state.freed_step, state.current_limit)
+    if abs(error) > state.speed_tolerance:
+        state.angle_gain = 1.0
+    # The torque that an angle adds is a power over the speed.
+    ratio = state.base_speed / max(speed, state.base_speed)
+    gain = max(state.angle_gain, min(state.least_angle_gain * ratio * ratio, 1.0))
+    weighted = gain * speed * error
+    slower = min(_INTEGRAL_SLOWER * gain, 1.0)
+    state.angle_integral = _within(
+        state, state.angle_integral + slower * state.angle_integral_step * weighted
+    )
+    state.offset = _within(state, state.angle_integral + state.angle_proportional * weighted)
+    reference: float = state.freed_reference
+    return reference
+
+
+@inlined
+def _within(state: Any, offset: float) -> float:
+    """Return an offset (rad electrical) within the range of the regulated angle."""
+    within: float = min(max(offset, state.lowest), _FARTHEST)
+    return within
+
+
+@inlined
+def decide_following(state: Any, current_sum: float, settled: bool) -> None:
+    """Restart the search after a change of load.
+
+    `current_sum` is the mean of the decision interval (A); `settled` is True if it repeats.
+    """
+    state.quiet = state.quiet + 1 if settled else 0
+    state.angle_gain = max(_EASED * state.angle_gain, _LEAST_GAIN)
+    if state.angle_integral <= state.lowest + SMALLEST_STEP:
+        # Even without advance the torque exceeds the load, so the current must be limited.
+        stop_following(state, current_sum, False)
+    elif state.followed_power < inf:
+        ratio = current_sum / state.followed_power
+        if ratio < _LIGHTER or ratio > _HEAVIER:
+            stop_following(state, current_sum, True)
+    elif state.quiet >= _STEADY_INTERVALS:
+        state.followed_power = current_sum

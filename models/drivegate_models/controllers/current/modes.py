@@ -1,0 +1,107 @@
+"""The modes of a guarded search, and how each begins."""
+
+from __future__ import annotations
+
+from math import inf
+from typing import Any, Final
+
+from drivegate_models.compilation.kernels import inlined
+from drivegate_models.controllers.current.forbidden_angle import allow_all_angles
+from drivegate_models.controllers.current.state import (
+    FOLLOWING,
+    HOLDING,
+    NOT_RETRIED,
+    SETTLING,
+)
+
+# Ratio of peak EMF to supply from which a limited current always needs more, by the oracle on eight drives.
+_SURE: Final = 1.2
+
+
+@inlined
+def begin_settling(state: Any) -> None:
+    """Start a new decision interval, and wait until the current sum repeats before the next step."""
+    state.mode = SETTLING
+    state.old_power = inf
+    state.moved = 0.0
+    state.quiet = 0
+    state.improvements = 0
+    state.count = 0
+    state.power_sum = 0.0
+    state.worst_error = 0.0
+    state.saturated = 0
+    state.saturated_run = 0
+    state.starved_run = 0
+    state.waited = 0
+
+
+@inlined
+def rearm(state: Any) -> None:
+    """Return to the initial angle and reset all findings, because command or load has changed."""
+    state.offset = 0.0
+    state.step = state.first_step
+    # The initial line is above the edge, so less angle needs less current.
+    state.direction = -1.0
+    allow_all_angles(state)
+    state.forbidden_power = 0.0
+    state.retried = NOT_RETRIED
+    state.good_integral = inf
+    state.good_power = inf
+    state.climb = 0.5 * state.first_step
+    state.regained = -inf
+    state.least_error = inf
+    state.calm_error = inf
+    state.confirmed = 0
+    state.widened = 0
+    state.reversals = 0
+    state.grows = 1
+    state.jolted_at = inf
+    state.lost_speed = inf
+    state.initial_power = 0.0
+    state.follows = 1
+    state.lowest = -inf
+    begin_settling(state)
+
+
+@inlined
+def hold_angle(state: Any, current_sum: float) -> None:
+    """Hold the present angle, at which the current sum is `current_sum` (A)."""
+    state.mode = HOLDING
+    state.held_power = current_sum
+    state.rest_power = inf
+    # Without a preceding step, this is the only good angle known.
+    if state.good_power == inf:
+        state.good_offset = state.offset
+        state.good_integral = state.integral
+        state.good_power = current_sum
+    state.moved = 0.0
+    state.quiet = 0
+
+
+@inlined
+def may_follow(state: Any) -> bool:
+    """Return True if the angle may regulate the speed: below the initial angle, where the EMF limits the current."""
+    possible = state.angle_proportional > 0.0 and state.emf_over_supply >= _SURE
+    return possible and state.follows == 1 and state.offset < 0.0
+
+
+@inlined
+def begin_following(state: Any) -> None:
+    """Let the angle regulate the speed from now on, and the current rise to its limit."""
+    state.mode = FOLLOWING
+    state.angle_integral = state.offset
+    state.angle_gain = 1.0
+    state.freed_reference = min(state.integral, state.current_limit)
+    state.followed_power = inf
+    state.quiet = 0
+
+
+@inlined
+def stop_following(state: Any, current_sum: float, again: bool) -> None:
+    """Regulate the speed by the current again, and search anew.
+
+    `current_sum` is the one that flows (A), and `again` whether the angle may regulate the speed again under the load.
+    """
+    rearm(state)
+    state.integral = min(current_sum / state.conducting_phases, state.current_limit)
+    state.follows = 1 if again else 0
