@@ -49,7 +49,6 @@ def rearm(state: Any) -> None:
     state.good_power = inf
     state.climb = 0.5 * state.first_step
     state.regained = -inf
-    state.least_error = inf
     state.calm_error = inf
     state.confirmed = 0
     state.widened = 0
@@ -81,8 +80,8 @@ def hold_angle(state: Any, current_sum: float) -> None:
 @inlined
 def may_follow(state: Any) -> bool:
     """Return True if the angle may regulate the speed: below the initial angle, where the EMF limits the current."""
-    possible = state.angle_proportional > 0.0 and state.emf_over_supply >= _SURE
-    return possible and state.follows == 1 and state.offset < 0.0
+    possible: bool = state.angle_proportional > 0.0 and state.emf_over_supply >= _SURE
+    return bool(possible and state.follows == 1 and state.offset < 0.0)
 
 
 @inlined

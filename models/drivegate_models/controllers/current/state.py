@@ -101,8 +101,6 @@ CONTROLLER_STATE: Final = np.dtype(
         ("forbidden_power", np.float64),
         ("lost_at", np.float64),
         ("retried", np.int64),
-        # Maximum speed error of the calmest interval, and the one that is expected at this angle.
-        ("least_error", np.float64),
         ("calm_error", np.float64),
         ("last_power", np.float64),
         ("last_integral", np.float64),

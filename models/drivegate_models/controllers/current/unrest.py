@@ -84,7 +84,7 @@ def regulator_response(state: Any, error: float) -> float:
 def regulator_noise(state: Any) -> float:
     """Return the change of the current sum (A) by the regulator's response to errors of the speed sensor."""
     # A larger error is not noise: the speed is about to be lost.
-    return regulator_response(state, min(state.least_error, _UNSTEADY * state.speed_tolerance))
+    return regulator_response(state, min(state.calm_error, _UNSTEADY * state.speed_tolerance))
 
 
 @inlined
