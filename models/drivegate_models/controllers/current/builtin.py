@@ -176,7 +176,8 @@ def advance_angle(state: Any, speed: float) -> float:
 @inlined
 def current_reference(state: Any, sense: Any) -> float:
     """Regulate the speed, and return the current reference (A)."""
-    if state.mode == FOLLOWING:
+    # Below base speed there is no angle to regulate with.
+    if state.mode == FOLLOWING and state.advancing == 1:
         return follow_speed(state, sense.speed_reference - sense.speed, sense.speed)
     reference, integral = regulate_speed(
         sense.speed_reference - sense.speed,

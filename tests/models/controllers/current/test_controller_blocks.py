@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drivegate_models.controllers.current.builtin import initial_angle, regulate_speed
+from drivegate_models.contract.current.records import SENSE
+from drivegate_models.controllers.current.builtin import current_reference, initial_angle, regulate_speed
 from drivegate_models.controllers.current.flowchart_search import decide_by_flowchart
 from drivegate_models.controllers.current.modes import begin_following, may_follow
 from drivegate_models.controllers.current.protection import guard_regulation
@@ -142,3 +143,15 @@ def test_only_a_lasting_loss_of_speed_ends_the_regulation_by_the_angle() -> None
         guard_regulation(state[0], 140.0, 200.0, 0.0, 40.0, 26.0, 1e-3)
     assert state["mode"][0] == SETTLING
     assert not may_follow(state[0]), "it is not tried again under this load"
+
+
+@pytest.mark.parametrize(("advancing", "reference"), [(1, 26.0), (0, 0.0)])
+def test_below_base_speed_the_current_regulates_the_speed(advancing: int, reference: float) -> None:
+    state = following_state()
+    begin_following(state[0])
+    state["advancing"] = advancing
+    state["freed_reference"] = 26.0
+    state["proportional"] = 1.0
+    sense = np.zeros(1, SENSE).view(np.recarray)
+    sense["speed"], sense["speed_reference"] = 100.0, 50.0
+    assert current_reference(state[0], sense[0]) == reference
