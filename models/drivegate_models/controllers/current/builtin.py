@@ -26,12 +26,11 @@ from drivegate_models.controllers.current.following import (
     POWER_PER_ANGLE,
     follow_speed,
 )
-from drivegate_models.controllers.current.modes import rearm
+from drivegate_models.controllers.current.modes import is_following, rearm
 from drivegate_models.controllers.current.protection import guard_regulation
 from drivegate_models.controllers.current.state import (
     CONTROLLER_STATE,
     FLOWCHART,
-    FOLLOWING,
     GUARDED,
     NO_SEARCH,
 )
@@ -176,8 +175,7 @@ def advance_angle(state: Any, speed: float) -> float:
 @inlined
 def current_reference(state: Any, sense: Any) -> float:
     """Regulate the speed, and return the current reference (A)."""
-    # Below base speed there is no angle to regulate with.
-    if state.mode == FOLLOWING and state.advancing == 1:
+    if is_following(state):
         return follow_speed(state, sense.speed_reference - sense.speed, sense.speed)
     reference, integral = regulate_speed(
         sense.speed_reference - sense.speed,

@@ -14,6 +14,7 @@ from drivegate_models.compilation.calling import call_step, step_signature
 from drivegate_models.compilation.kernels import KEEPS_CACHE
 from drivegate_models.contract.current.records import COMMAND, SENSE
 from drivegate_models.controllers.current.builtin import current_reference, line_speed, search, write_command
+from drivegate_models.controllers.current.modes import is_following
 from drivegate_models.controllers.current.state import CONTROLLER_STATE, NO_SEARCH
 
 COMPOSED_STATE: Final = np.dtype(
@@ -54,9 +55,8 @@ def composed_step_function() -> Any:
         composed, sense, command = carray(composed_pointer, 1)[0], senses[0], commands[0]
         sense_address, command_address = senses.ctypes.data, commands.ctypes.data
         state = composed.controller
-        if composed.speed_regulator != 0:
-            # The block's reference regulates the speed, so the angle must not.
-            state.angle_proportional = 0.0
+        # Where the search has let the current go, there is nothing for the block to regulate.
+        if composed.speed_regulator != 0 and not is_following(state):
             composed.integral = state.integral
             call_step(composed.speed_regulator, 0, sense_address, command_address)
             if command.struct_size < 0:

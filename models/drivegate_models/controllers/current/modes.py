@@ -85,6 +85,12 @@ def may_follow(state: Any) -> bool:
 
 
 @inlined
+def is_following(state: Any) -> bool:
+    """Return True if the angle regulates the speed; below base speed there is none."""
+    return bool(state.mode == FOLLOWING and state.advancing == 1)
+
+
+@inlined
 def begin_following(state: Any) -> None:
     """Let the angle regulate the speed from now on, and the current rise to its limit."""
     state.mode = FOLLOWING
