@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any, Final
 
 from drivegate.scenarios.drive_scale import scale_of, tidy, whole_tenths
@@ -45,7 +46,7 @@ def moments(at_s: float, *, every_s: float) -> tuple[float, ...]:
     return tuple(tidy(at_s + number * every_s) for number in range(TWENTY))
 
 
-def coming_on_to(ramp_s: float, share: float, later: Profile) -> Profile:
+def coming_on_to(ramp_s: float, share: float, later: Profile = ()) -> Profile:
     """Return the shares of a load that comes on to one of them, and changes later, at the earliest when it is there."""
     there = (ramp_s, share)
     return ((0.0, 0.0), there, *(later[1:] if later[:1] == (there,) else later))
@@ -55,13 +56,10 @@ def with_load_shares(scenario: Scenario, *changes: tuple[float, float]) -> Scena
     """Step a switched load."""
     load = scenario.load
     assert not isinstance(load, (LockedLoad, VehicleLoad)), "only a switched load has shares"
-    (_, share), *steps = changes
-    later: list[tuple[float, float]] = []
-    before = share
-    for time, following in steps:
-        later += [(time, before), (time, following)]
-        before = following
-    factor = coming_on_to(scale_of(scenario.drive).load_ramp_s, share, tuple(later))
+    later = tuple(
+        point for (_, before), (time, after) in pairwise(changes) for point in ((time, before), (time, after))
+    )
+    factor = coming_on_to(scale_of(scenario.drive).load_ramp_s, changes[0][1], later)
     stepped_load = load.model_copy(update={"factor": factor})
     return _with_change(scenario, factor[-1][0], load=stepped_load)
 

@@ -16,24 +16,11 @@ from numba.np.numpy_support import carray
 from drivegate_models.compilation.calling import step_signature
 from drivegate_models.compilation.kernels import KEEPS_CACHE, inlined
 from drivegate_models.contract.current.records import COMMAND, SENSE
-from drivegate_models.contract.current.signals import PM_AC
 from drivegate_models.controllers.current.flowchart_search import decide_by_flowchart, decide_guarded
-from drivegate_models.controllers.current.following import (
-    ANGLE_BANDWIDTH,
-    ANGLE_INTEGRAL_RATE,
-    FREEING_TIME,
-    LEAST_SLOPE,
-    POWER_PER_ANGLE,
-    follow_speed,
-)
+from drivegate_models.controllers.current.following import follow_speed, reset_following
 from drivegate_models.controllers.current.modes import is_following, rearm
 from drivegate_models.controllers.current.protection import guard_regulation
-from drivegate_models.controllers.current.state import (
-    CONTROLLER_STATE,
-    FLOWCHART,
-    GUARDED,
-    NO_SEARCH,
-)
+from drivegate_models.controllers.current.state import CONTROLLER_STATE, FLOWCHART, GUARDED, NO_SEARCH
 from drivegate_models.units import RADIANS_PER_RPM
 
 SEARCH_PERIOD: Final = 0.1
@@ -99,20 +86,7 @@ def reset_state(state: Any, nameplate: Any, search: int) -> None:
     regulation = max(rate, min(sooner, _FASTEST_OF_FREQUENCY * rate, _FASTEST_REGULATOR))
     state.proportional = nameplate.inertia * (_BANDWIDTH * regulation) / torque_per_ampere
     state.integral_step = state.proportional * (_INTEGRAL_RATE * regulation) * nameplate.control_period
-    state.angle_proportional = 0.0
-    # Current regulators of rotor currents, below a reference and an angle, do not let the EMF limit the current.
-    if search == GUARDED and nameplate.kind != PM_AC:
-        state.angle_proportional = (
-            nameplate.inertia * (ANGLE_BANDWIDTH * regulation) / (POWER_PER_ANGLE * nameplate.rated_power)
-        )
-    state.angle_integral_step = (
-        state.angle_proportional * (ANGLE_INTEGRAL_RATE * regulation) * nameplate.control_period
-    )
-    load_slope = nameplate.rated_power / (nameplate.inertia * nameplate.base_speed * nameplate.base_speed)
-    state.least_angle_gain = LEAST_SLOPE * load_slope / (ANGLE_BANDWIDTH * regulation)
-    state.freed_step = nameplate.current_limit * nameplate.control_period * rate / FREEING_TIME
-    state.matched_speed = nameplate.half_supply_voltage / nameplate.emf_constant
-    state.emf_over_supply = 0.0
+    reset_following(state, nameplate, rate, regulation, sooner / _TUNED_TIME)
     # k1 and k2 of Fig. 4.
     state.speed_tolerance = _FLOWCHART_TOLERANCE if published else _SPEED_TOLERANCE * nameplate.base_speed
     state.power_tolerance = 0.001

@@ -7,23 +7,22 @@ there, and what a regulator saves at a greater angle costs more than a smaller a
 from __future__ import annotations
 
 from math import inf, radians
-from typing import Any, Final
+from typing import Any
 
 from drivegate_models.compilation.kernels import inlined
+from drivegate_models.contract.current.signals import PM_AC
 from drivegate_models.controllers.current.modes import stop_following
 from drivegate_models.controllers.current.state import SMALLEST_STEP
 
-ANGLE_BANDWIDTH: Final = 40.0
-"""Bandwidth of the speed regulation by the angle, on the drive tuned on (1/s)."""
-ANGLE_INTEGRAL_RATE: Final = 5.0
-"""Rate of the integral of that regulator, on the drive tuned on (1/s)."""
-POWER_PER_ANGLE: Final = 1.4
-"""Power that an unlimited current gains with the angle, over rated power (1/rad electrical)."""
-LEAST_SLOPE: Final = 3.0
-"""Least multiple of the slope of a load of rated power, whose torque grows as the speed falls."""
-FREEING_TIME: Final = 0.1
-"""Time in which the current reference rises from zero to its limit, on the drive tuned on (s)."""
-
+# Rates of the speed regulation by the angle and of its integral, on the drive tuned on (1/s).
+_BANDWIDTH = 40.0
+_INTEGRAL_RATE = 5.0
+# Power that an unlimited current gains with the angle, over rated power (1/rad electrical).
+_POWER_PER_ANGLE = 1.4
+# Least multiple of the slope of a load of rated power, whose torque grows as the speed falls.
+_LEAST_SLOPE = 3.0
+# Time in which the current reference rises from zero to its limit, on the drive tuned on (s).
+_FREEING_TIME = 0.1
 # Share of k1: only at a greater speed the current reference stops rising.
 _TOO_FAST = 0.3
 # Up to a speed error of k1 the gain is reduced, by this factor in each interval and to this share. At the full gain,
@@ -39,6 +38,27 @@ _STEADY_INTERVALS = 3
 # Current sums, relative to the one at rest, that indicate another load.
 _LIGHTER = 0.88
 _HEAVIER = 1.2
+
+
+@inlined
+def reset_following(state: Any, nameplate: Any, rate: float, regulation: float, load_slope: float) -> None:
+    """Write the constants of the speed regulation by the angle.
+
+    `rate` is the drive's electrical frequency over that of the drive tuned on, `regulation` the same of the speed
+    regulator (1), and `load_slope` the slope of a load of rated power at base speed, over the inertia (1/s).
+    """
+    bandwidth = _BANDWIDTH * regulation
+    state.angle_proportional = nameplate.inertia * bandwidth / (_POWER_PER_ANGLE * nameplate.rated_power)
+    state.angle_integral_step = (
+        state.angle_proportional * (_INTEGRAL_RATE * regulation) * nameplate.control_period
+    )
+    state.least_angle_gain = _LEAST_SLOPE * load_slope / bandwidth
+    state.freed_step = nameplate.current_limit * nameplate.control_period * rate / _FREEING_TIME
+    state.matched_speed = nameplate.half_supply_voltage / nameplate.emf_constant
+    state.emf_over_supply = 0.0
+    # Current regulators of rotor currents, below a reference and an angle, do not let the EMF limit the current.
+    if nameplate.kind == PM_AC:
+        state.angle_proportional = 0.0
 
 
 @inlined

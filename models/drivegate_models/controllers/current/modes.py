@@ -7,12 +7,7 @@ from typing import Any, Final
 
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.controllers.current.forbidden_angle import allow_all_angles
-from drivegate_models.controllers.current.state import (
-    FOLLOWING,
-    HOLDING,
-    NOT_RETRIED,
-    SETTLING,
-)
+from drivegate_models.controllers.current.state import FOLLOWING, HOLDING, NOT_RETRIED, SETTLING
 
 # Ratio of peak EMF to supply from which a limited current always needs more, by the oracle on eight drives.
 _SURE: Final = 1.2
@@ -103,7 +98,7 @@ def begin_following(state: Any) -> None:
 
 @inlined
 def stop_following(state: Any, current_sum: float, again: bool) -> None:
-    """Regulate the speed by the current again, and search anew.
+    """Regulate the speed by the current again, and restart the search.
 
     `current_sum` is the one that flows (A), and `again` whether the angle may regulate the speed again under the load.
     """

@@ -19,11 +19,7 @@ from drivegate_models.controllers.current.another_load import (
 )
 from drivegate_models.controllers.current.current_share import is_current_below
 from drivegate_models.controllers.current.following import decide_following
-from drivegate_models.controllers.current.forbidden_angle import (
-    allow_all_angles,
-    forbid,
-    is_heavier_load,
-)
+from drivegate_models.controllers.current.forbidden_angle import allow_all_angles, forbid, is_heavier_load
 from drivegate_models.controllers.current.modes import begin_settling, rearm
 from drivegate_models.controllers.current.protection import back_off, back_off_farther, revert_step
 from drivegate_models.controllers.current.state import (

@@ -132,12 +132,11 @@ def test_the_angle_regulates_the_speed_only_where_the_emf_limits_the_current(
 def test_only_a_lasting_loss_of_speed_ends_the_regulation_by_the_angle() -> None:
     """Single wrong readings, of an encoder with a false count, do not."""
     state = following_state()
+    state["speed_reference"] = 200.0
     begin_following(state[0])
     for k in range(100):
         sag = 60.0 if k % 10 == 0 else 0.0
         guard_regulation(state[0], 200.0 - sag, 200.0, 0.0, 40.0, 26.0, 1e-3)
-        state["speed_reference"] = 200.0
-        state["mode"] = FOLLOWING if k == 0 else state["mode"]
     assert state["mode"][0] == FOLLOWING
     for _ in range(25):
         guard_regulation(state[0], 140.0, 200.0, 0.0, 40.0, 26.0, 1e-3)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from drivegate.scenarios.changes import coming_on_to
 from drivegate.scenarios.drive_scale import scale_of, tidy
 from drivegate.scenarios.title import titled
 from drivegate_cases.drive.drive_document import DriveDocument
@@ -19,7 +20,7 @@ TORQUE_DIGITS = 3
 
 def coming_on(drive: DriveDocument) -> Profile:
     """Return the shares of a load that comes on at the beginning, and stays."""
-    return ((0.0, 0.0), (scale_of(drive).load_ramp_s, 1.0))
+    return coming_on_to(scale_of(drive).load_ramp_s, 1.0)
 
 
 def steady_scenario(
