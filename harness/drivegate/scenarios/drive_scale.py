@@ -17,8 +17,13 @@ from drivegate_models.errors import InputError
 from drivegate_models.units import RADIANS_PER_RPM
 
 _KEPT: Final = 100
+# Speed that a load may cost while it comes on, over base speed (1).
+_RAMP_COST: Final = 0.05
 # What a bandwidth of 0.139 and an integral's rate of 0.026 of the electrical frequency give (rad²).
-_RAMP_ANGLE: Final = 1.0 / (0.05 * 0.139 * 0.026)
+_RAMP_ANGLE: Final = 1.0 / (_RAMP_COST * 0.139 * 0.026)
+# Angle in a mechanical time constant (rad) below which the reference controller's regulator is faster, and how much.
+_LIGHT_ANGLE: Final = 52.6
+_MOST_FASTER: Final = 3.5
 SpeedRange: TypeAlias = tuple[float, float]
 """Lowest and highest speed (rpm)."""
 
@@ -70,6 +75,8 @@ class DriveScale:
     """Time in which a load comes on, so that a run starts in a true steady state, unloaded at speed (s): a
     fifth of a unit, and where torque is large for the inertia and for what an electrical period lets a speed
     regulator do, as long as it takes to lose no more than 5 % of base speed."""
+    load_ramp_cost_rpm: float
+    """Speed that the reference controller loses while rated torque comes on in that time (rpm)."""
     settling_s: float
     """Time within which a search has to converge at a steady speed reference (s)."""
     shortest_window_s: float
@@ -155,6 +162,7 @@ def scale_of(drive: DriveDocument) -> DriveScale:
     whole = tidy(round(lowest / grain) * grain)
     torque = power / (base * RADIANS_PER_RPM)
     unit = time_unit(drive)
+    ramp = max(0.2 * unit, nearest_step(_load_ramp(drive)))
     return DriveScale(
         base_speed_rpm=base,
         lowest_loaded_rpm=whole if base < whole < highest else tidy(lowest),
@@ -172,7 +180,8 @@ def scale_of(drive: DriveDocument) -> DriveScale:
         gear_unit=significant(highest / 1500.0, 2),
         drag_area_m2=significant(power / 2500.0, 2),
         time_unit_s=unit,
-        load_ramp_s=max(0.2 * unit, nearest_step(_load_ramp(drive))),
+        load_ramp_s=ramp,
+        load_ramp_cost_rpm=_RAMP_COST * base * _load_ramp(drive) / (ramp * _times_faster(drive) ** 2),
         settling_s=settling_of(drive),
         shortest_window_s=3.0 * unit,
         dropout_step_s=min(max(nearest_step(0.011 * mechanical_time(drive)), 0.0005), 0.001),
@@ -185,8 +194,19 @@ def _load_ramp(drive: DriveDocument) -> float:
     Against a ramp, a proportional-integral regulator is off by the ramp's slope over inertia and both its rates, and
     these are shares of the electrical frequency: beyond, torque ripple would be taken for speed.
     """
-    frequency = drive.machine.pole_pairs * drive.rating.base_speed_rpm * RADIANS_PER_RPM
+    frequency = _base_frequency(drive)
     return _RAMP_ANGLE / (frequency * frequency * mechanical_time(drive))
+
+
+def _times_faster(drive: DriveDocument) -> float:
+    """Return both rates of the reference controller's regulator over those of a heavy shaft (1)."""
+    angle = _base_frequency(drive) * mechanical_time(drive)
+    return min(max(_LIGHT_ANGLE / angle, 1.0), _MOST_FASTER)
+
+
+def _base_frequency(drive: DriveDocument) -> float:
+    """Return the electrical frequency at base speed (rad/s)."""
+    return drive.machine.pole_pairs * drive.rating.base_speed_rpm * RADIANS_PER_RPM
 
 
 def scale_of_mapping(drive: Mapping[str, Any]) -> DriveScale:

@@ -54,6 +54,7 @@ def test_the_drive_of_the_paper_has_the_numbers_of_the_paper() -> None:
         drag_area_m2=0.6,
         time_unit_s=1.0,
         load_ramp_s=0.2,
+        load_ramp_cost_rpm=pytest.approx(22.8, abs=0.1),  # type: ignore[arg-type]
         settling_s=6.0,
         shortest_window_s=3.0,
         dropout_step_s=0.001,

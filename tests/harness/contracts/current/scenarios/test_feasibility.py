@@ -5,6 +5,8 @@ from typing import Any
 
 import pytest
 
+from drivegate.candidates.kinds import load_controller
+from drivegate.candidates.resolution import resolve_candidate
 from drivegate.contracts.current.scenarios.building import (
     base_speed_scenario,
     steady_scenario,
@@ -80,6 +82,21 @@ def test_a_speed_range_chooses_among_the_fixed_scenarios_and_always_leaves_one()
 )
 def test_feasible_means_an_angle_for_every_corner_of_the_profiles(changed: Scenario, feasible: bool) -> None:
     assert is_feasible(changed) is feasible, changed.description
+
+
+@pytest.mark.parametrize(("share", "fair"), [(1.025, True), (1.04, False)])
+def test_constant_power_must_be_within_reach_at_the_speed_that_its_ramp_costs(
+    share: float, fair: bool
+) -> None:
+    """The plant agrees: near its limit the drive holds the speed exactly when the rule holds."""
+    scenario = steady(550.0, share, power=True)
+    torque = scenario.load.torque_at(550.0)
+    assert math.isfinite(feasible_edge(DRIVE.plant(), 550.0 * RADIANS_PER_RPM, torque + 0.1)), (
+        "reached at 550 rpm"
+    )
+    assert is_feasible(scenario) is fair
+    run = run_scenario(scenario.replaced(duration_s=2.0), load_controller(resolve_candidate("reference")))
+    assert (run.observed.speed_final > 545.0 * RADIANS_PER_RPM) is fair, run.observed.speed_final
 
 
 @pytest.mark.parametrize(("grade", "fair"), [(0.0, True), (3.0, True), (-3.0, False), (30.0, False)])
