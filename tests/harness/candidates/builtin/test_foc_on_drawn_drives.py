@@ -41,6 +41,7 @@ CHECKS = {check.id: check for check in CONTRACTS["duty"].checks()}
         ),
         pytest.param("RIP-4", 16, "14rpm-torque-", id="dead time at 8 % of base speed"),
         pytest.param("RIP-4", 5, "80rpm-torque-", id="dead time on a machine of large saliency"),
+        pytest.param("RIP-4", 48, "1300rpm-13.3Nm-100-50%", id="a speed that creeps to its reference"),
     ],
 )
 def test_foc_meets_a_check_on_a_drawn_drive(check_id: str, number: int, label: str) -> None:

@@ -60,11 +60,13 @@ def _swing(record: DutyRecord, window: DutyWindow) -> float:
     ratios: NDArray[np.float64] = np.stack([commands[name] for name in DUTY_RATIOS], axis=1)
     legs: NDArray[np.int64] = np.stack([commands[name] for name in LEGS], axis=1)
     direct, quadrature = (float(run.column(name)[first - 1]) for name in ("direct", "quadrature"))
+    # The commands fit the speed of their own time; another one would move the currents.
+    speed = float(np.mean(run.column("speed")[rows]))
     return commanded_swing(
         drive,
         (direct, quadrature),
         float(run.column("angle")[first]),
-        window.speed,
+        speed,
         window.link,
         np.ascontiguousarray(ratios),
         np.ascontiguousarray(legs),
