@@ -170,8 +170,11 @@ def _is_shaft_wrong(state: Any, sense: Any, turned: float, shows_speed: bool) ->
         if unexplained > _FARTHEST * state.magnet_flux:
             return True
     speed = abs(sense.speed)
-    # Follow a rising speed at once, and a falling speed as fast as the shaft can stop.
-    state.speed_seen = max(speed if shows_speed else 0.0, state.speed_seen - state.slowing_step)
+    # Follow a rising speed at once, and a falling speed as fast as the shaft can stop. Once a speed has fallen faster,
+    # wait: at low speed the shaft could stop within the periods for which that must last.
+    waits = sense.hall < 0 and state.speed_count > 0
+    slowed = state.speed_seen if waits else state.speed_seen - state.slowing_step
+    state.speed_seen = max(speed if shows_speed else 0.0, slowed)
     stops = speed < _STOPPED * state.speed_seen and state.speed_seen > _SLOW * state.base_speed
     state.speed_count = state.speed_count + 1 if stops else 0
     return bool(state.speed_count >= _SEEN)

@@ -203,6 +203,20 @@ def test_a_shaft_that_stops_faster_than_it_can_is_locked(share: float, fault: in
     assert drive.steps_to_fault(800, slowing(drive, share))[0] == fault
 
 
+@pytest.mark.parametrize(("periods", "fault"), [(5, SHAFT_FAULT), (4, 0)])
+def test_a_slow_speed_that_vanishes_at_once_is_lost_although_the_shaft_could_soon_stop(
+    periods: int, fault: int
+) -> None:
+    # Torque and inertia could slow it below 5 % of base speed, where nothing is checked, within three periods.
+    slow = 0.06 * BASE_SPEED
+    drive = Drive(slow, reference=0.0)
+
+    def vanish(step: int) -> None:
+        drive.sense.speed = 0.0 if 10 <= step < 10 + periods else slow
+
+    assert drive.steps_to_fault(30, vanish)[0] == fault
+
+
 @pytest.mark.parametrize(
     ("torque", "reference", "regulates", "fault"),
     [
