@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import psutil
 import pytest
+from tests.harness.beside_templates import children
 
 from drivegate.candidates.builtin.loading import BuiltinController
 from drivegate.candidates.fault import Fault
@@ -50,10 +51,9 @@ def altered() -> Callable[[str, Alter], AlteredController]:
 @pytest.fixture
 def no_process_left() -> Iterator[None]:
     """Hold a test to leaving no process but those of before and what they start, as the session's browser does."""
-    before = psutil.Process().children(recursive=True)
+    before = children()
     yield
-    children = psutil.Process().children(recursive=True)
-    left = [child for child in children if child not in before and not _descends_from(before, child)]
+    left = [child for child in children() if child not in before and not _descends_from(before, child)]
     assert left == [], "a worker process is left"
 
 

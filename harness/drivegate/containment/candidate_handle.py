@@ -42,7 +42,7 @@ _PACKETS = socket.SOCK_SEQPACKET if sys.platform.startswith("linux") else socket
 class CandidateHandle:
     """One running process with a candidate, and a keeper that lets nothing outlive it."""
 
-    def __init__(self, candidate: Candidate, layers: tuple[Layer, ...]) -> None:
+    def __init__(self, candidate: Candidate, layers: tuple[Layer, ...], *, afresh: bool) -> None:
         self.progress = SharedProgress.create()
         self._memory: SharedMemory | None = None
         ours, theirs = socket.socketpair(socket.AF_UNIX, _PACKETS)
@@ -62,6 +62,7 @@ class CandidateHandle:
                 output=writer,
                 layers=layers,
                 readable=own_places(candidate),
+                afresh=afresh,
             )
         finally:
             theirs.close()

@@ -79,6 +79,7 @@ class CandidateProcess:
         self._handle: CandidateHandle | None = None
         self._memory_watch: MemoryWatch | None = None
         self.generation = 0
+        self.starts_afresh = False
         self._is_set_up = False
         self._has_instance = False
 
@@ -147,7 +148,7 @@ class CandidateProcess:
         return self._handle is not None and not self._handle.has_ended()
 
     def _start(self) -> None:
-        self._handle = CandidateHandle(self.candidate, self._layers)
+        self._handle = CandidateHandle(self.candidate, self._layers, afresh=self.starts_afresh)
         self.generation += 1
         # Only before this can anything but the candidate be at fault, whatever the process reports later.
         self._is_set_up = False

@@ -46,6 +46,7 @@ class Judge:
         self._limits = limits
         self._on_slow = on_slow
         self._process: Any = None
+        self._afresh = False
 
     def run(self, job: Job[ResultT]) -> ResultT | Fault:
         """Do one job; one that hangs is tried once more."""
@@ -56,6 +57,7 @@ class Judge:
 
     def once(self, job: Job[ResultT]) -> ResultT | Fault:
         """Do one job."""
+        self._afresh = job.afresh
         if job.afresh:
             self.kill()
         try:
@@ -75,6 +77,8 @@ class Judge:
                 kernels.trust_only(kernels.kernel_digests())
             layers = isolating_layers(self._candidate) if self._layers is None else self._layers
             self._process = CandidateProcess(self._candidate, self._limits, self._on_slow, layers or ())
+        # Copies of one process share its addresses and hashes, which a repetition must not.
+        self._process.starts_afresh = self._afresh
         return ContainedController(self._process)
 
     def kill(self) -> None:

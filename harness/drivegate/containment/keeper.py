@@ -74,18 +74,28 @@ def _become_worker(role: str, temporary: str, descriptors: list[int], keeper: in
     os.close(nothing)
     os.dup2(2, 1)
     atexit.register(gc.freeze)
-    # Only the process itself needs the libraries that these bring.
+    import_role(role)
     if role == "candidate":
-        with _without_collection():
-            from drivegate.containment.serving import serve
+        from drivegate.containment.serving import serve
 
         connection, progress = descriptors
         serve(connection, progress, keeper)
     else:
-        with _without_collection():
-            from drivegate.containment.judge_process import judge_jobs
+        from drivegate.containment.judge_process import judge_jobs
 
         judge_jobs(descriptors[0], temporary, keeper)
+
+
+def import_role(role: str) -> None:
+    """Import what a worker needs, unless it is a copy of a template that has done so.
+
+    A keeper that is not a copy does without.
+    """
+    with _without_collection():
+        if role == "candidate":
+            import drivegate.containment.serving
+        else:
+            import drivegate.containment.judge_process  # noqa: F401
 
 
 @contextmanager

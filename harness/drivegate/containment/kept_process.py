@@ -12,6 +12,8 @@ from typing import Final
 
 import psutil
 
+from drivegate.containment.keeper_process import KeeperProcess, NewKeeper
+from drivegate.containment.templates import TEMPLATES
 from drivegate.containment.temporary_folder import TemporaryFolder
 from drivegate.isolation.layers import Layer, Places, python_command, written_order
 from drivegate_models.compilation.cache_folder import KERNELS_VARIABLE, NUMBA_VARIABLE
@@ -49,10 +51,21 @@ TEMPORARY_VARIABLES: Final = ("TMPDIR", "TMP", "TEMP")
 """Variables that name the folder for temporary files."""
 _KEEPER_PATIENCE = 20.0
 _PATIENCE = 3.0
+_BLOCK = 4096
 
 
 def worker_environment(inherited: Mapping[str, str], temporary: Path, kernels: Path | None) -> dict[str, str]:
     """Choose the environment of a candidate's process, which reads compiled kernels from a folder."""
+    return {
+        **_lasting_environment(inherited, kernels),
+        # Code that the candidate itself compiles goes with its process.
+        NUMBA_VARIABLE: str(temporary / "numba"),
+        **dict.fromkeys(TEMPORARY_VARIABLES, str(temporary)),
+    }
+
+
+def _lasting_environment(inherited: Mapping[str, str], kernels: Path | None) -> dict[str, str]:
+    """Choose what the environments of several candidates' processes have in common."""
     further = {name.strip() for name in inherited.get(PASS_VARIABLE, "").split(",")}
     passed = {
         name: value
@@ -62,10 +75,8 @@ def worker_environment(inherited: Mapping[str, str], temporary: Path, kernels: P
     return {
         "PYTHONHASHSEED": "0",
         **passed,
-        # Code that the candidate itself compiles goes with its process.
-        NUMBA_VARIABLE: str(temporary / "numba"),
+        NUMBA_VARIABLE: os.devnull,
         **({} if kernels is None else {KERNELS_VARIABLE: str(kernels)}),
-        **dict.fromkeys(TEMPORARY_VARIABLES, str(temporary)),
     }
 
 
@@ -80,6 +91,7 @@ class KeptProcess:
     """One process, from its start to when nothing of it is left.
 
     A candidate's gets few environment variables, and its output goes to a descriptor; a judge's is the harness's own.
+    One that is started afresh is never a copy of a template.
     """
 
     def __init__(
@@ -91,35 +103,54 @@ class KeptProcess:
         output: int | None = None,
         layers: tuple[Layer, ...] = (),
         readable: tuple[str, ...] = (),
+        afresh: bool = True,
     ) -> None:
         self._owner = os.getpid()
         self._temporary = TemporaryFolder()
         self._reported = b""
         temporary = str(self._temporary.path)
-        environment = None
+        environment: Mapping[str, str] = os.environ
+        kernels = None
         if role is Role.CANDIDATE:
             kernels = choose_cache_folder()
             environment = worker_environment(os.environ, self._temporary.path, kernels)
             readable = readable if kernels is None else (*readable, str(kernels))
         order = written_order(layers, Places(readable, (temporary,)))
-        words = (role.value, order, temporary, *map(str, descriptors))
+        words = (role.value, order, temporary)
+        folder = folder if folder is not None and folder.is_dir() else None
+        reader, self._held = os.pipe()
+        self._reports, writer = os.pipe()
         try:
-            self._keeper = subprocess.Popen(
-                python_command("drivegate.containment.keeper", "keep", *words),
-                stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE,
-                stderr=output,
-                pass_fds=descriptors,
-                start_new_session=True,
-                cwd=folder if folder is not None and folder.is_dir() else None,
-                env=environment,
-                bufsize=0,
-            )
+            keeper: KeeperProcess | None = None
+            if not afresh and kernels is not None and output is not None:
+                lasting = _lasting_environment(os.environ, kernels)
+                streams = (reader, writer, output)
+                keeper = TEMPLATES.keeper(words, folder, (*streams, *descriptors), environment, lasting)
+            if keeper is None:
+                keeper = NewKeeper(
+                    subprocess.Popen(
+                        python_command(
+                            "drivegate.containment.keeper", "keep", *words, *map(str, descriptors)
+                        ),
+                        stdin=reader,
+                        stdout=writer,
+                        stderr=output,
+                        pass_fds=descriptors,
+                        start_new_session=True,
+                        cwd=folder,
+                        env=environment,
+                    )
+                )
+            self._keeper = keeper
         except BaseException:
+            os.close(self._held)
+            os.close(self._reports)
             self._temporary.remove()
             raise
-        assert self._keeper.stdout is not None
-        os.set_blocking(self._keeper.stdout.fileno(), False)
+        finally:
+            os.close(reader)
+            os.close(writer)
+        os.set_blocking(self._reports, False)
 
     @property
     def process_id(self) -> int | None:
@@ -143,7 +174,7 @@ class KeptProcess:
 
     def keeper_has_ended(self) -> bool:
         """Return True if the keeper has ended by itself, which it does when it was killed."""
-        return self._keeper.poll() is not None
+        return self._keeper.has_ended()
 
     def wait_for_worker(self) -> None:
         """Wait a moment for the process to end by itself."""
@@ -165,20 +196,19 @@ class KeptProcess:
 
     def end(self) -> None:
         """Kill the worker and all that came from it; in another process than the one that started it, do nothing."""
-        if os.getpid() != self._owner or self._keeper.stdin is None or self._keeper.stdin.closed:
+        if os.getpid() != self._owner or self._held < 0:
             return
-        self._keeper.stdin.close()
+        os.close(self._held)
+        self._held = -1
         # A candidate may have stopped the keeper, once or again and again.
-        self._keeper.send_signal(signal.SIGCONT)
-        try:
-            self._keeper.wait(_KEEPER_PATIENCE)
-        except subprocess.TimeoutExpired:
+        self._keeper.send(signal.SIGCONT)
+        if not self._keeper.ends_within(_KEEPER_PATIENCE):
             self._kill_descendants()
-            self._keeper.kill()
-            self._keeper.wait()
+            self._keeper.send(signal.SIGKILL)
+            self._keeper.ends_within(_KEEPER_PATIENCE)
         self._listen()
-        if self._keeper.stdout is not None:
-            self._keeper.stdout.close()
+        os.close(self._reports)
+        self._reports = -1
         self._temporary.remove()
 
     def _kill_descendants(self) -> None:
@@ -193,6 +223,7 @@ class KeptProcess:
                         each.kill()
 
     def _listen(self) -> None:
-        with suppress(OSError, ValueError):
-            if self._keeper.stdout is not None:
-                self._reported += self._keeper.stdout.read() or b""
+        """Read what the keeper has reported so far."""
+        with suppress(BlockingIOError):
+            while self._reports >= 0 and (block := os.read(self._reports, _BLOCK)):
+                self._reported += block

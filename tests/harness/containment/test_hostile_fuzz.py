@@ -18,6 +18,7 @@ import psutil
 import pytest
 from hypothesis import HealthCheck, Phase, given, note, settings
 from hypothesis import strategies as st
+from tests.harness.beside_templates import connections, copies
 
 from drivegate.candidates.fault import LONGEST_MESSAGE, LONGEST_TRACEBACK, Fault
 from drivegate.candidates.resolution import resolve_candidate
@@ -107,14 +108,13 @@ class Surroundings:
     def own(self) -> tuple[object, ...]:
         names = [name for name in dir(resource) if name.startswith("RLIMIT_")]
         limits = [resource.getrlimit(getattr(resource, name)) for name in names]
-        opened = (str(place.readlink()) for place in Path("/proc/self/fd").iterdir() if place.is_symlink())
-        connections = sorted(name for name in opened if name.startswith(("pipe:", "socket:", "/memfd:")))
-        return Path.cwd(), dict(os.environ), limits, os.umask(os.umask(0)), connections
+        return Path.cwd(), dict(os.environ), limits, os.umask(os.umask(0)), connections()
 
     def left(self) -> list[str]:
         """Find what is left of candidates: processes, temporary files, shared memory."""
         found = [str(place) for place in self.scratch.iterdir()]
         found += [str(place) for place in Path("/dev/shm").glob(f"*{self.mark}*")]
+        found += [f"copy {number}" for number in copies()]
         for process in Path("/proc").glob("[0-9]*"):
             try:
                 environment = (process / "environ").read_bytes()

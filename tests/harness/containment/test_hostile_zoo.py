@@ -11,6 +11,7 @@ from textwrap import indent
 from xml.etree import ElementTree
 
 import pytest
+from tests.harness.beside_templates import connections, copies
 
 from drivegate.candidates.fault import LONGEST_MESSAGE, LONGEST_TRACEBACK, Fault, FaultKind
 from drivegate.candidates.resolution import resolve_candidate
@@ -357,9 +358,9 @@ IN_PROGRAM = {
 
 
 def processes_of(scratch: Path) -> list[str]:
-    """Find processes whose temporary folder is in the scratch folder, as that of every worker is."""
+    """Find processes whose temporary folder is in the scratch folder, as that of every worker is, and copies."""
     mark = f"TMPDIR={scratch}/".encode()
-    found = []
+    found = [f"copy {number}" for number in copies()]
     for place in Path("/proc").glob("[0-9]*"):
         try:
             command = (place / "cmdline").read_bytes().replace(b"\0", b" ").decode(errors="replace")
@@ -370,12 +371,6 @@ def processes_of(scratch: Path) -> list[str]:
     return found
 
 
-def connections() -> set[str]:
-    """Find this process's pipes and sockets."""
-    opened = (str(place.readlink()) for place in Path("/proc/self/fd").iterdir() if place.is_symlink())
-    return {name for name in opened if name.startswith(("pipe:", "socket:"))}
-
-
 @pytest.fixture(autouse=True)
 def scratch(monkeypatch, tmp_path, no_process_left):
     """Hold every candidate to leaving neither processes nor files nor open descriptors."""
@@ -383,11 +378,11 @@ def scratch(monkeypatch, tmp_path, no_process_left):
     folder = tmp_path / "scratch"
     folder.mkdir()
     monkeypatch.setattr(tempfile, "tempdir", str(folder))
-    connections_before = connections()
+    connections_before = set(connections())
     yield folder
     assert processes_of(folder) == [], "a process outlived its worker"
     assert list(folder.iterdir()) == [], "a temporary file is left"
-    assert connections() <= connections_before, "a connection to a worker is left open"
+    assert set(connections()) <= connections_before, "a connection to a worker is left open"
 
 
 @pytest.fixture
