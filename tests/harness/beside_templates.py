@@ -29,14 +29,14 @@ def copies() -> list[int]:
 
     The system lists them with the words and the environment of their template.
     """
-    mark = f"\0{os.getpid()}\0".encode()
+    mark = str(os.getpid()).encode()
     found = []
     for place in Path("/proc").glob("[0-9]*"):
         try:
             words = (place / "cmdline").read_bytes()
         except OSError:
             continue
-        if b"offer_copies" in words and words.endswith(mark):
+        if b"offer_copies" in words and mark in words.split(b"\0"):
             found.append(int(place.name))
     return [number for number in found if number not in template_ids()]
 

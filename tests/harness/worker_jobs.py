@@ -1,12 +1,17 @@
 """Jobs for the tests of judges; judges' processes import this module by its name."""
 
+import os
+import sys
+import tempfile
 import time
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from drivegate.containment.messages import JudgedCandidate
 from drivegate.contracts.current.timed_steps import given_steps
+from drivegate_models.compilation import kernels
 from drivegate_models.contract.current.signals import Nameplate
 from drivegate_models.errors import InputError
 from drivegate_models.loop.given_steps import senses_of
@@ -50,3 +55,24 @@ def user_error(loaded: JudgedCandidate, payload: Any) -> None:
 
 def unpicklable(loaded: JudgedCandidate, payload: Any) -> Any:
     return lambda: None
+
+
+def surroundings(loaded: JudgedCandidate, payload: Any) -> dict[str, Any]:
+    """Return what a judge's process finds around it."""
+    status = dict(line.split(":", 1) for line in Path("/proc/self/status").read_text().splitlines())
+    opened = [each for each in Path("/proc/self/fd").iterdir() if each.is_symlink()]
+    return {
+        "environment": dict(os.environ),
+        "folder": str(Path.cwd()),
+        "status": {
+            name: status[name] for name in ("Umask", "SigBlk", "SigIgn", "SigCgt", "CapEff", "Cpus_allowed")
+        },
+        "limits": Path("/proc/self/limits").read_text(),
+        "opened": sorted(str(each.readlink()).partition(":")[0] for each in opened),
+        "output": [str(Path(f"/proc/self/fd/{number}").readlink()) for number in (1, 2)],
+        "leads": os.getsid(0) == os.getpid(),
+        "kernels": (kernels._ONLY_READS, kernels._FOLDER, kernels.KEEPS_CACHE),
+        "numba": kernels.numba.config.CACHE_DIR,
+        "path": sys.path,
+        "keeps temporary files apart": tempfile.gettempdir() != os.environ["TMPDIR"],
+    }

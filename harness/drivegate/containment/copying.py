@@ -18,6 +18,7 @@ from types import FrameType
 from typing import Final
 
 from drivegate.containment.keeper import import_role, keep
+from drivegate.isolation.layers import refuse_inspection
 from drivegate_models.compilation.cache_folder import NUMBA_VARIABLE
 
 FEW: Final = 16
@@ -25,17 +26,20 @@ FEW: Final = 16
 _BLOCK: Final = 65536
 
 
-def offer_copies(role: str, connection: str, _owner: str) -> None:
-    """Make a copy for each connection that arrives, until the harness hangs up.
+def offer_copies(role: str, connection: str, _owner: str, *modules: str) -> None:
+    """Import what a role needs, and modules; make a copy for each connection that arrives, until the harness hangs up.
 
     In the template this does not return; in a copy it returns as `keep` does.
     """
     names = frozenset(os.environ)
     requests = socket.socket(fileno=int(connection))
     requests.set_inheritable(False)
-    import_role(role)
+    import_role(role, *modules)
     if not _has_one_thread():
         os._exit(1)
+    if role == "judge":
+        # Whoever changed it would change every later judge.
+        refuse_inspection()
     # Whoever ordered a copy sees its end by itself.
     signal.signal(signal.SIGCHLD, _reap)
     while True:

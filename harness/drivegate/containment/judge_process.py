@@ -39,7 +39,10 @@ class JudgeProcess:
         limits: WorkerLimits | None,
         kernels: Mapping[str, bytes],
         on_slow: Callable[[SlowRun], None] | None = None,
+        *,
+        is_one_of_many: bool = False,
     ) -> None:
+        self._is_one_of_many = is_one_of_many
         self._candidate = candidate
         self._limits = limits
         self._kernels = kernels
@@ -52,19 +55,26 @@ class JudgeProcess:
     def start(self, job: Job[Any]) -> None:
         """Begin a job; `poll` shows its end."""
         if self._connection is None:
-            self._begin()
+            self._begin(job.target.__module__)
         assert self._connection is not None, "a process was started"
         self._busy = True
         with suppress(BrokenPipeError, ConnectionResetError):
             self._connection.send(job)
 
-    def _begin(self) -> None:
+    def _begin(self, module: str) -> None:
         layers = isolating_layers(self._candidate)
         if layers:
             refuse_inspection()
         ours, theirs = Pipe()
         try:
-            self._kept = KeptProcess(Role.JUDGE, None, (theirs.fileno(),))
+            self._kept = KeptProcess(
+                Role.JUDGE,
+                None,
+                (theirs.fileno(),),
+                # A template runs nobody else's code.
+                modules=(module,) if module.startswith("drivegate.") else (),
+                is_one_of_many=self._is_one_of_many,
+            )
         finally:
             theirs.close()
         self._connection = ours

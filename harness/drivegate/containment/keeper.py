@@ -18,6 +18,7 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from importlib import import_module
 from pathlib import Path
 
 from drivegate.isolation.layers import Layer, isolate, read_order
@@ -86,8 +87,8 @@ def _become_worker(role: str, temporary: str, descriptors: list[int], keeper: in
         judge_jobs(descriptors[0], temporary, keeper)
 
 
-def import_role(role: str) -> None:
-    """Import what a worker needs, unless it is a copy of a template that has done so.
+def import_role(role: str, *modules: str) -> None:
+    """Import what a worker needs, unless it is a copy of a template that has done so, and further modules.
 
     A keeper that is not a copy does without.
     """
@@ -96,6 +97,8 @@ def import_role(role: str) -> None:
             import drivegate.containment.serving
         else:
             import drivegate.containment.judge_process  # noqa: F401
+        for module in modules:
+            import_module(module)
 
 
 @contextmanager

@@ -16,7 +16,7 @@ from drivegate.containment.keeper_process import KeeperProcess, NewKeeper
 from drivegate.containment.templates import TEMPLATES
 from drivegate.containment.temporary_folder import TemporaryFolder
 from drivegate.isolation.layers import Layer, Places, python_command, written_order
-from drivegate_models.compilation.cache_folder import KERNELS_VARIABLE, NUMBA_VARIABLE
+from drivegate_models.compilation.cache_folder import CACHE_VARIABLE, KERNELS_VARIABLE, NUMBA_VARIABLE
 from drivegate_models.compilation.kernels import choose_cache_folder
 
 PASSED: Final = frozenset(
@@ -52,6 +52,7 @@ TEMPORARY_VARIABLES: Final = ("TMPDIR", "TMP", "TEMP")
 _KEEPER_PATIENCE = 20.0
 _PATIENCE = 3.0
 _BLOCK = 4096
+_STANDARD_ERROR = 2
 
 
 def worker_environment(inherited: Mapping[str, str], temporary: Path, kernels: Path | None) -> dict[str, str]:
@@ -80,6 +81,15 @@ def _lasting_environment(inherited: Mapping[str, str], kernels: Path | None) -> 
     }
 
 
+def _telling_environment(inherited: Mapping[str, str]) -> dict[str, str]:
+    """Choose what of a judge's environment its imports read, as far as it is set already."""
+    return {
+        name: value
+        for name, value in inherited.items()
+        if name in PASSED or name in (CACHE_VARIABLE, KERNELS_VARIABLE) or name.startswith(PASSED_PREFIXES)
+    }
+
+
 class Role(StrEnum):
     """What a kept process does."""
 
@@ -91,7 +101,8 @@ class KeptProcess:
     """One process, from its start to when nothing of it is left.
 
     A candidate's gets few environment variables, and its output goes to a descriptor; a judge's is the harness's own.
-    One that is started afresh is never a copy of a template.
+    One that is started afresh is never a copy of a template. If it `is_one_of_many`, others follow for certain. A
+    template that has to be started for it imports `modules`.
     """
 
     def __init__(
@@ -103,17 +114,20 @@ class KeptProcess:
         output: int | None = None,
         layers: tuple[Layer, ...] = (),
         readable: tuple[str, ...] = (),
-        afresh: bool = True,
+        afresh: bool = False,
+        modules: tuple[str, ...] = (),
+        is_one_of_many: bool = False,
     ) -> None:
         self._owner = os.getpid()
         self._temporary = TemporaryFolder()
         self._reported = b""
         temporary = str(self._temporary.path)
+        kernels = choose_cache_folder()
         environment: Mapping[str, str] = os.environ
-        kernels = None
+        lasting = _telling_environment(os.environ)
         if role is Role.CANDIDATE:
-            kernels = choose_cache_folder()
             environment = worker_environment(os.environ, self._temporary.path, kernels)
+            lasting = _lasting_environment(os.environ, kernels)
             readable = readable if kernels is None else (*readable, str(kernels))
         order = written_order(layers, Places(readable, (temporary,)))
         words = (role.value, order, temporary)
@@ -122,10 +136,16 @@ class KeptProcess:
         self._reports, writer = os.pipe()
         try:
             keeper: KeeperProcess | None = None
-            if not afresh and kernels is not None and output is not None:
-                lasting = _lasting_environment(os.environ, kernels)
-                streams = (reader, writer, output)
-                keeper = TEMPLATES.keeper(words, folder, (*streams, *descriptors), environment, lasting)
+            if not afresh and kernels is not None:
+                keeper = TEMPLATES.keeper(
+                    words,
+                    folder,
+                    (reader, writer, _STANDARD_ERROR if output is None else output, *descriptors),
+                    environment,
+                    lasting,
+                    modules,
+                    is_one_of_many=is_one_of_many,
+                )
             if keeper is None:
                 keeper = NewKeeper(
                     subprocess.Popen(

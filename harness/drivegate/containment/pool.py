@@ -45,7 +45,10 @@ class WorkerPool:
         report = None if on_slow is None else _once(on_slow)
         # Listed before any of the candidate's code runs, which might change them.
         kernels = {} if KINDS[candidate.kind].is_included else kernel_digests()
-        self._workers = [JudgeProcess(candidate, limits, kernels, report) for _ in range(max(workers, 1))]
+        self._workers = [
+            JudgeProcess(candidate, limits, kernels, report, is_one_of_many=workers > 1)
+            for _ in range(max(workers, 1))
+        ]
         self._final: Fault | None = None
         self._is_ended = is_ended
 

@@ -28,13 +28,13 @@ _INHERITED: Final = (
 class Template:
     """One process that offers copies of itself, until this object hangs up or its process ends."""
 
-    def __init__(self, role: str, environment: Mapping[str, str]) -> None:
+    def __init__(self, role: str, environment: Mapping[str, str], modules: Sequence[str] = ()) -> None:
         ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         ours.settimeout(_PATIENCE)
         self._requests = ours
         with theirs:
-            # The last word shows in a list of processes whose template it is.
-            words = (role, str(theirs.fileno()), str(os.getpid()))
+            # The third word shows in a list of processes whose template it is.
+            words = (role, str(theirs.fileno()), str(os.getpid()), *modules)
             self._process = subprocess.Popen(
                 python_command("drivegate.containment.copying", "offer_copies", *words),
                 stdin=subprocess.DEVNULL,
@@ -123,16 +123,20 @@ class Templates:
         descriptors: Sequence[int],
         environment: Mapping[str, str],
         inherited: Mapping[str, str],
+        modules: Sequence[str],
+        *,
+        is_one_of_many: bool,
     ) -> CopiedKeeper | None:
         """Start a keeper as a copy of a template; None if it has to be a new process.
 
         `words`, `descriptors`: as `Template.keeper` has them. `environment`: the keeper's. `inherited`: what of it does
-        not differ from one keeper to the next.
+        not differ from one keeper to the next. `modules`: what a template that has to be started imports as well.
+        `is_one_of_many`: true if others follow for certain, so that even the first one is a copy.
         """
         if not hasattr(os, "pidfd_open") or os.getpid() != self._owner:
             return None
         with self._lock:
-            template = self._template(words[0], inherited)
+            template = self._template(words[0], inherited, modules, is_one_of_many=is_one_of_many)
             if template is None:
                 return None
             try:
@@ -148,7 +152,9 @@ class Templates:
                 template.end()
             return keeper
 
-    def _template(self, role: str, environment: Mapping[str, str]) -> Template | None:
+    def _template(
+        self, role: str, environment: Mapping[str, str], modules: Sequence[str], *, is_one_of_many: bool
+    ) -> Template | None:
         """Return the template of a role under the present conditions, which may have to be started."""
         try:
             conditions = (dict(environment), list(sys.path), _inherited())
@@ -157,9 +163,10 @@ class Templates:
         if self._conditions.get(role) != conditions:
             self._conditions[role] = conditions
             self._retire(role)
-            return None
+            if not is_one_of_many:
+                return None
         if role not in self._templates:
-            self._templates[role] = Template(role, environment)
+            self._templates[role] = Template(role, environment, modules)
         return self._templates[role]
 
     def _retire(self, role: str) -> None:

@@ -22,6 +22,7 @@ from drivegate.containment import kept_process, templates
 from drivegate.containment.judge import Judge
 from drivegate.containment.keeper_process import CopiedKeeper
 from drivegate.containment.messages import Job
+from drivegate.containment.pool import WorkerPool
 from drivegate.containment.templates import Templates
 from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
 from drivegate.gate.repetition import Repetition, repetition_job
@@ -165,6 +166,35 @@ def test_a_copy_has_what_the_harness_has_changed_since(look: Callable[[], Any]) 
         resource.setrlimit(resource.RLIMIT_NOFILE, limits)
 
 
+def test_a_judge_that_is_a_copy_finds_around_it_what_a_new_one_finds(
+    own_templates: Templates, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import worker_jobs
+
+    def looked(jobs: int) -> list[object]:
+        with WorkerPool(resolve_candidate("initial"), workers=jobs) as pool:
+            return list(pool.map([Job(worker_jobs.surroundings, None)] * jobs))
+
+    monkeypatch.setenv("SECRET", "first")
+    (new,) = looked(1)
+    assert not own_templates.started()
+    (copied,) = looked(1)
+    assert own_templates.started()
+    assert copied == new
+    monkeypatch.setenv("SECRET", "second")
+    (later,) = looked(1)
+    assert later == new | {"environment": dict(os.environ)}
+
+
+def test_judges_that_start_together_are_copies(own_templates: Templates) -> None:
+    import worker_jobs
+
+    with WorkerPool(resolve_candidate("initial"), workers=2) as pool:
+        found = list(pool.map([Job(worker_jobs.surroundings, None)] * 2))
+    assert len(own_templates.started()) == 1
+    assert found[0] == found[1]
+
+
 UNSTEADY = {
     "addresses": "(id(Mine) >> 12) % 65521 / 65521",
     "layout": "int(Path('/proc/self/maps').read_text()[:12], 16) / 4096 % 65521 / 65521",
@@ -203,12 +233,12 @@ def test_without_its_template_a_candidate_has_a_new_process(
 ) -> None:
     import worker_jobs
 
-    monkeypatch.setattr(templates, "_PATIENCE", 2.0)
     judged = judge(STEPPING.format(top="", step="pass", answer="1.0"))
     for _ in range(2):
         assert judged.once(Job(worker_jobs.drive, 2)) == 2.0
         judged.kill()
     (template,) = own_templates.started()
+    monkeypatch.setattr(templates, "_PATIENCE", 2.0)
     os.kill(template.pid, harm)
     for _ in range(3):
         assert judged.once(Job(worker_jobs.drive, 2)) == 2.0
