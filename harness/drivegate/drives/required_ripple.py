@@ -11,6 +11,7 @@ from drivegate.drives.power_reach import setting_words
 from drivegate.drives.rating import RatedDrive
 from drivegate_cases.documents.wording import rounded_to_digits
 from drivegate_cases.drive.limits import POINT_POWER_SHARE
+from drivegate_models.steady.plant import friction_torque
 from drivegate_models.units import RADIANS_PER_RPM
 
 _STEP: Final = radians(0.25)
@@ -36,7 +37,7 @@ class UnreachableRipple:
     tolerance: float
     """Excess of the current sum that CNV-2 allows (1)."""
     greatest_torque: float
-    """Greatest torque at the speed (N·m)."""
+    """Greatest torque of the shaft at the speed (N·m)."""
     follows_rating: bool
     """Whether the point follows from rated power, rather than being stated."""
 
@@ -94,13 +95,14 @@ def unreachable_ripple(drive: RatedDrive) -> tuple[UnreachableRipple, ...]:
     """Return the required points whose torque or torque ripple no controller can have.
 
     At a point with too much ripple, every angle that gives the torque with the current sum that `CNV-2` allows has more
-    ripple than the limit, even with the ideal regulator.
+    ripple than the limit, even with the ideal regulator. A point's torque is the shaft's, so friction adds to it.
     """
     limits = drive.limits
     found = []
     for point in limits.points:
         speed = point.speed_rpm * RADIANS_PER_RPM
-        least, advance = _least_ripple(drive, speed, point.torque_n_m)
+        friction = friction_torque(drive.constants, speed)
+        least, advance = _least_ripple(drive, speed, point.torque_n_m + friction)
         if not least < limits.ripple:
             found.append(
                 UnreachableRipple(
@@ -110,7 +112,8 @@ def unreachable_ripple(drive: RatedDrive) -> tuple[UnreachableRipple, ...]:
                     least=least,
                     advance=advance,
                     tolerance=limits.optimum_tolerance,
-                    greatest_torque=drive.oracle.greatest_torque_at_limit(drive.constants, speed).torque,
+                    greatest_torque=drive.oracle.greatest_torque_at_limit(drive.constants, speed).torque
+                    - friction,
                     follows_rating=not drive.document.requirements.point,
                 )
             )

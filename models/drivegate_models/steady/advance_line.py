@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate_models.steady.plant import AnyDrive
+from drivegate_models.steady.plant import AnyDrive, friction_torque
 from drivegate_models.steady.torque_limit import HIGHEST_DEGREES, torques_at_limit
 
 RESERVE: float = 0.05
@@ -62,7 +62,7 @@ def demanded_torque(drive: AnyDrive, speed: float, base_speed: float, rated_powe
     `speed`: shaft speed (rad/s), above 0. `base_speed`: base speed (rad/s). `rated_power`: rated power (W). Result:
     torque (N m). As everywhere in the oracle, it does not include the core loss's drag on the shaft.
     """
-    return rated_power / max(speed, base_speed) + drive.friction + drive.viscous_friction * speed
+    return rated_power / max(speed, base_speed) + friction_torque(drive, speed)
 
 
 def recommended_line(

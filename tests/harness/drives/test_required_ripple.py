@@ -46,3 +46,15 @@ def test_a_point_whose_torque_is_out_of_reach_is_told_with_what_there_is() -> No
         "a check accepts torque_n_m = 0.195"
     )
     assert found.document()["key"] == "requirements.point"
+
+
+def test_the_friction_of_a_shaft_adds_to_the_torque_of_a_point() -> None:
+    (without,) = unreachable_ripple(rated_drive(FAN.replaced(ripple_percent=13.0)))
+    (with_friction,) = unreachable_ripple(rated_drive(FAN.replaced(ripple_percent=13.0, friction_n_m=0.02)))
+    heavier = FAN.replaced(
+        ripple_percent=13.0, point=({"speed_rpm": 6000.0, "torque_n_m": without.torque_nm + 0.02},)
+    )
+    (told,) = unreachable_ripple(rated_drive(heavier))
+    assert with_friction.least == pytest.approx(told.least, rel=1e-9)
+    assert abs(with_friction.least - without.least) > 1e-3
+    assert with_friction.greatest_torque == pytest.approx(without.greatest_torque - 0.02, rel=1e-9)

@@ -14,6 +14,7 @@ from drivegate_cases.scenario.profile import Dwell, dwell_scales, dwell_torque, 
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.contract.current.signals import Command, Nameplate, Sense
 from drivegate_models.steady.oracle import least_current_sum, point_at_torque
+from drivegate_models.steady.plant import friction_torque
 from drivegate_models.units import RADIANS_PER_RPM
 
 # A loop has to stay off the edge below which the torque is lost. It leaves the optimum by a few steps (rad), and where
@@ -107,7 +108,7 @@ def optimum_angle(scenario: Scenario, dwell: Dwell) -> float:
     if speed < scenario.drive.rating.base_speed_rpm * RADIANS_PER_RPM or load <= 0.0:
         return 0.0
     drive = scenario.drive.plant(dwell_scales(scenario, dwell))
-    torque = load + drive.friction + drive.viscous_friction * speed
+    torque = load + friction_torque(drive, speed)
     voltage = dwell.supply_v * (1.0 - abs(dwell.imbalance))
     best = least_current_sum(drive, speed, torque, voltage)
     if not isfinite(best.advance):

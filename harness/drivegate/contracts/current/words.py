@@ -17,6 +17,7 @@ from drivegate_cases.scenario.profile import Dwell, dwell_scales, dwell_torque, 
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import InputError
 from drivegate_models.steady import oracle
+from drivegate_models.steady.plant import friction_torque
 from drivegate_models.units import RADIANS_PER_RPM
 
 if TYPE_CHECKING:
@@ -112,7 +113,7 @@ def _answers(scenario: Scenario, dwell: Dwell) -> JudgedPoint | None:
     speed = dwell.speed_rpm * RADIANS_PER_RPM
     load = dwell_torque(scenario, dwell)
     voltage = dwell.supply_v * (1.0 - abs(dwell.imbalance))
-    torque = load + drive.friction + drive.viscous_friction * speed
+    torque = load + friction_torque(drive, speed)
     if load <= 0.0 or speed <= 0.0:
         return None
     try:

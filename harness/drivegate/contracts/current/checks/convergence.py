@@ -17,6 +17,7 @@ from drivegate_cases.scenario.circumstance import Circumstance
 from drivegate_cases.scenario.load import LockedLoad
 from drivegate_cases.scenario.sensors import IdealSensors, counted_s
 from drivegate_models.steady.oracle import feasible_edge, least_current_sum, point_at_torque
+from drivegate_models.steady.plant import friction_torque
 from drivegate_models.units import RADIANS_PER_RPM
 
 _STALLED_SHARE: Final = 0.999
@@ -118,7 +119,7 @@ def is_feasible(window: SteadyWindow) -> bool:
     if isinstance(scenario.load, LockedLoad) or window.torque_required <= 0.0:
         return True
     drive = scenario.drive.plant(window.scales)
-    torque = window.torque_required + drive.friction + drive.viscous_friction * window.speed
+    torque = window.torque_required + friction_torque(drive, window.speed)
     voltage = dwell.supply_v * (1.0 - abs(dwell.imbalance))
     return not math.isnan(feasible_edge(drive, window.speed, torque, voltage))
 

@@ -11,6 +11,7 @@ from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.contracts.comparison import PlannedRun, Row
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.steady import oracle
+from drivegate_models.steady.plant import friction_torque
 from drivegate_models.units import RADIANS_PER_RPM
 
 
@@ -35,7 +36,7 @@ def oracle_point(planned: PlannedRun) -> OraclePoint:
     plant = drive.plant()
     speed = planned.speed_rpm * RADIANS_PER_RPM
     load = drive.rating.rated_power_w * planned.share / speed
-    own = plant.friction + plant.viscous_friction * speed
+    own = friction_torque(plant, speed)
     core = plant.phases * plant.core_loss_conductance * plant.emf_constant * plant.emf_constant * speed
     return OraclePoint(drive, planned.speed_rpm, (load + own, load + own + core))
 

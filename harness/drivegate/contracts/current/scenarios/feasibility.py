@@ -28,7 +28,7 @@ from drivegate_cases.scenario.profile import Dwell, dwell_scales, dwell_torque
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import HallSensors
 from drivegate_models.steady.oracle import feasible_edge
-from drivegate_models.steady.plant import AnyDrive
+from drivegate_models.steady.plant import AnyDrive, friction_torque
 from drivegate_models.units import RADIANS_PER_RPM
 
 _MOST_PERIODS = 12
@@ -255,7 +255,7 @@ def _own_drag(drive: AnyDrive, speed: float) -> float:
         * _mean_square(drive)
         * speed
     )
-    return drive.friction + drive.viscous_friction * speed + core
+    return friction_torque(drive, speed) + core
 
 
 def _mean_square(drive: AnyDrive) -> float:
