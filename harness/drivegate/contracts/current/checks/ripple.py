@@ -49,6 +49,9 @@ def _ideal_ripple(check: str, record: CurrentRecord, windows: list[SteadyWindow]
         point = point_at_torque(ideal, window.speed, place, torque)
         if not point.static:
             point = point_at_torque(ideal, window.speed, place, (1.0 - _EDGE) * torque)
+        if not point.static:
+            # A band may hold a torque that is out of the ideal regulator's reach.
+            point = point_at_torque(record.drive, window.speed, place, torque)
         if not point.static or torque <= 0.0:
             margins.append(Margin(check, -1.0, f"the torque is out of reach {where}"))
             continue

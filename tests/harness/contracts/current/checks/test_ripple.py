@@ -62,6 +62,20 @@ def test_an_angle_on_the_feasible_edge_is_not_out_of_reach_by_rounding(record, c
         assert margin.met is met, margin
 
 
+def test_where_only_a_band_holds_the_torque_the_ripple_is_the_bands(record, checks, monkeypatch):
+    run = record(window={"ANGLE": math.radians(54.0), "TORQUE": 9.7})
+    held = point_at_torque(run.drive, 1500.0 * math.pi / 30.0, math.radians(54.0), 9.7)
+
+    def point(drive, *arguments) -> TorquePoint:
+        found = point_at_torque(drive, *arguments)
+        return found if drive.hysteresis_band > 0.0 else found._replace(static=False)
+
+    monkeypatch.setattr(ripple, "point_at_torque", point)
+    margin = checks["RIP-1"].evaluate(run)
+    expected = (held.torque_highest - held.torque_lowest) / held.torque
+    assert margin.measured == f"{100 * expected:.2f} % at 54.00°, 1500 rpm and 9.7 N·m"
+
+
 @pytest.mark.parametrize(
     "changes",
     [
