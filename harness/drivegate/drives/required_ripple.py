@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import ceil, degrees, inf, isfinite, nan, radians
+from math import ceil, degrees, isfinite, nan, radians
 from typing import Final
 
 from drivegate.drives.power_reach import setting_words
@@ -34,6 +34,8 @@ class UnreachableRipple:
     """Least ripple at the angles that CNV-2 allows (1); NaN where the torque is out of reach."""
     advance: float
     """Angle of the least ripple (rad electrical)."""
+    greatest: float
+    """Greatest ripple at these angles (1); NaN where the torque is out of reach."""
     tolerance: float
     """Excess of the current sum that CNV-2 allows (1)."""
     greatest_torque: float
@@ -73,8 +75,8 @@ class UnreachableRipple:
 
     @property
     def nearest_percent(self) -> int:
-        """Limit of the ripple, in whole percent, that can be met with a little in hand."""
-        return ceil(102.0 * self.least) if isfinite(self.least) else 0
+        """Limit of the ripple, in whole percent, that every such angle meets with a little in hand."""
+        return _percent_in_hand(self.greatest) if isfinite(self.greatest) else 0
 
     def document(self) -> dict[str, object]:
         """Return what is out of reach as plain data, in people's units."""
@@ -102,7 +104,7 @@ def unreachable_ripple(drive: RatedDrive) -> tuple[UnreachableRipple, ...]:
     for point in limits.points:
         speed = point.speed_rpm * RADIANS_PER_RPM
         friction = friction_torque(drive.constants, speed)
-        least, advance = _least_ripple(drive, speed, point.torque_n_m + friction)
+        least, advance, greatest = _ripples(drive, speed, point.torque_n_m + friction)
         if not least < limits.ripple:
             found.append(
                 UnreachableRipple(
@@ -111,6 +113,7 @@ def unreachable_ripple(drive: RatedDrive) -> tuple[UnreachableRipple, ...]:
                     limit=limits.ripple,
                     least=least,
                     advance=advance,
+                    greatest=greatest,
                     tolerance=limits.optimum_tolerance,
                     greatest_torque=drive.oracle.greatest_torque_at_limit(drive.constants, speed).torque
                     - friction,
@@ -120,25 +123,42 @@ def unreachable_ripple(drive: RatedDrive) -> tuple[UnreachableRipple, ...]:
     return tuple(found)
 
 
-def _least_ripple(drive: RatedDrive, speed: float, torque: float) -> tuple[float, float]:
-    """Find the least ripple from the optimum up to the angle at which the current sum is no longer allowed."""
+def ripple_percent_of_all(drive: RatedDrive) -> float:
+    """Return the limit that every angle with a current sum that `CNV-2` allows meets at all points (%); NaN if none."""
+    found = [0]
+    for point in drive.limits.points:
+        speed = point.speed_rpm * RADIANS_PER_RPM
+        *_, greatest = _ripples(drive, speed, point.torque_n_m + friction_torque(drive.constants, speed))
+        if not isfinite(greatest):
+            return nan
+        found.append(_percent_in_hand(greatest))
+    return float(max(found))
+
+
+def _percent_in_hand(ripple: float) -> int:
+    return ceil(102.0 * ripple)
+
+
+def _ripples(drive: RatedDrive, speed: float, torque: float) -> tuple[float, float, float]:
+    """Find the least ripple, its angle and the greatest ripple at the angles with an allowed current sum."""
     best = drive.oracle.least_current_sum(drive.constants, speed, torque)
     if not isfinite(best.advance):
-        return nan, nan
+        return nan, nan, nan
     allowed = (1.0 + drive.limits.optimum_tolerance) * best.current_sum
     edge = drive.oracle.feasible_edge(drive.ideal, speed, torque)
-    least, angle = inf, best.advance
-    for step in range(_MOST_STEPS):
-        advance = best.advance + step * _STEP
-        # The optimum itself counts, whatever its last digits.
-        if step > 0:
+    # The optimum itself counts, whatever its last digits.
+    found = [(_ripple_from_edge(drive, speed, torque, best.advance, edge), best.advance)]
+    for direction in (_STEP, -_STEP):
+        for step in range(1, _MOST_STEPS):
+            advance = best.advance + step * direction
+            if advance < 0.0:
+                break
             point = drive.oracle.point_at_torque(drive.constants, speed, advance, torque)
             if not point.current_sum <= allowed:
                 break
-        ripple = _ripple_from_edge(drive, speed, torque, advance, edge)
-        if ripple < least:
-            least, angle = ripple, advance
-    return least, angle
+            found.append((_ripple_from_edge(drive, speed, torque, advance, edge), advance))
+    least, angle = min(found)
+    return least, angle, max(found)[0]
 
 
 def ideal_ripple(drive: RatedDrive, speed: float, torque: float, advance: float) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import partial
-from math import ceil, floor, sqrt
+from math import ceil, floor, isnan, sqrt
 from random import Random
 from types import MappingProxyType
 from typing import Final
@@ -13,7 +13,7 @@ from drivegate.drives.abilities import ability_of
 from drivegate.drives.angle_ability import rating_is_met
 from drivegate.drives.drawn.drawing import Bound, DrawnKind, Values, bounds_of, rounded
 from drivegate.drives.rating import rated_drive
-from drivegate.drives.required_ripple import unreachable_ripple
+from drivegate.drives.required_ripple import ripple_percent_of_all
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.inverter import UPDATES
@@ -75,14 +75,15 @@ def _accepted(document: DriveDocument) -> DriveDocument | None:
     drive = rated_drive(document)
     if not rating_is_met(drive):
         return None
-    missed = [point.nearest_percent for point in unreachable_ripple(drive)]
-    if not missed:
+    percent = ripple_percent_of_all(drive)
+    if isnan(percent):
+        return None
+    if percent <= 100.0 * drive.limits.ripple:
         return document
-    told = {"ripple_percent": "computed: the least in whole percent that can be met at the least current sum"}
-    provenance = {**document.provenance, "requirements": told}
-    return (
-        document.replaced(ripple_percent=float(max(missed)), provenance=provenance) if all(missed) else None
-    )
+    told = {
+        "ripple_percent": "computed: the least in whole percent that every angle with an allowed current sum meets"
+    }
+    return document.replaced(ripple_percent=percent, provenance={**document.provenance, "requirements": told})
 
 
 def _draw_apparent_power(bound: Bound, source: Random, values: Values) -> None:
