@@ -15,12 +15,13 @@ from drivegate_models.controllers.current.another_load import (
     may_step_farther,
     rearm_unless_repeated,
 )
+from drivegate_models.controllers.current.following import goes_on
 from drivegate_models.controllers.current.forbidden_angle import (
     first_direction,
     forget_other_load,
     lowest_offset,
 )
-from drivegate_models.controllers.current.modes import begin_following, begin_settling, hold_angle, may_follow
+from drivegate_models.controllers.current.modes import begin_settling, hold_angle
 from drivegate_models.controllers.current.protection import take_step
 from drivegate_models.controllers.current.retry import (
     is_edge_distance_costly,
@@ -74,8 +75,7 @@ def rest_or_confirm(state: Any, current_sum: float) -> None:
     start the search therefore confirms its result with new steps like the first. `current_sum` is the mean of the
     interval (A).
     """
-    if may_follow(state):
-        begin_following(state)
+    if goes_on(state, current_sum):
         return
     at_edge = state.offset - state.first_step < lowest_offset(state)
     if at_edge and is_edge_distance_costly(state) and may_retry(state, True):

@@ -1,7 +1,9 @@
 """Operation in which the angle regulates the speed while the current is not limited.
 
 Where the peak EMF clearly exceeds the supply, this is the operation of least current sum: the EMF limits the current
-there, and what a regulator saves at a greater angle costs more than a smaller angle does.
+there, and what a regulator saves at a greater angle costs more than a smaller angle does. Below, a limited current at a
+greater angle may need less. The search then goes upward from this operation, and the least of all that it has found is
+kept.
 """
 
 from __future__ import annotations
@@ -11,7 +13,14 @@ from typing import Any
 
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.contract.current.signals import PM_AC
-from drivegate_models.controllers.current.modes import stop_following
+from drivegate_models.controllers.current.modes import (
+    SURE,
+    begin_following,
+    begin_settling,
+    hold_angle,
+    may_follow,
+    stop_following,
+)
 from drivegate_models.controllers.current.state import SMALLEST_STEP
 
 # Rates of the speed regulation by the angle and of its integral, on the drive tuned on (1/s).
@@ -35,6 +44,12 @@ _INTEGRAL_SLOWER = 4.0
 _FARTHEST = radians(10.0)
 # Intervals in which the current sum repeats, before it is the one at rest.
 _STEADY_INTERVALS = 3
+# Intervals after which a current sum that does not repeat counts as none.
+_MOST_INTERVALS = 20
+# Share of the current sum by which a limited current must need less. The angle gives the torque at any current.
+_LESS = 0.005
+# Current reference over the mean current of a conducting phase, where a current begins to be limited.
+_PEAK = 1.1
 # Current sums, relative to the one at rest, that indicate another load.
 _LIGHTER = 0.88
 _HEAVIER = 1.2
@@ -93,18 +108,90 @@ def _within(state: Any, offset: float) -> float:
 
 @inlined
 def decide_following(state: Any, current_sum: float, settled: bool) -> None:
-    """Restart the search after a change of load.
+    """Compare it with a limited current once it is steady, and restart the search after a change of load.
 
     `current_sum` is the mean of the decision interval (A); `settled` is True if it repeats.
     """
     state.quiet = state.quiet + 1 if settled else 0
+    state.followed_intervals += 1
     state.angle_gain = max(_EASED * state.angle_gain, _LEAST_GAIN)
     if state.angle_integral <= state.lowest + SMALLEST_STEP:
         # Even without advance the torque exceeds the load, so the current must be limited.
-        stop_following(state, current_sum, False)
+        give_up(state, current_sum)
     elif state.followed_power < inf:
         ratio = current_sum / state.followed_power
         if ratio < _LIGHTER or ratio > _HEAVIER:
             stop_following(state, current_sum, True)
     elif state.quiet >= _STEADY_INTERVALS:
         state.followed_power = current_sum
+        if state.compared == 0 and state.emf_over_supply < SURE:
+            _search_upward(state, current_sum)
+    elif state.followed_intervals >= _MOST_INTERVALS and state.emf_over_supply < SURE:
+        give_up(state, current_sum)
+
+
+@inlined
+def _search_upward(state: Any, current_sum: float) -> None:
+    """Search with a limited current from the present angle upward, where it may need less than `current_sum` (A).
+
+    Below, the torque has a greatest value beyond which the regulator would lose it.
+    """
+    state.compared = 1
+    state.integral = min(_PEAK * current_sum / state.conducting_phases, state.current_limit)
+    state.forbidden = state.offset
+    state.lost_at = state.offset
+    state.forbidden_power = current_sum
+    state.good_power = inf
+    state.offset += state.first_step
+    state.step = 0.5 * state.first_step
+    state.direction = 1.0
+    begin_settling(state)
+
+
+@inlined
+def give_up(state: Any, current_sum: float) -> None:
+    """Regulate by the current again under this load, at the angle known or by a new search.
+
+    `current_sum` is the one that flows (A).
+    """
+    if state.kept_power < inf:
+        state.follows = 0
+        return_to_kept(state)
+    else:
+        stop_following(state, current_sum, False)
+
+
+@inlined
+def return_to_kept(state: Any) -> None:
+    """Hold the angle that the search had found before the angle regulated the speed."""
+    state.offset = state.kept_offset
+    state.integral = state.kept_integral
+    state.good_power = inf
+    hold_angle(state, state.kept_power)
+    # Once: what it needs at rest may be more.
+    state.kept_power = inf
+
+
+@inlined
+def goes_on(state: Any, current_sum: float) -> bool:
+    """Continue, at the end of a search, with an operation that may need less; return False if none is known.
+
+    `current_sum` is the mean of the interval (A).
+    """
+    if state.compared == 0:
+        # At a lower EMF, an optimum that is not at the edge is one of a limited current.
+        tries = state.emf_over_supply >= 1.0 and may_follow(state)
+        if tries:
+            state.kept_offset = state.offset
+            state.kept_integral = state.integral
+            state.kept_power = current_sum
+            begin_following(state)
+        return tries
+    # At equal currents, too: the angle gives the torque at any current.
+    if state.follows == 1 and state.followed_power * (1.0 - _LESS) < min(current_sum, state.kept_power):
+        begin_following(state)
+        return True
+    if current_sum <= (1.0 + _LESS) * state.kept_power:
+        return False
+    return_to_kept(state)
+    return True

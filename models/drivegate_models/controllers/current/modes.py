@@ -6,11 +6,19 @@ from math import inf
 from typing import Any, Final
 
 from drivegate_models.compilation.kernels import inlined
-from drivegate_models.controllers.current.forbidden_angle import allow_all_angles
+from drivegate_models.controllers.current.current_share import is_current_below
+from drivegate_models.controllers.current.forbidden_angle import LIGHT, allow_all_angles
 from drivegate_models.controllers.current.state import FOLLOWING, HOLDING, NOT_RETRIED, SETTLING
 
-# Ratio of peak EMF to supply from which a limited current always needs more, by the oracle on eight drives.
-_SURE: Final = 1.2
+SURE: Final = 1.3
+"""Ratio of peak EMF to supply from which a limited current always needs more, by the oracle on ten drives."""
+
+# Ratios from which it may need more: under a load of this share of the maximum current sum, under a load that is not
+# light, and under any.
+_TRIED: Final = 0.8
+_HEAVY: Final = 0.2
+_TRIED_PARTLY: Final = 1.0
+_TRIED_LIGHT: Final = 1.2
 
 
 @inlined
@@ -53,6 +61,9 @@ def rearm(state: Any) -> None:
     state.lost_speed = inf
     state.initial_power = 0.0
     state.follows = 1
+    state.compared = 0
+    state.kept_power = inf
+    state.followed_power = inf
     state.lowest = -inf
     begin_settling(state)
 
@@ -74,9 +85,18 @@ def hold_angle(state: Any, current_sum: float) -> None:
 
 @inlined
 def may_follow(state: Any) -> bool:
-    """Return True if the angle may regulate the speed: below the initial angle, where the EMF limits the current."""
-    possible: bool = state.angle_proportional > 0.0 and state.emf_over_supply >= _SURE
-    return bool(possible and state.follows == 1 and state.offset < 0.0)
+    """Return True if the angle may regulate the speed, and it is not known yet whether that needs less.
+
+    Below the initial angle, where the EMF limits the current: the lower the EMF, the heavier the load must be.
+    """
+    load = _HEAVY
+    if state.emf_over_supply >= _TRIED_PARTLY:
+        load = LIGHT
+    if state.emf_over_supply >= _TRIED_LIGHT:
+        load = 0.0
+    possible = state.angle_proportional > 0.0 and state.emf_over_supply >= _TRIED
+    likely = possible and not is_current_below(state, load)
+    return bool(likely and state.follows == 1 and state.compared == 0 and state.offset < 0.0)
 
 
 @inlined
@@ -89,10 +109,10 @@ def is_following(state: Any) -> bool:
 def begin_following(state: Any) -> None:
     """Let the angle regulate the speed from now on, and the current rise to its limit."""
     state.mode = FOLLOWING
+    state.followed_intervals = 0
     state.angle_integral = state.offset
     state.angle_gain = 1.0
     state.freed_reference = min(state.integral, state.current_limit)
-    state.followed_power = inf
     state.quiet = 0
 
 

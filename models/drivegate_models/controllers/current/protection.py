@@ -72,9 +72,11 @@ def back_off(state: Any, angle: float, lost: bool) -> None:
     if lost:
         forbid(state)
     state.offset += angle
-    # The edge is near; the next step must be smaller than the one that led over it.
-    state.step = max(min(0.5 * state.step, 0.5 * state.first_step), SMALLEST_STEP)
-    state.direction = -1.0
+    begins_upward = state.compared == 1 and state.good_power == inf
+    if not begins_upward:
+        # The edge is near; the next step must be smaller than the one that led over it.
+        state.step = max(min(0.5 * state.step, 0.5 * state.first_step), SMALLEST_STEP)
+        state.direction = -1.0
     begin_settling(state)
     if lost and may_follow(state):
         begin_following(state)
@@ -213,7 +215,7 @@ def guard_regulation(
         state.starved_mark = speed
     is_starved = state.starved_run * period >= _STARVED_DWELL
     # After a step toward less angle, that step is the cause, so it is reverted completely.
-    if state.moved < 0.0 and (is_starved or speed_reference - speed > ALARM * state.speed_tolerance):
+    if state.moved < 0.0 and (is_starved or sag > ALARM * state.speed_tolerance):
         # The integral has wound up in vain; the old angle needs the old current.
         state.integral = state.good_integral
         back_off(state, -state.moved + _RECOVERY, True)

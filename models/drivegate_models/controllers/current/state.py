@@ -131,6 +131,13 @@ CONTROLLER_STATE: Final = np.dtype(
         # 0 once the angle could not regulate the speed under the present load.
         ("follows", np.int64),
         ("followed_power", np.float64),
+        # 1 once a search upward from it has begun.
+        ("compared", np.int64),
+        # Decision intervals of it, and the angle at which the search had come to rest before it.
+        ("followed_intervals", np.int64),
+        ("kept_offset", np.float64),
+        ("kept_integral", np.float64),
+        ("kept_power", np.float64),
         # Speed at which the peak EMF equals the nominal supply, and the present ratio of both.
         ("matched_speed", np.float64),
         ("emf_over_supply", np.float64),

@@ -8,7 +8,7 @@ from typing import Any, Final
 from drivegate_models.compilation.calling import double_at
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.controllers.current.builtin import initial_angle
-from drivegate_models.controllers.current.state import HOLDING, SEARCHING
+from drivegate_models.controllers.current.state import FOLLOWING, HOLDING, SEARCHING
 from drivegate_models.faults.current import state as faults
 
 # Range of a 16-bit number of milliamperes (A).
@@ -110,7 +110,7 @@ def alter_search_after(state: Any, fault: int) -> None:
     elif fault == faults.LEARNS:
         if not isfinite(before.speed_reference) and isfinite(controller.speed_reference):
             controller.offset = state.memory
-        elif controller.mode == HOLDING:
+        elif controller.mode == HOLDING or controller.mode == FOLLOWING:
             state.memory = controller.offset
     elif fault == faults.NO_ANTI_WINDUP and controller.offset == before.offset:
         error = sense.speed_reference - sense.speed

@@ -11,9 +11,16 @@ from hypothesis import strategies as st
 from drivegate_models.contract.current.records import SENSE
 from drivegate_models.controllers.current.builtin import current_reference, initial_angle, regulate_speed
 from drivegate_models.controllers.current.flowchart_search import decide_by_flowchart
+from drivegate_models.controllers.current.following import goes_on
 from drivegate_models.controllers.current.modes import begin_following, may_follow
 from drivegate_models.controllers.current.protection import guard_regulation
-from drivegate_models.controllers.current.state import CONTROLLER_STATE, FOLLOWING, SEARCHING, SETTLING
+from drivegate_models.controllers.current.state import (
+    CONTROLLER_STATE,
+    FOLLOWING,
+    HOLDING,
+    SEARCHING,
+    SETTLING,
+)
 from drivegate_models.controllers.current.winding import has_lost_torque, unwind, unwind_after_recovery
 
 pytestmark = pytest.mark.kernel
@@ -111,6 +118,7 @@ def following_state() -> Any:
     state["emf_over_supply"] = 1.3
     state["follows"] = 1
     state["offset"] = -0.1
+    state["last_power"] = 30.0
     state["current_limit"] = 26.0
     state["conducting_phases"] = 4.0
     return state
@@ -118,15 +126,62 @@ def following_state() -> Any:
 
 @pytest.mark.parametrize(
     ("field", "value"),
-    [("angle_proportional", 0.0), ("emf_over_supply", 1.1), ("follows", 0), ("offset", 0.0)],
+    [
+        ("angle_proportional", 0.0),
+        ("emf_over_supply", 0.7),
+        ("last_power", 10.0),
+        ("follows", 0),
+        ("compared", 1),
+        ("offset", 0.0),
+    ],
 )
 def test_the_angle_regulates_the_speed_only_where_the_emf_limits_the_current(
     field: str, value: float
 ) -> None:
     state = following_state()
+    state["emf_over_supply"] = 1.1
     assert may_follow(state[0])
     state[field] = value
     assert not may_follow(state[0])
+
+
+@pytest.mark.parametrize(
+    ("found", "followed", "kept", "mode", "offset"),
+    [
+        pytest.param(30.0, 29.0, 31.0, FOLLOWING, 0.02, id="the free current is least"),
+        pytest.param(30.0, 29.9, 30.0, FOLLOWING, 0.02, id="at equal currents the current is free"),
+        pytest.param(30.0, 31.0, 28.0, HOLDING, -0.2, id="the angle before is least"),
+        pytest.param(28.0, 31.0, 30.0, SEARCHING, 0.02, id="the search upward has found the least"),
+    ],
+)
+def test_of_all_that_a_search_has_found_the_least_is_kept(
+    found: float, followed: float, kept: float, mode: int, offset: float
+) -> None:
+    state = following_state()
+    state["mode"], state["compared"], state["offset"] = SEARCHING, 1, 0.02
+    state["followed_power"], state["kept_power"], state["kept_offset"] = followed, kept, -0.2
+    assert goes_on(state[0], found) == (mode != SEARCHING)
+    assert (state["mode"][0], state["offset"][0]) == (mode, offset)
+
+
+@pytest.mark.parametrize(
+    ("emf_over_supply", "share", "follows"),
+    [(0.9, 0.25, True), (0.9, 0.17, False), (1.1, 0.17, True), (1.1, 0.1, False), (1.25, 0.1, True)],
+)
+def test_the_lower_the_emf_the_heavier_is_the_load_that_frees_the_current(
+    emf_over_supply: float, share: float, follows: bool
+) -> None:
+    state = following_state()
+    state["emf_over_supply"], state["last_power"] = emf_over_supply, share * 4.0 * 26.0
+    assert may_follow(state[0]) == follows
+
+
+def test_a_search_that_ends_inside_tries_a_free_current_only_above_the_supply() -> None:
+    for emf_over_supply, tries in ((0.95, False), (1.05, True)):
+        state = following_state()
+        state["emf_over_supply"] = emf_over_supply
+        assert goes_on(state[0], 30.0) == tries
+        assert (state["mode"][0] == FOLLOWING) == tries
 
 
 def test_only_a_lasting_loss_of_speed_ends_the_regulation_by_the_angle() -> None:

@@ -36,10 +36,10 @@ CLOCK_FAULTS: Final = of_kind(
     Mutation(
         "timer-always-due",
         "Keeps the time of its next decision in 16 bits of milliseconds, and so decides at every step after 65.5 s.",
-        "CNV-1",
+        "CNV-2",
         fault=faults.ALWAYS_DUE,
         size=65.536,
-        shown_by="a run of two minutes, or a start at a later time",
+        shown_by="a load that changes after more than a minute, or a start at a later time",
     ),
     Mutation(
         "catches-up-with-the-clock",

@@ -54,6 +54,8 @@ LIGHTEST: Final = 0.1
 """Lightest load that is drawn, as a share of rated power (1)."""
 SHORTEST_PERIOD_S: Final = 5e-5
 """Shortest control period of any run."""
+# Speed of one run with it, as a share of the range from base speed to the highest.
+_MIDDLE: Final = 0.6
 _PERIODS: Final = {"500 µs": 5e-4, "400 µs": 4e-4, "250 µs": 2.5e-4, "100 µs": 1e-4}
 _CLOCKS: Final = {"0": 0.0, "2³¹ µs": 2147.483648 - 5.0, "2³² µs": 4294.967296 - 5.0}
 
@@ -68,19 +70,24 @@ def combined_scenarios(
     rows = list(enumerate(covering_rows()))[part::parts]
     drawn = [_drawn(drive, speed_range, row, seed, number) for number, row in rows]
     fair = tuple(scenario for scenario in drawn if scenario is not None)
-    others = (*long_scenarios(drive, speed_range, seed), shortest_period_scenario(drive, speed_range))
+    others = (*long_scenarios(drive, speed_range, seed), *shortest_period_scenarios(drive, speed_range))
     return fair + others[part::parts]
 
 
-def shortest_period_scenario(drive: DriveDocument, speed_range: SpeedRange | None) -> Scenario:
-    """Make the run with the shortest control period, whatever the seed: rated power at the highest loaded speed.
+def shortest_period_scenarios(drive: DriveDocument, speed_range: SpeedRange | None) -> tuple[Scenario, ...]:
+    """Make the runs with the shortest control period, whatever the seed.
 
     A search that decides too early by the number of its steps shows it where Σ|i| takes long to follow a step of the
-    angle: near the greatest load. No row of the array has so short a period, and few drawn runs have both.
+    angle: near the greatest load, or at part load in the middle of the speeds. No row of the array has so short a
+    period, and few drawn runs have both.
     """
-    _, highest = loaded_range(drive, speed_range)
-    run = steady_scenario(drive, highest, power_share=1.0, constant_power=False)
-    return with_beginning(run, control_period_s=SHORTEST_PERIOD_S)
+    lowest, highest = loaded_range(drive, speed_range)
+    middle = min(max(scale_of(drive).speed(_MIDDLE), lowest), highest)
+    runs = (
+        steady_scenario(drive, speed, power_share=share, constant_power=False)
+        for speed, share in ((highest, 1.0), (middle, 0.5))
+    )
+    return tuple(with_beginning(run, control_period_s=SHORTEST_PERIOD_S) for run in runs)
 
 
 def long_scenarios(drive: DriveDocument, speed_range: SpeedRange | None, seed: int) -> tuple[Scenario, ...]:

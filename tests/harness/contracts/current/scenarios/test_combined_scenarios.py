@@ -15,7 +15,7 @@ from drivegate.contracts.current.scenarios.combined import (
     SHORTEST_PERIOD_S,
     combined_scenarios,
     long_scenarios,
-    shortest_period_scenario,
+    shortest_period_scenarios,
 )
 from drivegate.contracts.current.scenarios.feasibility import is_fair
 from drivegate.drives.running import run_scenario
@@ -61,7 +61,7 @@ def test_the_rows_are_the_same_in_every_process() -> None:
 @pytest.mark.parametrize("seed", [0, 1])
 def test_every_row_becomes_a_fair_run_that_can_be_judged(seed: int) -> None:
     scenarios = combined_scenarios(DRIVE, None, seed)
-    of_rows = len(scenarios) - len(long_scenarios(DRIVE, None, seed)) - 1
+    of_rows = len(scenarios) - len(long_scenarios(DRIVE, None, seed)) - 2
     assert of_rows == len(covering_rows()), "a row has no fair scenario"
     for scenario in scenarios:
         assert is_fair(scenario), scenario.description
@@ -103,17 +103,19 @@ def test_a_long_run_leaves_the_search_time_to_rest_between_more_than_twenty_chan
 @pytest.mark.parametrize("name", ["paper-5-phase", "star-3-phase"])
 def test_the_shortest_period_shows_a_search_that_takes_it_for_another_with_any_seed(name: str) -> None:
     drive = load_drive(name)
-    scenario = shortest_period_scenario(drive, None)
+    scenarios = shortest_period_scenarios(drive, None)
     for seed in (0, 5):
-        assert scenario in combined_scenarios(drive, None, seed)
-    met = {}
+        assert set(scenarios) <= set(combined_scenarios(drive, None, seed))
+    met: dict[str, list[bool]] = {}
     for specification in ("reference", "faulty:period-taken-for-1-millisecond"):
         candidate = resolve_candidate(specification)
-        run = run_scenario(scenario, load_controller(candidate))
-        margin = CNV_2.evaluate(CurrentRecord(scenario, run, candidate.declaration))
-        assert margin is not None, f"CNV-2 does not judge {scenario.name}"
-        met[specification] = margin.met
-    assert met == {"reference": True, "faulty:period-taken-for-1-millisecond": False}
+        for scenario in scenarios:
+            run = run_scenario(scenario, load_controller(candidate))
+            margin = CNV_2.evaluate(CurrentRecord(scenario, run, candidate.declaration))
+            assert margin is not None, f"CNV-2 does not judge {scenario.name}"
+            met.setdefault(specification, []).append(margin.met)
+    assert all(met["reference"]), met
+    assert not all(met["faulty:period-taken-for-1-millisecond"]), met
 
 
 def test_no_two_rows_of_the_loaded_speeds_have_the_same_one() -> None:
