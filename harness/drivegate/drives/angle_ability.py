@@ -17,7 +17,7 @@ from drivegate.drives.envelope_document import envelope_document
 from drivegate.drives.kinds import FloatArray
 from drivegate.drives.power_reach import PowerReach
 from drivegate.drives.rating import RatedDrive, rated_drive
-from drivegate.drives.required_ripple import unreachable_ripple
+from drivegate.drives.required_ripple import machine_torque, unreachable_ripple
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import ideal_time_unit, limits_of, time_unit
 from drivegate_models.units import RADIANS_PER_RPM
@@ -181,7 +181,9 @@ def _accepts(document: DriveDocument) -> bool:
     points = () if document.requirements.point else drive.limits.points
     find = drive.oracle.least_current_sum
     return all(
-        isfinite(find(drive.constants, point.speed_rpm * RADIANS_PER_RPM, point.torque_n_m).advance)
+        isfinite(
+            find(drive.constants, point.speed_rpm * RADIANS_PER_RPM, machine_torque(drive, point)).advance
+        )
         for point in points
     )
 

@@ -11,6 +11,7 @@ from drivegate.drives.power_reach import setting_words
 from drivegate.drives.rating import RatedDrive
 from drivegate_cases.documents.wording import rounded_to_digits
 from drivegate_cases.drive.limits import POINT_POWER_SHARE
+from drivegate_cases.drive.requirements import RequiredPoint
 from drivegate_models.steady.plant import friction_torque
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -104,7 +105,7 @@ def unreachable_ripple(drive: RatedDrive) -> tuple[UnreachableRipple, ...]:
     for point in limits.points:
         speed = point.speed_rpm * RADIANS_PER_RPM
         friction = friction_torque(drive.constants, speed)
-        least, advance, greatest = _ripples(drive, speed, point.torque_n_m + friction)
+        least, advance, greatest = _ripples(drive, speed, machine_torque(drive, point))
         if not least < limits.ripple:
             found.append(
                 UnreachableRipple(
@@ -123,12 +124,17 @@ def unreachable_ripple(drive: RatedDrive) -> tuple[UnreachableRipple, ...]:
     return tuple(found)
 
 
+def machine_torque(drive: RatedDrive, point: RequiredPoint) -> float:
+    """Return the torque that the machine needs at a required point: the shaft's and friction (N m)."""
+    return point.torque_n_m + friction_torque(drive.constants, point.speed_rpm * RADIANS_PER_RPM)
+
+
 def ripple_percent_of_all(drive: RatedDrive) -> float:
     """Return the limit that every angle with a current sum that `CNV-2` allows meets at all points (%); NaN if none."""
     found = [0]
     for point in drive.limits.points:
         speed = point.speed_rpm * RADIANS_PER_RPM
-        *_, greatest = _ripples(drive, speed, point.torque_n_m + friction_torque(drive.constants, speed))
+        *_, greatest = _ripples(drive, speed, machine_torque(drive, point))
         if not isfinite(greatest):
             return nan
         found.append(_percent_in_hand(greatest))
