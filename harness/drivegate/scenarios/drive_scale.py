@@ -163,6 +163,7 @@ def scale_of(drive: DriveDocument) -> DriveScale:
     torque = power / (base * RADIANS_PER_RPM)
     unit = time_unit(drive)
     ramp = max(0.2 * unit, nearest_step(_load_ramp(drive)))
+    faster = _times_faster(drive)
     return DriveScale(
         base_speed_rpm=base,
         lowest_loaded_rpm=whole if base < whole < highest else tidy(lowest),
@@ -181,7 +182,7 @@ def scale_of(drive: DriveDocument) -> DriveScale:
         drag_area_m2=significant(power / 2500.0, 2),
         time_unit_s=unit,
         load_ramp_s=ramp,
-        load_ramp_cost_rpm=_RAMP_COST * base * _load_ramp(drive) / (ramp * _times_faster(drive) ** 2),
+        load_ramp_cost_rpm=_RAMP_COST * base * _load_ramp(drive) / (ramp * faster * faster),
         settling_s=settling_of(drive),
         shortest_window_s=3.0 * unit,
         dropout_step_s=min(max(nearest_step(0.011 * mechanical_time(drive)), 0.0005), 0.001),

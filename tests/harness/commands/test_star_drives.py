@@ -75,5 +75,6 @@ def test_a_map_of_a_star_is_its_oracle_s(command, tmp_path):
     row = pandas.read_csv(tmp_path / "map.csv").iloc[0]
     assert row["verdict"] == "converged"
     assert row["least_current_sum_a"] == pytest.approx(47.9, abs=0.1)
-    assert 0.0 <= row["excess_percent"] < 2.0
+    # It rests at the least itself, so rounding may put it below.
+    assert -1e-3 <= row["excess_percent"] < 2.0
     assert "<svg" in (tmp_path / "map.svg").read_text(encoding="utf-8")

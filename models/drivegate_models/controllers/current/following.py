@@ -117,7 +117,7 @@ def decide_following(state: Any, current_sum: float, settled: bool) -> None:
     state.angle_gain = max(_EASED * state.angle_gain, _LEAST_GAIN)
     if state.angle_integral <= state.lowest + SMALLEST_STEP:
         # Even without advance the torque exceeds the load, so the current must be limited.
-        give_up(state, current_sum)
+        _give_up(state, current_sum)
     elif state.followed_power < inf:
         ratio = current_sum / state.followed_power
         if ratio < _LIGHTER or ratio > _HEAVIER:
@@ -127,7 +127,7 @@ def decide_following(state: Any, current_sum: float, settled: bool) -> None:
         if state.compared == 0 and state.emf_over_supply < SURE:
             _search_upward(state, current_sum)
     elif state.followed_intervals >= _MOST_INTERVALS and state.emf_over_supply < SURE:
-        give_up(state, current_sum)
+        _give_up(state, current_sum)
 
 
 @inlined
@@ -149,20 +149,20 @@ def _search_upward(state: Any, current_sum: float) -> None:
 
 
 @inlined
-def give_up(state: Any, current_sum: float) -> None:
+def _give_up(state: Any, current_sum: float) -> None:
     """Regulate by the current again under this load, at the angle known or by a new search.
 
     `current_sum` is the one that flows (A).
     """
     if state.kept_power < inf:
         state.follows = 0
-        return_to_kept(state)
+        _return_to_kept(state)
     else:
         stop_following(state, current_sum, False)
 
 
 @inlined
-def return_to_kept(state: Any) -> None:
+def _return_to_kept(state: Any) -> None:
     """Hold the angle that the search had found before the angle regulated the speed."""
     state.offset = state.kept_offset
     state.integral = state.kept_integral
@@ -193,5 +193,5 @@ def goes_on(state: Any, current_sum: float) -> bool:
         return True
     if current_sum <= (1.0 + _LESS) * state.kept_power:
         return False
-    return_to_kept(state)
+    _return_to_kept(state)
     return True

@@ -11,13 +11,13 @@ from drivegate_models.controllers.current.forbidden_angle import LIGHT, allow_al
 from drivegate_models.controllers.current.state import FOLLOWING, HOLDING, NOT_RETRIED, SETTLING
 
 SURE: Final = 1.3
-"""Ratio of peak EMF to supply from which a limited current always needs more, by the oracle on ten drives."""
+"""Ratio of peak EMF to supply from which a limited current always needs more."""
 
-# Ratios from which it may need more: under a load of this share of the maximum current sum, under a load that is not
+# Ratios from which it may need more: under a heavy load (a share of the maximum current sum), under a load that is not
 # light, and under any.
 _TRIED: Final = 0.8
 _HEAVY: Final = 0.2
-_TRIED_PARTLY: Final = 1.0
+_TRIED_UNLESS_LIGHT: Final = 1.0
 _TRIED_LIGHT: Final = 1.2
 
 
@@ -90,7 +90,7 @@ def may_follow(state: Any) -> bool:
     Below the initial angle, where the EMF limits the current: the lower the EMF, the heavier the load must be.
     """
     load = _HEAVY
-    if state.emf_over_supply >= _TRIED_PARTLY:
+    if state.emf_over_supply >= _TRIED_UNLESS_LIGHT:
         load = LIGHT
     if state.emf_over_supply >= _TRIED_LIGHT:
         load = 0.0

@@ -72,6 +72,7 @@ def back_off(state: Any, angle: float, lost: bool) -> None:
     if lost:
         forbid(state)
     state.offset += angle
+    # A search upward that has taken no step yet keeps its direction.
     begins_upward = state.compared == 1 and state.good_power == inf
     if not begins_upward:
         # The edge is near; the next step must be smaller than the one that led over it.
