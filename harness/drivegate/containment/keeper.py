@@ -93,11 +93,8 @@ def import_role(role: str, *modules: str) -> None:
     A keeper that is not a copy does without.
     """
     with _without_collection():
-        if role == "candidate":
-            import drivegate.containment.serving
-        else:
-            import drivegate.containment.judge_process  # noqa: F401
-        for module in modules:
+        of_role = "serving" if role == "candidate" else "judge_process"
+        for module in (f"drivegate.containment.{of_role}", *modules):
             import_module(module)
 
 
