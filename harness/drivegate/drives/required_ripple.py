@@ -76,8 +76,8 @@ class UnreachableRipple:
 
     @property
     def nearest_percent(self) -> int:
-        """Limit of the ripple, in whole percent, that every such angle meets with a little in hand."""
-        return _percent_in_hand(self.greatest) if isfinite(self.greatest) else 0
+        """Limit of the ripple, in whole percent, that every such angle meets with a reserve of 2 %."""
+        return _percent_with_reserve(self.greatest) if isfinite(self.greatest) else 0
 
     def document(self) -> dict[str, object]:
         """Return what is out of reach as plain data, in people's units."""
@@ -104,8 +104,7 @@ def unreachable_ripple(drive: RatedDrive) -> tuple[UnreachableRipple, ...]:
     found = []
     for point in limits.points:
         speed = point.speed_rpm * RADIANS_PER_RPM
-        friction = friction_torque(drive.constants, speed)
-        least, advance, greatest = _ripples(drive, speed, machine_torque(drive, point))
+        least, advance, greatest = _ripples(drive, point)
         if not least < limits.ripple:
             found.append(
                 UnreachableRipple(
@@ -117,7 +116,7 @@ def unreachable_ripple(drive: RatedDrive) -> tuple[UnreachableRipple, ...]:
                     greatest=greatest,
                     tolerance=limits.optimum_tolerance,
                     greatest_torque=drive.oracle.greatest_torque_at_limit(drive.constants, speed).torque
-                    - friction,
+                    - friction_torque(drive.constants, speed),
                     follows_rating=not drive.document.requirements.point,
                 )
             )
@@ -133,20 +132,20 @@ def ripple_percent_of_all(drive: RatedDrive) -> float:
     """Return the limit that every angle with a current sum that `CNV-2` allows meets at all points (%); NaN if none."""
     found = [0]
     for point in drive.limits.points:
-        speed = point.speed_rpm * RADIANS_PER_RPM
-        *_, greatest = _ripples(drive, speed, machine_torque(drive, point))
+        *_, greatest = _ripples(drive, point)
         if not isfinite(greatest):
             return nan
-        found.append(_percent_in_hand(greatest))
+        found.append(_percent_with_reserve(greatest))
     return float(max(found))
 
 
-def _percent_in_hand(ripple: float) -> int:
+def _percent_with_reserve(ripple: float) -> int:
     return ceil(102.0 * ripple)
 
 
-def _ripples(drive: RatedDrive, speed: float, torque: float) -> tuple[float, float, float]:
+def _ripples(drive: RatedDrive, point: RequiredPoint) -> tuple[float, float, float]:
     """Find the least ripple, its angle and the greatest ripple at the angles with an allowed current sum."""
+    speed, torque = point.speed_rpm * RADIANS_PER_RPM, machine_torque(drive, point)
     best = drive.oracle.least_current_sum(drive.constants, speed, torque)
     if not isfinite(best.advance):
         return nan, nan, nan
@@ -159,8 +158,8 @@ def _ripples(drive: RatedDrive, speed: float, torque: float) -> tuple[float, flo
             advance = best.advance + step * direction
             if advance < 0.0:
                 break
-            point = drive.oracle.point_at_torque(drive.constants, speed, advance, torque)
-            if not point.current_sum <= allowed:
+            there = drive.oracle.point_at_torque(drive.constants, speed, advance, torque)
+            if not there.current_sum <= allowed:
                 break
             found.append((_ripple_from_edge(drive, speed, torque, advance, edge), advance))
     least, angle = min(found)

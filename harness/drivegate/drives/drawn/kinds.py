@@ -80,10 +80,12 @@ def _accepted(document: DriveDocument) -> DriveDocument | None:
         return None
     if percent <= 100.0 * drive.limits.ripple:
         return document
-    told = {
+    source = {
         "ripple_percent": "computed: the least in whole percent that every angle with an allowed current sum meets"
     }
-    return document.replaced(ripple_percent=percent, provenance={**document.provenance, "requirements": told})
+    return document.replaced(
+        ripple_percent=percent, provenance={**document.provenance, "requirements": source}
+    )
 
 
 def _draw_apparent_power(bound: Bound, source: Random, values: Values) -> None:
