@@ -86,12 +86,18 @@ def rest_or_confirm(state: Any, current_sum: float) -> None:
         state.quiet = 0
         take_step(state, current_sum, -state.step)
         return
-    if state.confirmed == 1 or at_edge or abs(state.offset) > _NEAR_THE_START * state.first_step:
+    far = abs(state.offset) > _NEAR_THE_START * state.first_step
+    in_vain = state.offset < 0.0 and 0.0 < state.initial_power < current_sum
+    if state.confirmed == 1 or ((at_edge or far) and not in_vain):
         hold_angle(state, current_sum)
         return
     state.confirmed = 1
     state.step = state.first_step
     state.direction = first_direction(state)
+    if in_vain:
+        # Less angle than the initial one has saved nothing, so the optimum may lie above it.
+        state.offset = 0.0
+        state.direction = 1.0
     begin_settling(state)
 
 
