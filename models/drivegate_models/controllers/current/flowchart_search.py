@@ -10,6 +10,7 @@ from typing import Any
 
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.controllers.current.another_load import (
+    CHANGED,
     LOAD_CHANGED,
     is_another_load,
     may_step_farther,
@@ -44,8 +45,6 @@ _FLAT_STEPS_SMALL = 4
 # Length at which a step no longer grows, in first steps.
 _LONG_STEP = 2.0
 _LONG_STEP_SMALL = 0.3
-# Distance from the initial angle within which a rest is confirmed, in first steps.
-_NEAR_THE_START = 6.0
 
 
 @inlined
@@ -86,9 +85,9 @@ def rest_or_confirm(state: Any, current_sum: float) -> None:
         state.quiet = 0
         take_step(state, current_sum, -state.step)
         return
-    far = abs(state.offset) > _NEAR_THE_START * state.first_step
-    in_vain = state.offset < 0.0 and 0.0 < state.initial_power < current_sum
-    if state.confirmed == 1 or ((at_edge or far) and not in_vain):
+    saved = state.initial_power - current_sum
+    in_vain = state.offset < 0.0 and saved < 0.0 < state.initial_power
+    if state.confirmed == 1 or ((at_edge or saved > CHANGED * current_sum) and not in_vain):
         hold_angle(state, current_sum)
         return
     state.confirmed = 1

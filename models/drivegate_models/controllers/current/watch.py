@@ -60,8 +60,6 @@ _SETTLED = 0.01
 _SETTLED_INTERVALS = 2
 # Intervals of a steady current sum after which the speed will not become steadier.
 _SETTLED_UNEASY = 8
-# Intervals after which the search no longer waits for a slowly growing current sum.
-_SETTLED_GROWING = 20
 _SMALLEST_SHARE = 1.0 / TUNED_SUM
 _RESTLESS = 0.003
 # First steps beyond which the last step of a climb no longer indicates the distance to the edge.
@@ -151,13 +149,16 @@ def settle(state: Any, current_sum: float, change: float, settled: bool) -> int:
     """
     # The search would mistake a load that is still rising for the effect of its first step.
     state.quiet = state.quiet + 1 if settled else 0
+    # Over two intervals a growth exceeds the noise that hides it over one.
+    growth = current_sum - state.quiet_from
+    state.quiet_from = current_sum - change
     if state.quiet >= _SETTLED_UNEASY:
         # The speed was steadier at other angles; at this one the regulator and the hysteresis band beat.
         state.calm_error = max(state.calm_error, state.worst_error)
     if state.quiet < _SETTLED_INTERVALS or is_wound_up(state, current_sum) or is_speed_unsteady(state):
         return WAITING
-    growing = change > _RESTLESS * current_sum + current_sum_noise(state)
-    if state.confirmed == 1 and state.quiet < _SETTLED_GROWING and growing:
+    growing = growth > 2.0 * _RESTLESS * current_sum + current_sum_noise(state)
+    if state.confirmed == 1 and growing:
         # The first steps looked flat, and the load still grows: slowly, but by more than steps save.
         return WAITING
     if (
