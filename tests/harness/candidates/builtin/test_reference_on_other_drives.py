@@ -74,10 +74,16 @@ LIFT = PAPER.replaced(
 # A load that grows by less than a percent from one decision to the next, for three seconds.
 SLOWLY_GROWING = tuple(
     with_load_factor(
-        steady_scenario(HALF_BRIDGE.draw(0, number).document, speed, power_share=1.0, constant_power=True),
-        ((0.0, 0.0), (0.5, 0.65), (12.0, 0.65), (15.2, 0.8)),
-    ).replaced(duration_s=35.2)
-    for number, speed in ((71, 1340.0), (83, 370.0))
+        steady_scenario(drive, speed, power_share=1.0, constant_power=constant_power),
+        ((0.0, 0.0), (0.5, 0.65), (begin, 0.65), (end, 0.8)),
+    ).replaced(duration_s=20.0 + end)
+    for drive, speed, constant_power, begin, end in (
+        (HALF_BRIDGE.draw(0, 71).document, 1340.0, True, 12.0, 15.2),
+        (HALF_BRIDGE.draw(0, 83).document, 370.0, True, 12.0, 15.2),
+        # Steps that save as much as the load grows meanwhile look flat, far from the initial angle too.
+        (HALF_BRIDGE.draw(0, 62).document, 1160.0, True, 9.0, 11.4),
+        (next(DRAWN_STAR.draws(0, 2)), 2720.0, False, 12.0, 15.2),
+    )
 )
 # A whole step costs more speed than on the paper's drive, although its angle has the torque.
 STEEP = tuple(
@@ -126,6 +132,8 @@ RUNS = (
         steady_scenario(next(DRAWN_STAR.draws(0, number)), speed, power_share=1.0, constant_power=True)
         for number, speed in ((1, 630.0), (2, 2720.0))
     ),
+    # The optimum lies above the initial angle, and steps down lose the torque or change less than noise.
+    steady_scenario(next(DRAWN_STAR.draws(0, 14)), 845.0, power_share=1.0, constant_power=True),
     # Sixty degrees from the optimum, a long step costs as much speed as another load.
     steady_scenario(next(DRAWN_STAR.draws(0, 8)), 2190.0, power_share=1.0, constant_power=True),
 )
