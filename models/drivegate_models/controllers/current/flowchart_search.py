@@ -68,11 +68,10 @@ def decide_by_flowchart(state: Any, error: float) -> None:
 
 @inlined
 def rest_or_confirm(state: Any, current_sum: float) -> None:
-    """Rest where no step saves current, after retrying at a doubtful edge and confirming near the start.
+    """Rest where no step saves current, after retrying at a doubtful edge and confirming what saved little.
 
-    A load that grows during the first steps adds as much current as they save, so all of them look flat. Near the
-    start the search therefore confirms its result with new steps like the first. `current_sum` is the mean of the
-    interval (A).
+    A load that grows meanwhile adds as much current as steps save, so all of them look flat. A search that saved
+    little therefore confirms its result with new steps like the first. `current_sum` is the mean of the interval (A).
     """
     if goes_on(state, current_sum):
         return
@@ -87,7 +86,7 @@ def rest_or_confirm(state: Any, current_sum: float) -> None:
         return
     saved = state.initial_power - current_sum
     in_vain = state.offset < 0.0 and saved < 0.0 < state.initial_power
-    if state.confirmed == 1 or ((at_edge or saved > CHANGED * current_sum) and not in_vain):
+    if state.confirmed == 1 or saved > CHANGED * current_sum or (at_edge and not in_vain):
         hold_angle(state, current_sum)
         return
     state.confirmed = 1
