@@ -212,12 +212,16 @@ def test_any_finite_commands_are_judged_and_can_be_reported(scenario, commands):
 
 
 WITHOUT_PAGES = """
+from functools import partial
 from drivegate.commands.command_line import main
+from drivegate.containment.watches import WorkerLimits
+from drivegate.gate import engine
 from drivegate.output import report_writers
+engine.WorkerPool = partial(engine.WorkerPool, limits=WorkerLimits(step_processor_seconds=1.0))
 report_writers.entry_points = lambda group: []
 main()
 """
-"""The command line without pages, which test_hostile_zoo.py writes of hostile candidates."""
+"""The command line without pages, which test_hostile_zoo.py writes of hostile candidates, and with little patience."""
 NEXT_TO_NOTHING = (5e-324, 5e-324, 5e-324)
 CHECKED = [
     (Drawn("nothing", "step", NEXT_TO_NOTHING, NEXT_TO_NOTHING), "fail"),
