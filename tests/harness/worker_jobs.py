@@ -8,9 +8,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numba.core import caching
 
 from drivegate.containment.messages import JudgedCandidate
 from drivegate.contracts.current.timed_steps import given_steps
+from drivegate.gate import warm_up
 from drivegate_models.compilation import kernels
 from drivegate_models.contract.current.signals import Nameplate
 from drivegate_models.errors import InputError
@@ -76,3 +78,33 @@ def surroundings(loaded: JudgedCandidate, payload: Any) -> dict[str, Any]:
         "path": sys.path,
         "keeps temporary files apart": tempfile.gettempdir() != os.environ["TMPDIR"],
     }
+
+
+PREPARED: list[str] = []
+"""What this process has prepared, or the template that it is a copy of."""
+
+
+def prepare(what: str) -> None:
+    """Prepare copies of this process."""
+    if what == "nothing":
+        raise LookupError("there is nothing to prepare")
+    PREPARED.append(what)
+
+
+def prepared(loaded: JudgedCandidate, payload: Any) -> list[str]:
+    """Return what this process has prepared."""
+    return PREPARED
+
+
+def kernels_loaded(loaded: JudgedCandidate, kind: str) -> int:
+    """Judge a run on a kind of drive, and return how many kernels have been loaded for it."""
+    load = caching.Cache.load_overload
+    loaded_now = []
+
+    def load_overload(*arguments: Any) -> Any:
+        loaded_now.append(arguments)
+        return load(*arguments)
+
+    caching.Cache.load_overload = load_overload
+    warm_up._judge_a_run(loaded, kind)
+    return len(loaded_now)

@@ -5,6 +5,7 @@ works on and its environment come from the harness over a connection of its own,
 a template knows no candidate, and its copies know nothing of each other.
 """
 
+import gc
 import json
 import os
 import signal
@@ -12,6 +13,7 @@ import socket
 import sys
 from collections.abc import Iterable
 from contextlib import suppress
+from importlib import import_module
 from itertools import pairwise
 from pathlib import Path
 from types import FrameType
@@ -26,26 +28,34 @@ FEW: Final = 16
 _BLOCK: Final = 65536
 
 
-def offer_copies(role: str, connection: str, _owner: str, *modules: str) -> None:
-    """Import what a role needs, and modules; make a copy for each connection that arrives, until the harness hangs up.
+def offer_copies(role: str, connection: str, _owner: str) -> None:
+    """Import what a role needs, and make a copy for each connection that arrives, until the harness hangs up.
 
-    In the template this does not return; in a copy it returns as `keep` does.
+    With it come the names of modules, which are imported as well. What arrives without a connection is a preparation:
+    all later copies have its results. In the template this does not return; in a copy it returns as `keep` does.
     """
     names = frozenset(os.environ)
+    prepared: list[list[str]] = []
     requests = socket.socket(fileno=int(connection))
     requests.set_inheritable(False)
-    import_role(role, *modules)
-    if not _has_one_thread():
-        os._exit(1)
+    import_role(role)
+    _require_one_thread()
     if role == "judge":
         # Whoever changed it would change every later judge.
         refuse_inspection()
     # Whoever ordered a copy sees its end by itself.
     signal.signal(signal.SIGCHLD, _reap)
     while True:
-        _, received, _, _ = socket.recv_fds(requests, 1, 1)
-        if not received:
+        order, received, _, _ = socket.recv_fds(requests, _BLOCK, 1)
+        if not order:
             break
+        stated = json.loads(order)
+        if not received:
+            if stated not in prepared:
+                prepared.append(stated)
+                _prepare(*stated)
+            continue
+        import_role(role, *stated)
         if os.fork() == 0:
             requests.close()
             _become_keeper(socket.socket(fileno=received[0]), names)
@@ -64,16 +74,26 @@ def _reap(_number: int, _frame: FrameType | None) -> None:
             continue
 
 
-def _has_one_thread() -> bool:
-    """Return True if this process can be copied: a copy has only the thread that made it.
+def _prepare(module: str, function: str, argument: str) -> None:
+    # What is wrong shows in the jobs of the copies.
+    with suppress(Exception):
+        getattr(import_module(module), function)(argument)
+    gc.freeze()
+    _require_one_thread()
+
+
+def _require_one_thread() -> None:
+    """End this process unless it can be copied: a copy has only the thread that made it.
 
     A library for linear algebra starts threads when it is imported, and ends them before a process is copied.
     """
     first = os.fork()
     if first == 0:
         os._exit(0)
-    os.waitpid(first, 0)
-    return len(list(Path("/proc/self/task").iterdir())) == 1
+    with suppress(ChildProcessError):
+        os.waitpid(first, 0)
+    if len(list(Path("/proc/self/task").iterdir())) != 1:
+        os._exit(1)
 
 
 def _become_keeper(connection: socket.socket, names: frozenset[str]) -> None:

@@ -13,7 +13,7 @@ from typing import Final
 import psutil
 
 from drivegate.containment.keeper_process import KeeperProcess, NewKeeper
-from drivegate.containment.templates import TEMPLATES
+from drivegate.containment.templates import TEMPLATES, Preparation
 from drivegate.containment.temporary_folder import TemporaryFolder
 from drivegate.isolation.layers import Layer, Places, python_command, written_order
 from drivegate_models.compilation.cache_folder import CACHE_VARIABLE, KERNELS_VARIABLE, NUMBA_VARIABLE
@@ -90,6 +90,13 @@ def _telling_environment(inherited: Mapping[str, str]) -> dict[str, str]:
     }
 
 
+def prepare_judges(preparation: Preparation, *, is_one_of_many: bool) -> None:
+    """Prepare the judges that are started as copies from now on; true if several are."""
+    if choose_cache_folder() is not None:
+        inherited = _telling_environment(os.environ)
+        TEMPLATES.prepare(Role.JUDGE, inherited, preparation, is_one_of_many=is_one_of_many)
+
+
 class Role(StrEnum):
     """What a kept process does."""
 
@@ -101,8 +108,8 @@ class KeptProcess:
     """One process, from its start to when nothing of it is left.
 
     A candidate's gets few environment variables, and its output goes to a descriptor; a judge's is the harness's own.
-    One that is started afresh is never a copy of a template. If it `is_one_of_many`, others follow for certain. A
-    template that has to be started for it imports `modules`.
+    One that is started afresh is never a copy of a template. If it `is_one_of_many`, others follow for certain. A copy
+    has imported `modules`.
     """
 
     def __init__(

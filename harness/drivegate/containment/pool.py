@@ -11,7 +11,9 @@ from drivegate.candidates.fault import Fault
 from drivegate.candidates.kinds import KINDS
 from drivegate.containment.judge import is_hang
 from drivegate.containment.judge_process import JudgeProcess
+from drivegate.containment.kept_process import prepare_judges
 from drivegate.containment.messages import Faulted, Finished, Job, ResultT
+from drivegate.containment.templates import Preparation
 from drivegate.containment.watches import SlowRun, WorkerLimits
 from drivegate_models.compilation.kernels import kernel_digests
 
@@ -30,7 +32,7 @@ class WorkerPool:
     """Several judges of one candidate, each with a process of the candidate's, watched by a single thread.
 
     `on_slow` is called with the first run that will take long, while it runs. Waiting for jobs raises `WorkEnded` as
-    soon as `is_ended` returns True.
+    soon as `is_ended` returns True. `preparation` is what the judges have in common, for example loaded kernels.
     """
 
     def __init__(
@@ -41,10 +43,13 @@ class WorkerPool:
         limits: WorkerLimits | None = None,
         on_slow: Callable[[SlowRun], None] | None = None,
         is_ended: Callable[[], bool] = lambda: False,
+        preparation: Preparation | None = None,
     ) -> None:
         report = None if on_slow is None else _once(on_slow)
-        # Listed before any of the candidate's code runs, which might change them.
+        # Listed and loaded before any of the candidate's code runs, which might change them.
         kernels = {} if KINDS[candidate.kind].is_included else kernel_digests()
+        if preparation is not None:
+            prepare_judges(preparation, is_one_of_many=workers > 1)
         self._workers = [
             JudgeProcess(candidate, limits, kernels, report, is_one_of_many=workers > 1)
             for _ in range(max(workers, 1))

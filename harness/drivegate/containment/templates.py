@@ -11,7 +11,7 @@ import weakref
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Final
+from typing import Final, NamedTuple
 
 from drivegate.containment.keeper_process import CopiedKeeper
 from drivegate.isolation.layers import python_command
@@ -25,16 +25,27 @@ _INHERITED: Final = (
 )
 
 
+class Preparation(NamedTuple):
+    """What a template computes once for all of its copies: a function of drivegate, which runs nobody else's code."""
+
+    module: str
+    """Module of the function."""
+    function: str
+    """Its name."""
+    argument: str
+    """Its argument."""
+
+
 class Template:
     """One process that offers copies of itself, until this object hangs up or its process ends."""
 
-    def __init__(self, role: str, environment: Mapping[str, str], modules: Sequence[str] = ()) -> None:
+    def __init__(self, role: str, environment: Mapping[str, str]) -> None:
         ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         ours.settimeout(_PATIENCE)
         self._requests = ours
         with theirs:
             # The third word shows in a list of processes whose template it is.
-            words = (role, str(theirs.fileno()), str(os.getpid()), *modules)
+            words = (role, str(theirs.fileno()), str(os.getpid()))
             self._process = subprocess.Popen(
                 python_command("drivegate.containment.copying", "offer_copies", *words),
                 stdin=subprocess.DEVNULL,
@@ -48,19 +59,25 @@ class Template:
         self.end = weakref.finalize(self, _end, os.getpid(), self._process, ours)
 
     def keeper(
-        self, words: Sequence[str], folder: int, descriptors: Sequence[int], environment: Mapping[str, str]
+        self,
+        words: Sequence[str],
+        folder: int,
+        descriptors: Sequence[int],
+        environment: Mapping[str, str],
+        modules: Sequence[str],
     ) -> CopiedKeeper | None:
         """Start a keeper as a copy; None if the template does not answer.
 
         `words`: role, order and temporary folder of `keep`. `folder`: descriptor of the working folder.
-        `descriptors`: standard input, output and error, then those of the worker.
+        `descriptors`: standard input, output and error, then those of the worker. `modules`: what this copy and all
+        later ones have imported.
         """
         ours, theirs = socket.socketpair()
         with ours:
             ours.settimeout(_PATIENCE)
             try:
                 with theirs:
-                    socket.send_fds(self._requests, [b"\0"], [theirs.fileno()])
+                    socket.send_fds(self._requests, [json.dumps(modules).encode()], [theirs.fileno()])
                 number, received, _, _ = socket.recv_fds(ours, 32, 1)
             except OSError:
                 return None
@@ -74,6 +91,11 @@ class Template:
                 socket.send_fds(ours, [written[:1]], [folder, *descriptors])
                 ours.sendall(written[1:])
         return CopiedKeeper(int(number), received[0])
+
+    def prepare(self, preparation: Preparation) -> None:
+        """Prepare all later copies."""
+        with suppress(OSError):
+            self._requests.send(json.dumps(preparation).encode())
 
     def hang_up(self) -> None:
         """Have the template end by itself, once its copies have ended."""
@@ -129,14 +151,14 @@ class Templates:
     ) -> CopiedKeeper | None:
         """Start a keeper as a copy of a template; None if it has to be a new process.
 
-        `words`, `descriptors`: as `Template.keeper` has them. `environment`: the keeper's. `inherited`: what of it does
-        not differ from one keeper to the next. `modules`: what a template that has to be started imports as well.
+        `words`, `descriptors`, `modules`: as `Template.keeper` has them. `environment`: the keeper's. `inherited`: what
+        of it does not differ from one keeper to the next.
         `is_one_of_many`: true if others follow for certain, so that even the first one is a copy.
         """
         if not hasattr(os, "pidfd_open") or os.getpid() != self._owner:
             return None
         with self._lock:
-            template = self._template(words[0], inherited, modules, is_one_of_many=is_one_of_many)
+            template = self._template(words[0], inherited, is_one_of_many=is_one_of_many)
             if template is None:
                 return None
             try:
@@ -144,7 +166,7 @@ class Templates:
             except OSError:
                 return None
             try:
-                keeper = template.keeper(words, place, descriptors, environment)
+                keeper = template.keeper(words, place, descriptors, environment, modules)
             finally:
                 os.close(place)
             if keeper is None:
@@ -152,12 +174,27 @@ class Templates:
                 template.end()
             return keeper
 
+    def prepare(
+        self, role: str, inherited: Mapping[str, str], preparation: Preparation, *, is_one_of_many: bool
+    ) -> None:
+        """Prepare later copies, unless the next keeper of the role has to be a new process.
+
+        The arguments are those of `keeper`. What is prepared has to be trusted when this is called.
+        """
+        if not hasattr(os, "pidfd_open") or os.getpid() != self._owner:
+            return
+        with self._lock, suppress(OSError):
+            if is_one_of_many or self._conditions.get(role) == _conditions(inherited):
+                template = self._template(role, inherited, is_one_of_many=is_one_of_many)
+                if template is not None:
+                    template.prepare(preparation)
+
     def _template(
-        self, role: str, environment: Mapping[str, str], modules: Sequence[str], *, is_one_of_many: bool
+        self, role: str, environment: Mapping[str, str], *, is_one_of_many: bool
     ) -> Template | None:
         """Return the template of a role under the present conditions, which may have to be started."""
         try:
-            conditions = (dict(environment), list(sys.path), _inherited())
+            conditions = _conditions(environment)
         except OSError:
             return None
         if self._conditions.get(role) != conditions:
@@ -166,7 +203,7 @@ class Templates:
             if not is_one_of_many:
                 return None
         if role not in self._templates:
-            self._templates[role] = Template(role, environment, modules)
+            self._templates[role] = Template(role, environment)
         return self._templates[role]
 
     def _retire(self, role: str) -> None:
@@ -182,13 +219,13 @@ class Templates:
         return tuple(each for each in (*self._templates.values(), *self._retired) if each is not None)
 
 
-def _inherited() -> tuple[object, ...]:
+def _conditions(environment: Mapping[str, str]) -> tuple[object, ...]:
     """Return what this process would pass on to a new one."""
     status = Path("/proc/thread-self/status").read_text(encoding="utf-8", errors="replace")
     limits = Path("/proc/self/limits").read_bytes()
     killing = Path("/proc/self/oom_score_adj").read_bytes()
     stated = [line for line in status.splitlines() if line.startswith(_INHERITED)]
-    return stated, limits, killing, os.getpriority(os.PRIO_PROCESS, 0)
+    return dict(environment), list(sys.path), stated, limits, killing, os.getpriority(os.PRIO_PROCESS, 0)
 
 
 TEMPLATES: Final = Templates()

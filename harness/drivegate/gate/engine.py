@@ -41,7 +41,7 @@ from drivegate.gate.recording import behaviour_job, recording_job, recording_pla
 from drivegate.gate.repetition import repeated_elsewhere
 from drivegate.gate.same_drive import require_same_drive
 from drivegate.gate.shrinking import Shrunk, simplest_failures, with_simplest
-from drivegate.gate.warm_up import compile_kernels, uncompiled_kinds
+from drivegate.gate.warm_up import compile_kernels, judges_on, uncompiled_kinds
 from drivegate.gate.witnesses import Acquittal, Defence, accusations, with_witnesses
 from drivegate.results.baseline import Baseline, compared
 from drivegate.results.counterexample import Counterexample
@@ -198,7 +198,8 @@ def check_candidate(
         baseline=baseline,
         focus=focus,
     )
-    with WorkerPool(candidate, workers=count, on_slow=on_slow, is_ended=ends) as pool:
+    prepared = judges_on(judged_on)
+    with WorkerPool(candidate, workers=count, on_slow=on_slow, is_ended=ends, preparation=prepared) as pool:
         yield Running(sum(item.runs for item in work))
         try:
             yield from _run_all(pool, work, progress)

@@ -14,8 +14,10 @@ from drivegate.candidates.declaration import NOTHING_DECLARED
 from drivegate.candidates.fault import Fault
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.check import judged
+from drivegate.containment.judge import own_candidate
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.containment.pool import WorkerPool
+from drivegate.containment.templates import Preparation
 from drivegate.contracts.catalogue import CONTRACTS
 from drivegate.contracts.contract import Contract
 from drivegate.drives.kinds import DEFAULT_KIND, DRIVE_KINDS
@@ -64,6 +66,20 @@ def compile_kernels(kinds: Collection[str], is_ended: Callable[[], bool] = lambd
     folder = required_cache_folder()
     for kind in kinds:
         (folder / f"{MARKER}-{kind}").touch()
+
+
+def judges_on(drive: DriveDocument) -> Preparation:
+    """Return how judges of runs on a drive are prepared."""
+    return Preparation(__name__, load_kernels.__name__, drive.kind)
+
+
+def load_kernels(kind: str) -> None:
+    """Load the compiled kernels and import the modules that judges of runs on a kind of drive need."""
+    candidate = own_candidate(resolve_candidate(_contract(kind).usual_candidate))
+    drive = load_drive(DRIVE_KINDS[kind].default_drive)
+    _contract(kind).drawn_scenarios(drive, candidate.candidate.declaration, 0)
+    for use in (_use_oracle, _judge_a_run):
+        use(candidate, kind)
 
 
 def _compile_kind(kind: str, *, is_ended: Callable[[], bool]) -> None:

@@ -23,9 +23,11 @@ from drivegate.containment.judge import Judge
 from drivegate.containment.keeper_process import CopiedKeeper
 from drivegate.containment.messages import Job
 from drivegate.containment.pool import WorkerPool
-from drivegate.containment.templates import Templates
+from drivegate.containment.templates import Preparation, Templates
+from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
 from drivegate.gate.repetition import Repetition, repetition_job
+from drivegate.gate.warm_up import judges_on
 from drivegate.isolation.layers import ISOLATION_VARIABLE
 from drivegate_cases.drive.drive_document import load_drive
 
@@ -193,6 +195,42 @@ def test_judges_that_start_together_are_copies(own_templates: Templates) -> None
         found = list(pool.map([Job(worker_jobs.surroundings, None)] * 2))
     assert len(own_templates.started()) == 1
     assert found[0] == found[1]
+
+
+@pytest.mark.parametrize("kind", ["own", "python"])
+def test_a_judge_that_is_a_copy_has_what_was_prepared_before_it_started(
+    own_templates: Templates, tmp_path: Path, kind: str
+) -> None:
+    import worker_jobs
+
+    (tmp_path / "mine.py").write_text(STEPPING.format(top="", step="pass", answer="1.0"), encoding="utf-8")
+    candidate = resolve_candidate("initial" if kind == "own" else f"{tmp_path / 'mine.py'}:Mine")
+
+    def prepared(what: str) -> object:
+        preparation = Preparation("worker_jobs", "prepare", what)
+        with WorkerPool(candidate, workers=1, preparation=preparation) as pool:
+            started = [template.pid for template in own_templates.started()]
+            (found,) = pool.map([Job(worker_jobs.prepared, None)])
+            assert [template.pid for template in own_templates.started()] == started, "prepared too late"
+        return found
+
+    assert prepared("first") == [], "what nobody copies is not prepared"
+    assert prepared("first") == ["first"]
+    assert prepared("nothing") == ["first"], "what cannot be prepared ends no check"
+    assert prepared("second") == ["first", "second"]
+    assert prepared("first") == ["first", "second"], "it is prepared once"
+
+
+def test_judges_of_a_check_have_its_kernels_before_they_start(own_templates: Templates) -> None:
+    import worker_jobs
+
+    drive = load_drive("star-3-phase")
+    candidate = resolve_candidate(contract_of(drive).usual_candidate)
+    job = Job(worker_jobs.kernels_loaded, drive.kind)
+    with WorkerPool(candidate, workers=2) as pool:
+        assert all(found > 0 for found in pool.map([job] * 2)), "nothing has to be loaded"
+    with WorkerPool(candidate, workers=2, preparation=judges_on(drive)) as pool:
+        assert list(pool.map([job] * 2)) == [0, 0]
 
 
 UNSTEADY = {

@@ -18,7 +18,7 @@ from drivegate.contracts.comparison import PlannedRun, Row
 from drivegate.drives.running import recorded
 from drivegate.gate.events import CheckStarted, Compiling, Event, RunDone
 from drivegate.gate.plan import Origin, Work, planned_work
-from drivegate.gate.warm_up import compile_kernels, uncompiled_kinds
+from drivegate.gate.warm_up import compile_kernels, judges_on, uncompiled_kinds
 from drivegate.results.result import CheckOutcome
 from drivegate.results.verdict import check_outcomes
 from drivegate_cases.drive.drive_document import DriveDocument
@@ -96,7 +96,8 @@ def find_best(plan: Sequence[PlannedRun], workers: int | None, found: dict[Any, 
     if not jobs:
         return
     yield CheckStarted("the best possible", len(jobs))
-    with WorkerPool(resolve_candidate(contract.usual_candidate), workers=_count(workers)) as pool:
+    solver, preparation = resolve_candidate(contract.usual_candidate), judges_on(plan[0].scenario.drive)
+    with WorkerPool(solver, workers=_count(workers), preparation=preparation) as pool:
         for done, (what, outcome) in enumerate(zip(jobs, pool.map(list(jobs.values())), strict=True), 1):
             if isinstance(outcome, Fault):
                 raise HarnessFault(f"an operating point cannot be solved: {outcome.message}")
@@ -136,7 +137,7 @@ def run_plan(
     total = len(plan) + 1 + sum(item.runs for item in work)
     yield CheckStarted(compared.label, total)
     done = 0
-    with WorkerPool(candidate, workers=_count(workers)) as pool:
+    with WorkerPool(candidate, workers=_count(workers), preparation=judges_on(drive)) as pool:
         for index, outcome in enumerate(pool.map([Job(measured, planned) for planned in plan])):
             done += 1
             yield RunDone(done, total, plan[index].label, "")

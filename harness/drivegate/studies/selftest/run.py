@@ -19,7 +19,7 @@ from drivegate.drives.kinds import drive_for
 from drivegate.gate.engine import check_candidate
 from drivegate.gate.events import Event
 from drivegate.gate.plan import Origin, Work, planned_work
-from drivegate.gate.warm_up import compile_missing
+from drivegate.gate.warm_up import compile_missing, judges_on
 from drivegate.output.event_loop import finished
 from drivegate.output.progress import progress_on
 from drivegate.results.result import CheckOutcome, CheckResult
@@ -78,7 +78,7 @@ def try_faults(faults: Sequence[SeededFault], effort: SelftestEffort) -> Iterato
     # The processes are started for the controller that has no fault; the faulty ones are loaded beside it.
     host = resolve_candidate(contract_of(drive).usual_candidate)
     count = effort.workers or os.cpu_count() or 1
-    with WorkerPool(host, workers=min(count, len(jobs))) as pool:
+    with WorkerPool(host, workers=min(count, len(jobs)), preparation=judges_on(drive)) as pool:
         outcomes = pool.map(jobs)
         for fault, on_drive in zip(faults, resolved, strict=True):
             yield _row(fault, on_drive, next(outcomes) if on_drive.idle_because is None else None, effort)
