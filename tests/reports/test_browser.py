@@ -100,7 +100,6 @@ def test_print_cuts_no_table(opened: Open, name: str) -> None:
     page.emulate_media(media="print")
     assert page.evaluate(CUT) == [], "wider than the paper"
     assert page.evaluate("document.documentElement.scrollWidth") <= A4_WIDTH
-    assert page.pdf(format="A4").startswith(b"%PDF")
 
 
 @EACH
@@ -108,7 +107,8 @@ def test_axe_finds_no_fault(opened: Open, name: str) -> None:
     # The content policy lets no other script in, and axe is one.
     page = opened(name, bypass_csp=True)
     page.evaluate((files("axe_playwright_python") / "axe.min.js").read_text(encoding="utf-8"))
-    found = page.evaluate("axe.run()")["violations"]
+    # Without the lists of all that is in order.
+    found = page.evaluate("axe.run({ resultTypes: ['violations'] })")["violations"]
     assert [(fault["id"], fault["impact"], fault["nodes"][0]["html"]) for fault in found] == []
 
 

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import math
 import re
+from collections.abc import Iterator
+from contextlib import closing
 from dataclasses import dataclass
 from functools import cache
-from io import BytesIO
 from pathlib import Path
 from typing import Any
 
-import pdfplumber
 import pytest
 from playwright.sync_api import Browser
+from pypdfium2 import PdfDocument, PdfObject, PdfPage, raw
 
 from drivegate.candidates.declaration import Declaration
 from drivegate.checks.check import Check
@@ -46,6 +48,34 @@ class Paper:
     large: dict[str, float]
 
 
+@dataclass(frozen=True)
+class Letter:
+    """A letter, or a space between words, and where it is from the left and from the lower edge (pt)."""
+
+    text: str
+    left: float
+    bottom: float
+    right: float
+    size: float
+
+
+def letters_of(sheet: PdfPage) -> list[Letter]:
+    """Read the letters of a sheet in their order, with the spaces that are not printed but part words."""
+    text = sheet.get_textpage()
+    letters, matrix = [], raw.FS_MATRIX()
+    for place in range(text.count_chars()):
+        left, bottom, right, _ = text.get_charbox(place)
+        raw.FPDFText_GetMatrix(text, place, matrix)
+        size = raw.FPDFText_GetFontSize(text, place) * math.hypot(matrix.c, matrix.d)
+        letters.append(Letter(chr(raw.FPDFText_GetUnicode(text, place)), left, bottom, right, size))
+    return letters
+
+
+def paths_of(sheet: PdfPage) -> Iterator[PdfObject]:
+    """Return what is drawn on a sheet."""
+    return sheet.get_objects(filter=[raw.FPDF_PAGEOBJ_PATH])
+
+
 @cache
 def printed(browser: Browser, path: Path, paper: str) -> Paper:
     page = browser.new_page()
@@ -55,21 +85,21 @@ def printed(browser: Browser, path: Path, paper: str) -> Paper:
     data = page.pdf(format=paper)
     page.close()
     measured, found = Paper([], set(), [], [], {}), set()
-    with pdfplumber.open(BytesIO(data)) as document:
-        for sheet in document.pages:
-            body = sheet.within_bbox((0.0, 0.0, sheet.width, sheet.height - FOOT))
-            marks = [*body.chars, *body.curves, *body.lines]
-            measured.filled.append(max((mark["bottom"] for mark in marks), default=0.0) / sheet.height)
-            letters = [letter for letter in body.chars if letter["upright"] and letter["text"].strip()]
+    with closing(PdfDocument(data)) as document:
+        for sheet in document:
+            letters, (width, height) = letters_of(sheet), sheet.get_size()
+            drawn = [bottom for _, bottom, _, _ in (path.get_bounds() for path in paths_of(sheet))]
+            bottoms = [bottom for bottom in (*(each.bottom for each in letters), *drawn) if bottom >= FOOT]
+            measured.filled.append(1.0 - min(bottoms, default=height) / height)
+            shown = [each for each in letters if each.bottom >= FOOT and each.text.strip()]
             measured.beyond.extend(
-                letter["text"]
-                for letter in letters
-                if letter["x0"] < MARGIN or letter["x1"] > sheet.width - MARGIN
+                each.text for each in shown if each.left < MARGIN or each.right > width - MARGIN
             )
-            measured.sizes.extend(letter["size"] for letter in letters)
-            for word in body.extract_words(extra_attrs=["size"]):
-                found |= set(PART.findall(word["text"]))
-                measured.large[word["text"]] = max(word["size"], measured.large.get(word["text"], 0.0))
+            measured.sizes.extend(each.size for each in shown)
+            for word in re.finditer(r"\S+", "".join(each.text for each in letters)):
+                found |= set(PART.findall(word[0]))
+                size = max(each.size for each in letters[slice(*word.span())])
+                measured.large[word[0]] = max(size, measured.large.get(word[0], 0.0))
     measured.broken.update(word for word in wanted if not {word, word.upper()} & found)
     return measured
 
