@@ -114,10 +114,15 @@ def planned_work(
 
 
 def _repeated(fixed: Sequence[Scenario]) -> list[Scenario]:
-    """Choose what is repeated beside the first run: the fastest one, and the first on another plant."""
+    """Choose what is repeated beside the first run: the fastest one, and the first with each kind of trouble.
+
+    Counters of errors and detected failures are what a reset forgets most easily.
+    """
     fastest = sorted(fixed, key=lambda run: -max(speed for _, speed in run.speed_rpm))
-    others = [run for run in fixed if run.scales != NOMINAL]
-    return [*fastest[:1], *others[:1]]
+    on_other_plants = [run for run in fixed if run.scales != NOMINAL]
+    losing_samples = [run for run in fixed if run.dropouts]
+    failing = [run for run in fixed if run.failure is not None]
+    return [run for runs in (fastest, on_other_plants, losing_samples, failing) for run in runs[:1]]
 
 
 def _serves(origin: Origin, focus: Focus) -> bool:

@@ -63,15 +63,23 @@ def test_only_a_check_of_repetitions_repeats_runs() -> None:
         assert first.repeat is repeats
 
 
-@pytest.mark.parametrize("drive", [PAPER, INTERIOR], ids=lambda drive: drive.name)
-def test_runs_in_weakening_and_off_nominal_are_repeated_too(drive: DriveDocument) -> None:
+@pytest.mark.parametrize(
+    ("candidate", "drive"), [("reference", PAPER), ("foc", INTERIOR)], ids=["reference", "foc"]
+)
+def test_runs_in_weakening_off_nominal_and_with_trouble_are_repeated_too(
+    candidate: str, drive: DriveDocument
+) -> None:
     """What a controller keeps may not show in the first run."""
-    plans = [item.job.payload for item in planned_work("quick", 0, drive=drive)]
+    declaration = resolve_candidate(candidate).declaration
+    work = planned_work("quick", 0, drive=drive, declaration=declaration)
+    plans = [item.job.payload for item in work]
     repeated = [plan.scenarios[0] for plan in plans if isinstance(plan, FixedRuns) and plan.repeat]
-    assert len(repeated) == 3
     fastest = max(speed for run in repeated for _, speed in run.speed_rpm)
     assert fastest >= drive.rating.highest_speed_rpm
-    assert any(run.scales != NOMINAL for run in repeated)
+    assert sum(run.scales != NOMINAL for run in repeated) == 1
+    assert sum(bool(run.dropouts) for run in repeated) == 1
+    failing = [run.failure for run in repeated if run.failure is not None]
+    assert len(failing) == bool(declaration.detects)
 
 
 def test_a_shard_that_no_check_looks_at_is_left_out() -> None:
