@@ -51,6 +51,7 @@ DUTY_RANGES = {
     "position error": ((0.1, 1.0), (0.0, 1.0)),
     "lost sample": ((0.1, 1.0), (0.0, 1.0)),
     "false edge": ((0.1, 1.0), (0.0, 1.0)),
+    "joint change": ((0.1, TOP / BASE), (-1.0, 1.0)),
     "parameter": ((0.1, TOP / BASE), (0.0, 0.85)),
     "supply step": ((0.1, TOP / BASE), (0.0, 0.85)),
     "torque supply step": ((0.0, TOP / BASE), (-1.0, 1.0)),

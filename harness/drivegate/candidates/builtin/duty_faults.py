@@ -32,6 +32,8 @@ class DutyFault:
     """Changes the record of the state, just reset."""
     perturbed: Callable[[DutyNameplate], dict[str, float]] | None = None
     """Return the changed fields of `PERTURBED_STATE` for a nameplate."""
+    keeps: tuple[str, ...] = ()
+    """Fields of either state that a reset leaves as they are."""
     less_salient: tuple[float, str] | None = None
     """Ratio of the inductances across the magnet's axis and along it up to which another check must catch it,
     and that check: the less reluctance torque there is, the less torque and current a wrong angle or
@@ -40,6 +42,8 @@ class DutyFault:
     @property
     def kind(self) -> str:
         """What kind of fault it is; the self-test counts by kind."""
+        if self.keeps:
+            return "Instances and resets"
         if self.believes is not None:
             return "Wrong numbers of the drive"
         return "Regulation" if self.alter is not None else "Senses and answers"
@@ -463,6 +467,35 @@ DUTY_FAULTS: Final = {
         "ACC-1",
         "Takes a shaft for locked after a few control periods.",
         alter=_scaled(0.02, "stall_periods", "hall_stall_periods"),
+    ),
+    "failure-survives-reset": DutyFault(
+        "DET-1",
+        "Keeps a detected failure through a reset.",
+        keeps=("fault",),
+    ),
+    "lost-samples-add-up": DutyFault(
+        "DET-1",
+        "Turns its bridge off at the second lost sample, counted through resets.",
+        perturbed=lambda plate: {"vanishing_current": 0.05 * plate.current_limit, "vanishings_borne": 1.0},
+        keeps=("vanishings",),
+    ),
+    "reference-missed-with-link": DutyFault(
+        "ACC-1",
+        "Misses a new reference in the control period of a link step.",
+        perturbed=lambda plate: {"link_step": 0.05 * plate.supply_voltage},
+    ),
+    "reference-missed-with-sample": DutyFault(
+        "ROB-5",
+        "Misses a new reference in a control period without currents.",
+        perturbed=lambda plate: {"awaited_current": 0.05 * plate.current_limit},
+    ),
+    "sag-taken-for-short-circuit": DutyFault(
+        "ACC-1",
+        "Turns its bridge off where the link falls as the current rises.",
+        perturbed=lambda plate: {
+            "link_fall": 0.08 * plate.supply_voltage,
+            "current_rise": 0.3 * plate.current_limit,
+        },
     ),
     "lowering-refused": DutyFault(
         "ACC-1",

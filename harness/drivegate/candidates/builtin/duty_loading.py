@@ -3,6 +3,8 @@
 from collections.abc import Callable
 from typing import Any
 
+from numpy.typing import NDArray
+
 from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS, DutyFault
 from drivegate.candidates.contract import require_nameplate_of
 from drivegate.candidates.controller import CompiledController
@@ -33,21 +35,30 @@ class DutyController(CompiledController):
             raise InputError(
                 "a built-in controller of duty ratios follows a speed or a torque, but this run gives a q current"
             )
-        fault = self._fault
+        fault, before = self._fault, self._state.copy()
         believed = nameplate if fault is None or fault.believes is None else fault.believes(nameplate)
         reset_function()(self._state, duty_nameplate_record(believed))
-        if fault is not None and fault.alter is not None:
+        if fault is None:
+            return
+        if fault.alter is not None:
             fault.alter(self._state)
+        _leave(fault, before, self._state)
 
 
 class PerturbedController(CompiledController):
     """A controller with perturbed Senses and commands."""
 
-    def __init__(self, inner: DutyController, perturbed: Callable[[DutyNameplate], dict[str, float]]) -> None:
+    def __init__(
+        self,
+        inner: DutyController,
+        fault: DutyFault,
+        perturbed: Callable[[DutyNameplate], dict[str, float]],
+    ) -> None:
         super().__init__(
             perturbed_step_function(), perturbed_state(inner.step_address, inner.state_address, {})
         )
         self._inner = inner
+        self._fault = fault
         self._perturbed = perturbed
         self.state_size: int = inner.state_size
 
@@ -57,10 +68,18 @@ class PerturbedController(CompiledController):
         fresh = perturbed_state(
             self._inner.step_address, self._inner.state_address, self._perturbed(nameplate)
         )
+        _leave(self._fault, self._state, fresh)
         for name in fresh.dtype.names or ():
             # Addresses are those of this state, which stays in its place.
             if not name.endswith("_address"):
                 self._state[name] = fresh[name]
+
+
+def _leave(fault: DutyFault, before: NDArray[Any], state: NDArray[Any]) -> None:
+    """Copy what a reset is not to change from the state before it; zeros at first."""
+    for name in fault.keeps:
+        if name in (state.dtype.names or ()):
+            state[name] = before[name]
 
 
 def load_duty_controller(name: str) -> DutyController | PerturbedController:
@@ -69,4 +88,4 @@ def load_duty_controller(name: str) -> DutyController | PerturbedController:
         return DutyController(name)
     fault = DUTY_FAULTS[name.removeprefix(FAULTY_PREFIX)]
     inner = DutyController(fault=fault)
-    return inner if fault.perturbed is None else PerturbedController(inner, fault.perturbed)
+    return inner if fault.perturbed is None else PerturbedController(inner, fault, fault.perturbed)

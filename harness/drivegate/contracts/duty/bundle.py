@@ -165,6 +165,7 @@ DUTY: Final = Contract(
         "position error",
         "lost sample",
         "false edge",
+        "joint change",
         "failure",
     ),
     numbers=Later("drivegate.contracts.duty.numbers", "numbers"),

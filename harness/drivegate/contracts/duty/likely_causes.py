@@ -179,6 +179,14 @@ LIKELY_CAUSES: Final = (
         "swinging-speed-trips",
         "impatient-stall-watch",
         "jumps-of-angle-smoothed",
+        "sag-taken-for-short-circuit",
+    ),
+    _cause(
+        "a reset leaves part of the state as it was",
+        "DET-1",
+        "DET-1 confirms it: the same run differs the second time",
+        "failure-survives-reset",
+        "lost-samples-add-up",
     ),
     _cause(
         "part of the range of references is refused or limited",
@@ -193,6 +201,8 @@ LIKELY_CAUSES: Final = (
         "overvoltage-ends-braking",
         "reference-clipped",
         "lowering-refused",
+        "reference-missed-with-link",
+        "reference-missed-with-sample",
     ),
 )
 """All of them."""

@@ -15,6 +15,7 @@ from drivegate_models.compilation.calling import call_step, double_at, step_sign
 from drivegate_models.compilation.kernels import KEEPS_CACHE, inlined
 from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE, duty_command_record
 from drivegate_models.contract.duty.signals import LEG_OFF
+from drivegate_models.faults.duty.changes import is_short_circuit, taken_reference
 from drivegate_models.faults.duty.shaft import follow_shaft
 from drivegate_models.faults.duty.trips import mistakes_samples
 from drivegate_models.machine.cycle import within_half_turn
@@ -107,10 +108,12 @@ PERTURBED_STATE: Final = np.dtype(
         ("computes_third", np.int64),
         ("is_late", np.int64),
         ("before", np.float64, (3,)),
-        # Plausibility of single samples: largest current that may vanish in one period (A), and the largest one of the
-        # preceding step.
+        # Plausibility of single samples: largest current that may vanish in one period (A), the largest one of the
+        # preceding step, how often it has vanished, and how often it may.
         ("vanishing_current", np.float64),
         ("current_before", np.float64),
+        ("vanishings", np.int64),
+        ("vanishings_borne", np.int64),
         # Swing of the speed about its mean that counts as a loose sensor, relative to it (1); the mean (rad/s), the
         # side of it that the speed was on last, and the number of changes of that side.
         ("loose_swing", np.float64),
@@ -132,6 +135,20 @@ PERTURBED_STATE: Final = np.dtype(
         ("damping", np.float64),
         # 1 if the angle at the first step of a shaft at rest is taken for zero.
         ("assumes_zero", np.int64),
+        # Step of the link voltage (V), and lost current (A), in whose period a change of the reference is missed, 0 for
+        # none; the reference of the preceding step and the one in use (rad/s or N m), and the link voltage of the
+        # preceding step (V).
+        ("link_step", np.float64),
+        ("awaited_current", np.float64),
+        ("reference_seen", np.float64),
+        ("reference_taken", np.float64),
+        ("link_before", np.float64),
+        # Fall of the link voltage (V; 0 for none) and rise of the current (A) that together count as a short circuit;
+        # the largest current at the fall (A), and the control periods in which it is compared.
+        ("link_fall", np.float64),
+        ("current_rise", np.float64),
+        ("current_at_fall", np.float64),
+        ("fallen", np.int64),
         # Factor on the duty ratios about their middle (1), 1 if they are then limited to their range, 1 if two phases
         # are swapped, and the requested control period (s), 0 for none.
         ("stretch", np.float64),
@@ -214,11 +231,11 @@ def _ramp_share(state: Any, time: float) -> float:
 
 
 @inlined
-def _perturbed_reference(state: Any, sense: Any) -> float:
-    """Return the reference of speed or torque that the controller sees (rad/s or N m)."""
+def _perturbed_reference(state: Any, sense: Any, taken: float) -> float:
+    """Return the reference that the controller sees, of the one that is taken (both rad/s or N m)."""
     if state.ramp > 0.0:
-        return float(_ramp_share(state, sense.time) * sense.reference)
-    reference = min(max(sense.reference, -state.most_reference), state.most_reference)
+        return float(_ramp_share(state, sense.time) * taken)
+    reference = min(max(taken, -state.most_reference), state.most_reference)
     if reference > 0.0:
         return float(max(reference, state.least_reference))
     limit = 0.0 if sense.supply_voltage > state.braking_voltage else state.backward_limit
@@ -273,6 +290,7 @@ def _write_sense(state: Any, sense: Any) -> None:
     state.is_calibrated = 1
     if state.computes_third == 1:
         state.currents[2] = -state.currents[0] - state.currents[1]
+    taken = taken_reference(state, sense)
     follow_shaft(state, sense)
     state.sense = sense
     perturbed = state.sense
@@ -290,9 +308,9 @@ def _write_sense(state: Any, sense: Any) -> None:
     perturbed.angle += state.ahead * (abs(sense.speed) - sense.speed)
     perturbed.speed = state.speed_factor * sense.speed if abs(sense.speed) >= state.least_speed else 0.0
     perturbed.speed = min(max(perturbed.speed, -state.most_speed), state.most_speed)
-    perturbed.reference = _perturbed_reference(state, sense)
+    perturbed.reference = _perturbed_reference(state, sense, taken)
     perturbed.reference -= state.damping * max(sense.speed - state.mean_speed, 0.0)
-    if mistakes_samples(state, sense):
+    if mistakes_samples(state, sense) or is_short_circuit(state, sense):
         state.is_off = 1
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any, Final
 
-from drivegate_models.compilation.calling import double_at
 from drivegate_models.compilation.kernels import inlined
+from drivegate_models.faults.duty.changes import largest_current
 
 # Share of a current that is left of one that has vanished, and the number of swings of a loose sensor.
 _LEFT: Final = 0.01
@@ -14,12 +14,13 @@ _SWINGS: Final = 40
 
 @inlined
 def _vanishes(state: Any, sense: Any) -> bool:
-    """Return True if all currents have vanished since the preceding step."""
-    currents = sense.phase_currents
-    largest = max(abs(double_at(currents, 0)), abs(double_at(currents, 1)), abs(double_at(currents, 2)))
+    """Return True if all currents have vanished since the preceding step, once more often than is borne."""
+    largest = largest_current(sense)
     before = state.current_before
     state.current_before = largest
-    return bool(before > state.vanishing_current > 0.0 and largest < _LEFT * before)
+    if before > state.vanishing_current > 0.0 and largest < _LEFT * before:
+        state.vanishings += 1
+    return bool(state.vanishings > state.vanishings_borne)
 
 
 @inlined

@@ -89,6 +89,8 @@ def rare_families() -> dict[str, dict[str, Scenario]]:
     start = speed_scenario(
         INTERIOR, (0.2 * base,), torque_nm=0.5 * rated, initial_speed_rpm=0.0, initial_angle_deg=90.0
     )
+    stepping = torque_scenario(INTERIOR, 0.5 * base, (0.2 * rated, 0.8 * rated))
+    sagging = supply_step_scenario(stepping, INTERIOR, (1.0, 0.85))
     false_edges = with_false_edges(held, most_false_edges(INTERIOR), 0.1, 1)
     return {
         "braking": {
@@ -117,6 +119,11 @@ def rare_families() -> dict[str, dict[str, Scenario]]:
             "undervoltage-at-once": with_lost_samples(held, ("supply",), (0.1,)),
             "lost-currents-trip": with_lost_samples(held, ("currents",), (0.1,)),
         },
+        "two changes at once": {
+            "reference-missed-with-link": sagging,
+            "sag-taken-for-short-circuit": sagging,
+            "reference-missed-with-sample": with_lost_samples(stepping, ("currents",), (0.5,)),
+        },
         "false edge": {"false-edges-trip": false_edges, "phase-after-false-edges": false_edges},
         "position error": {
             "swinging-speed-trips": with_position_errors(turning, 1, track_gain=0.026, track_phase_deg=1.5),
@@ -144,7 +151,17 @@ def failed_checks(name: str, runs: tuple[Scenario, ...]) -> frozenset[str]:
     return frozenset(margin.check for margin in margins if not margin.met)
 
 
-@pytest.mark.parametrize("name", [name for name in DUTY_FAULTS if name not in rarer_runs()])
+def repeated_runs() -> dict[str, Scenario]:
+    """Give each fault that outlives a reset the run whose repetition shows it."""
+    assert isinstance(INTERIOR, PmAcDocument)
+    held = torque_scenario(INTERIOR, 1200.0, (torque_of(INTERIOR, 1200.0, 0.5),))
+    return {
+        "failure-survives-reset": failing(held, "stuck-current", 0.25),
+        "lost-samples-add-up": with_lost_samples(held, ("currents",), (0.1,)),
+    }
+
+
+@pytest.mark.parametrize("name", [name for name in DUTY_FAULTS if name not in rarer_runs() | repeated_runs()])
 def test_a_faulty_controller_is_caught_by_its_check(name: str) -> None:
     assert DUTY_FAULTS[name].check in failed_checks(f"faulty:{name}", revealing_runs())
 
@@ -164,6 +181,22 @@ def test_a_fault_of_a_rarer_operation_is_caught_there_alone(name: str) -> None:
     assert failed_checks("foc", (run,)) == frozenset()
     assert failed_checks(f"faulty:{name}", revealing_runs()) == failed_checks("foc", revealing_runs())
     assert DUTY_FAULTS[name].check in failed_checks(f"faulty:{name}", (run,))
+
+
+def differs_again(name: str, run: Scenario) -> bool:
+    """Run a candidate through a scenario repeatedly and return whether `DET-1` fails it, and nothing else does."""
+    outcome = run_fixed(own_candidate(resolve_candidate(name)), FixedRuns((run,), repeat=True))
+    failed = {margin.check for margin in outcome.runs[0].margins if not margin.met}
+    assert failed <= {"DET-1"}
+    return bool(failed)
+
+
+@pytest.mark.parametrize("name", repeated_runs())
+def test_a_fault_that_outlives_a_reset_is_caught_where_its_trouble_is_repeated_alone(name: str) -> None:
+    run, plain = repeated_runs()[name], revealing_runs()[2]
+    assert not differs_again("foc", run)
+    assert not differs_again(f"faulty:{name}", plain)
+    assert differs_again(f"faulty:{name}", run)
 
 
 def test_each_rarer_operation_has_two_faults_that_it_alone_shows() -> None:

@@ -26,6 +26,7 @@ def test_each_names_a_check_of_its_contract_and_a_kind() -> None:
         "Wrong numbers of the drive",
         "Regulation",
         "Senses and answers",
+        "Instances and resets",
     }
 
 

@@ -139,7 +139,7 @@ ROB_4 = Check(
 
 ROB_5 = Check(
     id="ROB-5",
-    families=("sensor", "position error", "lost sample", "false edge"),
+    families=("sensor", "position error", "lost sample", "false edge", "joint change"),
     requirement="Through shunts, converters and an encoder or Hall switches the reference is held, also after lost "
     "samples and false edges.",
     source="the contract",

@@ -37,6 +37,7 @@ UNWEAKENED_FAMILIES: Final = (
     "restart",
     "supply step",
     "torque supply step",
+    "joint change",
 )
 """Families of scenarios with a steady state below weakening."""
 STEADY_FAMILIES: Final = ("torque step", "weakening", *UNWEAKENED_FAMILIES[1:])

@@ -182,6 +182,18 @@ def hoist_scenario(
     return titled(run.replaced(load=load))
 
 
+def speed_and_load_step_scenario(
+    drive: PmAcDocument, speeds_rpm: tuple[float, float], torque_nm: float, shares: tuple[float, float]
+) -> Scenario:
+    """Make a run whose load steps in the very control period in which its speed reference does."""
+    run = speed_scenario(drive, speeds_rpm, torque_nm=torque_nm, factor=((0.0, shares[0]),))
+    at = run.speed_rpm[-1][0]
+    factor = ((0.0, shares[0]), (at, shares[0]), (at, shares[1]))
+    return titled(
+        run.replaced(load=ConstantTorqueLoad(kind="constant_torque", torque_nm=torque_nm, factor=factor))
+    )
+
+
 def restarted(run: Scenario, shares: Sequence[float], clock_start_s: float = 0.0) -> Scenario:
     """Reset the controller at shares of a run's length, and let its clock begin anywhere."""
     times = _times_s(run, shares)

@@ -17,6 +17,7 @@ from drivegate.contracts.duty.scenarios.building import (
     most_false_edges,
     restarted,
     slow_torque,
+    speed_and_load_step_scenario,
     speed_scenario,
     stop_scenario,
     supply_step_scenario,
@@ -388,6 +389,55 @@ def lost_sample_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
     )
 
 
+def joint_change_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
+    """Draw steps of a torque, of a load, or of speed and load, with a link step, a lost sample or a restart at once.
+
+    Torques are up to 85 % of the rated one either way, and loads 30 to 70 %: with less, a search for the least loss has
+    little to go by.
+    """
+    base = drive.rating.base_speed_rpm
+
+    def stepped(
+        is_torque: bool, torques: tuple[float, float], loads: tuple[float, float], speed: float
+    ) -> Scenario:
+        if is_torque:
+            return torque_scenario(drive, speed, [torque_of(drive, speed, share) for share in torques])
+        return load_step_scenario(drive, speed, torque_of(drive, speed, 1.0), loads)
+
+    torques = st.tuples(*[_shares(-HEAVIEST_SHARE, HEAVIEST_SHARE)] * 2)
+    loads = st.tuples(*[_shares(0.3, 0.7)] * 2)
+    steps = st.builds(stepped, st.booleans(), torques, loads, _turning(drive))
+    slow_steps = st.builds(stepped, st.booleans(), torques, loads, _speeds(drive, TURNING_SHARE * base, base))
+    linked = st.builds(
+        lambda run, level: supply_step_scenario(run, drive, (1.0, round(1.0 + SHARE_STEP * level, 2))),
+        steps,
+        st.integers(-3, 3).filter(bool),
+    )
+    lost = st.builds(
+        lambda run, signal, share: with_lost_samples(run, (signal,), (share,)),
+        slow_steps,
+        st.sampled_from(("currents", "speed", "supply")),
+        st.sampled_from((0.5, 0.501)),
+    )
+    # Not at a step of the torque: STP-1 judges the response of a controller that has settled.
+    restarts = st.builds(
+        lambda shares, speed: restarted(
+            load_step_scenario(drive, speed, torque_of(drive, speed, 1.0), shares), (0.5,)
+        ),
+        loads,
+        _speeds(drive, TURNING_SHARE * base, base),
+    )
+    both = st.builds(
+        lambda shares, first, second: speed_and_load_step_scenario(
+            drive, (first, second), torque_of(drive, max(first, second), 1.0), shares
+        ),
+        loads,
+        _turning(drive),
+        _turning(drive),
+    )
+    return st.one_of(linked, lost, restarts, both)
+
+
 def false_edge_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
     """Draw false edges of an encoder that turn the rotor's frame by up to 3 electrical degrees."""
     most = most_false_edges(drive)
@@ -491,7 +541,7 @@ FAMILY_GROUPS: Final[tuple[tuple[Family, ...], ...]] = (
         lost_sample_scenarios,
         false_edge_scenarios,
     ),
-    (weakening_scenarios, parameter_scenarios),
+    (weakening_scenarios, parameter_scenarios, joint_change_scenarios),
 )
 """Families of scenarios that a shard of the search draws from; shards take turns at them."""
 
@@ -500,7 +550,13 @@ _OF_BOTH_SENSES: Final = frozenset({reversal_scenarios, hoist_scenarios})
 _BACKWARD_SHARE: Final = 4
 """One run in so many is drawn backward."""
 _OF_EITHER: Final = frozenset(
-    {restart_scenarios, position_error_scenarios, lost_sample_scenarios, false_edge_scenarios}
+    {
+        restart_scenarios,
+        position_error_scenarios,
+        lost_sample_scenarios,
+        false_edge_scenarios,
+        joint_change_scenarios,
+    }
 )
 _OF_TORQUE: Final = frozenset({torque_step_scenarios, torque_supply_step_scenarios, weakening_scenarios})
 

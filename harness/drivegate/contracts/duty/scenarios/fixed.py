@@ -14,6 +14,7 @@ from drivegate.contracts.duty.scenarios.building import (
     most_false_edges,
     restarted,
     slow_torque,
+    speed_and_load_step_scenario,
     speed_scenario,
     stop_scenario,
     supply_step_scenario,
@@ -75,6 +76,7 @@ def fixed_scenarios(
         *_other_plants(drive),
         *_sensed(drive),
         *_disturbed(drive),
+        *_at_once(drive),
         *(_backward(drive) if reverses and drive.one_way_because is None else ()),
         *(run for run in _failures(drive) if run.failure is not None and run.failure.kind in detected),
     )
@@ -211,6 +213,21 @@ def _disturbed(drive: PmAcDocument) -> list[Scenario]:
         with_lost_samples(torque, ("currents", "speed", "supply"), (0.1,)),
         *(_off_position(drive, torque, speed_at_base) if drive.position == "exact" else ()),
         *([with_false_edges(torque, edges, 0.1, 1)] if by_encoder else []),
+    ]
+
+
+def _at_once(drive: PmAcDocument) -> list[Scenario]:
+    """Make the runs in which two things happen in the same control period: reference or load, and something else."""
+    slow, fast = speed_of(drive, -0.5), speed_of(drive, 0.3)
+    torques = torque_scenario(drive, slow, tuple(torque_of(drive, slow, part) for part in (0.2, 0.8, -0.5)))
+    step = torque_scenario(drive, slow, tuple(torque_of(drive, slow, part) for part in (0.6, 0.3)))
+    load = load_step_scenario(drive, fast, torque_of(drive, fast, 0.7), (0.3, 1.0))
+    return [
+        supply_step_scenario(torques, drive, (1.0, 0.85, 1.1)),
+        with_lost_samples(step, ("currents",), (0.5,)),
+        supply_step_scenario(load, drive, (1.0, 0.9)),
+        restarted(load, (0.5,)),
+        speed_and_load_step_scenario(drive, (slow, fast), torque_of(drive, fast, 0.7), (0.2, 1.0)),
     ]
 
 

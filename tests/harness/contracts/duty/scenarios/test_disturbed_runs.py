@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import pytest
+from hypothesis import given, settings
 from tests.harness.contracts.key_effects import seen
 
 from drivegate.contracts.duty.scenarios.building import (
@@ -16,10 +18,13 @@ from drivegate.contracts.duty.scenarios.building import (
     with_lost_samples,
     with_position_errors,
 )
+from drivegate.contracts.duty.scenarios.drawn import joint_change_scenarios
 from drivegate.contracts.duty.scenarios.feasibility import unfair_because
 from drivegate.contracts.duty.scenarios.windows import duty_windows
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.scenario.piecewise import Profile
+from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import SHUNTS
 from drivegate_models.errors import InputError
 
@@ -61,6 +66,23 @@ def test_a_lost_sample_reads_zero_once(signal: str) -> None:
     value = getattr(lost.senses[number], column)
     assert value == ((0.0, 0.0, 0.0) if signal == "currents" else 0.0)
     assert lost.plant == whole.plant
+
+
+def stepping_s(profile: Profile) -> set[float]:
+    """Give the times at which a profile steps."""
+    return {after[0] for before, after in pairwise(profile) if before[1] != after[1]}
+
+
+@given(run=joint_change_scenarios(DRIVE))
+@settings(max_examples=25, derandomize=True, database=None)
+def test_two_things_happen_at_once_in_a_joint_change(run: Scenario) -> None:
+    profiles = (run.torque_reference_profile, run.speed_rpm, run.load_profile, run.supply_profile)
+    steps = [stepping_s(profile) for profile in profiles]
+    disturbed = {*run.restarts_s, *(lost.start_s for lost in run.dropouts)}
+    # A level may be drawn twice, which is no step.
+    times = set().union(*steps, disturbed)
+    assert not times or max(times) - min(times) < 21 * PERIOD, "one comes later"
+    assert len(duty_windows(run)) == 1 + bool(times), "what has no time to settle is not judged"
 
 
 def test_false_edges_turn_the_angle_and_too_many_of_them_are_set_aside() -> None:
