@@ -24,14 +24,20 @@ from drivegate_models.controllers.current.state import (
     RETRIED,
     SMALLEST_STEP,
 )
+from drivegate_models.controllers.current.unrest import JOLT
 
 STARVED: Final = 3.0
 """Multiple of the actual current beyond which the current reference indicates a starved winding."""
 SLACK: Final = 0.04
 """Excess of the current reference that does not yet indicate a starved winding, as a share of the current limit."""
 ALARM: Final = 0.3
-"""Share of k1: a larger loss of speed after a step indicates lost torque. Waiting for k1 itself would be too late."""
+"""Share of k1: a larger loss of speed after a step indicates lost torque, unless the speed regulator is slow.
 
+Waiting for k1 itself would be too late.
+"""
+
+# Share by which the current reference may have to rise at a smaller angle that provides the torque.
+_RISE = 0.06
 # The stored supply voltage changes only by more than this: measurement noise must not move the angle.
 _SUPPLY_MOVED = 0.02
 # Reverted in addition to the step, so that the angle does not end on the edge itself.
@@ -47,6 +53,17 @@ _REGAIN = 0.25
 _SLOWEST_REGAIN = 0.04
 _LONGEST_CLIMB = radians(8.0)
 _HEAVIER_THAN_HELD = 1.1
+
+
+@inlined
+def alarming_sag(state: Any) -> float:
+    """Return the loss of speed (rad/s) that indicates lost torque after a step.
+
+    A slow regulator loses more than `ALARM` of k1 until it has found a higher current reference.
+    """
+    until_found = _RISE * state.good_integral / state.proportional
+    sag: float = min(max(ALARM * state.speed_tolerance, until_found), JOLT * state.speed_tolerance)
+    return sag
 
 
 @inlined
@@ -108,7 +125,7 @@ def is_still_falling(state: Any, sag: float, period: float) -> bool:
     `sag` is speed reference minus speed (rad/s) and `period` the scaled control period (s). False until the
     reverted angle has had time to act.
     """
-    falling: bool = sag > state.lost_speed + ALARM * state.speed_tolerance
+    falling: bool = sag > state.lost_speed + alarming_sag(state)
     return falling and state.count * period >= _DWELL
 
 
@@ -216,7 +233,7 @@ def guard_regulation(
         state.starved_mark = speed
     is_starved = state.starved_run * period >= _STARVED_DWELL
     # After a step toward less angle, that step is the cause, so it is reverted completely.
-    if state.moved < 0.0 and (is_starved or sag > ALARM * state.speed_tolerance):
+    if state.moved < 0.0 and (is_starved or sag > alarming_sag(state)):
         # The integral has wound up in vain; the old angle needs the old current.
         state.integral = state.good_integral
         back_off(state, -state.moved + _RECOVERY, True)

@@ -94,6 +94,8 @@ STEEP = tuple(
         (44, 458.0, 1.0, True),
         (53, 9920.0, 0.5, False),
         (31, 1820.0, 0.65, False),
+        (73, 1110.0, 1.0, True),
+        (82, 5150.0, 1.0, True),
     )
 )
 # A regulator wound up on the way back takes more current than the load needs, which is no other load; and it needs no
