@@ -36,7 +36,7 @@ ALARM: Final = 0.3
 Waiting for k1 itself would be too late.
 """
 
-# Share by which the current reference may have to rise at a smaller angle that provides the torque.
+# Share of rated current by which the current reference may have to rise at a smaller angle that provides the torque.
 _RISE = 0.06
 # The stored supply voltage changes only by more than this: measurement noise must not move the angle.
 _SUPPLY_MOVED = 0.02
@@ -61,7 +61,7 @@ def alarming_sag(state: Any) -> float:
 
     A slow regulator loses more than `ALARM` of k1 until it has found a higher current reference.
     """
-    until_found = _RISE * state.good_integral / state.proportional
+    until_found = _RISE * state.rated_sum / (state.conducting_phases * state.proportional)
     sag: float = min(max(ALARM * state.speed_tolerance, until_found), JOLT * state.speed_tolerance)
     return sag
 
