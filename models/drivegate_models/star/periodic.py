@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate_models.compilation.kernels import inlined, kernel, unallocating
+from drivegate_models.compilation.kernels import called, inlined, kernel, unallocating
 from drivegate_models.machine import ledger
 from drivegate_models.machine.period import APERIODIC, PERIODIC, TOLERANCE
 from drivegate_models.star.plant.drive import EVERY_HALF, StarDrive
@@ -309,6 +309,7 @@ def _newton_step(
     return False, worst
 
 
+@called
 @kernel
 def periodic_start(
     drive: StarDrive,

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drivegate_models.compilation.kernels import kernel
+from drivegate_models.compilation.kernels import called, kernel
 from drivegate_models.machine import ledger
 from drivegate_models.machine.period import APERIODIC
 from drivegate_models.steady.plant import (
@@ -69,6 +69,7 @@ class ReferenceSearch(NamedTuple):
     """Net power from the supply, including core loss and switching (W)."""
 
 
+@called
 @kernel
 def mean_state(
     drive: AnyDrive,

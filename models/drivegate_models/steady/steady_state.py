@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate_models.compilation.kernels import kernel
+from drivegate_models.compilation.kernels import called, kernel
 from drivegate_models.machine import ledger
 from drivegate_models.machine.period import APERIODIC, PERIODIC
 from drivegate_models.machine.torque import torque_range
@@ -99,6 +99,7 @@ def _summarised(
     )
 
 
+@called
 @kernel
 def advance_with_extremes(
     drive: AnyDrive,

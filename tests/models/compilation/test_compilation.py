@@ -196,3 +196,33 @@ def test_an_inlined_function_has_machine_code_in_its_callers_alone(tmp_path: Pat
     assert _printed(tmp_path, command) == "6.0 [0]", "address of its machine code"
     command = "from other import four, scaled; print(four(0.5), sum(scaled.stats.cache_hits.values()))"
     assert _printed(tmp_path, command) == "2.0 1", "value and hits of the cache"
+
+
+_CALLED = """
+from drivegate_models.compilation.kernels import called, kernel
+@called
+@kernel
+def once(x):
+    for _ in range(3):
+        x = x * 0.5 + 1.0
+    return x
+@kernel
+def caller(x):
+    return once(x) + 0.5
+@kernel
+def other_caller(x):
+    return once(x) - 0.5
+def copies(function):
+    modules = [each.library._get_module_for_linking() for each in function.overloads.values()]
+    return [each.name for one in modules for each in one.functions if "once" in each.name and not each.is_declaration]
+"""
+
+
+def test_a_function_that_is_called_by_its_symbol_is_compiled_once(tmp_path: Path) -> None:
+    """The cache keeps its code with each caller, whichever process compiled it, and also on its own for new callers."""
+    (tmp_path / "sizes.py").write_text(_CALLED, encoding="utf-8")
+    shown = "print(caller(1.0), copies(caller), sum(caller.stats.cache_hits.values()))"
+    assert _printed(tmp_path, f"from sizes import *; {shown}") == "2.375 [] 0"
+    assert _printed(tmp_path, f"from sizes import *; {shown}; print(once.signatures)") == "2.375 [] 1\n[]"
+    shown = "print(other_caller(1.0), copies(other_caller), sum(once.stats.cache_hits.values()))"
+    assert _printed(tmp_path, f"from sizes import *; {shown}") == "1.375 [] 1"

@@ -39,7 +39,7 @@ def _compiled_for(first: str, **asked: str) -> str:
     """Tell what a process compiles for that imports something before drivegate, with some variables set."""
     command = (
         f"{first}; from drivegate_models.compilation import kernels; from numba.core.registry import cpu_target; "
-        "print(*cpu_target.target_context.codegen().magic_tuple()[1:])"
+        "print(*cpu_target.target_context.codegen().magic_tuple()[1:3])"
     )
     surroundings = {name: value for name, value in os.environ.items() if name not in target.VARIABLES}
     done = subprocess.run(

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate_models.compilation.kernels import inlined, unallocating
+from drivegate_models.compilation.kernels import called, inlined, unallocating
 from drivegate_models.machine import ledger, segments
 from drivegate_models.machine.advance_status import COMPLETED, TOO_MANY_EVENTS
 from drivegate_models.machine.cycle import Shape, next_shape, shape_at, wrapped
@@ -260,6 +260,7 @@ def _land(
         currents[near] -= total
 
 
+@called
 @unallocating
 def advance_phases(
     drive: StarDrive,
