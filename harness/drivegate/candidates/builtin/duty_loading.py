@@ -1,6 +1,6 @@
 """Loading the controllers of duty ratios that come with drivegate."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from numpy.typing import NDArray
@@ -42,7 +42,7 @@ class DutyController(CompiledController):
             return
         if fault.alter is not None:
             fault.alter(self._state)
-        _leave(fault, before, self._state)
+        _leave(fault.keeps, before, self._state)
 
 
 class PerturbedController(CompiledController):
@@ -51,15 +51,15 @@ class PerturbedController(CompiledController):
     def __init__(
         self,
         inner: DutyController,
-        fault: DutyFault,
         perturbed: Callable[[DutyNameplate], dict[str, float]],
+        keeps: Sequence[str] = (),
     ) -> None:
         super().__init__(
             perturbed_step_function(), perturbed_state(inner.step_address, inner.state_address, {})
         )
         self._inner = inner
-        self._fault = fault
         self._perturbed = perturbed
+        self._keeps = keeps
         self.state_size: int = inner.state_size
 
     def reset(self, nameplate: Any) -> None:
@@ -68,16 +68,16 @@ class PerturbedController(CompiledController):
         fresh = perturbed_state(
             self._inner.step_address, self._inner.state_address, self._perturbed(nameplate)
         )
-        _leave(self._fault, self._state, fresh)
+        _leave(self._keeps, self._state, fresh)
         for name in fresh.dtype.names or ():
             # Addresses are those of this state, which stays in its place.
             if not name.endswith("_address"):
                 self._state[name] = fresh[name]
 
 
-def _leave(fault: DutyFault, before: NDArray[Any], state: NDArray[Any]) -> None:
+def _leave(keeps: Sequence[str], before: NDArray[Any], state: NDArray[Any]) -> None:
     """Copy what a reset is not to change from the state before it; zeros at first."""
-    for name in fault.keeps:
+    for name in keeps:
         if name in (state.dtype.names or ()):
             state[name] = before[name]
 
@@ -88,4 +88,4 @@ def load_duty_controller(name: str) -> DutyController | PerturbedController:
         return DutyController(name)
     fault = DUTY_FAULTS[name.removeprefix(FAULTY_PREFIX)]
     inner = DutyController(fault=fault)
-    return inner if fault.perturbed is None else PerturbedController(inner, fault, fault.perturbed)
+    return inner if fault.perturbed is None else PerturbedController(inner, fault.perturbed, fault.keeps)
