@@ -188,6 +188,7 @@ def test_only_a_lasting_loss_of_speed_ends_the_regulation_by_the_angle() -> None
     """Single wrong readings, of an encoder with a false count, do not."""
     state = following_state()
     state["speed_reference"] = 200.0
+    state["proportional"] = 1.0
     begin_following(state[0])
     for k in range(100):
         sag = 60.0 if k % 10 == 0 else 0.0
