@@ -155,7 +155,7 @@ class Templates:
         of it does not differ from one keeper to the next.
         `is_one_of_many`: true if others follow for certain, so that even the first one is a copy.
         """
-        if not hasattr(os, "pidfd_open") or os.getpid() != self._owner:
+        if not self._makes_copies():
             return None
         with self._lock:
             template = self._template(words[0], inherited, is_one_of_many=is_one_of_many)
@@ -181,13 +181,17 @@ class Templates:
 
         The arguments are those of `keeper`. What is prepared has to be trusted when this is called.
         """
-        if not hasattr(os, "pidfd_open") or os.getpid() != self._owner:
+        if not self._makes_copies():
             return
         with self._lock, suppress(OSError):
             if is_one_of_many or self._conditions.get(role) == _conditions(inherited):
                 template = self._template(role, inherited, is_one_of_many=is_one_of_many)
                 if template is not None:
                     template.prepare(preparation)
+
+    def _makes_copies(self) -> bool:
+        """Return True if this system and this process can start copies."""
+        return hasattr(os, "pidfd_open") and os.getpid() == self._owner
 
     def _template(
         self, role: str, environment: Mapping[str, str], *, is_one_of_many: bool

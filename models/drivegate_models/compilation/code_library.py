@@ -130,8 +130,8 @@ class CodeLibrary(codegen.JITCodeLibrary):
             super()._finalize_final_module()
 
 
-_loaded: WeakValueDictionary[bytes, CodeLibrary] = WeakValueDictionary()
 # The libraries that this process has loaded from the cache, by their code.
+_loaded: WeakValueDictionary[bytes, CodeLibrary] = WeakValueDictionary()
 
 
 def _needed(library: CodeLibrary, seen: set[CodeLibrary]) -> Iterator[CodeLibrary]:

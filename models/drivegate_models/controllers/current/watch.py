@@ -159,7 +159,7 @@ def settle(state: Any, current_sum: float, change: float, settled: bool) -> int:
         return WAITING
     growing = growth > 2.0 * _RESTLESS * current_sum + current_sum_noise(state)
     if state.confirmed == 1 and growing:
-        # The first steps looked flat, and the load still grows: slowly, but by more than steps save.
+        # The first steps saved little, and the load still grows: slowly, but by more than steps save.
         return WAITING
     if (
         state.retried != NOT_RETRIED

@@ -397,17 +397,21 @@ def joint_change_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
     """
     base = drive.rating.base_speed_rpm
 
+    def load_step(loads: tuple[float, float], speed: float) -> Scenario:
+        return load_step_scenario(drive, speed, torque_of(drive, speed, 1.0), loads)
+
     def stepped(
         is_torque: bool, torques: tuple[float, float], loads: tuple[float, float], speed: float
     ) -> Scenario:
         if is_torque:
             return torque_scenario(drive, speed, [torque_of(drive, speed, share) for share in torques])
-        return load_step_scenario(drive, speed, torque_of(drive, speed, 1.0), loads)
+        return load_step(loads, speed)
 
     torques = st.tuples(*[_shares(-HEAVIEST_SHARE, HEAVIEST_SHARE)] * 2)
     loads = st.tuples(*[_shares(0.3, 0.7)] * 2)
     steps = st.builds(stepped, st.booleans(), torques, loads, _turning(drive))
-    slow_steps = st.builds(stepped, st.booleans(), torques, loads, _speeds(drive, TURNING_SHARE * base, base))
+    slow = _speeds(drive, TURNING_SHARE * base, base)
+    slow_steps = st.builds(stepped, st.booleans(), torques, loads, slow)
     linked = st.builds(
         lambda run, level: supply_step_scenario(run, drive, (1.0, round(1.0 + SHARE_STEP * level, 2))),
         steps,
@@ -420,13 +424,7 @@ def joint_change_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
         st.sampled_from((0.5, 0.501)),
     )
     # Not at a step of the torque: STP-1 judges the response of a controller that has settled.
-    restarts = st.builds(
-        lambda shares, speed: restarted(
-            load_step_scenario(drive, speed, torque_of(drive, speed, 1.0), shares), (0.5,)
-        ),
-        loads,
-        _speeds(drive, TURNING_SHARE * base, base),
-    )
+    restarts = st.builds(lambda shares, speed: restarted(load_step(shares, speed), (0.5,)), loads, slow)
     both = st.builds(
         lambda shares, first, second: speed_and_load_step_scenario(
             drive, (first, second), torque_of(drive, max(first, second), 1.0), shares
