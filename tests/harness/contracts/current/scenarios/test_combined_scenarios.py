@@ -22,6 +22,7 @@ from drivegate.drives.running import run_scenario
 from drivegate.scenarios.covering import FACTORS, IMPOSSIBLE, covering_rows, is_possible, possible_pairs
 from drivegate.scenarios.drive_scale import scale_of
 from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.scenario.scenario import Scenario
 
 DRIVE = load_drive("paper-5-phase")
 
@@ -102,20 +103,32 @@ def test_a_long_run_leaves_the_search_time_to_rest_between_more_than_twenty_chan
 
 @pytest.mark.parametrize("name", ["paper-5-phase", "star-3-phase"])
 def test_the_shortest_period_shows_a_search_that_takes_it_for_another_with_any_seed(name: str) -> None:
-    drive = load_drive(name)
-    scenarios = shortest_period_scenarios(drive, None)
+    scenarios = shortest_period_scenarios(load_drive(name), None)
     for seed in (0, 5):
-        assert set(scenarios) <= set(combined_scenarios(drive, None, seed))
+        assert set(scenarios) <= set(combined_scenarios(load_drive(name), None, seed))
+    assert_shown("period-taken-for-1-millisecond", scenarios)
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+@pytest.mark.parametrize("name", ["paper-5-phase", "star-3-phase"])
+def test_the_busy_run_shows_a_search_that_restarts_twenty_times_only(name: str, seed: int) -> None:
+    *_, busy = long_scenarios(load_drive(name), None, seed)
+    assert_shown("twenty-restarts", (busy,))
+
+
+def assert_shown(fault: str, scenarios: tuple[Scenario, ...]) -> None:
+    """Check that `reference` meets `CNV-2` in all scenarios, and that the fault fails it in one."""
     met: dict[str, list[bool]] = {}
-    for specification in ("reference", "faulty:period-taken-for-1-millisecond"):
+    for specification in ("reference", f"faulty:{fault}"):
         candidate = resolve_candidate(specification)
         for scenario in scenarios:
             run = run_scenario(scenario, load_controller(candidate))
             margin = CNV_2.evaluate(CurrentRecord(scenario, run, candidate.declaration))
             assert margin is not None, f"CNV-2 does not judge {scenario.name}"
+            assert not margin.advisory, f"CNV-2 only advises on {scenario.name}"
             met.setdefault(specification, []).append(margin.met)
     assert all(met["reference"]), met
-    assert not all(met["faulty:period-taken-for-1-millisecond"]), met
+    assert not all(met[f"faulty:{fault}"]), met
 
 
 def test_no_two_rows_of_the_loaded_speeds_have_the_same_one() -> None:
