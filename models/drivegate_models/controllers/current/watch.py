@@ -262,7 +262,9 @@ def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int
         and not is_wound_up(state, current_sum)
         and state.retried == NOT_RETRIED
     )
-    load_changed = conclusive and load_has_changed(state, current_sum, fall, rise)
+    # A longer step toward the optimum saves more.
+    longest_fall = fall * max(1.0, state.step / state.first_step)
+    load_changed = conclusive and load_has_changed(state, current_sum, longest_fall, rise)
     if leaves_search(state, load_changed, is_jolted(state, jolt)):
         return WAITING, change
     if state.mode == SETTLING:

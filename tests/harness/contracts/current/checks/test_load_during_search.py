@@ -98,6 +98,18 @@ def test_a_load_that_grows_during_the_first_steps_does_not_end_the_search(name: 
     assert_reaches_optimum(scenario, load_controller(resolve_candidate(name)), name)
 
 
+def test_what_a_long_step_saves_at_light_load_is_not_taken_for_another_load() -> None:
+    # Steps of 2° save up to 14 % of the current each. Two needless restarts outlast the time to settle.
+    name, drive = "near:gain-doubled", load_drive("star-3-phase")
+    plain = steady_scenario(drive, 1380.0, power_share=1.0, constant_power=False)
+    gone = ((0.0, 0.0), (0.2, 0.1), (11.4, 0.1), (11.4, 1.0), (14.2, 1.0), (14.2, 0.1))
+    scenario = with_load_factor(plain, gone).replaced(duration_s=25.2)
+    run = run_scenario(scenario, load_controller(resolve_candidate(name)))
+    margin = converges_again(CurrentRecord(scenario, run, Declaration()))
+    assert margin is not None
+    assert margin.met, f"{name}: {margin.measured}"
+
+
 @pytest.mark.parametrize("name", DESIGN_CANDIDATES)
 def test_an_angle_lost_to_a_pulse_of_the_load_is_found_again(name: str) -> None:
     plain = steady_scenario(load_drive("paper-5-phase"), 1500.0, power_share=1.0, constant_power=False)
