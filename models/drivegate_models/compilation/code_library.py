@@ -1,8 +1,8 @@
 """How the code of a function reaches its callers: as a copy inside them, or called by its symbol.
 
 numba copies whatever a function calls into it, level by level, and optimises and translates every copy. Here a function
-that is only inlined is linked once, into each function that has machine code. One of `CALLED_FUNCTIONS` is compiled
-once, and its callers call it.
+without a way in from Python or C is linked once, into each function that has machine code. One of `CALLED_FUNCTIONS` is
+compiled once, and its callers call it.
 """
 
 from __future__ import annotations
@@ -21,16 +21,18 @@ _DECLARATION: Final = re.compile(r'^declare .*@"(\w+)"\(.*$', re.MULTILINE)
 
 CALLED_FUNCTIONS: Final[set[str]] = set()
 """Names of the functions that callers call by their symbols."""
+INNER_FUNCTIONS: Final[set[str]] = set()
+"""Names of the functions without a way in from Python or C."""
 
 
 class CodeLibrary(codegen.JITCodeLibrary):
     """The code of one function, which becomes machine code only if something calls it.
 
-    A function without a way in is inlined into each of its callers and optimised there. Machine code of its own would
-    cost a sixth of the time of compilation, and nothing would run it.
+    A function without a way in, which is not called by its symbol, is copied into each of its callers and optimised
+    there. Machine code of its own would cost a quarter of the time of compilation, and nothing would run it.
     """
 
-    _is_only_inlined = False
+    _is_only_copied = False
     _declared: dict[str, str] | None = None
     _for_callers: Any = None
 
@@ -52,12 +54,13 @@ class CodeLibrary(codegen.JITCodeLibrary):
         self.add_llvm_module(module)
 
     def finalize(self) -> None:
-        """Link what the function calls; optimise it and produce machine code unless it is only inlined."""
+        """Link what the function calls; optimise it and produce machine code unless it is only copied."""
         own = [each for each in self._final_module.functions if not each.is_declaration]
         has_way_in = any("cpython" in each.name or "cfunc" in each.name for each in own)
         is_inlined = any(b"alwaysinline" in attribute for each in own for attribute in each.attributes)
-        self._is_only_inlined = is_inlined and not has_way_in
-        if self._is_only_inlined:
+        is_inner = is_inlined or self.name in INNER_FUNCTIONS - CALLED_FUNCTIONS
+        self._is_only_copied = is_inner and not has_way_in
+        if self._is_only_copied:
             self._finalize_final_module()
             return
         needed = list(_needed(self, set()))
@@ -67,7 +70,7 @@ class CodeLibrary(codegen.JITCodeLibrary):
 
     def _is_called_by_symbol(self) -> bool:
         """Return True if callers call the function by its symbol, rather than contain a copy of it."""
-        return self.name in CALLED_FUNCTIONS and not self._is_only_inlined
+        return self.name in CALLED_FUNCTIONS and not self._is_only_copied
 
     def _declarations(self) -> dict[str, str]:
         """Return the declaration of each function by its name, with what the optimiser has found out about it.
@@ -84,7 +87,7 @@ class CodeLibrary(codegen.JITCodeLibrary):
 
     def serialize_using_object_code(self) -> Any:
         """Return what the cache keeps: the code, and that of all functions that it needs next to itself."""
-        if self._is_only_inlined:
+        if self._is_only_copied:
             return self._code_for_callers()
         name, kind, data = super().serialize_using_object_code()
         return name, kind, data, [each._code_for_callers() for each in self._called]
@@ -95,7 +98,7 @@ class CodeLibrary(codegen.JITCodeLibrary):
             if self._is_called_by_symbol():
                 self._for_callers = self.serialize_using_object_code()
             else:
-                others = self._linking_libraries if self._is_only_inlined else self._called
+                others = self._linking_libraries if self._is_only_copied else self._called
                 code = self._get_module_for_linking().as_bitcode()
                 self._for_callers = self.name, _COPIED, code, [each._code_for_callers() for each in others]
         return self._for_callers
@@ -110,7 +113,7 @@ class CodeLibrary(codegen.JITCodeLibrary):
         needed = [cls._unserialize(target_codegen, each) for each in others]
         if kind == _COPIED:
             library: Any = target_codegen.create_library(name)
-            library._is_only_inlined = True
+            library._is_only_copied = True
             library._final_module = library._shared_module = binding.parse_bitcode(data)
             library._linking_libraries = needed
             library._finalize_final_module()
@@ -123,7 +126,7 @@ class CodeLibrary(codegen.JITCodeLibrary):
         return library
 
     def _finalize_final_module(self) -> None:
-        if self._is_only_inlined:
+        if self._is_only_copied:
             self._finalize_dynamic_globals()
             self._finalized = True
         else:
@@ -141,7 +144,7 @@ def _needed(library: CodeLibrary, seen: set[CodeLibrary]) -> Iterator[CodeLibrar
             continue
         seen.add(each)
         yield each
-        if each._is_only_inlined:
+        if each._is_only_copied:
             yield from _needed(each, seen)
         elif not each._is_called_by_symbol():
             yield from (called for called in each._called if called not in seen)
@@ -160,7 +163,7 @@ _magic_of_numba = codegen.JITCPUCodegen.magic_tuple
 
 
 def _set_environment(self: Any, name: str, environment: Any) -> None:
-    """Set a function's environment, which one that is only inlined does not have."""
+    """Set a function's environment, which one that is only copied does not have."""
     if self._engine.is_symbol_defined(name):
         _set_known_environment(self, name, environment)
 

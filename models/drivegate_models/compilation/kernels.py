@@ -119,7 +119,11 @@ import numba  # noqa: E402  (target and cache folder must be known before numba 
 from numba.core import caching  # noqa: E402
 from numba.core.runtime import nrt  # noqa: E402
 
-from drivegate_models.compilation.code_library import CALLED_FUNCTIONS, keep_code_in_libraries  # noqa: E402
+from drivegate_models.compilation.code_library import (  # noqa: E402
+    CALLED_FUNCTIONS,
+    INNER_FUNCTIONS,
+    keep_code_in_libraries,
+)
 
 # If other code imported numba first, numba has already read the variables.
 adopt_target(vars(numba.config))
@@ -350,6 +354,7 @@ def _compiled(
         function, "", forceinline=forceinline, no_cpython_wrapper=not has_way_in, **options
     )
     if not has_way_in and not vars(numba.config)["DISABLE_JIT"]:
+        INNER_FUNCTIONS.add(function.__qualname__)
         dispatcher.__class__ = _Inner
     return cast(_Function, dispatcher)
 
@@ -363,9 +368,9 @@ def unallocating(function: _Function) -> _Function:
     """Compile a function that creates no arrays like `kernel`, but without reference counting.
 
     Counting costs more than the arithmetic if a function with many arrays is called in a loop. The compiler refuses a
-    function that creates an array.
+    function that creates an array. Machine code that Python can call is produced when Python calls it.
     """
-    return _compiled(function, _nrt=False)
+    return _compiled(function, has_way_in=False, _nrt=False)
 
 
 def inlined(function: _Function) -> _Function:

@@ -13,7 +13,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate_models.compilation.kernels import inlined, kernel
+from drivegate_models.compilation.kernels import inlined, unallocating
 
 MAGNITUDE: Final = 0
 """Integral of the magnitudes of the phase currents (A s)."""
@@ -66,7 +66,7 @@ def add_period(totals: NDArray[np.float64], period: NDArray[np.float64]) -> None
     totals[PEAK] = peak
 
 
-@kernel
+@unallocating
 def stored_energy(drive: Any, currents: NDArray[np.float64]) -> float:
     """Return the energy in the windings, ``sum L i**2 / 2`` (J).
 

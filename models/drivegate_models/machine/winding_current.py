@@ -18,7 +18,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from drivegate_models.compilation.kernels import inlined, kernel
+from drivegate_models.compilation.kernels import inlined, unallocating
 
 GREATEST: Final = 0.65
 """Maximum argument for which the series is exact to rounding."""
@@ -177,7 +177,7 @@ def turning_time(slope: float, curvature: float, rate: float) -> float:
     return ratio * logarithm_ratio(x) if x <= GREATEST else inf
 
 
-@kernel
+@unallocating
 def _root(
     start: float,
     slope: float,

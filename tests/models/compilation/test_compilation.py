@@ -159,7 +159,7 @@ def test_the_cache_folder_holds_where_numba_was_imported_before(
 
 
 _CONSTANTS = """
-from drivegate_models.compilation.kernels import inlined, kernel
+from drivegate_models.compilation.kernels import inlined, kernel, unallocating
 @inlined
 def scaled(number, x):
     return number * x
@@ -185,9 +185,11 @@ def test_a_function_is_compiled_once_for_all_constants_and_callable_all_the_same
     assert _printed(tmp_path, f"from constants import scaled, three; {shown}") == "6.0 [(int64, float64)] 2.0"
 
 
-def test_an_inlined_function_has_machine_code_in_its_callers_alone(tmp_path: Path) -> None:
+@pytest.mark.parametrize("decorator", ["inlined", "unallocating"])
+def test_an_inner_function_has_machine_code_in_its_callers_alone(tmp_path: Path, decorator: str) -> None:
     """Another process takes its code from the cache, for a caller that is compiled there."""
-    (tmp_path / "constants.py").write_text(_CONSTANTS, encoding="utf-8")
+    constants = _CONSTANTS.replace("@inlined", f"@{decorator}")
+    (tmp_path / "constants.py").write_text(constants, encoding="utf-8")
     (tmp_path / "other.py").write_text(_OTHER_CALLER, encoding="utf-8")
     shown = "print(three(1.0), [each.library.get_pointer_to_function(each.fndesc.llvm_func_name) for each in compiled])"
     command = (
@@ -196,6 +198,20 @@ def test_an_inlined_function_has_machine_code_in_its_callers_alone(tmp_path: Pat
     assert _printed(tmp_path, command) == "6.0 [0]", "address of its machine code"
     command = "from other import four, scaled; print(four(0.5), sum(scaled.stats.cache_hits.values()))"
     assert _printed(tmp_path, command) == "2.0 1", "value and hits of the cache"
+
+
+_OF_A_USER = """
+import drivegate_models.compilation.kernels
+import numba
+@numba.vectorize(["float64(float64)"])
+def twice(x):
+    return 2.0 * x
+print(twice(1.5))
+"""
+
+
+def test_functions_of_others_have_machine_code_as_numba_gives_it(tmp_path: Path) -> None:
+    assert _printed(tmp_path, _OF_A_USER) == "3.0"
 
 
 _CALLED = """
