@@ -83,14 +83,10 @@ def load_kernels(kind: str) -> None:
 
 
 def _compile_kind(kind: str, *, is_ended: Callable[[], bool]) -> None:
-    """Compile the oracle of a kind beside all else.
-
-    What both need comes early in the one and late in the other, which finds it compiled by then: the phase in the
-    oracle, the whole steady state in what is beside it.
-    """
+    """Compile the parts of a kind at once: what two of them need is compiled by one, and the other waits for it."""
     candidate = resolve_candidate(_contract(kind).usual_candidate)
     rounds = ((_use_oracle, _use_closed_loop, _use_steady_state), (_judge_a_run,))
-    with WorkerPool(candidate, workers=2, is_ended=is_ended) as pool:
+    with WorkerPool(candidate, workers=len(rounds[0]), is_ended=is_ended) as pool:
         for targets in rounds:
             for outcome in pool.map([Job(target, kind) for target in targets]):
                 if isinstance(outcome, Fault):

@@ -6,6 +6,7 @@ import os
 import shutil
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -133,6 +134,16 @@ def test_functions_of_one_factory_stay_apart_whichever_process_compiled_them(tmp
         for use in ("double(1.0)", "triple(1.0)", "print(both(1.0))")
     ]
     assert printed[-1] == "(2.0, 3.0)", "one function was linked in place of the other"
+
+
+def test_of_two_processes_one_compiles_a_function_and_the_other_waits_for_it(tmp_path: Path) -> None:
+    (tmp_path / "constants.py").write_text(_CONSTANTS, encoding="utf-8")
+    missed = "print(three(1.0), sum(three.stats.cache_misses.values()))"
+    with ThreadPoolExecutor() as together:
+        printed = together.map(
+            lambda _: _printed(tmp_path, f"from constants import three; {missed}"), range(2)
+        )
+    assert sorted(printed) == ["6.0 0", "6.0 1"]
 
 
 def test_folders_that_nothing_has_used_for_long_go(tmp_path: Path) -> None:
