@@ -354,9 +354,12 @@ def _alone(task: str) -> Iterator[None]:
 
 @cache
 def _lock_file() -> int | None:
-    """Open the file of the locks once: closing it releases all locks of the process."""
+    """Open the file of the locks once: closing it releases all locks of the process.
+
+    All users can read it, since the whole folder is copied for those who cannot write in it.
+    """
     with contextlib.suppress(OSError):
-        return os.open(Path(vars(numba.config)["CACHE_DIR"]) / "compiling", os.O_RDWR | os.O_CREAT, 0o600)
+        return os.open(Path(vars(numba.config)["CACHE_DIR"]) / "compiling", os.O_RDWR | os.O_CREAT, 0o644)
     return None
 
 
