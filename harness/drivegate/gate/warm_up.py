@@ -107,7 +107,8 @@ def _use_oracle(_loaded: JudgedCandidate, kind: str) -> None:
 
 
 def _use_closed_loop(loaded: JudgedCandidate, kind: str) -> None:
-    recorded(loaded, _plain_scenario(kind), loaded.controller())
+    # At this low a speed no diodes rectify, so the loop need not wait for the kernel that settles their current.
+    recorded(loaded, _fixed_scenarios(kind)[0], loaded.controller())
 
 
 def _use_steady_state(_loaded: JudgedCandidate, kind: str) -> None:
@@ -122,8 +123,12 @@ def _judge_a_run(loaded: JudgedCandidate, kind: str) -> None:
 
 
 def _plain_scenario(kind: str) -> Scenario:
+    return _fixed_scenarios(kind)[1]
+
+
+def _fixed_scenarios(kind: str) -> tuple[Scenario, ...]:
     drive = load_drive(DRIVE_KINDS[kind].default_drive)
-    return _contract(kind).fixed_scenarios(drive, NOTHING_DECLARED)[1]
+    return _contract(kind).fixed_scenarios(drive, NOTHING_DECLARED)
 
 
 def _contract(kind: str) -> Contract:

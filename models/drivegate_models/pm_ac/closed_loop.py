@@ -20,7 +20,7 @@ from drivegate_models.pm_ac.loop_kernel import DutyRoom, DutyTiming, release_bef
 from drivegate_models.pm_ac.loop_records import DutyRecords, make_records
 from drivegate_models.pm_ac.plant.advance import PmAcPhases, make_phases
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
-from drivegate_models.pm_ac.rectifying import settle_rectifying
+from drivegate_models.pm_ac.rectifying import rectifies, settle_rectifying
 from drivegate_models.pm_ac.sensing import DutySensors, delayed_glitches, ideal_duty_sensors, low_side_ratio
 
 
@@ -186,6 +186,9 @@ def _settle_before_start(
     It is without current, or with the diodes' current. The transient to this state is not part of the run.
     """
     speed, link, factors = release_before_start(drive, phases, load, schedule, timing, room)
+    _, flux_factor = factors
+    if not rectifies(drive, flux_factor * speed, link):
+        return True
     status = settle_rectifying(
         drive,
         phases,
