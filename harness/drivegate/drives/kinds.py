@@ -183,13 +183,13 @@ STAR: Final = DriveKind(
     name="star",
     contract="current",
     default_drive="star-3-phase",
-    compiling_s=40,
+    compiling_s=20,
     prepare_loop=_star_loop,
     angles=_ANGLES,
 )
 """The star-connected machine with an isolated neutral: conventional brushless DC drives."""
 PM_AC: Final = DriveKind(
-    name="pm-ac", contract="duty", default_drive="pm-ac-interior", compiling_s=40, prepare_loop=_pm_ac_loop
+    name="pm-ac", contract="duty", default_drive="pm-ac-interior", compiling_s=25, prepare_loop=_pm_ac_loop
 )
 """The d-q machine on a two-level bridge: three sinusoidal phases, as most brushless drives have them."""
 

@@ -139,7 +139,7 @@ def test_every_drive_is_refused_once_its_kernels_are_compiled(command, monkeypat
     assert ended.code == 2
     first, second, refusal = ended.err.splitlines()
     assert first.startswith("comparison: compiling the kernels, which is done once and takes about 20 s")
-    assert second.startswith("comparison: compiling the kernels, which is done once and takes about 40 s")
+    assert second.startswith("comparison: compiling the kernels, which is done once and takes about 20 s")
     assert refusal == "error: with ['half-bridge', 'star'] compiled"
 
 
