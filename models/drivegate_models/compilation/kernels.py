@@ -337,7 +337,7 @@ def _alone(task: str) -> Iterator[None]:
 
     No two processes wait for each other, since functions do not call one another in a circle.
     """
-    descriptor = None if _ONLY_READS else _lock_file()
+    descriptor = _lock_file()
     if descriptor is None:
         yield
         return
@@ -354,12 +354,14 @@ def _alone(task: str) -> Iterator[None]:
 
 @cache
 def _lock_file() -> int | None:
-    """Open the file of the locks once: closing it releases all locks of the process.
+    """Open the file of the locks once, since closing it releases all; None if this process writes no compiled code.
 
     All users can read it, since the whole folder is copied for those who cannot write in it.
     """
+    if _FOLDER is None or _ONLY_READS:
+        return None
     with contextlib.suppress(OSError):
-        return os.open(Path(vars(numba.config)["CACHE_DIR"]) / "compiling", os.O_RDWR | os.O_CREAT, 0o644)
+        return os.open(Path(_FOLDER, "compiling"), os.O_RDWR | os.O_CREAT, 0o644)
     return None
 
 

@@ -146,6 +146,20 @@ def test_of_two_processes_one_compiles_a_function_and_the_other_waits_for_it(tmp
     assert sorted(printed) == ["6.0 0", "6.0 1"]
 
 
+_WITHOUT_A_FOLDER = """
+from drivegate_models.compilation import cache_folder
+cache_folder._parents = lambda: iter(())
+from constants import three
+print(three(1.0))
+"""
+
+
+def test_without_a_folder_for_compiled_code_nothing_is_written(tmp_path: Path) -> None:
+    (tmp_path / "constants.py").write_text(_CONSTANTS, encoding="utf-8")
+    assert _printed(tmp_path, _WITHOUT_A_FOLDER) == "6.0"
+    assert {path.name for path in tmp_path.iterdir()} <= {"constants.py", "__pycache__"}
+
+
 def test_folders_that_nothing_has_used_for_long_go(tmp_path: Path) -> None:
     used, recent, old, foreign = (tmp_path / name for name in ("a" * 16, "b" * 16, "c" * 16, "my-results"))
     for folder in (used, recent, old, foreign):
