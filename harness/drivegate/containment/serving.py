@@ -262,16 +262,17 @@ def check_of(records: Any) -> bytes:
 
 def _entry_point(function: Any, arguments: tuple[Any, ...]) -> Callable[..., Any]:
     """Compile a function for arguments; called by its own name it would pass them on in a tuple that is in sight."""
-    compile_for = getattr(function, "compile", None)
-    if compile_for is None:
+    if not hasattr(function, "compile"):
         # Compilation is switched off.
         plain: Callable[..., Any] = function
         return plain
     from numba import typeof
 
+    # A function that kernels call has no way in of its own.
+    enterable = getattr(function, "from_python", function)
     signature = tuple(map(typeof, arguments))
-    compile_for(signature)
-    entry: Callable[..., Any] = function.overloads[signature].entry_point
+    enterable.compile(signature)
+    entry: Callable[..., Any] = enterable.overloads[signature].entry_point
     return entry
 
 

@@ -26,7 +26,7 @@ import shutil
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -377,9 +377,12 @@ class _Inner(_Kernel):
     """
 
     def __call__(self, *args: Any) -> Any:
-        if not hasattr(self, "_from_python"):
-            self._from_python = _dispatcher(self.py_func, "-python", **_options_of(self))
-        return self._from_python(*args)
+        return self.from_python(*args)
+
+    @cached_property
+    def from_python(self) -> Any:
+        """The same function with a way in from Python."""
+        return _dispatcher(self.py_func, "-python", **_options_of(self))
 
 
 def _options_of(dispatcher: Any) -> dict[str, Any]:
