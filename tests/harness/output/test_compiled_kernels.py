@@ -25,6 +25,6 @@ def test_the_time_to_compile_is_that_of_the_kind(
 def test_every_kind_states_its_own_time() -> None:
     assert {name: kind.compiling_s for name, kind in DRIVE_KINDS.items()} == {
         "half-bridge": 20,
-        "star": 40,
-        "pm-ac": 40,
+        "star": 20,
+        "pm-ac": 25,
     }

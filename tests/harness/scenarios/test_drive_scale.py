@@ -77,7 +77,8 @@ def test_the_drive_of_the_paper_is_run_as_it_was_before_drives_had_scales() -> N
     assert digest(fixed) == "34967f933f9143e1", "the fixed scenarios"
     # The last one is younger.
     *joint, shortest_period, _ = combined_scenarios(PAPER, None, 0)
-    assert digest(tuple(joint)) == "5015f388ae50e334", "the joint scenarios of seed 0"
+    # The long run under a changing load has moved to lower speeds since.
+    assert digest(tuple(joint)) == "b3ce29fc5f36fa18", "the joint scenarios of seed 0"
     assert digest((shortest_period,)) == "73197d296c62f612", "the one that no seed changes"
 
 
