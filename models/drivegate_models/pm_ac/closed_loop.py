@@ -187,6 +187,7 @@ def _settle_before_start(
     """
     speed, link, factors = release_before_start(drive, phases, load, schedule, timing, room)
     _, flux_factor = factors
+    # There is nothing to settle then, and the loop need not wait for that kernel's compilation.
     if not rectifies(drive, flux_factor * speed, link):
         return True
     status = settle_rectifying(

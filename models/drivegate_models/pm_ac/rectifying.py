@@ -51,7 +51,7 @@ def settle_rectifying(
 ) -> int:
     """Turn the shaft with all legs off until the currents are periodic.
 
-    The diodes must conduct at the speed: `rectifies` tells.
+    Below the speed at which the diodes conduct, the state is not changed.
 
     - `angle`: electrical angle at the start and the end of every turn (rad).
     - `speed`: shaft speed, of either sign (rad/s).
@@ -64,6 +64,8 @@ def settle_rectifying(
     - Result: `COMPLETED`, or the status with which the plant's advance failed.
     """
     plant = drifted(drive, factors[0], factors[1])
+    if not rectifies(plant, speed, link):
+        return COMPLETED
     turn = 2.0 * pi / (drive.pole_pairs * abs(speed))
     parts = max(ceil(turn / longest), _FEWEST_PARTS)
     part_angle = 2.0 * pi / parts if speed > 0.0 else -2.0 * pi / parts

@@ -35,7 +35,7 @@ from drivegate_models.machine import ledger
 from drivegate_models.pm_ac.oracle import undistorted_limits
 from drivegate_models.pm_ac.plant.advance import make_phases
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
-from drivegate_models.pm_ac.rectifying import rectifies, settle_rectifying
+from drivegate_models.pm_ac.rectifying import settle_rectifying
 from drivegate_models.units import RADIANS_PER_RPM
 
 FALSE_SHARE: Final = 0.25
@@ -165,8 +165,6 @@ def _rectified_current(scenario: Scenario) -> float:
 
 @lru_cache(maxsize=_KEPT)
 def _settled_peak(plant: PmAcDrive, speed: float, link: float, period: float) -> float:
-    if not rectifies(plant, speed, link):
-        return 0.0
     totals = np.zeros(ledger.ENTRIES)
     legs_off = np.zeros(3), np.full(3, LEG_OFF, np.int64)
     settle_rectifying(plant, make_phases(), 0.0, speed, link, (1.0, 1.0), period, *legs_off, totals)
