@@ -118,10 +118,10 @@ KEEPS_CACHE = _FOLDER is not None
 """True if compiled kernels are cached between processes."""
 
 import numba  # noqa: E402  (target and cache folder must be known before numba is imported)
-from numba.core import caching  # noqa: E402
+from numba.core import caching, sigutils  # noqa: E402
 from numba.core.runtime import nrt  # noqa: E402
 
-from drivegate_models.compilation.code_library import (  # noqa: E402
+from drivegate_models.compilation.code_library import (  # noqa: E402  (imports numba)
     CALLED_FUNCTIONS,
     INNER_FUNCTIONS,
     keep_code_in_libraries,
@@ -318,10 +318,14 @@ class _Kernel(numba.core.dispatcher.Dispatcher):
 
     def compile(self, sig: Any) -> Any:
         """Compile the function for a signature, or load what is stored."""
+        arguments, _ = sigutils.normalize_signature(sig)
+        if arguments in self.overloads:
+            # Every call in a kernel and every run asks for this.
+            return super().compile(sig)
         collections = gc.get_threshold()
         gc.set_threshold(*_RARE_COLLECTIONS)
         try:
-            with _alone(f"{_fingerprint(self.py_func)}{sig}"):
+            with _alone(f"{_fingerprint(self.py_func)}{arguments}"):
                 return super().compile(sig)
         finally:
             gc.set_threshold(*collections)

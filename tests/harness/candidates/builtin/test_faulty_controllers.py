@@ -66,7 +66,7 @@ def shortest_period() -> Scenario:
     return SHORT.replaced(control_period_s=50e-6)
 
 
-def shortest_period_at_half_load() -> Scenario:
+def shortest_period_at_part_load() -> Scenario:
     return shortest_period_scenarios(DRIVE, None)[1]
 
 
@@ -120,7 +120,7 @@ SHOWN_BY: dict[str, Callable[[], Scenario]] = {
     "integral-of-eight-bits": short_period,
     "power-sum-overflows": short_period,
     "step-count-in-a-byte": short_period,
-    "period-taken-for-1-millisecond": shortest_period_at_half_load,
+    "period-taken-for-1-millisecond": shortest_period_at_part_load,
     "heat-counted-in-steps": shortest_period,
     "derates-after-a-minute": long_run,
     "derating-chatters": long_run,
