@@ -1,6 +1,7 @@
 """Compiling the kernels once, before a candidate's workers start, so that none of them compiles next to another.
 
-`python -m drivegate.gate.warm_up` compiles the kernels of every kind of drive, for example in a container image.
+`python -m drivegate.gate.warm_up` compiles what a first check on any kind of drive may use, for example in a container
+image.
 """
 
 from __future__ import annotations
@@ -20,8 +21,10 @@ from drivegate.containment.pool import WorkerPool
 from drivegate.containment.templates import Preparation
 from drivegate.contracts.catalogue import CONTRACTS
 from drivegate.contracts.contract import Contract
+from drivegate.drives.envelope_document import envelope_of
 from drivegate.drives.kinds import DEFAULT_KIND, DRIVE_KINDS
 from drivegate.drives.running import recorded
+from drivegate.gate.witnesses import witnesses_for
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.compilation.kernels import refused_cache_folders, required_cache_folder
@@ -43,6 +46,19 @@ def uncompiled_kinds(drives: Iterable[DriveDocument | None] = (None,)) -> tuple[
     folder = required_cache_folder()
     kinds = dict.fromkeys(DEFAULT_KIND.name if drive is None else drive.kind for drive in drives)
     return tuple(kind for kind in kinds if not (folder / f"{MARKER}-{kind}").exists())
+
+
+def compile_for_first_check() -> None:
+    """Compile the kernels of all kinds of drives, of their envelopes and of their witnesses."""
+    drives = [load_drive(kind.default_drive) for kind in DRIVE_KINDS.values()]
+    compile_missing(drives)
+    for drive in drives:
+        envelope_of(drive)
+        for witness in witnesses_for(drive):
+            # One that is made for a scenario is no compiled code.
+            if witness.made_for is None:
+                loaded = own_candidate(resolve_candidate(witness.candidate))
+                recorded(loaded, _plain_scenario(drive.kind), loaded.controller())
 
 
 def compile_missing(drives: Iterable[DriveDocument | None] = (None,)) -> None:
@@ -139,4 +155,4 @@ if __name__ == "__main__":
     # A worker finds the functions of its jobs by the name of their module, which must not be __main__.
     from drivegate.gate import warm_up  # noqa: PLW0406
 
-    warm_up.compile_kernels(DRIVE_KINDS)
+    warm_up.compile_for_first_check()

@@ -13,7 +13,7 @@ from drivegate_models.loop.shaft import within_a_turn
 from drivegate_models.machine import ledger
 from drivegate_models.machine.advance_status import COMPLETED
 from drivegate_models.machine.rotor_frame import PER_ROOT_THREE
-from drivegate_models.pm_ac.plant.advance import PmAcPhases, advance_period
+from drivegate_models.pm_ac.plant.advance import PmAcPhases, follow_period
 from drivegate_models.pm_ac.plant.drive import CENTRED, PmAcDrive, drifted
 
 MOST_TURNS: Final = 200
@@ -75,7 +75,7 @@ def settle_rectifying(
             totals[entry] = 0.0
         for part in range(parts):
             begin = within_a_turn(angle + part * part_angle)
-            status = advance_period(
+            status = follow_period(
                 plant, phases, begin, speed, link, ratios, legs, CENTRED, turn / parts, totals
             )
             if status != COMPLETED:

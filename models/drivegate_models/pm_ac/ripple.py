@@ -14,12 +14,12 @@ from drivegate_models.machine.advance_status import COMPLETED
 from drivegate_models.machine.rotor_frame import of_phase
 from drivegate_models.machine.sine import cosine_sine
 from drivegate_models.pm_ac.fundamental import steady_voltages
-from drivegate_models.pm_ac.plant.advance import PmAcPhases, advance_period, make_phases
+from drivegate_models.pm_ac.plant.advance import PmAcPhases, follow_period, make_phases
 from drivegate_models.pm_ac.plant.drive import Modulator, PmAcDrive, alignment_of
 
 
 @unallocating
-def _swing(
+def swing_of_updates(
     drive: PmAcDrive,
     phases: PmAcPhases,
     angle: float,
@@ -32,13 +32,21 @@ def _swing(
     period: float,
     totals: NDArray[np.float64],
 ) -> float:
-    """Return maximum minus minimum torque of the carrier's updates after the ignored ones (N m)."""
+    """Return maximum minus minimum torque of the carrier's updates after the ignored ones.
+
+    - `phases`: state before the first one, with `torque_bounds`; replaced by the state after the last.
+    - `ratios`, `legs`, shape (n, 3): what acts in each.
+    - `first`: number of the first one, on which the alignment depends.
+    - `totals`, shape (ledger.ENTRIES,): the exact integrals are added to it.
+    - Other arguments: as for `commanded_swing`, but `period` is that of an update.
+    - Result: N m; infinite if the plant's advance fails.
+    """
     turning = drive.pole_pairs * speed * period
     least = inf
     most = -inf
     for k in range(ratios.shape[0]):
         if (
-            advance_period(
+            follow_period(
                 drive,
                 phases,
                 angle + k * turning,
@@ -92,7 +100,7 @@ def commanded_swing(
     totals = np.zeros(ledger.ENTRIES)
     every = drive.modulator.control_every
     return float(
-        _swing(
+        swing_of_updates(
             drive,
             phases,
             float(angle),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from math import fsum, pi
+from math import fsum, isinf, pi
 from typing import Any, Final, TypeAlias
 
 import numpy as np
@@ -18,9 +18,10 @@ from drivegate_models.errors import HarnessFault
 from drivegate_models.machine import ledger
 from drivegate_models.machine.rotor_frame import phase_currents
 from drivegate_models.machine.sine import cosine_sine
-from drivegate_models.pm_ac.plant.advance import PmAcPhases, advance_period, make_phases
-from drivegate_models.pm_ac.plant.drive import CENTRED, Modulator, PmAcDrive, alignment_of, electrical_torque
+from drivegate_models.pm_ac.plant.advance import PmAcPhases, make_phases
+from drivegate_models.pm_ac.plant.drive import Modulator, PmAcDrive, alignment_of, electrical_torque
 from drivegate_models.pm_ac.plant.modulator import LOWER, UPPER, make_gates, schedule_gates
+from drivegate_models.pm_ac.ripple import swing_of_updates
 
 _SMALL: Final = 1e-2
 _Phasors: TypeAlias = tuple[NDArray[np.float64], NDArray[np.float64]]
@@ -28,7 +29,7 @@ PIECES: Final = 12
 """Even parts of the time between two updates, besides those at the instants of switching."""
 _LEGS_OF: Final = {UPPER: LEG_HIGH, LOWER: LEG_LOW}
 _AT_ONCE: Final = Modulator()
-_NO_RATIOS: Final = np.zeros(3)
+_NO_RATIOS: Final = np.zeros((1, 3))
 
 
 @dataclass(frozen=True)
@@ -183,18 +184,9 @@ class _Replay:
             before = self._torque()
             totals = np.zeros(ledger.ENTRIES)
             phases, length = self.phases, end - start
-            if advance_period(
-                self.plant,
-                phases,
-                angle + turning * (begin + start),
-                speed,
-                link,
-                _NO_RATIOS,
-                legs,
-                CENTRED,
-                length,
-                totals,
-            ):
+            instant = angle + turning * (begin + start)
+            held = (speed, link, _NO_RATIOS, legs[np.newaxis])
+            if isinf(swing_of_updates(self.plant, phases, instant, *held, 0, 0, length, totals)):
                 raise HarnessFault(f"the plant could not follow the commands of step {row}")
             seen = (row * self.length + (begin + start), length, totals[ledger.IMPULSE] / length)
             for values, value in zip(self.stretches, (*seen, self._torque() - before), strict=True):

@@ -7,7 +7,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate_models.compilation.kernels import inlined, unallocating
+from drivegate_models.compilation.kernels import called, inlined, unallocating
 from drivegate_models.machine import ledger
 from drivegate_models.machine.advance_status import COMPLETED, TOO_MANY_EVENTS
 from drivegate_models.machine.rotor_frame import RotorFrame, phase_current
@@ -405,3 +405,23 @@ def advance_period(
     show_voltages(circuit, legs, settled)
     totals[ledger.EVENTS] += segments
     return status
+
+
+@called
+@unallocating
+def follow_period(
+    drive: PmAcDrive,
+    phases: PmAcPhases,
+    angle: float,
+    speed: float,
+    link: float,
+    ratios: NDArray[np.float64],
+    legs_mode: NDArray[np.int64],
+    alignment: int,
+    duration: float,
+    totals: NDArray[np.float64],
+) -> int:
+    """Advance as `advance_period` does. The closed loop contains a copy of that; all others share this one."""
+    return int(
+        advance_period(drive, phases, angle, speed, link, ratios, legs_mode, alignment, duration, totals)
+    )
