@@ -58,7 +58,7 @@ def foc_run(
     return run_duty_loop(
         drive,
         Load(CONSTANT_TORQUE, torque),
-        Schedule(steady(speed), steady(1.0), link, steady(0.0), steady(1.0), steady(1.0)),
+        Schedule(steady(speed), steady(1.0), link, steady(0.0), steady(1.0), steady(1.0), steady(1.0)),
         step_address=step_function().address,
         state_address=state.ctypes.data,
         control_period=nameplate.control_period,

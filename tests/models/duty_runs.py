@@ -37,7 +37,9 @@ def rating(drive: PmAcDrive) -> tuple[float, float]:
 
 def course(drive: PmAcDrive, reference: Course, load: Course) -> Schedule:
     """Return what happens, at the nominal voltage of the link."""
-    return Schedule(reference, load, steady(0.5 * drive.link_voltage), steady(0.0), steady(1.0), steady(1.0))
+    return Schedule(
+        reference, load, steady(0.5 * drive.link_voltage), steady(0.0), steady(1.0), steady(1.0), steady(1.0)
+    )
 
 
 def nameplate_of(

@@ -88,6 +88,13 @@ def with_scales(scenario: Scenario, **factors: float) -> Scenario:
     return titled(scenario.replaced(scales=factors))
 
 
+def with_lift(scenario: Scenario, at_s: float, lasts_s: float, *, grounded: float, lifted: float) -> Scenario:
+    """Let the inertia follow a driven wheel that is lifted from the ground for a time, as its load does already."""
+    scales = scenario.scales.model_copy(update={"inertia": grounded})
+    drift = Drift(inertia=pulsed(1.0, lifted / grounded, at_s, lasts_s))
+    return titled(scenario.replaced(scales=scales, drift=drift))
+
+
 def with_real_sensors(scenario: Scenario, seed: int) -> Scenario:
     """Put the sensors that the drive has between plant and controller."""
     return titled(scenario.replaced(sensors=real_sensors(scenario.drive).kind, seed=seed))
@@ -129,12 +136,10 @@ def with_imbalance(scenario: Scenario, profile: Profile) -> Scenario:
     return _with_change(scenario, profile[-1][0], imbalance=profile)
 
 
-def with_drift(
-    scenario: Scenario, *, resistance: Profile | None = None, emf_constant: Profile | None = None
-) -> Scenario:
-    """Let parameters drift during a run."""
-    drift = Drift(resistance=resistance, emf_constant=emf_constant)
-    last = max(profile[-1][0] for profile in (resistance, emf_constant) if profile is not None)
+def with_drift(scenario: Scenario, **drifts: Profile | None) -> Scenario:
+    """Let parameters, by the names of their keys, drift during a run."""
+    drift = Drift.model_validate(drifts)
+    last = max(profile[-1][0] for profile in drifts.values() if profile is not None)
     return _with_change(scenario, last, drift=drift)
 
 

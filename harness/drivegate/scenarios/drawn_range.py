@@ -107,6 +107,7 @@ def _deviations(scenario: Scenario) -> Mapping[str, float]:
         "imbalance": _farthest(scenario.imbalance_profile, 0.0),
         "drift of the resistance": _farthest(scenario.resistance_profile, 1.0),
         "drift of the EMF": _farthest(scenario.emf_profile, 1.0),
+        "change of the inertia": _farthest(scenario.inertia_profile, 1.0),
         **{key: abs(getattr(scales, key) - getattr(NOMINAL, key)) for key in type(NOMINAL).model_fields},
         "gain": max((abs(error.gain - 1.0) for error in scenario.current_errors), default=0.0),
         "offset": max((abs(error.offset_a) for error in scenario.current_errors), default=0.0),

@@ -136,7 +136,8 @@ def _scales(scenario: Mapping[str, Any]) -> Iterator[str]:
 
 def _drift(scenario: Mapping[str, Any]) -> Iterator[str]:
     for name, profile in (scenario["drift"] or {}).items():
-        yield f"{FACTOR_SYMBOLS[name]} drifts by {_course(profile, 'times')}"
+        verb = "changes" if name == "inertia" else "drifts"
+        yield f"{FACTOR_SYMBOLS[name]} {verb} by {_course(profile, 'times')}"
 
 
 def _dropouts(scenario: Mapping[str, Any]) -> Iterator[str]:

@@ -71,6 +71,7 @@ def plant_schedule(scenario: Scenario) -> Schedule:
         imbalance=course(scenario.imbalance_profile),
         resistance=course(scenario.resistance_profile),
         emf=course(scenario.emf_profile),
+        inertia=course(scenario.inertia_profile),
     )
 
 

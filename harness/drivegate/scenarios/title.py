@@ -162,10 +162,15 @@ def _parameters(scenario: Scenario) -> list[_Trait]:
     if scales.friction_added_n_m:
         added = f"{scales.friction_added_n_m:.4g}"
         traits.append(_Trait(f"friction+{added}Nm", f"friction + {added} N·m"))
-    for symbol, profile in (("R", scenario.resistance_profile), ("ke", scenario.emf_profile)):
+    drifts = (
+        ("R", "drifts", scenario.resistance_profile),
+        ("ke", "drifts", scenario.emf_profile),
+        ("J", "changes", scenario.inertia_profile),
+    )
+    for symbol, verb, profile in drifts:
         if _levels(profile) != [1.0]:
-            label = f"{symbol}-drifts×{_sequence(_levels(profile))}"
-            traits.append(_Trait(label, f"{symbol} drifts by {_changing(profile, 'times')}"))
+            label = f"{symbol}-{verb}×{_sequence(_levels(profile))}"
+            traits.append(_Trait(label, f"{symbol} {verb} by {_changing(profile, 'times')}"))
     return traits
 
 

@@ -263,7 +263,6 @@ def loop_of(kernels: PlantKernels) -> Any:
         observed = records.run[0]
         period = room.period
         length = timing.control_period
-        inertia = drive.inertia + load.inertia
         stored = stored_energy(drive, phases.currents)
         speed = timing.initial_speed
         gained = 0.0
@@ -322,6 +321,7 @@ def loop_of(kernels: PlantKernels) -> Any:
             watch = follow_ripple(plant, recorded, records, room, watched, watch, length, wraps)
             angle = within_a_turn(turned)
             if load.kind != LOCKED:
+                inertia = conditions.inertia_factor * (drive.inertia + load.inertia)
                 gained = speed_gained(drive, inertia, speed, held, load_now, period, length)
                 observed.kinetic_residual += inertia * gained * (speed + 0.5 * gained - held)
                 speed += gained

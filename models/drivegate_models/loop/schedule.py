@@ -34,6 +34,8 @@ class Schedule(NamedTuple):
     """Factor on the winding resistance (1)."""
     emf: Course
     """Factor on the EMF constant (1)."""
+    inertia: Course
+    """Factor on the inertia of rotor and load (1)."""
 
 
 class Conditions(NamedTuple):
@@ -51,6 +53,8 @@ class Conditions(NamedTuple):
     """Factor on the winding resistance (1)."""
     emf_factor: float
     """Factor on the EMF constant (1)."""
+    inertia_factor: float
+    """Factor on the inertia of rotor and load (1)."""
 
 
 def steady(value: float) -> Course:
@@ -83,7 +87,7 @@ def follow(course: Course, positions: NDArray[np.int64], index: int, time: float
 def conditions_at(schedule: Schedule, positions: NDArray[np.int64], time: float) -> Conditions:
     """Return the external conditions at a time; at a step, the values after it.
 
-    `positions`, shape (6,): index of the point before the last time, for each course; updated. `time`: time, not
+    `positions`, shape (7,): index of the point before the last time, for each course; updated. `time`: time, not
     earlier than in the last call (s).
     """
     return Conditions(
@@ -93,4 +97,5 @@ def conditions_at(schedule: Schedule, positions: NDArray[np.int64], time: float)
         follow(schedule.imbalance, positions, 3, time),
         follow(schedule.resistance, positions, 4, time),
         follow(schedule.emf, positions, 5, time),
+        follow(schedule.inertia, positions, 6, time),
     )

@@ -137,7 +137,7 @@ def prepared_duty_loop(
     exchange = make_exchange(before + steps, step_address, state_address, progress, kept)
     records = make_records(steps)
     room = DutyRoom(
-        np.zeros(7, np.int64),
+        np.zeros(len(Schedule._fields) + 1, np.int64),
         np.zeros(ledger.ENTRIES),
         np.zeros((2, 3)),
         np.full((2, 3), LEG_OFF, np.int64),

@@ -204,7 +204,6 @@ def run_periods(
         return PLANT_FAULT, 0
     length = timing.control_period
     period = room.period
-    inertia = drive.inertia + load.inertia
     delay = 1 if drive.modulator.update_delay > 0 else 0
     speed = timing.initial_speed
     angle = timing.initial_angle
@@ -228,7 +227,7 @@ def run_periods(
         if load.kind == LOCKED or is_locked:
             speed = 0.0 if is_locked else conditions.speed_reference
             change = 0.0
-        torque_reference = follow(torque, room.course_positions, 6, now)
+        torque_reference = follow(torque, room.course_positions, len(schedule), now)
         reference = torque_reference if timing.regulates_torque else conditions.speed_reference
         link = 2.0 * conditions.supply
         shaft_angle = shown_angle((angle + 2.0 * pi * turns) / drive.pole_pairs)
@@ -295,6 +294,7 @@ def run_periods(
             for leg in range(3):
                 room.last[leg] = low_side_ratio(room.ratios[0, leg], room.legs[0, leg])
         if k >= 0 and load.kind != LOCKED and not is_locked:
+            inertia = conditions.inertia_factor * (drive.inertia + load.inertia)
             change = _speed_change(drive, inertia, speed, opposing, weight, period, length)
             speed += change
         if delay > 0:

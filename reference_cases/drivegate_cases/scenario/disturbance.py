@@ -11,7 +11,10 @@ _LEAST_FACTOR, _GREATEST_FACTOR = 0.1, 10.0
 
 
 class Drift(Section):
-    """How the plant's parameters change during a run, as windings and magnets do with temperature."""
+    """How the plant's parameters change during a run.
+
+    Windings and magnets change with temperature, and the inertia where a wheel is lifted from the ground or set down.
+    """
 
     resistance: Profile | None = Field(
         default=None, description="factor on the phase resistance, a list of [seconds, factor]"
@@ -19,8 +22,11 @@ class Drift(Section):
     emf_constant: Profile | None = Field(
         default=None, description="factor on the EMF constant, a list of [seconds, factor]"
     )
+    inertia: Profile | None = Field(
+        default=None, description="factor on the inertia of rotor and load, a list of [seconds, factor]"
+    )
 
-    @field_validator("resistance", "emf_constant")
+    @field_validator("resistance", "emf_constant", "inertia")
     @classmethod
     def _factors_in_range(cls, profile: Profile | None) -> Profile | None:
         if profile is None:
@@ -31,8 +37,8 @@ class Drift(Section):
 
     @model_validator(mode="after")
     def _has_one(self) -> Self:
-        if self.resistance is None and self.emf_constant is None:
-            raise ValueError("must give 'resistance' or 'emf_constant'")
+        if self.resistance is None and self.emf_constant is None and self.inertia is None:
+            raise ValueError("must give 'resistance', 'emf_constant' or 'inertia'")
         return self
 
 

@@ -30,6 +30,7 @@ class Dwell:
     """Share by which the halves differ from it."""
     resistance_factor: float = 1.0
     emf_factor: float = 1.0
+    inertia_factor: float = 1.0
     """Drift of the plant's parameters (1)."""
 
     @property
@@ -59,6 +60,7 @@ def dwells(scenario: Scenario) -> tuple[Dwell, ...]:
         scenario.imbalance_profile,
         scenario.resistance_profile,
         scenario.emf_profile,
+        scenario.inertia_profile,
     )
     failures = [(dropout.start_s, dropout.end_s) for dropout in scenario.dropouts]
     failures += [(glitch.time_s, glitch.time_s) for glitch in scenario.glitches]
@@ -89,6 +91,7 @@ def _conditions(dwell: Dwell) -> list[float]:
         dwell.imbalance,
         dwell.resistance_factor,
         dwell.emf_factor,
+        dwell.inertia_factor,
     ]
 
 
@@ -106,6 +109,7 @@ def dwell_scales(scenario: Scenario, dwell: Dwell) -> Scales:
         update={
             "resistance": scales.resistance * dwell.resistance_factor,
             "emf_constant": scales.emf_constant * dwell.emf_factor,
+            "inertia": scales.inertia * dwell.inertia_factor,
         }
     )
 

@@ -261,6 +261,7 @@ class Scenario(Document):
             "imbalance": self.imbalance_profile,
             "drift.resistance": self.resistance_profile,
             "drift.emf_constant": self.emf_profile,
+            "drift.inertia": self.inertia_profile,
         }
         for key, profile in profiles.items():
             if profile[-1][0] > self.duration_s:
@@ -358,6 +359,11 @@ class Scenario(Document):
     def emf_profile(self) -> Profile:
         """Factor on the EMF constant over time (s, -)."""
         return _STEADY if self.drift is None or self.drift.emf_constant is None else self.drift.emf_constant
+
+    @property
+    def inertia_profile(self) -> Profile:
+        """Factor on the inertia of rotor and load over time (s, -)."""
+        return _STEADY if self.drift is None or self.drift.inertia is None else self.drift.inertia
 
     def nameplate(self) -> Nameplate:
         """Return what the controller knows of its drive."""

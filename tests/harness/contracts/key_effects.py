@@ -200,6 +200,7 @@ _SCENARIO: Final[dict[str, Effect]] = {
     "imbalance": Runs([[0.0, 0.2]]),
     "drift.resistance": Runs([[0.0, 3.0]]),
     "drift.emf_constant": Runs([[0.0, 0.5]]),
+    "drift.inertia": Runs([[0.0, 0.5]]),
     "dropouts.signal": Runs(
         "speed", {"dropouts": [{"signal": "currents", "start_s": 0.01, "duration_s": 0.005}]}
     ),

@@ -36,7 +36,9 @@ def course(*points: tuple[float, float]) -> Course:
 
 
 def schedule(speed: float, factor: tuple[tuple[float, float], ...]) -> Schedule:
-    return Schedule(steady(speed), course(*factor), steady(48.0), steady(0.0), steady(1.0), steady(1.0))
+    return Schedule(
+        steady(speed), course(*factor), steady(48.0), steady(0.0), steady(1.0), steady(1.0), steady(1.0)
+    )
 
 
 def simulate(

@@ -67,7 +67,7 @@ def run_of(**answer: float) -> Recorded:
     run = prepared_loop(
         drive,
         Load(LOCKED),
-        Schedule(steady(SPEED), steady(1.0), supply, steady(0.0), steady(1.0), steady(1.0)),
+        Schedule(steady(SPEED), steady(1.0), supply, steady(0.0), steady(1.0), steady(1.0), steady(1.0)),
         step_address=int(ctypes.cast(kept, ctypes.c_void_p).value or 0),
         state_address=0,
         initial_speed=SPEED,

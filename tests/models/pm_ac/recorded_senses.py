@@ -80,7 +80,13 @@ def recorded(drive: PmAcDrive, speed: float, steps: int, answer: Answer, **optio
 
     kept = _STEP(step)
     schedule = options.pop("schedule", None) or Schedule(
-        steady(speed), steady(1.0), steady(0.5 * drive.link_voltage), steady(0.0), steady(1.0), steady(1.0)
+        steady(speed),
+        steady(1.0),
+        steady(0.5 * drive.link_voltage),
+        steady(0.0),
+        steady(1.0),
+        steady(1.0),
+        steady(1.0),
     )
     run = run_duty_loop(
         drive,

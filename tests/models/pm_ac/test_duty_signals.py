@@ -51,7 +51,9 @@ def run_of(position: str, speed: float, pole_pairs: int = 3) -> Recorded:
     """Return a run of more than two turns at a speed that is held, while the link's voltage falls."""
     drive = drive_of(pole_pairs)
     supply = Course(np.array([0.0, STEPS * PERIOD]), 0.5 * drive.link_voltage * np.array([1.0, 0.9]))
-    schedule = Schedule(steady(speed), steady(1.0), supply, steady(0.0), steady(1.0), steady(1.0))
+    schedule = Schedule(
+        steady(speed), steady(1.0), supply, steady(0.0), steady(1.0), steady(1.0), steady(1.0)
+    )
     return recorded(
         drive,
         speed,

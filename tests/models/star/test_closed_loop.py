@@ -49,7 +49,7 @@ def simulate(drive: StarDrive, speed: float, torque: float, duration: float) -> 
     )
     reset_function()(state, nameplate_record(nameplate), SEARCHES["reference"])
     load = Course(np.array([0.0, 0.2]), np.array([0.0, 1.0]))
-    course = Schedule(steady(speed), load, steady(48.0), steady(0.0), steady(1.0), steady(1.0))
+    course = Schedule(steady(speed), load, steady(48.0), steady(0.0), steady(1.0), steady(1.0), steady(1.0))
     return prepared_loop(
         drive,
         Load(CONSTANT_TORQUE, torque, 1.0),

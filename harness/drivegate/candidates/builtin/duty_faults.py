@@ -497,6 +497,11 @@ DUTY_FAULTS: Final = {
             "current_rise": 0.3 * plate.current_limit,
         },
     ),
+    "lift-taken-for-broken-coupling": DutyFault(
+        "ROB-4",
+        "Turns its bridge off where the shaft leaves its reference twice as fast as it came to it.",
+        perturbed=lambda plate: {"control_period": plate.control_period, "outrunning": 1.5},
+    ),
     "lowering-refused": DutyFault(
         "ACC-1",
         "Turns its bridge off while a load drives the shaft backward.",

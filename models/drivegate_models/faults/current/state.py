@@ -159,6 +159,8 @@ LOST_SPEEDS_COUNTED: Final = 113
 """After `size` samples of zero speed in total, the current is limited permanently."""
 ONE_PHASE_FOR_ALL: Final = 114
 """The search uses the magnitude of the first phase's current for all phases."""
+OUTRUN_TRIPS: Final = 115
+"""An acceleration of `size` times the greatest one toward a reference limits the current permanently."""
 
 ANGLE_CYCLES: Final = 120
 """The angle oscillates by `size`, with a period of two seconds."""

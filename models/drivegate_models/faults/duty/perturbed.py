@@ -120,6 +120,14 @@ PERTURBED_STATE: Final = np.dtype(
         ("mean_speed", np.float64),
         ("swing_side", np.float64),
         ("swings", np.int64),
+        # Acceleration that counts as a broken coupling, relative to the greatest one toward a reference (1; 0 for
+        # none); that one (rad/s2), the reference (rad/s), 1 until the shaft has come to it, and the speed some time ago
+        # (rad/s).
+        ("outrunning", np.float64),
+        ("acceleration_seen", np.float64),
+        ("reference_sought", np.float64),
+        ("is_on_its_way", np.int64),
+        ("speed_lagging", np.float64),
         # Angle by which the shaft may jump in a period (rad), 0 for any; 1 if a farther jump turns the bridge off, and
         # the sector that it counts as (rad); 1 once a step has been seen, the rotation in the preceding period (rad),
         # and the angle of the preceding step (rad).

@@ -116,6 +116,15 @@ FAULTS: Final = of_kind(
         shown_by="a load that vanishes and comes back",
     ),
     Mutation(
+        "lift-trips",
+        "Takes a shaft that leaves its reference faster than it came to it for a broken coupling, and limits the "
+        "current to a fifth for good.",
+        "ROB-3",
+        fault=faults.OUTRUN_TRIPS,
+        size=1.5,
+        shown_by="a wheel that is lifted from the ground and set down",
+    ),
+    Mutation(
         "standstill-latches",
         "Takes a speed reference of zero for the end of all work, and never advances again.",
         "CNV-3",

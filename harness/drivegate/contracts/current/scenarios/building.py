@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from drivegate.scenarios.changes import coming_on_to
+from drivegate.scenarios.changes import coming_on_to, pulsed, with_lift, with_load_factor
 from drivegate.scenarios.drive_scale import scale_of, tidy
 from drivegate.scenarios.title import titled
 from drivegate_cases.drive.drive_document import DriveDocument
@@ -71,6 +71,18 @@ def base_speed_scenario(
         load=ConstantTorqueLoad(kind="constant_torque", torque_nm=0.0, factor=((0.0, 0.0),)),
     )
     return titled(scenario)
+
+
+def lifted_scenario(
+    run: Scenario, at_s: float, lasts_s: float, inertia_factors: tuple[float, float]
+) -> Scenario:
+    """Lift a driven wheel from the ground for a time, and set it down: the load goes and comes back.
+
+    `inertia_factors`: on the inertia at the shaft, with the wheel on the ground, and lifted.
+    """
+    grounded, lifted = inertia_factors
+    factor = (*coming_on(run.drive), *pulsed(1.0, 0.0, at_s, lasts_s)[1:])
+    return with_lift(with_load_factor(run, factor), at_s, lasts_s, grounded=grounded, lifted=lifted)
 
 
 def vehicle_scenario(

@@ -12,10 +12,11 @@ from drivegate_cases.scenario.load import LockedLoad, VehicleLoad
 from drivegate_cases.scenario.piecewise import Profile
 from drivegate_cases.scenario.scenario import Scenario
 
-Quantity: TypeAlias = Literal["speed", "load", "supply", "imbalance", "resistance", "emf_constant"]
+Quantity: TypeAlias = Literal["speed", "load", "supply", "imbalance", "resistance", "emf_constant", "inertia"]
 """What a profile is of."""
 
 QUANTITIES: Final[tuple[Quantity, ...]] = (
+    "inertia",
     "resistance",
     "emf_constant",
     "imbalance",
@@ -109,6 +110,7 @@ def course_of(scenario: Scenario, quantity: Quantity) -> ProfileCourse:
         "imbalance": scenario.imbalance_profile,
         "resistance": scenario.resistance_profile,
         "emf_constant": scenario.emf_profile,
+        "inertia": scenario.inertia_profile,
     }
     return ProfileCourse.of(profiles[quantity])
 
@@ -129,7 +131,6 @@ def fields_of(scenario: Scenario, quantity: Quantity, course: ProfileCourse) -> 
             return {"supply_v": None if profile == nominal else profile}
         case "imbalance":
             return {"imbalance": None if profile == ((0.0, 0.0),) else profile}
-    old = scenario.drift or Drift.model_construct(resistance=None, emf_constant=None)
-    new = {"resistance": old.resistance, "emf_constant": old.emf_constant}
+    new = dict(scenario.drift or Drift.model_construct())
     new[quantity] = None if profile == ((0.0, 1.0),) else profile
     return {"drift": Drift(**new) if any(new.values()) else None}

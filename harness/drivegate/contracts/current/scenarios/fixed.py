@@ -5,6 +5,7 @@ from __future__ import annotations
 from drivegate.contracts.current.scenarios.building import (
     base_speed_scenario,
     coming_on,
+    lifted_scenario,
     steady_scenario,
     vehicle_scenario,
 )
@@ -157,12 +158,15 @@ def _changing(drive: DriveDocument) -> list[Scenario]:
 
 
 def _other_plants(drive: DriveDocument) -> list[Scenario]:
-    friction = scale_of(drive).friction_claimed_nm
+    scale = scale_of(drive)
+    friction, early, at = scale.friction_claimed_nm, scale.units(4), scale.change_s
+    rising = with_speed(_torque(drive, 0.6, 0.7), stepped(scale.speed(0.3), scale.speed(0.6), early))
     return [
         with_scales(_rated(drive, 0.2), resistance=2.0),
         with_scales(_rated(drive, 0.2), inductance=1.2),
         with_scales(_rated(drive, 0.2), emf_constant=0.95),
         with_scales(_torque(drive, 1.0, 0.8), friction_added_n_m=friction),
+        lifted_scenario(rising, tidy(at + early), scale.units(1), (2.0, 0.3)),
     ]
 
 

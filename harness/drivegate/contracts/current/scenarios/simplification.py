@@ -40,6 +40,7 @@ _SHARE_GRAINS: Final[dict[Quantity, tuple[float, ...]]] = {
     "imbalance": (0.05, 0.01),
     "resistance": (0.5, 0.1, 0.05),
     "emf_constant": (0.05, 0.01),
+    "inertia": (0.1, 0.05),
 }
 
 

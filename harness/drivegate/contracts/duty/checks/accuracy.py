@@ -131,7 +131,8 @@ ROB_4 = Check(
     source="the contract",
     level="required",
     limit="speed error 2 k1, overshoot 25 %, swing × 1.5",
-    scenarios="runs of a speed reference with R × 0.5 to 2, L × 0.7 to 1.3, ψ × 0.8 to 1.05 and J × 0.3 to 2",
+    scenarios="runs of a speed reference with R × 0.5 to 2, L × 0.7 to 1.3, ψ × 0.8 to 1.05 and J × 0.3 to 2, "
+    "also within a run, as of a wheel that is lifted and set down",
     formula="the least of 1 - speed error / 2 k1, 1 - overshoot / 25 % and 1 - growth of the swing / 1.5",
     why="Windings warm up, iron saturates, magnets age, loads have inertia of their own; the nameplate stays.",
     evaluate=another_plant,

@@ -10,6 +10,7 @@ from typing import Final
 from drivegate.contracts.duty.document import duty_document
 from drivegate.contracts.duty.scenarios.drawn_range import slow_load_share
 from drivegate.contracts.duty.scenarios.windows import WINDOW_SHARE, run_up_s
+from drivegate.scenarios.changes import with_lift
 from drivegate.scenarios.drive_scale import rated_torque_at, tidy
 from drivegate.scenarios.title import titled
 from drivegate_cases.drive.document import Position
@@ -130,6 +131,31 @@ def load_step_scenario(
     )
     load = ConstantTorqueLoad(kind="constant_torque", torque_nm=torque_nm, factor=factor)
     return titled(steady.replaced(duration_s=start_s(drive, end), load=load))
+
+
+def lifted_scenario(
+    drive: PmAcDocument,
+    speed_rpm: float,
+    torque_nm: float,
+    inertia_factors: tuple[float, float],
+    *,
+    initial_speed_rpm: float | None = None,
+) -> Scenario:
+    """Make a run in which a driven wheel is lifted from the ground and set down: its load goes and comes back.
+
+    `inertia_factors`: on the inertia at the shaft, with the wheel on the ground, and lifted.
+    """
+    grounded, lifted = inertia_factors
+    run = load_step_scenario(
+        drive,
+        speed_rpm,
+        torque_nm,
+        (1.0, 0.0, 1.0),
+        initial_speed_rpm=initial_speed_rpm,
+        inertia_factor=grounded,
+    )
+    at, back = dict.fromkeys(time for time, _ in run.load_profile[1:])
+    return with_lift(run, at, back - at, grounded=grounded, lifted=lifted)
 
 
 def stop_scenario(drive: PmAcDocument, fast_rpm: float, wait_s: float, slow_rpm: float) -> Scenario:

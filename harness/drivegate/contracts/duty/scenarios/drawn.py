@@ -13,6 +13,7 @@ from drivegate.contracts.duty.scenarios.building import (
     edge_positions,
     failing,
     hoist_scenario,
+    lifted_scenario,
     load_step_scenario,
     most_false_edges,
     restarted,
@@ -219,9 +220,23 @@ def start_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
 def parameter_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
     """Draw plants that differ from the nameplate, in steps of the speed or of the load.
 
-    R × 0.5 to 2, L × 0.7 to 1.3, ψ × 0.8 to 1.05 and J × 0.3 to 2.
+    R × 0.5 to 2, L × 0.7 to 1.3, ψ × 0.8 to 1.05 and J × 0.3 to 2, also while a wheel is lifted and set down.
     """
-    return st.builds(
+    base = drive.rating.base_speed_rpm
+    lifted = st.builds(
+        lambda share, begin, speed, inertias: lifted_scenario(
+            drive,
+            speed,
+            torque_of(drive, speed, share),
+            inertias,
+            initial_speed_rpm=tidy(begin * min(speed, base)),
+        ),
+        _shares(0.1, 0.7),
+        st.sampled_from((0.4, 0.6, 1.0)),
+        _turning(drive),
+        st.sampled_from(((2.0, 0.3), (2.0, 0.5), (1.5, 0.5), (1.0, 0.3), (2.0, 1.0))),
+    )
+    others = st.builds(
         lambda run, inertia, resistance, inductance, flux: with_scales(
             run(inertia),
             inertia=inertia,
@@ -235,6 +250,7 @@ def parameter_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
         st.integers(-6, 6),
         st.integers(-4, 1),
     )
+    return st.one_of(others, others, lifted)
 
 
 def supply_step_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:

@@ -10,6 +10,7 @@ from drivegate.contracts.duty.scenarios.building import (
     edge_positions,
     failing,
     hoist_scenario,
+    lifted_scenario,
     load_step_scenario,
     most_false_edges,
     restarted,
@@ -307,4 +308,7 @@ def _other_plants(drive: PmAcDocument) -> list[Scenario]:
         for factor in (0.3, 2.0)
         for after in (fast, speed_of(drive, -0.45))
     ]
-    return [*others, *inertias]
+    lifted = lifted_scenario(
+        drive, fast, torque_of(drive, fast, 0.7), (2.0, 0.3), initial_speed_rpm=min(slow, fast)
+    )
+    return [*others, *inertias, lifted]

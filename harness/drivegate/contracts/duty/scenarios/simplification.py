@@ -44,8 +44,9 @@ def _fields_of(made: Scenario) -> Fields:
 
 def _nominal(scenario: Scenario) -> Iterator[Fields]:
     """Take other parameters, another supply and another begin away."""
-    yield {"scales": NOMINAL, "supply_v": None, "initial_angle_deg": 0.0, "clock_start_s": 0.0}
+    yield {"scales": NOMINAL, "drift": None, "supply_v": None, "initial_angle_deg": 0.0, "clock_start_s": 0.0}
     yield {"scales": NOMINAL}
+    yield {"drift": None}
     for key in type(NOMINAL).model_fields:
         yield {"scales": scenario.scales.model_copy(update={key: getattr(NOMINAL, key)})}
     yield {"supply_v": None}

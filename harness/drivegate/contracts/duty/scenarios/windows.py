@@ -38,6 +38,7 @@ class DutyDwell:
     """Half of the link's voltage (V)."""
     resistance_factor: float
     emf_factor: float
+    inertia_factor: float
     """Drift of the plant's parameters (1)."""
 
 
@@ -50,6 +51,7 @@ def duty_dwells(scenario: Scenario) -> tuple[DutyDwell, ...]:
         scenario.supply_profile,
         scenario.resistance_profile,
         scenario.emf_profile,
+        scenario.inertia_profile,
     )
     torque_is_reference = isinstance(scenario.load, DynamometerLoad)
     events_s = _events_s(scenario)
@@ -99,7 +101,8 @@ def duty_windows(scenario: Scenario) -> list[tuple[DutyDwell, float, float]]:
     for dwell in duty_dwells(scenario):
         change = 0.0 if dwell.torque_reference_nm is not None else dwell.speed_rpm - before
         needed = first_period_from(
-            settling + length + run_up_s(drive, change, scenario.scales.inertia), period
+            settling + length + run_up_s(drive, change, scenario.scales.inertia * dwell.inertia_factor),
+            period,
         )
         before = dwell.speed_rpm
         if round(dwell.end / period) - round(dwell.start / period) >= needed:

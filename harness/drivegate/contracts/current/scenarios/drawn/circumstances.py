@@ -6,6 +6,7 @@ from typing import Final
 
 from hypothesis import strategies as st
 
+from drivegate.contracts.current.scenarios.building import lifted_scenario
 from drivegate.contracts.current.scenarios.drawn.changes import load_step_scenarios
 from drivegate.contracts.current.scenarios.drawn.steps import change_times, nonzero, steady_runs
 from drivegate.scenarios.changes import (
@@ -151,7 +152,7 @@ def _seen(runs: st.SearchStrategy[Scenario]) -> st.SearchStrategy[Scenario]:
 def fault_scenarios(
     drive: DriveDocument, speed_range: SpeedRange | None = None
 ) -> st.SearchStrategy[Scenario]:
-    """Draw signals lost for a moment and drift, and false edges and unequal halves on drives that can have them."""
+    """Draw lost signals, drift and lifted wheels, and false edges and unequal halves where a drive can have them."""
     runs, step = steady_runs(drive, speed_range), scale_of(drive).dropout_step_s
     lost = st.builds(
         lambda signal, at, steps, run: with_dropout(run, signal, at, tidy(step * steps)),
@@ -171,7 +172,18 @@ def fault_scenarios(
         runs,
     )
     supplies = (unequal,) if drive.has_split_supply else ()
-    return st.one_of(lost, *encoders, *supplies, _drifts(drive, runs))
+    return st.one_of(lost, *encoders, *supplies, _drifts(drive, runs), _lifts(drive, runs))
+
+
+def _lifts(drive: DriveDocument, runs: st.SearchStrategy[Scenario]) -> st.SearchStrategy[Scenario]:
+    scale = scale_of(drive)
+    return st.builds(
+        lambda run, at, halves, inertias: lifted_scenario(run, at, scale.units(0.5 * halves), inertias),
+        runs,
+        change_times(drive),
+        st.integers(1, 10),
+        st.sampled_from(((2.0, 0.3), (2.0, 1.0), (1.0, 0.3))),
+    )
 
 
 def _drifts(drive: DriveDocument, runs: st.SearchStrategy[Scenario]) -> st.SearchStrategy[Scenario]:
