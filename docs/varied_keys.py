@@ -86,6 +86,7 @@ NOT_VARIED: Final[Mapping[str, str]] = {
             "failure.time_s",
             "failure.phase",
             "failure.slip_deg",
+            "scales.inertia",
         ),
         _DUTY,
     ),

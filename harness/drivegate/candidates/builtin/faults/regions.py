@@ -117,11 +117,11 @@ FAULTS: Final = of_kind(
     ),
     Mutation(
         "lift-trips",
-        "Takes a shaft that leaves its reference faster than it came to it for a broken coupling, and limits the "
+        "Takes a shaft that leaves its reference faster than it ever came to it for a broken coupling, and limits the "
         "current to a fifth for good.",
         "ROB-3",
         fault=faults.OUTRUN_TRIPS,
-        size=1.5,
+        size=1.1,
         shown_by="a wheel that is lifted from the ground and set down",
     ),
     Mutation(

@@ -73,16 +73,13 @@ def base_speed_scenario(
     return titled(scenario)
 
 
-def lifted_scenario(
-    run: Scenario, at_s: float, lasts_s: float, inertia_factors: tuple[float, float]
-) -> Scenario:
+def lifted_scenario(run: Scenario, at_s: float, lasts_s: float, lifted: float) -> Scenario:
     """Lift a driven wheel from the ground for a time, and set it down: the load goes and comes back.
 
-    `inertia_factors`: on the inertia at the shaft, with the wheel on the ground, and lifted.
+    On the ground the inertia is the nameplate's. `lifted`: factor on it while the wheel is lifted.
     """
-    grounded, lifted = inertia_factors
     factor = (*coming_on(run.drive), *pulsed(1.0, 0.0, at_s, lasts_s)[1:])
-    return with_lift(with_load_factor(run, factor), at_s, lasts_s, grounded=grounded, lifted=lifted)
+    return with_lift(with_load_factor(run, factor), at_s, lasts_s, grounded=1.0, lifted=lifted)
 
 
 def vehicle_scenario(

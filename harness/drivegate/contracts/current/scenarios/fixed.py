@@ -166,7 +166,7 @@ def _other_plants(drive: DriveDocument) -> list[Scenario]:
         with_scales(_rated(drive, 0.2), inductance=1.2),
         with_scales(_rated(drive, 0.2), emf_constant=0.95),
         with_scales(_torque(drive, 1.0, 0.8), friction_added_n_m=friction),
-        lifted_scenario(rising, tidy(at + early), scale.units(1), (2.0, 0.3)),
+        lifted_scenario(rising, tidy(at + early), scale.units(1), 0.3),
     ]
 
 

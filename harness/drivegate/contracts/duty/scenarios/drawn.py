@@ -232,7 +232,7 @@ def parameter_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
             initial_speed_rpm=tidy(begin * min(speed, base)),
         ),
         _shares(0.1, 0.7),
-        st.sampled_from((0.4, 0.6, 1.0)),
+        st.sampled_from((0.4, 0.6, 0.8)),
         _turning(drive),
         st.sampled_from(((2.0, 0.3), (2.0, 0.5), (1.5, 0.5), (1.0, 0.3), (2.0, 1.0))),
     )
