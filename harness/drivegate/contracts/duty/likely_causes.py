@@ -180,6 +180,7 @@ LIKELY_CAUSES: Final = (
         "impatient-stall-watch",
         "jumps-of-angle-smoothed",
         "sag-taken-for-short-circuit",
+        "lift-taken-for-broken-coupling",
     ),
     _cause(
         "a reset leaves part of the state as it was",

@@ -17,6 +17,7 @@ from drivegate.contracts.catalogue import CONTRACTS, contract_of
 from drivegate.contracts.duty.scenarios.building import (
     failing,
     hoist_scenario,
+    lifted_scenario,
     load_step_scenario,
     most_false_edges,
     restarted,
@@ -80,6 +81,7 @@ def rare_families() -> dict[str, dict[str, Scenario]]:
         speed_scenario(INTERIOR, (0.5 * base, 0.55 * base), torque_nm=0.3 * rated, inertia_factor=factor)
         for factor in (0.3, 2.0)
     )
+    lifted = lifted_scenario(INTERIOR, base, 0.7 * rated, (2.0, 0.3), initial_speed_rpm=0.4 * base)
     held = torque_scenario(INTERIOR, 0.5 * base, (0.5 * rated,))
     turning = load_step_scenario(INTERIOR, base, 0.5 * rated, (1.0, 0.8))
     slipping = failing(held, "slip", 0.5 * held.duration_s, slip_deg=60.0)
@@ -102,7 +104,11 @@ def rare_families() -> dict[str, dict[str, Scenario]]:
             "slow-shaft-unseen": speed_scenario(INTERIOR, (0.5 * base, 0.0, 0.03 * base)),
             "idle-speed-forced": load_step_scenario(INTERIOR, 0.01 * base, 0.02 * rated, (0.0, 1.0)),
         },
-        "inertia": {"light-rotor-assumed": heavy, "heavy-rotor-assumed": light},
+        "inertia": {
+            "light-rotor-assumed": heavy,
+            "heavy-rotor-assumed": light,
+            "lift-taken-for-broken-coupling": lifted,
+        },
         "backward": {
             "backward-refused": speed_scenario(INTERIOR, (0.3 * base, -0.3 * base), torque_nm=0.3 * rated),
             "one-way-prediction": mirrored(torque_scenario(INTERIOR, 1.5 * base, (0.5 * rated,))),
