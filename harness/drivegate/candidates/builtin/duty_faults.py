@@ -499,8 +499,8 @@ DUTY_FAULTS: Final = {
     ),
     "lift-taken-for-broken-coupling": DutyFault(
         "ROB-4",
-        "Turns its bridge off where the shaft leaves its reference twice as fast as it came to it.",
-        perturbed=lambda plate: {"control_period": plate.control_period, "outrunning": 1.5},
+        "Turns its bridge off where the shaft leaves its reference half as fast again as it came to it.",
+        perturbed=lambda _: {"breaking_away": 1.5},
     ),
     "lowering-refused": DutyFault(
         "ACC-1",

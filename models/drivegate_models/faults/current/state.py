@@ -11,6 +11,7 @@ import numpy as np
 
 from drivegate_models.contract.current.records import SENSE
 from drivegate_models.controllers.current.state import CONTROLLER_STATE
+from drivegate_models.faults.broken_coupling import WATCHED_SHAFT
 
 NO_FAULT: Final = 0
 """The built-in controller, unchanged or with other constants."""
@@ -159,7 +160,7 @@ LOST_SPEEDS_COUNTED: Final = 113
 """After `size` samples of zero speed in total, the current is limited permanently."""
 ONE_PHASE_FOR_ALL: Final = 114
 """The search uses the magnitude of the first phase's current for all phases."""
-OUTRUN_TRIPS: Final = 115
+BREAKING_AWAY_TRIPS: Final = 115
 """An acceleration of `size` times the greatest one toward a reference limits the current permanently."""
 
 ANGLE_CYCLES: Final = 120
@@ -200,6 +201,7 @@ FAULTY_STATE: Final = np.dtype(
         ("true_sum", np.float64),
         ("late_reference", np.float64),
         ("late_angle", np.float64),
+        ("shaft", WATCHED_SHAFT),
     ],
     align=True,
 )

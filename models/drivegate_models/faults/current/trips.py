@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, Final
 
 from drivegate_models.compilation.kernels import inlined
+from drivegate_models.faults.broken_coupling import breaks_away
 from drivegate_models.faults.current import state as faults
 
 # Share of the current sum at rated power and nominal supply voltage: rated power exceeds it at any speed.
@@ -13,11 +14,8 @@ _DERATED_SHARE: Final = 0.2
 _HALF_CYCLE: Final = 0.25
 # Share of the current limit up to which a current reference counts as none.
 _IDLE_SHARE: Final = 0.01
-# Control periods over which an acceleration is measured; distances from a new speed reference, relative to it, beyond
-# which the shaft is on its way to it, and up to which it has come to it.
+# Control periods over which an acceleration is measured.
 _MEASURED_OVER: Final = 8.0
-_ON_ITS_WAY: Final = 0.1
-_ARRIVED: Final = 0.01
 
 
 @inlined
@@ -33,30 +31,6 @@ def _count_idling(state: Any, reference: float) -> None:
 
 
 @inlined
-def _outruns_itself(state: Any) -> bool:
-    """Return True if the shaft leaves its reference faster than it ever came to one.
-
-    `memory` and `late_angle` hold the speed some time ago and the greatest change since then on the way to a reference,
-    `late_reference` that reference, and `tally` 1 until the shaft has come to it.
-    """
-    speed, reference = state.sense.speed, state.sense.speed_reference
-    if state.steps == 1:
-        state.memory = speed
-    state.memory += (speed - state.memory) / _MEASURED_OVER
-    change = abs(speed - state.memory)
-    distance = abs(reference - speed)
-    if reference != state.late_reference:
-        state.late_reference = reference
-        state.tally = 1 if distance > _ON_ITS_WAY * reference else 0
-    elif distance <= _ARRIVED * reference:
-        state.tally = 0
-    if state.tally == 1:
-        state.late_angle = max(state.late_angle, change)
-        return False
-    return bool(change > state.size * state.late_angle > 0.0)
-
-
-@inlined
 def _trips_on_the_way(state: Any, fault: int) -> bool:
     """Update the fault's state, and return True if a reference, or the way to it, has been one that it trips at."""
     if fault == faults.BEYOND_TRIPS:
@@ -66,8 +40,9 @@ def _trips_on_the_way(state: Any, fault: int) -> bool:
         state.memory = reference
     elif fault == faults.IDLE_TRIPS:
         _count_idling(state, state.late_reference)
-    elif fault == faults.OUTRUN_TRIPS:
-        if _outruns_itself(state):
+    elif fault == faults.BREAKING_AWAY_TRIPS:
+        sense = state.sense
+        if breaks_away(state.shaft, sense.speed, sense.speed_reference, state.size, _MEASURED_OVER):
             state.latched = 1
     else:
         return False

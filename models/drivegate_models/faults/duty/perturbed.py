@@ -15,6 +15,7 @@ from drivegate_models.compilation.calling import call_step, double_at, step_sign
 from drivegate_models.compilation.kernels import KEEPS_CACHE, inlined
 from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE, duty_command_record
 from drivegate_models.contract.duty.signals import LEG_OFF
+from drivegate_models.faults.broken_coupling import WATCHED_SHAFT
 from drivegate_models.faults.duty.changes import is_short_circuit, taken_reference
 from drivegate_models.faults.duty.shaft import follow_shaft
 from drivegate_models.faults.duty.trips import mistakes_samples
@@ -121,13 +122,9 @@ PERTURBED_STATE: Final = np.dtype(
         ("swing_side", np.float64),
         ("swings", np.int64),
         # Acceleration that counts as a broken coupling, relative to the greatest one toward a reference (1; 0 for
-        # none); that one (rad/s2), the reference (rad/s), 1 until the shaft has come to it, and the speed some time ago
-        # (rad/s).
-        ("outrunning", np.float64),
-        ("acceleration_seen", np.float64),
-        ("reference_sought", np.float64),
-        ("is_on_its_way", np.int64),
-        ("speed_lagging", np.float64),
+        # none), and what has been seen of the shaft.
+        ("breaking_away", np.float64),
+        ("shaft", WATCHED_SHAFT),
         # Angle by which the shaft may jump in a period (rad), 0 for any; 1 if a farther jump turns the bridge off, and
         # the sector that it counts as (rad); 1 once a step has been seen, the rotation in the preceding period (rad),
         # and the angle of the preceding step (rad).

@@ -17,7 +17,6 @@ def follow_shaft(state: Any, sense: Any) -> None:
     if state.is_following == 0:
         state.is_following = 1
         state.mean_speed = sense.speed
-        state.speed_lagging = sense.speed
         state.turned_before = sense.speed * state.control_period
         state.angle_seen = sense.angle - state.turned_before
         if state.assumes_zero == 1 and sense.speed == 0.0:

@@ -5,16 +5,14 @@ from __future__ import annotations
 from typing import Any, Final
 
 from drivegate_models.compilation.kernels import inlined
+from drivegate_models.faults.broken_coupling import breaks_away
 from drivegate_models.faults.duty.changes import largest_current
 
 # Share of a current that is left of one that has vanished, and the number of swings of a loose sensor.
 _LEFT: Final = 0.01
 _SWINGS: Final = 40
-# Control periods over which an acceleration is measured; distances from a new reference, relative to it, beyond which
-# the shaft is on its way to it, and up to which it has come to it (1).
+# Control periods over which an acceleration is measured.
 _MEASURED_OVER: Final = 32.0
-_ON_ITS_WAY: Final = 0.1
-_ARRIVED: Final = 0.01
 
 
 @inlined
@@ -41,23 +39,10 @@ def _swings(state: Any, sense: Any) -> bool:
 
 
 @inlined
-def _outruns_itself(state: Any, sense: Any) -> bool:
-    """Return True if the shaft leaves its reference faster than it ever came to one."""
-    state.speed_lagging += (sense.speed - state.speed_lagging) / _MEASURED_OVER
-    acceleration = abs(sense.speed - state.speed_lagging) / (_MEASURED_OVER * state.control_period)
-    distance = abs(sense.reference - sense.speed)
-    if sense.reference != state.reference_sought:
-        state.reference_sought = sense.reference
-        state.is_on_its_way = 1 if distance > _ON_ITS_WAY * abs(sense.reference) else 0
-    elif distance <= _ARRIVED * abs(sense.reference):
-        state.is_on_its_way = 0
-    if state.is_on_its_way == 1:
-        state.acceleration_seen = max(state.acceleration_seen, acceleration)
-        return False
-    return bool(acceleration > state.outrunning * state.acceleration_seen > 0.0)
-
-
-@inlined
 def mistakes_samples(state: Any, sense: Any) -> bool:
     """Return True if samples of a healthy drive count as a failure."""
-    return _vanishes(state, sense) or _swings(state, sense) or _outruns_itself(state, sense)
+    if state.breaking_away > 0.0 and breaks_away(
+        state.shaft, sense.speed, sense.reference, state.breaking_away, _MEASURED_OVER
+    ):
+        return True
+    return _vanishes(state, sense) or _swings(state, sense)

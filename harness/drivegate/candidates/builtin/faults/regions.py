@@ -120,7 +120,7 @@ FAULTS: Final = of_kind(
         "Takes a shaft that leaves its reference faster than it ever came to it for a broken coupling, and limits the "
         "current to a fifth for good.",
         "ROB-3",
-        fault=faults.OUTRUN_TRIPS,
+        fault=faults.BREAKING_AWAY_TRIPS,
         size=1.1,
         shown_by="a wheel that is lifted from the ground and set down",
     ),
