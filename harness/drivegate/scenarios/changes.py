@@ -88,13 +88,6 @@ def with_scales(scenario: Scenario, **factors: float) -> Scenario:
     return titled(scenario.replaced(scales=factors))
 
 
-def with_lift(scenario: Scenario, at_s: float, lasts_s: float, *, grounded: float, lifted: float) -> Scenario:
-    """Let the inertia follow a driven wheel that is lifted from the ground for a time, as its load does already."""
-    scales = scenario.scales.model_copy(update={"inertia": grounded})
-    drift = Drift(inertia=pulsed(1.0, lifted / grounded, at_s, lasts_s))
-    return titled(scenario.replaced(scales=scales, drift=drift))
-
-
 def with_real_sensors(scenario: Scenario, seed: int) -> Scenario:
     """Put the sensors that the drive has between plant and controller."""
     return titled(scenario.replaced(sensors=real_sensors(scenario.drive).kind, seed=seed))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from drivegate.scenarios.changes import coming_on_to, pulsed, with_lift, with_load_factor
+from drivegate.scenarios.changes import coming_on_to, pulsed, with_drift, with_load_factor
 from drivegate.scenarios.drive_scale import scale_of, tidy
 from drivegate.scenarios.title import titled
 from drivegate_cases.drive.drive_document import DriveDocument
@@ -79,7 +79,7 @@ def lifted_scenario(run: Scenario, at_s: float, lasts_s: float, lifted: float) -
     On the ground the inertia is the nameplate's. `lifted`: factor on it while the wheel is lifted.
     """
     factor = (*coming_on(run.drive), *pulsed(1.0, 0.0, at_s, lasts_s)[1:])
-    return with_lift(with_load_factor(run, factor), at_s, lasts_s, grounded=1.0, lifted=lifted)
+    return with_drift(with_load_factor(run, factor), inertia=pulsed(1.0, lifted, at_s, lasts_s))
 
 
 def vehicle_scenario(

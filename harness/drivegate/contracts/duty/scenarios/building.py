@@ -10,7 +10,6 @@ from typing import Final
 from drivegate.contracts.duty.document import duty_document
 from drivegate.contracts.duty.scenarios.drawn_range import slow_load_share
 from drivegate.contracts.duty.scenarios.windows import WINDOW_SHARE, run_up_s
-from drivegate.scenarios.changes import with_lift
 from drivegate.scenarios.drive_scale import rated_torque_at, tidy
 from drivegate.scenarios.title import titled
 from drivegate_cases.drive.document import Position
@@ -19,7 +18,7 @@ from drivegate_cases.drive.plant import Scales
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.limits import duty_limits_of
 from drivegate_cases.scenario.control_periods import first_period_from, period_start_s
-from drivegate_cases.scenario.disturbance import Dropout, Glitch
+from drivegate_cases.scenario.disturbance import Drift, Dropout, Glitch
 from drivegate_cases.scenario.failure_kind import FailureKind
 from drivegate_cases.scenario.load import ConstantTorqueLoad, DynamometerLoad, FanLoad, HoistLoad
 from drivegate_cases.scenario.piecewise import Profile
@@ -154,8 +153,8 @@ def lifted_scenario(
         initial_speed_rpm=initial_speed_rpm,
         inertia_factor=grounded,
     )
-    at, back = dict.fromkeys(time for time, _ in run.load_profile[1:])
-    return with_lift(run, at, back - at, grounded=grounded, lifted=lifted)
+    inertia = tuple((time, 1.0 if share > 0.0 else lifted / grounded) for time, share in run.load_profile)
+    return titled(run.replaced(drift=Drift(inertia=inertia)))
 
 
 def stop_scenario(drive: PmAcDocument, fast_rpm: float, wait_s: float, slow_rpm: float) -> Scenario:

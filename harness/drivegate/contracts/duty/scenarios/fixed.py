@@ -308,7 +308,5 @@ def _other_plants(drive: PmAcDocument) -> list[Scenario]:
         for factor in (0.3, 2.0)
         for after in (fast, speed_of(drive, -0.45))
     ]
-    lifted = lifted_scenario(
-        drive, fast, torque_of(drive, fast, 0.7), (2.0, 0.3), initial_speed_rpm=min(slow, fast)
-    )
+    lifted = lifted_scenario(drive, fast, torque_of(drive, fast, 0.7), (2.0, 0.3), initial_speed_rpm=slow)
     return [*others, *inertias, lifted]
