@@ -2,8 +2,8 @@
 
 The folder of a kind has two modules. `resolution` has ``from_text(specification)`` and
 ``from_manifest(manifest, specification, folder)``, which return a `Candidate` and run none of its code. `loading` has
-``load_controller(candidate)``, which runs it. They are imported when they are needed: each kind brings libraries of
-its own, and a process needs those of one kind only.
+``load_controller(candidate)``, which runs it, and for some kinds ``compile_own_code(candidate)``. They are imported
+when they are needed: each kind brings libraries of its own, and a process needs those of one kind only.
 """
 
 from __future__ import annotations
@@ -57,6 +57,8 @@ class Kind:
     """Keys of a manifest that are for this kind, and for others that have them too."""
     is_included: bool = False
     """Whether all of its code is drivegate's own, and so needs no process to contain it."""
+    compiles_own_code: bool = False
+    """Whether compiled code of drivegate stands between a candidate's code and the loop."""
     reports_output: bool = False
     """Whether a fault without a traceback is reported with what the candidate's process printed."""
     way_of_running: str = ""
@@ -76,6 +78,11 @@ class Kind:
         """Make a new instance of a candidate."""
         controller: Controller = self._module("loading").load_controller(candidate)
         return controller
+
+    def compile_own_code(self, candidate: Candidate) -> None:
+        """Compile what processes of a candidate need of drivegate and can only read; this runs none of its code."""
+        if self.compiles_own_code:
+            self._module("loading").compile_own_code(candidate)
 
     def _module(self, name: str) -> Any:
         return import_module(f"drivegate.candidates.{self.folder}.{name}")
@@ -110,6 +117,7 @@ _ALL: Final = (
             "read",
             "stub",
         ),
+        compiles_own_code=True,
         way_of_running="an emulated target",
     ),
     Kind("fmu", "fmu", ways=("file.fmu",), suffixes=(".fmu",), way_of_running="FMU"),
@@ -122,8 +130,22 @@ _ALL: Final = (
         reports_output=True,
         way_of_running="a process of its own",
     ),
-    Kind("inner", "inner", ways=("inner:pi:candidate",), prefixes=(INNER_PREFIX,), reports_output=True),
-    Kind("compose", "composed", manifest_keys=("blocks",), reports_output=True, way_of_running="blocks"),
+    Kind(
+        "inner",
+        "inner",
+        ways=("inner:pi:candidate",),
+        prefixes=(INNER_PREFIX,),
+        compiles_own_code=True,
+        reports_output=True,
+    ),
+    Kind(
+        "compose",
+        "composed",
+        manifest_keys=("blocks",),
+        compiles_own_code=True,
+        reports_output=True,
+        way_of_running="blocks",
+    ),
 )
 
 KINDS: Final[Mapping[str, Kind]] = {kind.name: kind for kind in _ALL}

@@ -73,6 +73,7 @@ class Judge:
         from drivegate_models.compilation import kernels
 
         if self._process is None:
+            KINDS[self._candidate.kind].compile_own_code(self._candidate)
             if kernels.trusts_all():
                 kernels.trust_only(kernels.kernel_digests())
             layers = isolating_layers(self._candidate) if self._layers is None else self._layers

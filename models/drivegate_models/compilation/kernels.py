@@ -45,18 +45,21 @@ _OWN_PACKAGES = ("drivegate_models", "drivegate")
 
 
 @cache
-def _digest_of_sources() -> str:
-    sources = Path(__file__).resolve().parents[1]
+def _digest_of_sources(folder: Path) -> str:
     digest = hashlib.sha256()
-    for source in sorted(sources.rglob("*.py")):
-        digest.update(source.relative_to(sources).as_posix().encode())
+    for source in sorted(folder.rglob("*.py")):
+        digest.update(source.relative_to(folder).as_posix().encode())
         digest.update(source.read_bytes())
     return digest.hexdigest()
 
 
+def _digest_of_kernels() -> str:
+    return _digest_of_sources(Path(__file__).resolve().parents[1])
+
+
 def cache_key() -> str:
     """Return a key of the kernel sources, their target, and the compiler's versions, but not of their location."""
-    digest = hashlib.sha256(_digest_of_sources().encode())
+    digest = hashlib.sha256(_digest_of_kernels().encode())
     for package in ("numba", "numpy", "llvmlite"):
         digest.update(importlib.metadata.version(package).encode())
     digest.update(f"{sys.implementation.cache_tag}{platform.machine()}{requested_target()}".encode())
@@ -154,8 +157,8 @@ class _LocatedByModule(caching.UserProvidedCacheLocator):
             super().ensure_cache_path()
 
     def get_source_stamp(self) -> Any:
-        """Identify the source by its content, and the functions that it calls by the content of all kernels."""
-        return _digest_of_sources(), hashlib.sha256(Path(self._py_file).read_bytes()).hexdigest()
+        """Identify the source, and the functions that it calls, by the content of their folder and of all kernels."""
+        return _digest_of_kernels(), _digest_of_sources(Path(self._py_file).parent)
 
 
 def _is_own(function: Any) -> bool:

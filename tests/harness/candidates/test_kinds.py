@@ -25,6 +25,7 @@ def test_the_folder_of_a_kind_has_what_its_row_promises(kind: Kind) -> None:
         "folder",
     ]
     assert [*inspect.signature(loading.load_controller).parameters] == ["candidate"]
+    assert hasattr(loading, "compile_own_code") == kind.compiles_own_code
     if kind.ways or kind.prefixes or kind.suffixes:
         assert [*inspect.signature(resolution.from_text).parameters] == ["specification"]
 

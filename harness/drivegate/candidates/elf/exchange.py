@@ -6,7 +6,6 @@ floating-point arithmetic. A program is an array of doubles, in which addresses 
 
 from __future__ import annotations
 
-import ctypes
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -21,11 +20,13 @@ from numba.np.numpy_support import carray
 from numpy.typing import NDArray
 
 from drivegate.candidates.contract import ContractName
+from drivegate.candidates.elf.emulator import read_register, write_register
 from drivegate.candidates.elf.expression import Place, Step
 from drivegate.candidates.elf.image import hexadecimal
 from drivegate.candidates.elf.variables import FLOAT, SIGNED, UNSIGNED, Number, Variables
 from drivegate_cases.documents.wording import nearest, short_line
 from drivegate_models.compilation.calling import copy_bytes, double_at
+from drivegate_models.compilation.kernels import KEEPS_CACHE, unallocating
 from drivegate_models.contract.current.records import NAMEPLATE
 from drivegate_models.contract.current.signals import Command
 from drivegate_models.contract.duty.records import DUTY_NAMEPLATE
@@ -34,7 +35,6 @@ from drivegate_models.contract.layout import CURRENT, DUTY, Layout
 from drivegate_models.errors import InputError
 
 arm_const: Any = import_module("unicorn.arm_const")
-binding: Any = import_module("unicorn.unicorn_py3.unicorn")
 
 _CONSTANT, _LOAD, _ADD, _SUBTRACT, _MULTIPLY, _DIVIDE, _REMAINDER, _MINIMUM, _MAXIMUM = range(9)
 _NEGATE, _ABSOLUTE, _FLOOR, _ROUND, _STORE = range(9, 14)
@@ -218,11 +218,6 @@ def program_of(rows: list[tuple[float, ...]]) -> NDArray[np.float64]:
 @cache
 def answering_function() -> Any:
     """Compile the C function that the emulator calls in the place of a function of the target."""
-    access = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_size_t, ctypes.c_int, ctypes.c_size_t)
-    read_register, write_register = (
-        access(("uc_reg_read", binding.uclib)),
-        access(("uc_reg_write", binding.uclib)),
-    )
     low, high = arm_const.UC_ARM_REG_R0, arm_const.UC_ARM_REG_R1
     single, double = arm_const.UC_ARM_REG_S0, arm_const.UC_ARM_REG_D0
     link, counter = arm_const.UC_ARM_REG_LR, arm_const.UC_ARM_REG_PC
@@ -239,7 +234,7 @@ def answering_function() -> Any:
 
     pointer: Any = types.CPointer
     signature = types.void(types.intp, types.int64, types.int32, pointer(types.int64))
-    return numba.cfunc(signature)(answer)
+    return numba.cfunc(signature, cache=KEEPS_CACHE)(answer)
 
 
 def _stored(number: Number) -> tuple[float, ...]:
@@ -255,7 +250,7 @@ def _range(form: int, size: int) -> tuple[float, float]:
     return (0.0 if form == UNSIGNED else -(2.0**bits)), greatest
 
 
-@numba.njit(error_model="numpy")
+@unallocating
 def run_program(address: int, stack: NDArray[Any], scratch: int) -> None:
     """Run a program.
 
@@ -287,7 +282,7 @@ def run_program(address: int, stack: NDArray[Any], scratch: int) -> None:
             top -= 1
 
 
-@numba.njit(error_model="numpy")
+@unallocating
 def _load(address: int, place: int, stack: NDArray[Any], top: int, scratch: int) -> None:
     form, size = int(double_at(address, place + 2)), int(double_at(address, place + 3))
     copy_bytes(int(double_at(address, place + 1)), scratch, size)
@@ -302,7 +297,7 @@ def _load(address: int, place: int, stack: NDArray[Any], top: int, scratch: int)
     stack[top] = np.float64(value).view(np.int64)
 
 
-@numba.njit(error_model="numpy")
+@unallocating
 def _store(address: int, place: int, stack: NDArray[Any], top: int, scratch: int) -> None:
     form, size = int(double_at(address, place + 2)), int(double_at(address, place + 3))
     value = np.int64(stack[top]).view(np.float64)
@@ -321,7 +316,7 @@ def _store(address: int, place: int, stack: NDArray[Any], top: int, scratch: int
     copy_bytes(scratch, int(double_at(address, place + 1)), size)
 
 
-@numba.njit(error_model="numpy")
+@unallocating
 def _of_one(operation: int, value: float) -> float:
     if operation == _NEGATE:
         return -value
@@ -330,7 +325,7 @@ def _of_one(operation: int, value: float) -> float:
     return float(np.floor(value) if operation == _FLOOR else np.rint(value))
 
 
-@numba.njit(error_model="numpy")
+@unallocating
 def _of_two(operation: int, first: float, second: float) -> float:
     if operation == _ADD:
         return first + second

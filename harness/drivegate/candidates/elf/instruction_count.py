@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from drivegate.candidates.elf.cycles import CORE, REFILL, cycles_of
 from drivegate.candidates.elf.image import Image, halfwords_of
+from drivegate_models.compilation.kernels import KEEPS_CACHE
 
 COUNT, BEHIND, PIECES = range(3)
 """Words of the counter: the count so far, the address after the last block, and the number of pieces of code.
@@ -92,4 +93,4 @@ def counting_function() -> Any:
 
     pointer: Any = types.CPointer
     signature = types.void(types.intp, types.int64, types.int32, pointer(types.int64))
-    return numba.cfunc(signature)(count_block)
+    return numba.cfunc(signature, cache=KEEPS_CACHE)(count_block)

@@ -15,13 +15,16 @@ from drivegate.candidates.elf.exchange import (
     MOST_PHASES,
     REQUIRED_OUTPUTS,
     Programs,
+    answering_function,
     program_of,
     records_in,
     run_program,
 )
 from drivegate.candidates.elf.expression import parsed, parsed_place
 from drivegate.candidates.elf.image import Image, read_image
+from drivegate.candidates.elf.instruction_count import counting_function
 from drivegate.candidates.elf.processor import CortexM, TargetFault, step_function
+from drivegate.candidates.elf.traps import trapping_function
 from drivegate.candidates.elf.variables import variables_of
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind, Phase, bounded_line
 from drivegate.candidates.native.controller import RESETS, STEPS, record_of, refused_by_reset
@@ -33,6 +36,14 @@ from drivegate_models.contract.duty.signals import DutyNameplate
 from drivegate_models.errors import HarnessFault, InputError
 
 _PHASES_OF_DUTY: Final = 3
+
+
+def compile_own_code(_candidate: Candidate) -> None:
+    """Compile what the emulator calls and what steps a controller on it."""
+    for function in (step_function, counting_function, answering_function, trapping_function):
+        function()
+    program, stack = program_of([]), np.zeros(1, np.int64)
+    run_program(program.ctypes.data, stack, stack.ctypes.data)
 
 
 def load_controller(candidate: Candidate) -> TargetController:

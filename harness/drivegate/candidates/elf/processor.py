@@ -18,6 +18,7 @@ from numba import types
 from numba.np.numpy_support import carray
 from numpy.typing import NDArray
 
+from drivegate.candidates.elf.emulator import binding, start, write_register
 from drivegate.candidates.elf.exchange import answering_function, run_program
 from drivegate.candidates.elf.expression import DEEPEST
 from drivegate.candidates.elf.image import Image, hexadecimal, place_of
@@ -33,13 +34,13 @@ from drivegate.candidates.elf.traps import (
     traps_of,
 )
 from drivegate_models.compilation.calling import copy_bytes
+from drivegate_models.compilation.kernels import KEEPS_CACHE
 from drivegate_models.contract.current.records import STOP
 from drivegate_models.errors import HarnessFault
 
 # The package has types for a part of its functions only.
 unicorn: Any = import_module("unicorn")
 arm_const: Any = import_module("unicorn.arm_const")
-binding: Any = import_module("unicorn.unicorn_py3.unicorn")
 
 PAGE: Final = 4096
 STACK_BYTES: Final = 64 * 1024
@@ -71,7 +72,6 @@ _REGISTERS: Final = (
     arm_const.UC_ARM_REG_SP,
     arm_const.UC_ARM_REG_LR,
 )
-_R0, _R1, _R2, _SP, _LR = _REGISTERS
 _FLOATING_POINT_ON: Final = 0x40000000
 _ACCESSES: Final = {
     unicorn.UC_MEM_READ_UNMAPPED: "reads address {}, where the target has no memory,",
@@ -164,7 +164,7 @@ class CortexM:
             raise TargetFault(self.describe(error.errno)) from None
         if self._trapped[PLACE]:
             raise TargetFault(self.describe(_TRAP))
-        return int(self._engine.reg_read(_R0))
+        return int(self._engine.reg_read(arm_const.UC_ARM_REG_R0))
 
     def call_registers(self, *arguments: int) -> tuple[int, ...]:
         """Return the registers of a call: three arguments, stack pointer and link register."""
@@ -184,7 +184,7 @@ class CortexM:
         register = arm_const.UC_ARM_REG_PC
         if self._refused is not None and self._refused[0] == unicorn.UC_MEM_FETCH_UNMAPPED:
             # Where it has jumped to says nothing of who jumped.
-            register = _LR
+            register = arm_const.UC_ARM_REG_LR
         place = place_of(self.image, int(self._engine.reg_read(register)) & ~1)
         if self._refused is not None:
             access, address = self._refused
@@ -290,12 +290,8 @@ class CortexM:
 @cache
 def step_function() -> Any:
     """Compile the C function that steps a controller on a target; one serves all."""
-    write_register = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_size_t, ctypes.c_int, ctypes.c_size_t)(
-        ("uc_reg_write", binding.uclib)
-    )
-    start = ctypes.CFUNCTYPE(
-        ctypes.c_int, ctypes.c_size_t, ctypes.c_uint64, ctypes.c_uint64, ctypes.c_uint64, ctypes.c_size_t
-    )(("uc_emu_start", binding.uclib))
+    # Compiled code is found again by the values of its closure, so numbers of the emulator's version belong there.
+    r0, r1, r2, sp, lr = _REGISTERS
 
     def step_on_target(state: Any, sense: int, command: int) -> None:
         words = carray(state, WORDS)
@@ -307,11 +303,11 @@ def step_function() -> Any:
         copy_bytes(command, words[HOST_COMMAND], words[COMMAND_BYTES])
         if words[WRITES] != 0:
             run_program(words[WRITES], words[STACK:], own + 8 * STACK)
-        write_register(words[ENGINE], _R0, own + 8 * ARGUMENTS)
-        write_register(words[ENGINE], _R1, own + 8 * (ARGUMENTS + 1))
-        write_register(words[ENGINE], _R2, own + 8 * (ARGUMENTS + 2))
-        write_register(words[ENGINE], _SP, own + 8 * (ARGUMENTS + 3))
-        write_register(words[ENGINE], _LR, own + 8 * (ARGUMENTS + 4))
+        write_register(words[ENGINE], r0, own + 8 * ARGUMENTS)
+        write_register(words[ENGINE], r1, own + 8 * (ARGUMENTS + 1))
+        write_register(words[ENGINE], r2, own + 8 * (ARGUMENTS + 2))
+        write_register(words[ENGINE], sp, own + 8 * (ARGUMENTS + 3))
+        write_register(words[ENGINE], lr, own + 8 * (ARGUMENTS + 4))
         words[_COUNTED] = words[_COUNTED + 1] = 0
         copy_bytes(own + 8 * _COUNTED, words[COUNTER], 16)
         words[ERROR] = start(words[ENGINE], words[BEGIN], words[UNTIL], 0, 0)
@@ -330,4 +326,4 @@ def step_function() -> Any:
 
     pointer: Any = types.CPointer
     signature = types.void(pointer(types.int64), types.int64, types.int64)
-    return numba.cfunc(signature)(step_on_target)
+    return numba.cfunc(signature, cache=KEEPS_CACHE)(step_on_target)

@@ -6,7 +6,6 @@ Armv6-M and Armv7-M Architecture Reference Manuals, chapter A5 and the sections 
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Iterator, Sequence
 from functools import cache
 from importlib import import_module
@@ -18,11 +17,12 @@ from numba import types
 from numba.np.numpy_support import carray
 from numpy.typing import NDArray
 
+from drivegate.candidates.elf.emulator import read_register, stop
 from drivegate.candidates.elf.image import Image, halfwords_of
 from drivegate_models.compilation.calling import copy_bytes
+from drivegate_models.compilation.kernels import KEEPS_CACHE, inlined
 
 arm_const: Any = import_module("unicorn.arm_const")
-binding: Any = import_module("unicorn.unicorn_py3.unicorn")
 
 CONTROL_REGISTER: Final = 0xE000_ED14
 """Address of the register CCR, which enables the trap of divisions."""
@@ -153,13 +153,7 @@ def rules_of(traps: Sequence[Trap], trapped: NDArray[np.int64], control: int = 0
 @cache
 def trapping_function() -> Any:
     """Compile the C function that the emulator calls before instructions, those with a rule among them."""
-    read_register = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_size_t, ctypes.c_int, ctypes.c_size_t)(
-        ("uc_reg_read", binding.uclib)
-    )
-    stop = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_size_t)(("uc_emu_stop", binding.uclib))
     first_register, flags_register = arm_const.UC_ARM_REG_R0, arm_const.UC_ARM_REG_APSR
-
-    is_met: Any = numba.njit(_is_met)
 
     def check_instruction(engine: int, address: int, _size: int, state: Any) -> None:
         # The emulator calls for the range that it was given; the shape of the array is not used for bounds.
@@ -185,7 +179,7 @@ def trapping_function() -> Any:
         if words[row + _CONDITION] != _ALWAYS:
             words[_SCRATCH] = 0
             read_register(engine, flags_register, scratch)
-            if not is_met(words[row + _CONDITION], words[_SCRATCH] >> 28):
+            if not _is_met(words[row + _CONDITION], words[_SCRATCH] >> 28):
                 return
         words[PLACE], words[OPERAND], words[MASK] = address, operand, mask
         copy_bytes(words[_OWN], words[_TRAPPED], 8 * (MASK + 1))
@@ -193,9 +187,10 @@ def trapping_function() -> Any:
 
     pointer: Any = types.CPointer
     signature = types.void(types.intp, types.int64, types.int32, pointer(types.int64))
-    return numba.cfunc(signature)(check_instruction)
+    return numba.cfunc(signature, cache=KEEPS_CACHE)(check_instruction)
 
 
+@inlined
 def _is_met(condition: int, flags: int) -> bool:
     """Return True if the flags N, Z, C and V, the lowest last, meet a condition (section "Conditional execution")."""
     negative, zero = flags >> 3 & 1 == 1, flags >> 2 & 1 == 1

@@ -7,12 +7,14 @@ from __future__ import annotations
 
 from typing import Final
 
+import numpy as np
+
 from drivegate.candidates.candidate import Candidate, OuterLoop
 from drivegate.candidates.contract import AnyNameplate, require_nameplate_of
 from drivegate.candidates.controller import CompiledController, Controller
 from drivegate.candidates.fault import Fault
 from drivegate.candidates.kinds import KINDS
-from drivegate_models.contract.duty.records import duty_nameplate_record
+from drivegate_models.contract.duty.records import DUTY_NAMEPLATE, duty_nameplate_record
 from drivegate_models.contract.duty.signals import TORQUE_REFERENCE, DutyNameplate
 from drivegate_models.controllers.duty.inner_loop import (
     inner_reset_function,
@@ -65,9 +67,21 @@ class InnerController(CompiledController):
         inner_reset_function()(self._state, duty_nameplate_record(nameplate))
 
 
+def compile_own_code(candidate: Candidate) -> None:
+    """Compile the loop of currents, and what the candidate behind it needs."""
+    inner_step_function()
+    inner_reset_function()(inner_state(0, 0, 1), np.zeros(1, DUTY_NAMEPLATE))
+    outer = _outer(candidate)
+    KINDS[outer.kind].compile_own_code(outer)
+
+
 def load_controller(candidate: Candidate) -> InnerController:
     """Make a new instance of a candidate behind the loop."""
+    outer = _outer(candidate)
+    return InnerController(KINDS[outer.kind].load_controller(outer))
+
+
+def _outer(candidate: Candidate) -> Candidate:
     if not isinstance(candidate.details, OuterLoop):
         raise HarnessFault(f"the candidate {candidate.name} of kind {candidate.kind} has no controller")
-    outer = candidate.details.outer
-    return InnerController(KINDS[outer.kind].load_controller(outer))
+    return candidate.details.outer

@@ -9,6 +9,7 @@ import ctypes
 import inspect
 import re
 import sys
+from functools import cache
 from typing import Any, Final
 
 import numba
@@ -118,14 +119,20 @@ _raised: Final = _RaisedExceptions()
 
 
 def load_numba_controller(definition: NumbaController, name: str) -> CompiledController:
-    """Compile a numba candidate."""
+    """Make a new instance of a numba candidate, which is compiled once a process."""
+    return CompiledController(*_callbacks(definition, name), definition.contract)
+
+
+@cache
+def _callbacks(definition: NumbaController, name: str) -> tuple[Any, Any, int]:
+    """Return the C functions of step and reset, and the size of the state (bytes)."""
     if definition.contract not in _RECORDS:
         raise InputError(
             f"{name}: contract is {_bounded(repr(definition.contract))}, but must be one of {', '.join(_RECORDS)}"
         )
     functions = (definition.reset, definition.step)
     if all(isinstance(function, CFunc) for function in functions):
-        return _from_callbacks(definition, name)
+        return _given_callbacks(definition, name)
     for role, function in zip(_ARGUMENTS, functions, strict=True):
         _check_function(role, function, name)
     layout = _layout(definition.state, name)
@@ -133,15 +140,14 @@ def load_numba_controller(definition: NumbaController, name: str) -> CompiledCon
     state = numba.from_dtype(layout)
     step = _compiled("step", definition.step, (state, sense, command), name)
     reset = _compiled("reset", definition.reset, (state, nameplate), name)
-    return CompiledController(
+    return (
         _step_callback(step, (state, sense, command)),
         _reset_callback(reset, (state, nameplate)),
         layout.itemsize,
-        definition.contract,
     )
 
 
-def _from_callbacks(definition: NumbaController, name: str) -> CompiledController:
+def _given_callbacks(definition: NumbaController, name: str) -> tuple[Any, Any, int]:
     size = definition.state
     if not isinstance(size, int) or isinstance(size, bool):
         size = _layout(definition.state, name).itemsize
@@ -156,9 +162,7 @@ def _from_callbacks(definition: NumbaController, name: str) -> CompiledControlle
                 f"{name}: {role} has the type {_bounded(str(signature))}, but must return {answer} and take {count} "
                 f"pointers, as {_FUNCTIONS[role][definition.contract]} in {HEADERS[definition.contract]}"
             )
-    step: Any = definition.step
-    reset: Any = definition.reset
-    return CompiledController(step, reset, size, definition.contract)
+    return definition.step, definition.reset, size
 
 
 def _check_function(role: str, function: object, name: str) -> None:

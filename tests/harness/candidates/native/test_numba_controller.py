@@ -56,6 +56,14 @@ def loaded(*, state=STATE, reset=reset, step=step):
     return load_numba_controller(NumbaController(state, reset=reset, step=step), "mine")
 
 
+def test_it_is_compiled_once_a_process_and_each_instance_has_its_own_state():
+    definition = NumbaController(STATE, reset=reset, step=step)
+    one, other = (load_numba_controller(definition, "mine") for _ in range(2))
+    assert one.step_address == other.step_address, "the same step is compiled twice"
+    assert one.state_address != other.state_address
+    assert one.step_address != loaded().step_address, "another definition has the same step"
+
+
 def pointer(layout):
     return types.CPointer(numba.from_dtype(layout))
 
