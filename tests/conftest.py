@@ -13,6 +13,12 @@ settings.register_profile("tests", deadline=None)
 settings.load_profile("tests")
 
 
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_auto_num_workers() -> int:
+    """Take one worker more than there are processors: tests wait for processes and hangs a fifth of the time."""
+    return (os.cpu_count() or 1) + 1
+
+
 def pytest_sessionstart(session: pytest.Session) -> None:
     """Compile the kernels once before workers start, each of which would compile them for itself."""
     if not getattr(session.config.option, "numprocesses", None) or "NUMBA_DISABLE_JIT" in os.environ:
