@@ -87,6 +87,17 @@ def test_changed_sources_are_compiled_anew(tmp_path: Path) -> None:
     assert _compiled_at(tmp_path / "one", tmp_path / "cache") == [1, 0, 0, 1]
 
 
+def test_code_outside_the_models_is_compiled_anew_with_any_file_of_its_folder(tmp_path: Path) -> None:
+    # Its functions call one another across the files of their folder, as those of the emulator do.
+    stamps = []
+    for text in ("ONE = 1", "ONE = 2", "ONE = 1"):
+        (tmp_path / "beside.py").write_text(text, encoding="utf-8")
+        compilation._digest_of_sources.cache_clear()
+        located = compilation._LocatedByModule(phi4.py_func, str(tmp_path / "own.py"))  # type: ignore[attr-defined]
+        stamps.append(located.get_source_stamp())
+    assert stamps[0] == stamps[2] != stamps[1]
+
+
 _FACTORY = """
 from drivegate_models.compilation.kernels import inlined, kernel
 def times(factor):
