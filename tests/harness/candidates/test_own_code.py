@@ -19,7 +19,7 @@ from drivegate_models.compilation.kernels import required_cache_folder
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 COMPOSED = str(EXAMPLES / "compose" / "candidate.toml")
-# A run without its plant, in a process that refuses to compile.
+# Load a candidate and reset it, in a process that refuses to compile.
 RUN = """
 import sys
 from drivegate.candidates.kinds import KINDS, load_controller
