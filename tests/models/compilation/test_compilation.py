@@ -93,7 +93,7 @@ def test_code_outside_the_models_is_compiled_anew_with_any_file_of_its_folder(tm
     for text in ("ONE = 1", "ONE = 2", "ONE = 1"):
         (tmp_path / "beside.py").write_text(text, encoding="utf-8")
         compilation._digest_of_sources.cache_clear()
-        located = compilation._LocatedByModule(phi4.py_func, str(tmp_path / "own.py"))  # type: ignore[attr-defined]
+        located = compilation._LocatedByModule(compilation.cache_key, str(tmp_path / "own.py"))
         stamps.append(located.get_source_stamp())
     assert stamps[0] == stamps[2] != stamps[1]
 

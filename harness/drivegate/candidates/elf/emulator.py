@@ -1,14 +1,23 @@
-"""The emulator's functions that compiled code calls: by their names, since their addresses differ between processes."""
+"""The emulator as compiled code meets it: functions that it calls, and those that the emulator calls in turn.
+
+Compiled code knows the emulator's functions by their names, since their addresses differ between processes.
+"""
 
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Callable
 from importlib import import_module
 from typing import Any, Final
 
+import numba
 from llvmlite.binding import add_symbol
 from numba import types
 
+from drivegate_models.compilation.kernels import KEEPS_CACHE
+
+# The package has types for a part of its functions only.
+arm_const: Any = import_module("unicorn.arm_const")
 binding: Any = import_module("unicorn.unicorn_py3.unicorn")
 
 
@@ -31,3 +40,10 @@ start: Final = _function("uc_emu_start", types.intp, types.uint64, types.uint64,
 
 stop: Final = _function("uc_emu_stop", types.intp)
 """Stop after the present instruction: the engine."""
+
+
+def called_by_emulator(function: Callable[[int, int, int, Any], None]) -> Any:
+    """Compile what the emulator calls: with the engine, an address, a size, and a pointer to words of its own."""
+    pointer: Any = types.CPointer
+    signature = types.void(types.intp, types.int64, types.int32, pointer(types.int64))
+    return numba.cfunc(signature, cache=KEEPS_CACHE)(function)

@@ -10,31 +10,26 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
-from importlib import import_module
 from typing import Any, Final
 
-import numba
 import numpy as np
-from numba import types
 from numba.np.numpy_support import carray
 from numpy.typing import NDArray
 
 from drivegate.candidates.contract import ContractName
-from drivegate.candidates.elf.emulator import read_register, write_register
+from drivegate.candidates.elf.emulator import arm_const, called_by_emulator, read_register, write_register
 from drivegate.candidates.elf.expression import Place, Step
 from drivegate.candidates.elf.image import hexadecimal
 from drivegate.candidates.elf.variables import FLOAT, SIGNED, UNSIGNED, Number, Variables
 from drivegate_cases.documents.wording import nearest, short_line
 from drivegate_models.compilation.calling import copy_bytes, double_at
-from drivegate_models.compilation.kernels import KEEPS_CACHE, unallocating
+from drivegate_models.compilation.kernels import unallocating
 from drivegate_models.contract.current.records import NAMEPLATE
 from drivegate_models.contract.current.signals import Command
 from drivegate_models.contract.duty.records import DUTY_NAMEPLATE
 from drivegate_models.contract.duty.signals import DutyCommand
 from drivegate_models.contract.layout import CURRENT, DUTY, Layout
 from drivegate_models.errors import InputError
-
-arm_const: Any = import_module("unicorn.arm_const")
 
 _CONSTANT, _LOAD, _ADD, _SUBTRACT, _MULTIPLY, _DIVIDE, _REMAINDER, _MINIMUM, _MAXIMUM = range(9)
 _NEGATE, _ABSOLUTE, _FLOOR, _ROUND, _STORE = range(9, 14)
@@ -232,9 +227,7 @@ def answering_function() -> Any:
         read_register(engine, link, value + 8)
         write_register(engine, counter, value + 8)
 
-    pointer: Any = types.CPointer
-    signature = types.void(types.intp, types.int64, types.int32, pointer(types.int64))
-    return numba.cfunc(signature, cache=KEEPS_CACHE)(answer)
+    return called_by_emulator(answer)
 
 
 def _stored(number: Number) -> tuple[float, ...]:

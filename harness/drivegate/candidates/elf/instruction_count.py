@@ -5,15 +5,13 @@ from __future__ import annotations
 from functools import cache
 from typing import Any, Final
 
-import numba
 import numpy as np
-from numba import types
 from numba.np.numpy_support import carray
 from numpy.typing import NDArray
 
 from drivegate.candidates.elf.cycles import CORE, REFILL, cycles_of
+from drivegate.candidates.elf.emulator import called_by_emulator
 from drivegate.candidates.elf.image import Image, halfwords_of
-from drivegate_models.compilation.kernels import KEEPS_CACHE
 
 COUNT, BEHIND, PIECES = range(3)
 """Words of the counter: the count so far, the address after the last block, and the number of pieces of code.
@@ -91,6 +89,4 @@ def counting_function() -> Any:
                 words[COUNT] += words[halfword] - words[halfword + size // 2] + refill
                 return
 
-    pointer: Any = types.CPointer
-    signature = types.void(types.intp, types.int64, types.int32, pointer(types.int64))
-    return numba.cfunc(signature, cache=KEEPS_CACHE)(count_block)
+    return called_by_emulator(count_block)

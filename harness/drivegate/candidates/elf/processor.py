@@ -18,7 +18,7 @@ from numba import types
 from numba.np.numpy_support import carray
 from numpy.typing import NDArray
 
-from drivegate.candidates.elf.emulator import binding, start, write_register
+from drivegate.candidates.elf.emulator import arm_const, binding, start, write_register
 from drivegate.candidates.elf.exchange import answering_function, run_program
 from drivegate.candidates.elf.expression import DEEPEST
 from drivegate.candidates.elf.image import Image, hexadecimal, place_of
@@ -38,9 +38,7 @@ from drivegate_models.compilation.kernels import KEEPS_CACHE
 from drivegate_models.contract.current.records import STOP
 from drivegate_models.errors import HarnessFault
 
-# The package has types for a part of its functions only.
 unicorn: Any = import_module("unicorn")
-arm_const: Any = import_module("unicorn.arm_const")
 
 PAGE: Final = 4096
 STACK_BYTES: Final = 64 * 1024

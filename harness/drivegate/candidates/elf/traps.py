@@ -8,21 +8,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from functools import cache
-from importlib import import_module
 from typing import Any, Final, NamedTuple
 
-import numba
 import numpy as np
-from numba import types
 from numba.np.numpy_support import carray
 from numpy.typing import NDArray
 
-from drivegate.candidates.elf.emulator import read_register, stop
+from drivegate.candidates.elf.emulator import arm_const, called_by_emulator, read_register, stop
 from drivegate.candidates.elf.image import Image, halfwords_of
 from drivegate_models.compilation.calling import copy_bytes
-from drivegate_models.compilation.kernels import KEEPS_CACHE, inlined
-
-arm_const: Any = import_module("unicorn.arm_const")
+from drivegate_models.compilation.kernels import inlined
 
 CONTROL_REGISTER: Final = 0xE000_ED14
 """Address of the register CCR, which enables the trap of divisions."""
@@ -185,9 +180,7 @@ def trapping_function() -> Any:
         copy_bytes(words[_OWN], words[_TRAPPED], 8 * (MASK + 1))
         stop(engine)
 
-    pointer: Any = types.CPointer
-    signature = types.void(types.intp, types.int64, types.int32, pointer(types.int64))
-    return numba.cfunc(signature, cache=KEEPS_CACHE)(check_instruction)
+    return called_by_emulator(check_instruction)
 
 
 @inlined
