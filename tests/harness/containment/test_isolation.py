@@ -12,6 +12,7 @@ from pathlib import Path
 
 import psutil
 import pytest
+from tests.harness.beside_templates import children
 from tests.harness.containment.attacks import ATTACKS, LEVELS, outcomes, read_table
 
 from drivegate.candidates.fault import Fault, FaultKind
@@ -154,6 +155,7 @@ for file in Path({kernels!r}).rglob("*.nb[ic]"):
     # To compile the closed loop again takes the judge long.
     if not file.name.startswith("loop_kernel."):
         file.write_bytes(pickle.dumps(Forgery()))
+        Path({changed!r}).touch()
 class Mine:
     def reset(self, nameplate):
         pass
@@ -169,21 +171,23 @@ def test_a_judge_loads_no_kernel_that_a_candidate_has_changed(
     folder = required_cache_folder()
     scenario = fixed_scenarios(load_drive("paper-5-phase"))[0].model_copy(update={"duration_s": 0.05})
     assert least_conceivable(scenario.drive.plant(), 5.0) > 0.0, "it is kept from now on"
-    # Another test's attack may come and go meanwhile.
-    shutil.copytree(folder, kernels / folder.name, ignore=shutil.ignore_patterns("attack-*"))
+    for module in folder.glob("drivegate_models.*"):
+        # Another test may store a kernel meanwhile.
+        shutil.copytree(module, kernels / folder.name / module.name, ignore=shutil.ignore_patterns("*.tmp.*"))
     monkeypatch.setenv("DRIVEGATE_CACHE", str(kernels))
     file = tmp_path / "mine.py"
-    file.write_text(FORGED.format(kernels=str(kernels), forged=str(tmp_path / "forged")), encoding="utf-8")
+    places = {"kernels": kernels, "forged": tmp_path / "forged", "changed": tmp_path / "changed"}
+    file.write_text(FORGED.format(**{name: str(place) for name, place in places.items()}), encoding="utf-8")
     with WorkerPool(resolve_candidate(f"{file}:Mine"), workers=1) as pool:
         (ended,) = pool.map([Job(digest_beside_a_kernel, scenario)])
+    assert places["changed"].exists(), "the candidate has changed nothing"
     changed = [each for each in kernels.rglob("*.nb[ic]") if b"/forged" in each.read_bytes()]
-    assert changed, "the candidate has changed nothing"
     # A function called by address, and one called from Python.
     for needed in ("loop/step_recording.playing_step.", "half_bridge/periodic.least_conceivable-"):
         stored = set(kernels.glob(f"*/drivegate_models.{needed}*.nbi"))
         assert stored, f"{needed} is not kept"
         assert not stored.intersection(changed), f"the judge has to compile and store {needed} again"
-    assert not (tmp_path / "forged").exists(), "the judge executed what the candidate wrote"
+    assert not places["forged"].exists(), "the judge executed what the candidate wrote"
     assert isinstance(ended, int), ended
 
 
@@ -251,7 +255,8 @@ def test_a_stopped_judge_is_a_fault_with_a_name(
     with WorkerPool(resolve_candidate(f"{file}:Mine"), workers=1) as pool:
         ended = pool.map([Job(worker_jobs.drive, 2), Job(worker_jobs.drive, 10**6)])
         assert next(ended) == 2.0
-        for process in psutil.Process().children(recursive=True):
+        # A stopped template would not reap its copies.
+        for process in children():
             # One that has just ended has no command line.
             with suppress(psutil.Error):
                 if "judge" in process.cmdline():
