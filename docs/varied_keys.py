@@ -12,7 +12,7 @@ from hypothesis.strategies import SearchStrategy
 from drivegate.contracts.current.scenarios.combined import combined_scenarios
 from drivegate.contracts.current.scenarios.drawn.families import FAMILY_GROUPS
 from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
-from drivegate.contracts.duty.scenarios import drawn as duty
+from drivegate.contracts.duty.scenarios.drawn import families as duty
 from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios as fixed_duty_scenarios
 from drivegate.contracts.traceability import FIXED, family_name
 from drivegate.scenarios.isolation import from_the_seed_alone

@@ -10,7 +10,7 @@ from tests.models.drawn_runs import drawn
 from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.contracts.duty.scenarios.building import supply_step_scenario, torque_of, torque_scenario
-from drivegate.contracts.duty.scenarios.drawn import FAMILY_GROUPS, drawn_scenarios
+from drivegate.contracts.duty.scenarios.drawn.families import FAMILY_GROUPS, drawn_scenarios
 from drivegate.contracts.duty.scenarios.feasibility import unfair_because
 from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios
 from drivegate.drives.abilities import ability_of, refuse_unreachable

@@ -12,8 +12,8 @@ from varied_keys import draws
 from drivegate.contracts.catalogue import CONTRACTS, contract_of
 from drivegate.contracts.current.scenarios.building import steady_scenario
 from drivegate.contracts.current.scenarios.drawn import families
-from drivegate.contracts.duty.scenarios import drawn as duty
 from drivegate.contracts.duty.scenarios.building import failing, speed_scenario, torque_of, torque_scenario
+from drivegate.contracts.duty.scenarios.drawn import families as duty
 from drivegate.contracts.traceability import family_name
 from drivegate.scenarios.changes import (
     stepped,

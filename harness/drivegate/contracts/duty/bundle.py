@@ -50,7 +50,7 @@ def _drawn_scenarios(
 ) -> SearchStrategy[Scenario]:
     from drivegate.contracts.duty.current_reference import STEPPED, is_current_in_reach, without_weakening
     from drivegate.contracts.duty.document import duty_document
-    from drivegate.contracts.duty.scenarios.drawn import drawn_scenarios
+    from drivegate.contracts.duty.scenarios.drawn.families import drawn_scenarios
 
     if declaration.follows_current:
         unweakened = without_weakening(duty_document(drive))

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from drivegate.contracts.comparison import ComparisonRequest
 from drivegate.contracts.duty.comparison.declaration import planned_duty_runs
 from drivegate.contracts.duty.scenarios.building import PERIODS_AT_A_TIME, dwell_periods, torque_scenario
-from drivegate.contracts.duty.scenarios.drawn import FAMILY_GROUPS, failure_scenarios
+from drivegate.contracts.duty.scenarios.drawn.failures import failure_scenarios
+from drivegate.contracts.duty.scenarios.drawn.families import FAMILY_GROUPS
 from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios
 from drivegate.contracts.duty.scenarios.simplification import DUTY_SIMPLIFICATIONS
 from drivegate.contracts.duty.scenarios.windows import duty_windows

@@ -18,7 +18,7 @@ from drivegate.contracts.duty.scenarios.building import (
     with_lost_samples,
     with_position_errors,
 )
-from drivegate.contracts.duty.scenarios.drawn import joint_change_scenarios
+from drivegate.contracts.duty.scenarios.drawn.circumstances import joint_change_scenarios
 from drivegate.contracts.duty.scenarios.feasibility import unfair_because
 from drivegate.contracts.duty.scenarios.windows import duty_windows
 from drivegate_cases.drive.drive_document import load_drive

@@ -17,7 +17,8 @@ from drivegate.contracts.duty.scenarios.building import (
     torque_of,
     torque_scenario,
 )
-from drivegate.contracts.duty.scenarios.drawn import FAMILY_GROUPS, drawn_scenarios, failure_scenarios
+from drivegate.contracts.duty.scenarios.drawn.failures import failure_scenarios
+from drivegate.contracts.duty.scenarios.drawn.families import FAMILY_GROUPS, drawn_scenarios
 from drivegate.contracts.duty.scenarios.feasibility import unfair_because
 from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios
 from drivegate.contracts.duty.scenarios.simplification import DUTY_SIMPLIFICATIONS

@@ -15,7 +15,7 @@ from drivegate.contracts.duty.scenarios.building import (
     torque_of,
     torque_scenario,
 )
-from drivegate.contracts.duty.scenarios.drawn import drawn_scenarios
+from drivegate.contracts.duty.scenarios.drawn.families import drawn_scenarios
 from drivegate.contracts.duty.scenarios.feasibility import unfair_because
 from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios
 from drivegate.contracts.duty.scenarios.simplification import DUTY_SIMPLIFICATIONS

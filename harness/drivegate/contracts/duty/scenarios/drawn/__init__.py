@@ -1,0 +1,1 @@
+"""Hypothesis strategies that draw scenarios, one module a theme."""
