@@ -35,6 +35,8 @@ _log = logging.getLogger("drivegate")
 
 MARKER = "all-kernels"
 """Begin of the names of files in the cache folder, each of which shows that every kernel of a kind is compiled."""
+FIRST_CHECK_MARKER = f"{MARKER}-first-check"
+"""Name of the file that shows the same of all that a first check on any kind may use."""
 
 
 def uncompiled_kinds(drives: Iterable[DriveDocument | None] = (None,)) -> tuple[str, ...]:
@@ -49,7 +51,10 @@ def uncompiled_kinds(drives: Iterable[DriveDocument | None] = (None,)) -> tuple[
 
 
 def compile_for_first_check() -> None:
-    """Compile the kernels of all kinds of drives, of their envelopes and of their witnesses."""
+    """Compile the kernels of all kinds of drives, of their envelopes and of their witnesses, unless they are kept."""
+    marker = required_cache_folder() / FIRST_CHECK_MARKER
+    if marker.exists():
+        return
     drives = [load_drive(kind.default_drive) for kind in DRIVE_KINDS.values()]
     compile_missing(drives)
     for drive in drives:
@@ -59,6 +64,7 @@ def compile_for_first_check() -> None:
             if witness.made_for is None:
                 loaded = own_candidate(resolve_candidate(witness.candidate))
                 recorded(loaded, _plain_scenario(drive.kind), loaded.controller())
+    marker.touch()
 
 
 def compile_missing(drives: Iterable[DriveDocument | None] = (None,)) -> None:
