@@ -27,7 +27,7 @@ _OTHERS: Final = itemgetter(
 _CURRENTS: Final = Struct("=3d")
 _OUTPUTS: Final = Struct("=3d3q5dq")
 _OUTPUTS_OFFSET: Final = DUTY_COMMAND.itemsize - _OUTPUTS.size
-_ESTIMATES: Final = ("torque", "angle", "speed", "input_power")
+_NUMBERS: Final = DutyCommand._fields[2:7]
 _LARGEST: Final = 2**63
 
 
@@ -95,24 +95,29 @@ def _ratios(answer: DutyCommand) -> tuple[float, float, float]:
 
 def _legs(answer: DutyCommand) -> tuple[int, int, int]:
     first, second, third = _three("legs", answer.legs)
-    for leg in map(_integer, ("a leg",) * 3, (first, second, third)):
-        if not LEG_OFF <= leg <= LEG_LOW:
-            raise InvalidOutput(
-                f"legs are {first}, {second}, {third}, but each must be from {LEG_OFF} to {LEG_LOW}"
-            )
+    if not (type(first) is type(second) is type(third) is int):
+        first, second, third = (_integer("a leg", value) for value in (first, second, third))
+    if not (LEG_OFF <= first <= LEG_LOW and LEG_OFF <= second <= LEG_LOW and LEG_OFF <= third <= LEG_LOW):
+        raise InvalidOutput(
+            f"legs are {first}, {second}, {third}, but each must be from {LEG_OFF} to {LEG_LOW}"
+        )
     return first, second, third
 
 
 def _rest(answer: DutyCommand) -> tuple[float, float, float, float, float, int]:
-    period = real_number("next_period", answer.next_period)
+    _, _, period, torque, angle, speed, power, fault = answer
+    if not (type(period) is type(torque) is type(angle) is type(speed) is type(power) is float):
+        period, torque, angle, speed, power = map(
+            real_number, _NUMBERS, (period, torque, angle, speed, power)
+        )
     if not isfinite(period):
         raise InvalidOutput(f"next_period is {period}, but must be finite, or 0 to keep the control period")
-    estimates = [real_number(name, getattr(answer, name)) for name in _ESTIMATES]
-    for name, value in zip(_ESTIMATES, estimates, strict=True):
-        if isinf(value):
-            raise InvalidOutput(f"{name} is {value}, but must be finite, or NaN for no estimate")
-    torque, angle, speed, power = estimates
-    fault = _integer("fault", answer.fault)
+    estimates = (torque, angle, speed, power)
+    if any(map(isinf, estimates)):
+        name, value = next(pair for pair in zip(_NUMBERS[1:], estimates, strict=True) if isinf(pair[1]))
+        raise InvalidOutput(f"{name} is {value}, but must be finite, or NaN for no estimate")
+    if type(fault) is not int:
+        fault = _integer("fault", fault)
     if not -_LARGEST <= fault < _LARGEST:
         raise InvalidOutput(f"fault is {fault}, but must be an integer of 64 bits, the controller's own code")
     return period, torque, angle, speed, power, fault
