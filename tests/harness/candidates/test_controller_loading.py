@@ -1,8 +1,7 @@
 """Every kind of candidate shows the same face to the closed loop."""
 
-from pathlib import Path
-
 import pytest
+from tests.harness import worker_jobs
 
 from drivegate.candidates.builtin.candidates import BUILTIN_CANDIDATES
 from drivegate.candidates.kinds import load_controller
@@ -12,18 +11,13 @@ from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job
 from drivegate_models.controllers.current.builtin import SEARCHES
 
-HERE = Path(__file__).parents[1]
-
 
 def test_every_builtin_candidate_has_its_controller():
     assert set(BUILTIN_CANDIDATES) == set(SEARCHES)
 
 
 @pytest.mark.parametrize("name", BUILTIN_CANDIDATES)
-def test_a_builtin_runs_in_a_worker_and_its_instances_share_nothing(name, monkeypatch):
-    monkeypatch.syspath_prepend(HERE)
-    import worker_jobs
-
+def test_a_builtin_runs_in_a_worker_and_its_instances_share_nothing(name):
     with Judge(resolve_candidate(name)) as worker:
         first, longer, again = (worker.run(Job(worker_jobs.drive, steps)) for steps in (50, 500, 50))
     assert first == again, "an earlier run shows in a later one"

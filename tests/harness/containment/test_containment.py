@@ -10,6 +10,7 @@ from pathlib import Path
 
 import psutil
 import pytest
+from tests.harness import worker_jobs
 
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import Judge
@@ -17,7 +18,6 @@ from drivegate.containment.kept_process import PASS_VARIABLE, worker_environment
 from drivegate.containment.messages import Job
 from drivegate.isolation.layers import ISOLATION_VARIABLE
 
-HERE = Path(__file__).parents[1]
 MINE = """
 import os, resource, subprocess, sys, tempfile, time
 from pathlib import Path
@@ -32,7 +32,6 @@ class Mine:
 
 @pytest.fixture
 def scratch(monkeypatch, tmp_path):
-    monkeypatch.syspath_prepend(HERE)
     folder = tmp_path / "scratch"
     folder.mkdir()
     monkeypatch.setattr(tempfile, "tempdir", str(folder))
@@ -42,7 +41,6 @@ def scratch(monkeypatch, tmp_path):
 @pytest.fixture
 def answer(scratch, tmp_path):
     """Evaluate an expression in a candidate's step."""
-    import worker_jobs
 
     def evaluate(expression, reset="pass"):
         file = tmp_path / "mine.py"
@@ -103,7 +101,7 @@ def test_each_worker_has_a_temporary_folder_which_is_removed_with_it(answer, scr
 
 DAEMON = "subprocess.Popen(['setsid', 'sleep', '65432'], env={}, start_new_session=True)"
 HARNESS = """
-import worker_jobs
+from tests.harness import worker_jobs
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job
@@ -121,7 +119,7 @@ def test_nothing_is_left_when_the_harness_is_ended(scratch, tmp_path, ending, is
     file = tmp_path / "mine.py"
     reset = f"{DAEMON}; time.sleep(1000)"
     file.write_text(MINE.format(reset=reset, answer="1.0"), encoding="utf-8")
-    paths = os.pathsep.join([str(HERE), *sys.path])
+    paths = os.pathsep.join(sys.path)
     harness = subprocess.Popen(
         [sys.executable, "-c", HARNESS.format(specification=f"{file}:Mine")],
         env={**os.environ, "PYTHONPATH": paths, "TMPDIR": str(scratch), ISOLATION_VARIABLE: isolation},

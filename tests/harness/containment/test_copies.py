@@ -14,6 +14,7 @@ from typing import Any
 
 import psutil
 import pytest
+from tests.harness import worker_jobs
 from tests.harness.beside_templates import copies
 
 from drivegate.candidates.fault import Fault
@@ -31,7 +32,6 @@ from drivegate.gate.warm_up import judges_on
 from drivegate.isolation.layers import ISOLATION_VARIABLE
 from drivegate_cases.drive.drive_document import load_drive
 
-HERE = Path(__file__).parents[1]
 LOOKING = """
 import gc, json, os, random, resource, signal, sys, tempfile, threading
 from pathlib import Path
@@ -91,7 +91,6 @@ def own_templates(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, no_process_left: None
 ) -> Iterator[Templates]:
     """Begin without a template, and leave none."""
-    monkeypatch.syspath_prepend(HERE)
     monkeypatch.setenv("TMPDIR", str(tmp_path))
     own = Templates()
     assert copies() == []
@@ -120,7 +119,6 @@ def judge(tmp_path: Path) -> Iterator[Callable[..., Judge]]:
 @pytest.fixture
 def look(judge: Callable[..., Judge]) -> Callable[[], tuple[dict[str, Any], list[float]]]:
     """Return what a candidate finds around it in the next process that is started, and what it draws."""
-    import worker_jobs
 
     def looked() -> tuple[dict[str, Any], list[float]]:
         fault = judge(LOOKING).once(Job(worker_jobs.drive, 1))
@@ -171,8 +169,6 @@ def test_a_copy_has_what_the_harness_has_changed_since(look: Callable[[], Any]) 
 def test_a_judge_that_is_a_copy_finds_around_it_what_a_new_one_finds(
     own_templates: Templates, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    import worker_jobs
-
     def looked(jobs: int) -> list[object]:
         with WorkerPool(resolve_candidate("initial"), workers=jobs) as pool:
             return list(pool.map([Job(worker_jobs.surroundings, None)] * jobs))
@@ -189,8 +185,6 @@ def test_a_judge_that_is_a_copy_finds_around_it_what_a_new_one_finds(
 
 
 def test_judges_that_start_together_are_copies(own_templates: Templates) -> None:
-    import worker_jobs
-
     with WorkerPool(resolve_candidate("initial"), workers=2) as pool:
         found = list(pool.map([Job(worker_jobs.surroundings, None)] * 2))
     assert len(own_templates.started()) == 1
@@ -201,13 +195,11 @@ def test_judges_that_start_together_are_copies(own_templates: Templates) -> None
 def test_a_judge_that_is_a_copy_has_what_was_prepared_before_it_started(
     own_templates: Templates, tmp_path: Path, kind: str
 ) -> None:
-    import worker_jobs
-
     (tmp_path / "mine.py").write_text(STEPPING.format(top="", step="pass", answer="1.0"), encoding="utf-8")
     candidate = resolve_candidate("initial" if kind == "own" else f"{tmp_path / 'mine.py'}:Mine")
 
     def prepared(what: str) -> object:
-        preparation = Preparation("worker_jobs", "prepare", what)
+        preparation = Preparation(worker_jobs.__name__, "prepare", what)
         with WorkerPool(candidate, workers=1, preparation=preparation) as pool:
             started = [template.pid for template in own_templates.started()]
             (found,) = pool.map([Job(worker_jobs.prepared, None)])
@@ -222,8 +214,6 @@ def test_a_judge_that_is_a_copy_has_what_was_prepared_before_it_started(
 
 
 def test_judges_of_a_check_have_its_kernels_before_they_start(own_templates: Templates) -> None:
-    import worker_jobs
-
     drive = load_drive("star-3-phase")
     candidate = resolve_candidate(contract_of(drive).usual_candidate)
     job = Job(worker_jobs.kernels_loaded, drive.kind)
@@ -270,8 +260,6 @@ def test_what_copies_share_does_not_pass_for_deterministic(
 def test_without_its_template_a_candidate_has_a_new_process(
     judge: Callable[..., Judge], own_templates: Templates, monkeypatch: pytest.MonkeyPatch, harm: int
 ) -> None:
-    import worker_jobs
-
     judged = judge(STEPPING.format(top="", step="pass", answer="1.0"))
     for _ in range(2):
         assert judged.once(Job(worker_jobs.drive, 2)) == 2.0
@@ -288,7 +276,7 @@ def test_without_its_template_a_candidate_has_a_new_process(
 HARNESS = """
 import sys
 from pathlib import Path
-import worker_jobs
+from tests.harness import worker_jobs
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job

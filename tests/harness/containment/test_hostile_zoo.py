@@ -11,6 +11,7 @@ from textwrap import indent
 from xml.etree import ElementTree
 
 import pytest
+from tests.harness import worker_jobs
 from tests.harness.beside_templates import connections, copies
 
 from drivegate.candidates.fault import LONGEST_MESSAGE, LONGEST_TRACEBACK, Fault, FaultKind
@@ -28,7 +29,6 @@ from drivegate.gate.shard import FixedRuns, run_fixed
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_models.errors import InputError
 
-HERE = Path(__file__).parents[1]
 LIMITS = WorkerLimits(
     step_processor_seconds=0.3, start_processor_seconds=30.0, idle_seconds=30.0, memory_bytes=2**30
 )
@@ -374,7 +374,6 @@ def processes_of(scratch: Path) -> list[str]:
 @pytest.fixture(autouse=True)
 def scratch(monkeypatch, tmp_path, no_process_left):
     """Hold every candidate to leaving neither processes nor files nor open descriptors."""
-    monkeypatch.syspath_prepend(HERE)
     folder = tmp_path / "scratch"
     folder.mkdir()
     monkeypatch.setattr(tempfile, "tempdir", str(folder))
@@ -383,14 +382,6 @@ def scratch(monkeypatch, tmp_path, no_process_left):
     assert processes_of(folder) == [], "a process outlived its worker"
     assert list(folder.iterdir()) == [], "a temporary file is left"
     assert set(connections()) <= connections_before, "a connection to a worker is left open"
-
-
-@pytest.fixture
-def jobs():
-    """Jobs whose functions belong to the module that the worker processes import."""
-    import worker_jobs
-
-    return worker_jobs
 
 
 @pytest.fixture
@@ -427,10 +418,10 @@ def program(tmp_path):
     return make
 
 
-def outcome_of(candidate, jobs, limits=LIMITS):
+def outcome_of(candidate, limits=LIMITS):
     with Judge(candidate, limits=limits) as worker:
         # Once: test_judge.py shows that a hang is tried again.
-        return worker.once(Job(jobs.drive, STEPS))
+        return worker.once(Job(worker_jobs.drive, STEPS))
 
 
 def assert_well_reported(fault):
@@ -442,44 +433,44 @@ def assert_well_reported(fault):
 
 
 @pytest.mark.parametrize("harm", IN_PYTHON)
-def test_harm_in_a_step_of_a_python_candidate(python_candidate, jobs, harm):
+def test_harm_in_a_step_of_a_python_candidate(python_candidate, harm):
     statement, kind, message = IN_PYTHON[harm]
     limits = IMPATIENT if "of waiting" in message else LIMITS
-    fault = outcome_of(python_candidate(statement), jobs, limits)
+    fault = outcome_of(python_candidate(statement), limits)
     assert_well_reported(fault)
     assert (fault.kind, fault.phase) == (kind, "step")
     assert fault.message.startswith(message)
 
 
 @pytest.mark.parametrize("harm", ELSEWHERE)
-def test_harm_before_the_first_step_of_a_python_candidate(python_candidate, jobs, harm):
+def test_harm_before_the_first_step_of_a_python_candidate(python_candidate, harm):
     places, kind, phase, message = ELSEWHERE[harm]
-    fault = outcome_of(python_candidate(**places), jobs, HURRIED if kind is FaultKind.HANG else LIMITS)
+    fault = outcome_of(python_candidate(**places), HURRIED if kind is FaultKind.HANG else LIMITS)
     assert_well_reported(fault)
     assert (fault.kind, fault.phase) == (kind, phase)
     assert fault.message.startswith(message)
 
 
 @pytest.mark.parametrize("mischief", HARMLESS)
-def test_mischief_that_is_no_harm_does_not_reach_the_harness(python_candidate, jobs, mischief, capfd):
-    assert outcome_of(python_candidate(HARMLESS[mischief]), jobs) == float(STEPS)
+def test_mischief_that_is_no_harm_does_not_reach_the_harness(python_candidate, mischief, capfd):
+    assert outcome_of(python_candidate(HARMLESS[mischief])) == float(STEPS)
     assert capfd.readouterr() == ("", "")
 
 
 @pytest.mark.parametrize("method", ["reset", "step"])
-def test_a_candidate_without_a_method_is_refused(tmp_path, jobs, method):
+def test_a_candidate_without_a_method_is_refused(tmp_path, method):
     file = tmp_path / "mine.py"
     other = {"reset": "step", "step": "reset"}[method]
     file.write_text(f"class Mine:\n def {other}(self, sense): pass\n", encoding="utf-8")
     with pytest.raises(InputError, match=f"the class 'Mine' in mine.py has no method '{method}'"):
-        outcome_of(resolve_candidate(f"{file}:Mine"), jobs)
+        outcome_of(resolve_candidate(f"{file}:Mine"))
 
 
 @pytest.mark.parametrize("harm", IN_PROGRAM)
-def test_harm_in_a_step_of_a_program(program, jobs, harm):
+def test_harm_in_a_step_of_a_program(program, harm):
     statement, kind, message = IN_PROGRAM[harm]
     deadline = PROGRAM_DEADLINE if kind is FaultKind.HANG else PATIENT_DEADLINE
-    fault = outcome_of(program(statement, deadline=deadline), jobs)
+    fault = outcome_of(program(statement, deadline=deadline))
     assert_well_reported(fault)
     assert (fault.kind, fault.phase) == (kind, "step")
     assert fault.message.startswith(message)
@@ -517,28 +508,28 @@ def test_harm_in_a_step_of_a_program(program, jobs, harm):
         ),
     ],
 )
-def test_harm_before_the_first_step_of_a_program(program, jobs, places, kind, phase, message):
-    fault = outcome_of(program(**places), jobs)
+def test_harm_before_the_first_step_of_a_program(program, places, kind, phase, message):
+    fault = outcome_of(program(**places))
     assert_well_reported(fault)
     assert (fault.kind, fault.phase) == (kind, phase)
     assert fault.message.startswith(message)
 
 
-def test_what_a_program_printed_is_reported_with_its_fault(program, jobs):
+def test_what_a_program_printed_is_reported_with_its_fault(program):
     chatter = "print('x' * 10**6, '\\x1b[31mno such table', file=sys.stderr, flush=True); sys.exit(3)"
-    fault = outcome_of(program(chatter), jobs)
+    fault = outcome_of(program(chatter))
     assert_well_reported(fault)
     assert fault.traceback.endswith("\\x1b[31mno such table\n")
 
 
-def test_a_program_of_another_version_is_refused(program, jobs):
+def test_a_program_of_another_version_is_refused(program):
     with pytest.raises(InputError, match="speaks version 2 of the protocol, but must speak version 1"):
-        outcome_of(program(hello="say(drivegate=2); continue"), jobs)
+        outcome_of(program(hello="say(drivegate=2); continue"))
 
 
-def test_a_program_that_stays_after_its_input_ends_is_killed(program, jobs):
+def test_a_program_that_stays_after_its_input_ends_is_killed(program):
     late = "import atexit; atexit.register(time.sleep, 1e6)"
-    assert outcome_of(program(late), jobs) == float(STEPS)
+    assert outcome_of(program(late)) == float(STEPS)
 
 
 UNSTEADY = {

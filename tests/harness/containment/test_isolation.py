@@ -12,6 +12,7 @@ from pathlib import Path
 
 import psutil
 import pytest
+from tests.harness import worker_jobs
 from tests.harness.beside_templates import children
 from tests.harness.containment.attacks import ATTACKS, LEVELS, outcomes, read_table
 
@@ -58,10 +59,8 @@ class Mine:
 
 
 @pytest.fixture
-def ending(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., object]:
+def ending(tmp_path: Path) -> Callable[..., object]:
     """Return how a job with a candidate ends that does something in a step."""
-    monkeypatch.syspath_prepend(Path(__file__).parents[1])
-    import worker_jobs
 
     def ended(step: str, **options: object) -> object:
         file = tmp_path / "mine.py"
@@ -246,10 +245,7 @@ def test_shared_memory_counts_as_memory(
 def test_a_stopped_judge_is_a_fault_with_a_name(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, no_process_left: None
 ) -> None:
-    monkeypatch.syspath_prepend(Path(__file__).parents[1])
     monkeypatch.setattr(judge_process, "_STOPPED_SECONDS", 0.5)
-    import worker_jobs
-
     file = tmp_path / "mine.py"
     file.write_text(MINE.format(step="time.sleep(0.05)"), encoding="utf-8")
     with WorkerPool(resolve_candidate(f"{file}:Mine"), workers=1) as pool:
@@ -271,10 +267,7 @@ def test_a_stopped_judge_is_a_fault_with_a_name(
 def test_what_a_stopped_keeper_keeps_ends_with_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, not_isolated: None, no_process_left: None
 ) -> None:
-    monkeypatch.syspath_prepend(Path(__file__).parents[1])
     monkeypatch.setattr(kept_process, "_KEEPER_PATIENCE", 0.5)
-    import worker_jobs
-
     # The daemon stops its keeper again and again.
     daemon = "import os, signal, sys, time\nwhile True:\n os.kill(int(sys.argv[1]), signal.SIGSTOP)\n time.sleep(0.001)"
     step = f"subprocess.Popen([sys.executable, '-c', {daemon!r}, str(os.getppid())], start_new_session=True)"

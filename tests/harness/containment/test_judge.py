@@ -6,10 +6,10 @@ import subprocess
 import sys
 import tempfile
 import time
-from pathlib import Path
 
 import psutil
 import pytest
+from tests.harness import worker_jobs
 from tests.harness.beside_templates import template_files
 
 from drivegate.candidates.fault import FaultKind
@@ -20,7 +20,6 @@ from drivegate.containment.pool import WorkerPool
 from drivegate.containment.watches import WorkerLimits
 from drivegate_models.errors import HarnessFault, InputError
 
-HERE = Path(__file__).parents[1]
 QUICK = WorkerLimits(
     step_processor_seconds=0.3, start_processor_seconds=20.0, idle_seconds=20.0, memory_bytes=2**30
 )
@@ -31,8 +30,7 @@ NORMAL, WITH_FAULT = 3, 7
 
 @pytest.fixture(autouse=True)
 def surroundings(monkeypatch, tmp_path, no_process_left):
-    """Let workers import the jobs of these tests; hold the tests to leaving nothing behind."""
-    monkeypatch.syspath_prepend(HERE)
+    """Hold the tests to leaving nothing behind."""
     scratch = tmp_path / "scratch"
     scratch.mkdir()
     monkeypatch.setattr(tempfile, "tempdir", str(scratch))
@@ -46,14 +44,6 @@ def surroundings(monkeypatch, tmp_path, no_process_left):
 def open_files():
     """Count the open files, without connections to templates, which stay for the next test."""
     return psutil.Process().num_fds() - len(template_files())
-
-
-@pytest.fixture
-def jobs():
-    """Jobs whose functions belong to the module that the worker processes import."""
-    import worker_jobs
-
-    return worker_jobs
 
 
 @pytest.fixture
@@ -120,12 +110,12 @@ FAULTS_IN_STEP = {
 
 
 @pytest.mark.parametrize("fault", FAULTS_IN_STEP)
-def test_a_fault_in_a_step_gets_its_verdict_and_the_next_job_works(candidate, jobs, fault):
+def test_a_fault_in_a_step_gets_its_verdict_and_the_next_job_works(candidate, fault):
     statement, kind, message = FAULTS_IN_STEP[fault]
     with worker_of(candidate(statement)) as worker:
-        assert worker.run(Job(jobs.drive, NORMAL)) == 3.0
-        outcome = worker.run(Job(jobs.drive, WITH_FAULT))
-        assert worker.run(Job(jobs.drive, NORMAL)) == 3.0
+        assert worker.run(Job(worker_jobs.drive, NORMAL)) == 3.0
+        outcome = worker.run(Job(worker_jobs.drive, WITH_FAULT))
+        assert worker.run(Job(worker_jobs.drive, NORMAL)) == 3.0
     assert (outcome.kind, outcome.phase) == (kind, "step")
     assert outcome.message.startswith(message)
     assert outcome.step == 4
@@ -134,9 +124,9 @@ def test_a_fault_in_a_step_gets_its_verdict_and_the_next_job_works(candidate, jo
 
 
 @pytest.mark.parametrize("fault", ["raise", "segfault", "loop"])
-def test_the_place_of_a_fault_is_reported(candidate, jobs, fault):
+def test_the_place_of_a_fault_is_reported(candidate, fault):
     with worker_of(candidate(FAULTS_IN_STEP[fault][0])) as worker:
-        outcome = worker.run(Job(jobs.drive, WITH_FAULT))
+        outcome = worker.run(Job(worker_jobs.drive, WITH_FAULT))
     assert "mine.py" in outcome.traceback
     assert "in step" in outcome.traceback
 
@@ -155,60 +145,60 @@ def test_the_place_of_a_fault_is_reported(candidate, jobs, fault):
         ("top", "block = bytearray(10 * 2**30)", FaultKind.EXCEPTION, "loading"),
     ],
 )
-def test_a_fault_before_the_first_step_gets_its_verdict(candidate, jobs, where, statement, kind, phase):
+def test_a_fault_before_the_first_step_gets_its_verdict(candidate, where, statement, kind, phase):
     with worker_of(candidate(**{where: statement})) as worker:
-        outcome = worker.run(Job(jobs.drive, NORMAL))
+        outcome = worker.run(Job(worker_jobs.drive, NORMAL))
     assert (outcome.kind, outcome.phase) == (kind, phase)
     assert (outcome.step, outcome.time, outcome.sense) == (None, None, None)
 
 
-def test_a_run_that_never_ends_is_a_hang(candidate, jobs):
+def test_a_run_that_never_ends_is_a_hang(candidate):
     with worker_of(
         candidate(answer="time.sleep(1e-3) or 1.0"), WorkerLimits(order_seconds=6.0, order_step_seconds=0.0)
     ) as worker:
-        outcome = worker.once(Job(jobs.drive, 10**5))
+        outcome = worker.once(Job(worker_jobs.drive, 10**5))
     assert outcome.message.startswith("the run did not end within 6 s after")
 
 
-def test_a_hang_is_tried_once_more(candidate, jobs, tmp_path, not_isolated):
+def test_a_hang_is_tried_once_more(candidate, tmp_path, not_isolated):
     mark = tmp_path / "tried"
     once = f"if not os.path.exists({str(mark)!r}): open({str(mark)!r}, 'w').close(); time.sleep(1000)"
     with worker_of(candidate(once), WorkerLimits(idle_seconds=2.0)) as worker:
-        assert worker.run(Job(jobs.drive, WITH_FAULT)) == 7.0
+        assert worker.run(Job(worker_jobs.drive, WITH_FAULT)) == 7.0
 
 
-def test_a_candidate_that_cannot_be_used_is_refused(candidate, jobs):
+def test_a_candidate_that_cannot_be_used_is_refused(candidate):
     with worker_of(candidate(top="import absent_module")) as worker:
         for _ in range(2):
             with pytest.raises(InputError, match="No module named 'absent_module'"):
-                worker.run(Job(jobs.drive, NORMAL))
+                worker.run(Job(worker_jobs.drive, NORMAL))
 
 
-def test_the_same_process_does_many_jobs_each_with_a_new_instance(candidate, jobs):
+def test_the_same_process_does_many_jobs_each_with_a_new_instance(candidate):
     once = "assert not hasattr(self, 'used'); self.used = True"
     with worker_of(candidate(top=BORN, reset=once, answer="BORN")) as worker:
-        births = {worker.run(Job(jobs.drive, 1)) for _ in range(5)}
+        births = {worker.run(Job(worker_jobs.drive, 1)) for _ in range(5)}
     assert len(births) == 1
     assert "mine" not in sys.modules, "the candidate's code ran beside what judges it"
 
 
-def test_what_a_candidate_prints_stays_out_of_the_output(candidate, jobs, capfd):
+def test_what_a_candidate_prints_stays_out_of_the_output(candidate, capfd):
     loud = "for _ in range(300): print('x' * 1000); os.write(1, b'y' * 1000); os.write(2, b'z' * 1000)"
     with worker_of(candidate(loud)) as worker:
-        assert worker.run(Job(jobs.drive, WITH_FAULT)) == 7.0
+        assert worker.run(Job(worker_jobs.drive, WITH_FAULT)) == 7.0
     assert capfd.readouterr() == ("", "")
 
 
-def test_a_candidate_that_closes_its_output_does_no_harm(candidate, jobs):
+def test_a_candidate_that_closes_its_output_does_no_harm(candidate):
     with worker_of(candidate("os.close(1); os.close(2)")) as worker:
-        assert worker.run(Job(jobs.drive, WITH_FAULT)) == 7.0
+        assert worker.run(Job(worker_jobs.drive, WITH_FAULT)) == 7.0
 
 
-def test_processes_that_a_candidate_starts_end_with_it(candidate, jobs):
+def test_processes_that_a_candidate_starts_end_with_it(candidate):
     # No other process of this machine sleeps for as long.
     sleep = ["sleep", f"98765.{os.getpid()}"]
     with worker_of(candidate(f"subprocess.Popen({sleep}); os._exit(1)")) as worker:
-        assert worker.run(Job(jobs.drive, WITH_FAULT)).kind is FaultKind.CRASH
+        assert worker.run(Job(worker_jobs.drive, WITH_FAULT)).kind is FaultKind.CRASH
     commands = [process.info["cmdline"] for process in psutil.process_iter(["cmdline"])]
     assert sleep not in commands
 
@@ -216,28 +206,28 @@ def test_processes_that_a_candidate_starts_end_with_it(candidate, jobs):
 @pytest.mark.parametrize(
     ("target", "reason"), [("harness_error", "LookupError: a mistake"), ("unpicklable", "lambda")]
 )
-def test_an_error_of_the_harness_is_no_verdict_on_the_candidate(candidate, jobs, target, reason):
+def test_an_error_of_the_harness_is_no_verdict_on_the_candidate(candidate, target, reason):
     with WorkerPool(candidate(), workers=1, limits=QUICK) as pool:
         with pytest.raises(HarnessFault, match=reason):
-            list(pool.map([Job(getattr(jobs, target), None)]))
-        assert list(pool.map([Job(jobs.drive, NORMAL)])) == [3.0]
+            list(pool.map([Job(getattr(worker_jobs, target), None)]))
+        assert list(pool.map([Job(worker_jobs.drive, NORMAL)])) == [3.0]
 
 
-def test_an_input_error_of_a_job_reaches_the_user(candidate, jobs):
+def test_an_input_error_of_a_job_reaches_the_user(candidate):
     with worker_of(candidate()) as worker, pytest.raises(InputError, match="the scenario is wrong"):
-        worker.run(Job(jobs.user_error, None))
+        worker.run(Job(worker_jobs.user_error, None))
 
 
-def test_a_judge_that_is_forgotten_ends(candidate, jobs):
+def test_a_judge_that_is_forgotten_ends(candidate):
     worker = worker_of(candidate())
-    assert worker.run(Job(jobs.drive, NORMAL)) == 3.0
+    assert worker.run(Job(worker_jobs.drive, NORMAL)) == 3.0
     del worker
 
 
-def test_a_candidate_has_its_garbage_collected_but_not_the_harness(candidate, jobs):
+def test_a_candidate_has_its_garbage_collected_but_not_the_harness(candidate):
     collected = "float(gc.isenabled() and gc.get_freeze_count() > 10000)"
     with worker_of(candidate(top="import gc", answer=collected)) as worker:
-        assert worker.run(Job(jobs.drive, NORMAL)) == 3.0
+        assert worker.run(Job(worker_jobs.drive, NORMAL)) == 3.0
 
 
 def has_ended(process):
@@ -247,9 +237,9 @@ def has_ended(process):
         return True
 
 
-def test_a_judge_whose_idle_process_died_starts_another(candidate, jobs):
+def test_a_judge_whose_idle_process_died_starts_another(candidate):
     with worker_of(candidate(top=BORN, answer="BORN")) as worker:
-        first = worker.run(Job(jobs.drive, 1))
+        first = worker.run(Job(worker_jobs.drive, 1))
         # A keeper's first child may be the one that holds the namespace, which waits for the keeper to end.
         workers = [kept[-1] for each in psutil.Process().children() if (kept := each.children())]
         for process in workers:
@@ -259,7 +249,7 @@ def test_a_judge_whose_idle_process_died_starts_another(candidate, jobs):
         while not all(has_ended(process) for process in workers):
             assert time.monotonic() < deadline, workers
             time.sleep(0.01)
-        second = worker.run(Job(jobs.drive, 1))
+        second = worker.run(Job(worker_jobs.drive, 1))
         assert isinstance(second, float), second
         assert second > first
 
@@ -272,7 +262,7 @@ def keeps_a_candidate(process):
 
 def test_a_judge_in_an_endless_loop_dies_with_its_parent(candidate):
     script = (
-        "import worker_jobs; from drivegate.candidates.resolution import resolve_candidate; "
+        "from tests.harness import worker_jobs; from drivegate.candidates.resolution import resolve_candidate; "
         "from drivegate.containment.judge import Judge; from drivegate.containment.messages import Job; "
         f"candidate = resolve_candidate({candidate('while True: pass').specification!r}); "
         "Judge(candidate).run(Job(worker_jobs.drive, 7))"
@@ -294,38 +284,38 @@ def test_a_judge_in_an_endless_loop_dies_with_its_parent(candidate):
 
 
 @pytest.mark.parametrize("workers", [1, 2, 3])
-def test_a_pool_gives_results_in_the_order_of_its_jobs(candidate, jobs, workers):
+def test_a_pool_gives_results_in_the_order_of_its_jobs(candidate, workers):
     with WorkerPool(candidate(), workers=workers, limits=QUICK) as pool:
-        assert list(pool.map(Job(jobs.sleep_by_turns, index) for index in range(9))) == list(range(9))
+        assert list(pool.map(Job(worker_jobs.sleep_by_turns, index) for index in range(9))) == list(range(9))
 
 
-def test_a_pool_goes_on_after_crashes_and_hangs(candidate, jobs):
+def test_a_pool_goes_on_after_crashes_and_hangs(candidate):
     fault = "os._exit(1)"
     steps = [NORMAL, WITH_FAULT, NORMAL, WITH_FAULT, NORMAL]
     with WorkerPool(candidate(fault), workers=2, limits=QUICK) as pool:
-        outcomes = list(pool.map([Job(jobs.drive, number) for number in steps]))
+        outcomes = list(pool.map([Job(worker_jobs.drive, number) for number in steps]))
     assert outcomes[::2] == [3.0] * 3
     assert [outcome.kind for outcome in outcomes[1::2]] == [FaultKind.CRASH] * 2
 
 
-def test_a_pool_gives_a_hang_in_the_second_try_to_all_jobs_that_wait(candidate, jobs):
+def test_a_pool_gives_a_hang_in_the_second_try_to_all_jobs_that_wait(candidate):
     steps = [NORMAL, WITH_FAULT, NORMAL, NORMAL]
     with WorkerPool(candidate("while True: pass"), workers=1, limits=QUICK) as pool:
-        outcomes = list(pool.map([Job(jobs.drive, number) for number in steps]))
-        later = list(pool.map([Job(jobs.drive, NORMAL)]))
+        outcomes = list(pool.map([Job(worker_jobs.drive, number) for number in steps]))
+        later = list(pool.map([Job(worker_jobs.drive, NORMAL)]))
     assert outcomes[0] == 3.0
     assert outcomes[1].kind is FaultKind.HANG
     assert outcomes[2:] == [outcomes[1]] * 2, "nobody waits for the same hang again"
     assert later == [outcomes[1]], "neither does a later part of the same check"
 
 
-def test_a_pool_tries_a_hang_again_with_nothing_beside_it(candidate, jobs, tmp_path, not_isolated):
+def test_a_pool_tries_a_hang_again_with_nothing_beside_it(candidate, tmp_path, not_isolated):
     mark = tmp_path / "tried"
     once = f"while not os.path.exists({str(mark)!r}) or self.looping: self.looping = open({str(mark)!r}, 'w')"
     steps = [WITH_FAULT, NORMAL, NORMAL, NORMAL]
     hanging = candidate(once, reset="self.looping = None")
     with WorkerPool(hanging, workers=2, limits=QUICK) as pool:
-        (total, began, ended), *others = pool.map([Job(jobs.drive_slowly, number) for number in steps])
+        (total, began, ended), *others = pool.map([Job(worker_jobs.drive_slowly, number) for number in steps])
     assert total == 7.0
     assert [other[0] for other in others] == [3.0] * 3
     beside = [(start, end) for _, start, end in others if start < ended and end > began]
@@ -333,22 +323,22 @@ def test_a_pool_tries_a_hang_again_with_nothing_beside_it(candidate, jobs, tmp_p
 
 
 def test_a_pool_gives_a_fault_while_loading_to_all_jobs_without_repeating_it(
-    candidate, jobs, tmp_path, not_isolated
+    candidate, tmp_path, not_isolated
 ):
     top = f"open({str(tmp_path / 'loads')!r}, 'a').write('x'); os._exit(1)"
     with WorkerPool(candidate(top=top), workers=2, limits=QUICK) as pool:
-        outcomes = list(pool.map([Job(jobs.drive, NORMAL)] * 20))
+        outcomes = list(pool.map([Job(worker_jobs.drive, NORMAL)] * 20))
     assert {(outcome.kind, outcome.phase) for outcome in outcomes} == {(FaultKind.CRASH, "loading")}
     assert len(outcomes) == 20
     assert len((tmp_path / "loads").read_text(encoding="utf-8")) <= 2
 
 
-def test_a_pool_may_be_left_early_and_used_again(candidate, jobs):
+def test_a_pool_may_be_left_early_and_used_again(candidate):
     with WorkerPool(candidate("time.sleep(1000)"), workers=2) as pool:
-        results = pool.map([Job(jobs.drive, number) for number in (NORMAL, WITH_FAULT, WITH_FAULT)])
+        results = pool.map([Job(worker_jobs.drive, number) for number in (NORMAL, WITH_FAULT, WITH_FAULT)])
         assert next(results) == 3.0
         results.close()
-        assert list(pool.map([Job(jobs.drive, NORMAL)] * 3)) == [3.0] * 3
+        assert list(pool.map([Job(worker_jobs.drive, NORMAL)] * 3)) == [3.0] * 3
 
 
 def test_a_pool_without_jobs_starts_nothing(candidate):
@@ -356,13 +346,13 @@ def test_a_pool_without_jobs_starts_nothing(candidate):
         assert list(pool.map([])) == []
 
 
-def test_a_slow_run_is_told_while_it_runs(jobs, candidate):
+def test_a_slow_run_is_told_while_it_runs(candidate):
     # Its steps take 50 ms, and the 150th raises, which no wait for a hang comes after.
     slow = candidate(answer="1.0 / (self.count < 150) + (time.sleep(0.05) or 0.0)")
     limits = WorkerLimits(order_seconds=100.0, order_step_seconds=0.0)
     told = []
     with WorkerPool(slow, workers=2, limits=limits, on_slow=told.append) as pool:
-        endings = list(pool.map([Job(jobs.drive, 4000), Job(jobs.drive, 4000)]))
+        endings = list(pool.map([Job(worker_jobs.drive, 4000), Job(worker_jobs.drive, 4000)]))
     assert [ending.error for ending in endings] == ["ZeroDivisionError"] * 2
     (run,) = told
     assert (run.steps, run.allowed_seconds) == (4000, 100.0)

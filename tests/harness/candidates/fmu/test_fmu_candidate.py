@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.harness import worker_jobs
 
 from drivegate.candidates.fault import CandidateFault, FaultKind
 from drivegate.candidates.fmu.instance import FmuError
@@ -25,8 +26,8 @@ from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.contract.current.records import Nameplate, Sense
 from drivegate_models.errors import InputError
 
-HERE = Path(__file__).parents[2]
-EXAMPLES = HERE.parents[1] / "examples"
+ROOT = Path(__file__).parents[4]
+EXAMPLES = ROOT / "examples"
 BUILDER = EXAMPLES / "fmu" / "build_fmu.py"
 QUICK = WorkerLimits(step_processor_seconds=0.3, start_processor_seconds=30.0, idle_seconds=30.0)
 NAMEPLATE = Nameplate(
@@ -98,8 +99,7 @@ def workshop(tmp_path_factory, build_fmu):
 
 @pytest.fixture(autouse=True)
 def surroundings(monkeypatch, tmp_path, no_process_left):
-    """Let workers import the jobs of these tests; hold the tests to leaving nothing behind."""
-    monkeypatch.syspath_prepend(HERE)
+    """Hold the tests to leaving nothing behind."""
     scratch = tmp_path / "scratch"
     scratch.mkdir()
     monkeypatch.setattr(tempfile, "tempdir", str(scratch))
@@ -217,8 +217,6 @@ def test_of_an_fmu_that_keeps_its_state_in_globals_the_last_one_reset_works(vers
 
 @pytest.mark.parametrize("version", VERSIONS)
 def test_an_fmu_runs_in_a_worker_and_is_unpacked_once(version, workshop):
-    import worker_jobs
-
     with Judge(resolve_candidate(str(workshop(version)))) as worker:
         first, longer, again = (worker.run(Job(worker_jobs.drive, steps)) for steps in (4, 30, 4))
         folders = list(Path(tempfile.gettempdir()).rglob("drivegate-fmu-*"))
@@ -266,7 +264,7 @@ def altered_causality(fmu):
 
 
 def test_the_page_names_every_variable():
-    page = (HERE.parents[1] / "docs" / "candidates" / "fmu.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "candidates" / "fmu.md").read_text(encoding="utf-8")
     names = [f"{name}[1]" for name in DUTY.input_arrays]
     for ports in (CURRENT, DUTY):
         names += [*ports.inputs, *ports.more_inputs, *ports.outputs, *ports.more_outputs, *ports.parameters]
@@ -330,8 +328,6 @@ FAULTS = {
 @pytest.mark.parametrize("version", VERSIONS)
 @pytest.mark.parametrize("fault", FAULTS)
 def test_a_fault_in_a_step_gets_its_verdict_and_the_next_job_works(fault, version, workshop):
-    import worker_jobs
-
     statement, kind, message = FAULTS[fault]
     candidate = resolve_candidate(str(workshop(version, fifth=statement)))
     with Judge(candidate, limits=QUICK) as worker:
@@ -343,8 +339,6 @@ def test_a_fault_in_a_step_gets_its_verdict_and_the_next_job_works(fault, versio
 
 @pytest.mark.parametrize("version", VERSIONS)
 def test_a_status_of_failure_is_reported_with_what_the_fmu_logged(version, workshop, altered):
-    import worker_jobs
-
     fmu = altered(workshop(version), ('name="control_period"', 'name="sample_time"'))
     with Judge(resolve_candidate(str(fmu))) as worker:
         fault = worker.run(Job(worker_jobs.drive, 7))
@@ -359,8 +353,6 @@ def test_a_status_of_failure_is_reported_with_what_the_fmu_logged(version, works
 
 @pytest.mark.parametrize("version", VERSIONS)
 def test_a_controller_that_refuses_its_reset_is_reported_in_the_first_step(version, workshop):
-    import worker_jobs
-
     with Judge(resolve_candidate(str(workshop(version, reset="return 7;")))) as worker:
         fault = worker.run(Job(worker_jobs.drive, 7))
     assert fault.message == (
@@ -652,8 +644,6 @@ def test_a_description_in_another_encoding_has_no_document_type_either(workshop,
 
 
 def test_a_worker_refuses_too_and_leaves_nothing(workshop, altered):
-    import worker_jobs
-
     fmu = altered(workshop(2), ('name="speed"', 'name="velocity"'))
     with (
         Judge(resolve_candidate(str(fmu))) as worker,
