@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from tempfile import TemporaryDirectory
 from typing import Any
 from unittest import mock
 
-from hypothesis.configuration import set_hypothesis_home_dir
+from hypothesis import configuration
 from hypothesis.internal.conjecture import providers
 
 
@@ -21,13 +21,15 @@ def from_the_seed_alone() -> Iterator[None]:
     in other places. Its notes would go into somebody's working folder.
     """
     none: Any = getattr(providers, "Constants", None)
-    with TemporaryDirectory(prefix="drivegate") as folder:
-        set_hypothesis_home_dir(folder)
+    # A test that draws by itself goes on in this process, and keeps its notes where it had them.
+    home = getattr(configuration, "__hypothesis_home_directory", None)
+    with ExitStack() as restored:
+        folder = restored.enter_context(TemporaryDirectory(prefix="drivegate"))
+        restored.callback(configuration.set_hypothesis_home_dir, home)
+        configuration.set_hypothesis_home_dir(folder)
         # Versions before 6.131 take no numbers from sources.
-        if none is None:
-            yield
-            return
-        with mock.patch.object(providers, "_get_local_constants", none):
+        if none is not None:
+            restored.enter_context(mock.patch.object(providers, "_get_local_constants", none))
             # What was permitted before may hold such numbers still.
             providers.CONSTANTS_CACHE.cache.clear()
-            yield
+        yield

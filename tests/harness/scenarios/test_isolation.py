@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from hypothesis import Phase, given, seed, settings
+from hypothesis import Phase, configuration, given, seed, settings
 from hypothesis import strategies as st
 
 from drivegate.scenarios.isolation import from_the_seed_alone
@@ -64,3 +64,17 @@ def test_notes_of_hypothesis_leave_the_working_folder_alone(
     with from_the_seed_alone():
         drawn()
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("named", [True, False])
+def test_hypothesis_keeps_its_later_notes_where_it_did_before(tmp_path: Path, named: bool) -> None:
+    def notes() -> Path:
+        return configuration.storage_directory("examples", intent_to_write=False).path
+
+    if named:
+        configuration.set_hypothesis_home_dir(tmp_path)
+    before = notes()
+    with from_the_seed_alone():
+        assert notes() != before
+    assert notes() == before
+    configuration.set_hypothesis_home_dir(None)
