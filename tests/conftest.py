@@ -30,10 +30,15 @@ def pytest_sessionstart(session: pytest.Session) -> None:
     compile_missing(load_drive(kind.default_drive) for kind in DRIVE_KINDS.values())
 
 
-def pytest_collection_finish() -> None:
-    """Leave modules and tests out of later searches for garbage, which took a sixth of the processor time."""
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Iterator[object]:
+    """Search for no garbage among modules and tests: not while they grow, which took a quarter of it, nor later."""
+    gc.disable()
+    collected = yield
     gc.collect()
     gc.freeze()
+    gc.enable()
+    return collected
 
 
 @pytest.fixture(autouse=True, scope="session")
