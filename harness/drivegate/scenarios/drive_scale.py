@@ -13,17 +13,23 @@ from drivegate_cases.documents.document import parse_document
 from drivegate_cases.documents.wording import significant
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import mechanical_time, nearest_step, settling_of, time_unit
+from drivegate_models.controllers.current.regulator_rates import (
+    BANDWIDTH,
+    FASTEST_OF_FREQUENCY,
+    INTEGRAL_RATE,
+    TUNED_FREQUENCY,
+    TUNED_TIME,
+)
 from drivegate_models.errors import InputError
 from drivegate_models.units import RADIANS_PER_RPM
 
 _KEPT: Final = 100
 # Speed that a load may cost while it comes on, over base speed (1).
 _RAMP_COST: Final = 0.05
-# What a bandwidth of 0.139 and an integral's rate of 0.026 of the electrical frequency give (rad²).
-_RAMP_ANGLE: Final = 1.0 / (_RAMP_COST * 0.139 * 0.026)
-# Angle in a mechanical time constant (rad) below which the reference controller's regulator is faster, and how much.
-_LIGHT_ANGLE: Final = 52.6
-_MOST_FASTER: Final = 3.5
+# What the rates of the reference controller's regulator give (rad²).
+_RAMP_ANGLE: Final = TUNED_FREQUENCY * TUNED_FREQUENCY / (_RAMP_COST * BANDWIDTH * INTEGRAL_RATE)
+# Angle in a mechanical time constant (rad) below which that regulator is faster.
+_LIGHT_ANGLE: Final = TUNED_TIME * TUNED_FREQUENCY
 SpeedRange: TypeAlias = tuple[float, float]
 """Lowest and highest speed (rpm)."""
 
@@ -202,7 +208,7 @@ def _load_ramp(drive: DriveDocument) -> float:
 def _times_faster(drive: DriveDocument) -> float:
     """Return both rates of the reference controller's regulator over those of a heavy shaft (1)."""
     angle = _base_frequency(drive) * mechanical_time(drive)
-    return min(max(_LIGHT_ANGLE / angle, 1.0), _MOST_FASTER)
+    return min(max(_LIGHT_ANGLE / angle, 1.0), FASTEST_OF_FREQUENCY)
 
 
 def _base_frequency(drive: DriveDocument) -> float:

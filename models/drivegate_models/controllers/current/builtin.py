@@ -20,6 +20,13 @@ from drivegate_models.controllers.current.flowchart_search import decide_by_flow
 from drivegate_models.controllers.current.following import follow_speed, reset_following
 from drivegate_models.controllers.current.modes import is_following, rearm
 from drivegate_models.controllers.current.protection import guard_regulation
+from drivegate_models.controllers.current.regulator_rates import (
+    BANDWIDTH,
+    FASTEST_OF_FREQUENCY,
+    INTEGRAL_RATE,
+    TUNED_FREQUENCY,
+    TUNED_TIME,
+)
 from drivegate_models.controllers.current.state import CONTROLLER_STATE, FLOWCHART, GUARDED, NO_SEARCH
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -29,18 +36,10 @@ SEARCH_PERIOD: Final = 0.1
 SEARCHES: Final = MappingProxyType({"initial": NO_SEARCH, "published": FLOWCHART, "reference": GUARDED})
 """Kind of search for each controller."""
 
-# Times and rates are tuned for this electrical frequency at base speed (rad/s), and scaled for other drives.
-_TUNED_FREQUENCY = 575.9586531581288
-# Upper limit of that scale: the rate that a control period can follow (s).
+# Upper limit of the scale of times and rates: the rate that a control period can follow (s).
 _FASTEST = 1e-3
-# If rated power accelerates the shaft to base speed sooner than this (s), the regulator is faster in proportion. The
-# limits are this multiple of the electrical frequency's rate, and twice the rate of the drive tuned on.
-_TUNED_TIME = 0.0913
-_FASTEST_OF_FREQUENCY = 3.5
+# Greatest rates of a light shaft, over those of the drive tuned on.
 _FASTEST_REGULATOR = 2.0
-# Regulator rates (1/s). They are limited because the regulator turns each step of an encoder's speed into current.
-_BANDWIDTH = 80.0
-_INTEGRAL_RATE = 15.0
 # k1 of Fig. 4: the value of the flowchart (rad/s), and a share of base speed for the guarded search.
 _FLOWCHART_TOLERANCE = 5.0 * RADIANS_PER_RPM
 _SPEED_TOLERANCE = 0.01
@@ -57,7 +56,7 @@ def reset_state(state: Any, nameplate: Any, search: int) -> None:
     `search` is `NO_SEARCH`, `FLOWCHART` or `GUARDED`.
     """
     published = search == FLOWCHART
-    rate = nameplate.pole_pairs * nameplate.base_speed / _TUNED_FREQUENCY
+    rate = nameplate.pole_pairs * nameplate.base_speed / TUNED_FREQUENCY
     rate = min(rate, _FASTEST / nameplate.control_period)
     state.search = search
     state.angle_at_base = nameplate.advance_start
@@ -79,14 +78,14 @@ def reset_state(state: Any, nameplate: Any, search: int) -> None:
     state.conducting_phases = nameplate.conducting_phases
     torque_per_ampere = state.conducting_phases * nameplate.emf_constant
     sooner = (
-        _TUNED_TIME
+        TUNED_TIME
         * nameplate.rated_power
         / (nameplate.inertia * nameplate.base_speed * nameplate.base_speed)
     )
-    regulation = max(rate, min(sooner, _FASTEST_OF_FREQUENCY * rate, _FASTEST_REGULATOR))
-    state.proportional = nameplate.inertia * (_BANDWIDTH * regulation) / torque_per_ampere
-    state.integral_step = state.proportional * (_INTEGRAL_RATE * regulation) * nameplate.control_period
-    reset_following(state, nameplate, rate, regulation, sooner / _TUNED_TIME)
+    regulation = max(rate, min(sooner, FASTEST_OF_FREQUENCY * rate, _FASTEST_REGULATOR))
+    state.proportional = nameplate.inertia * (BANDWIDTH * regulation) / torque_per_ampere
+    state.integral_step = state.proportional * (INTEGRAL_RATE * regulation) * nameplate.control_period
+    reset_following(state, nameplate, rate, regulation, sooner / TUNED_TIME)
     # k1 and k2 of Fig. 4.
     state.speed_tolerance = _FLOWCHART_TOLERANCE if published else _SPEED_TOLERANCE * nameplate.base_speed
     state.power_tolerance = 0.001
