@@ -21,6 +21,7 @@ from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.greatest_torque import greatest_within
 from drivegate_cases.drive.pm_ac.limits import duty_limits_of
+from drivegate_models.machine.friction import friction_torque
 from drivegate_models.pm_ac.fundamental import SIX_STEPS, SteadyState, base_speed
 from drivegate_models.pm_ac.oracle import (
     CURRENT,
@@ -56,7 +57,7 @@ def _reach(drive: DriveDocument) -> PowerReach:
         greatest = [required_torque(document, plant, float(speed), plant.link_voltage) for speed in speeds]
     return PowerReach(
         speeds=speeds,
-        needed=rating.rated_power_w / speeds + plant.friction + plant.viscous_friction * speeds,
+        needed=rating.rated_power_w / speeds + friction_torque(plant, speeds),
         greatest=np.array([max(torque, 0.0) if isfinite(torque) else 0.0 for torque in greatest]),
         reserve=1.0 - IN_HAND,
     )

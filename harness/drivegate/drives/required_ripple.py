@@ -12,7 +12,7 @@ from drivegate.drives.rating import RatedDrive
 from drivegate_cases.documents.wording import rounded_to_digits
 from drivegate_cases.drive.limits import POINT_POWER_SHARE
 from drivegate_cases.drive.requirements import RequiredPoint
-from drivegate_models.steady.plant import friction_torque
+from drivegate_models.machine.friction import friction_torque
 from drivegate_models.units import RADIANS_PER_RPM
 
 _STEP: Final = radians(0.25)

@@ -15,7 +15,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate_models.steady.plant import AnyDrive, friction_torque
+from drivegate_models.machine.friction import friction_torque
+from drivegate_models.steady.plant import AnyDrive
 from drivegate_models.steady.torque_limit import HIGHEST_DEGREES, torques_at_limit
 
 RESERVE: float = 0.05

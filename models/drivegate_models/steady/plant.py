@@ -52,11 +52,6 @@ def _of_any_drive(name: str) -> Any:
     return call
 
 
-def friction_torque(drive: AnyDrive, speed: float) -> float:
-    """Return the friction torque of a shaft at a speed (rad/s), without the core loss's drag (N m)."""
-    return drive.friction + drive.viscous_friction * speed
-
-
 def make_phases(drive: AnyDrive, longest_advance: float = 0.0) -> Any:
     """Return phases at rest, by the function `make_phases` of the drive's plant.
 

@@ -13,8 +13,8 @@ from drivegate_cases.scenario.circumstance import Circumstance, circumstance
 from drivegate_cases.scenario.profile import Dwell, dwell_scales, dwell_torque, dwells
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.contract.current.signals import Command, Nameplate, Sense
+from drivegate_models.machine.friction import friction_torque
 from drivegate_models.steady.oracle import least_current_sum, point_at_torque
-from drivegate_models.steady.plant import friction_torque
 from drivegate_models.units import RADIANS_PER_RPM
 
 # A loop has to stay off the edge below which the torque is lost. It leaves the optimum by a few steps (rad), and where

@@ -16,8 +16,8 @@ from drivegate_cases.drive.limits import limits_of
 from drivegate_cases.scenario.profile import Dwell, dwell_scales, dwell_torque, dwells
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import InputError
+from drivegate_models.machine.friction import friction_torque
 from drivegate_models.steady import oracle
-from drivegate_models.steady.plant import friction_torque
 from drivegate_models.units import RADIANS_PER_RPM
 
 if TYPE_CHECKING:

@@ -41,6 +41,7 @@ from drivegate_cases.scenario.profile import dwells
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.compilation.kernels import required_cache_folder
 from drivegate_models.errors import HarnessFault
+from drivegate_models.machine.friction import friction_torque
 from drivegate_models.units import RADIANS_PER_RPM
 
 SOLVER_MARKER: Final = "map-solver"
@@ -176,7 +177,7 @@ def _is_feasible(scenario: Scenario, drive: Drive) -> bool:
     speed_rpm, load = scenario.initial_speed_rpm, scenario.load
     assert isinstance(load, ConstantTorqueLoad), "points of a map have a load of constant torque"
     speed = speed_rpm * RADIANS_PER_RPM
-    torque = load.torque_nm + drive.friction + drive.viscous_friction * speed
+    torque = load.torque_nm + friction_torque(drive, speed)
     oracle = kind_of(scenario.drive).oracle()
     if speed_rpm <= scenario.drive.rating.base_speed_rpm:
         # There is no advance below base speed.

@@ -78,9 +78,7 @@ def reset_state(state: Any, nameplate: Any, search: int) -> None:
     state.conducting_phases = nameplate.conducting_phases
     torque_per_ampere = state.conducting_phases * nameplate.emf_constant
     sooner = (
-        TUNED_TIME
-        * nameplate.rated_power
-        / (nameplate.inertia * nameplate.base_speed * nameplate.base_speed)
+        TUNED_TIME * nameplate.rated_power / (nameplate.inertia * nameplate.base_speed * nameplate.base_speed)
     )
     regulation = max(rate, min(sooner, FASTEST_OF_FREQUENCY * rate, _FASTEST_REGULATOR))
     state.proportional = nameplate.inertia * (BANDWIDTH * regulation) / torque_per_ampere

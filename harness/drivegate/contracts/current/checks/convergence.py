@@ -16,8 +16,8 @@ from drivegate_cases.drive.limits import limits_of, mean_time
 from drivegate_cases.scenario.circumstance import Circumstance
 from drivegate_cases.scenario.load import LockedLoad
 from drivegate_cases.scenario.sensors import IdealSensors, counted_s
+from drivegate_models.machine.friction import friction_torque
 from drivegate_models.steady.oracle import feasible_edge, least_current_sum, point_at_torque
-from drivegate_models.steady.plant import friction_torque
 from drivegate_models.units import RADIANS_PER_RPM
 
 _STALLED_SHARE: Final = 0.999

@@ -10,8 +10,8 @@ from typing import Any
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.contracts.comparison import PlannedRun, Row
 from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_models.machine.friction import friction_torque
 from drivegate_models.steady import oracle
-from drivegate_models.steady.plant import friction_torque
 from drivegate_models.units import RADIANS_PER_RPM
 
 

@@ -27,8 +27,9 @@ from drivegate_cases.scenario.piecewise import Profile, breakpoints, value_from,
 from drivegate_cases.scenario.profile import Dwell, dwell_scales, dwell_torque
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import HallSensors
+from drivegate_models.machine.friction import friction_torque
 from drivegate_models.steady.oracle import feasible_edge
-from drivegate_models.steady.plant import AnyDrive, friction_torque
+from drivegate_models.steady.plant import AnyDrive
 from drivegate_models.units import RADIANS_PER_RPM
 
 _MOST_PERIODS = 12

@@ -32,6 +32,7 @@ from drivegate_cases.scenario.sensors import EDGES_A_LINE, SHUNTS, ShuntSensors
 from drivegate_models.contract.duty.signals import LEG_OFF
 from drivegate_models.loop.sensing.hall import SECTOR
 from drivegate_models.machine import ledger
+from drivegate_models.machine.friction import friction_torque
 from drivegate_models.pm_ac.oracle import undistorted_limits
 from drivegate_models.pm_ac.plant.advance import make_phases
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
@@ -137,7 +138,7 @@ def _is_driven(scenario: Scenario, dwell: DutyDwell) -> bool:
     else:
         idle = dwell.load_factor == 0.0 == dwell.speed_rpm
         demanded = 0.0 if idle else load.torque_at(dwell.speed_rpm, dwell.load_factor)
-        demanded += plant.friction + plant.viscous_friction * speed
+        demanded += friction_torque(plant, speed)
     return demanded <= required_torque(document, plant, speed, 2.0 * dwell.supply_v)
 
 
