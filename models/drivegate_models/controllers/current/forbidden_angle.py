@@ -32,6 +32,14 @@ def allow_all_angles(state: Any) -> None:
 
 
 @inlined
+def forget_load(state: Any) -> None:
+    """Clear what was found under a load that is no more: the forbidden angle, and the current at the initial one."""
+    if state.forbidden > -inf:
+        state.initial_power = 0.0
+    allow_all_angles(state)
+
+
+@inlined
 def forbid(state: Any) -> None:
     """Forbid the present angle and all smaller ones, for a load as heavy as the present one."""
     # A step off the edge while holding did not cause the loss of speed before it.
@@ -90,5 +98,5 @@ def forget_other_load(state: Any, current_sum: float) -> None:
     )
     if current_sum < _LIGHTER * state.forbidden_power or heavier:
         # A lighter load has a lower edge, and a load that has become much heavier costs speed at any angle.
-        allow_all_angles(state)
+        forget_load(state)
         state.retried = NOT_RETRIED

@@ -19,7 +19,7 @@ from drivegate_models.controllers.current.another_load import (
 )
 from drivegate_models.controllers.current.current_share import is_current_below
 from drivegate_models.controllers.current.following import decide_following
-from drivegate_models.controllers.current.forbidden_angle import allow_all_angles, forbid, is_heavier_load
+from drivegate_models.controllers.current.forbidden_angle import forbid, forget_load, is_heavier_load
 from drivegate_models.controllers.current.modes import begin_settling, rearm
 from drivegate_models.controllers.current.protection import back_off, back_off_farther, revert_step
 from drivegate_models.controllers.current.state import (
@@ -226,7 +226,7 @@ def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int
     record_interval(state, current_sum)
     if is_heavier_load(state, current_sum):
         # This load lost the torque, not the angle with the previous load.
-        allow_all_angles(state)
+        forget_load(state)
     regulated = state.worst_error <= state.speed_tolerance and state.saturated == 0
     change = current_sum - state.old_power
     state.old_power = current_sum
