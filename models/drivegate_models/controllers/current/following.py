@@ -141,7 +141,9 @@ def _search_upward(state: Any, current_sum: float) -> None:
     state.forbidden = state.offset
     state.lost_at = state.offset
     state.forbidden_power = current_sum
+    # What was known of a limited current was found under another load, or below this angle.
     state.good_power = inf
+    state.good_integral = inf
     state.offset += state.first_step
     state.step = 0.5 * state.first_step
     state.direction = 1.0

@@ -157,9 +157,10 @@ def settle(state: Any, current_sum: float, change: float, settled: bool) -> int:
         state.calm_error = max(state.calm_error, state.worst_error)
     if state.quiet < _SETTLED_INTERVALS or is_wound_up(state, current_sum) or is_speed_unsteady(state):
         return WAITING
-    growing = growth > 2.0 * _RESTLESS * current_sum + current_sum_noise(state)
-    if state.confirmed == 1 and growing:
-        # The first steps saved little, and the load still grows: slowly, but by more than steps save.
+    explained = 2.0 * _RESTLESS * current_sum + current_sum_noise(state)
+    if growth < -explained or (state.confirmed == 1 and growth > explained):
+        # The load still falls, which looks like saving. Or the first steps saved little, and it still grows: slowly,
+        # but by more than steps save.
         return WAITING
     if (
         state.retried != NOT_RETRIED

@@ -175,6 +175,34 @@ SOON_BACK_AT_THE_EDGE = steady_scenario(STAR, 1380.0, power_share=0.5, constant_
     duration_s=11.2,
     load=ConstantTorqueLoad(kind="constant_torque", torque_nm=10.38, factor=((0.0, 0.0), (0.2, 0.1))),
 )
+# Loads that change within a search: one that grows, one that falls slowly, and one under which the angle took over.
+CHANGED_WITHIN = tuple(
+    with_scales(
+        with_load_factor(steady_scenario(drive, speed, power_share=share, constant_power=is_power), factor),
+        emf_constant=emf,
+    ).replaced(duration_s=end)
+    for drive, speed, share, is_power, emf, factor, end in (
+        (
+            PAPER,
+            1000.0,
+            1.05,
+            False,
+            1.04,
+            ((0.0, 0.0), (8.0, 0.0), (8.0, 0.1), (10.0, 0.1), (10.0, 0.5)),
+            19.0,
+        ),
+        (PAPER, 790.0, 1.0, True, 1.0, ((0.0, 0.0), (0.2, 0.95), (4.0, 0.95), (6.6, 0.7)), 15.6),
+        (
+            STAR,
+            1500.0,
+            1.0,
+            False,
+            1.01,
+            ((0.0, 0.0), (12.0, 0.0), (12.0, 0.2), (14.0, 0.2), (14.0, 0.6)),
+            25.0,
+        ),
+    )
+)
 
 
 @pytest.mark.parametrize("scenario", RUNS, ids=lambda scenario: f"{scenario.drive.name}, {scenario.name}")
@@ -199,6 +227,21 @@ def test_a_speed_that_falls_on_is_caught_before_the_regulator_winds_up(scenario:
     for window in record.windows():
         value, measured = window_convergence(window)
         assert value >= 0.0, measured
+
+
+@pytest.mark.parametrize(
+    "scenario", CHANGED_WITHIN, ids=lambda scenario: f"{scenario.drive.name}, {scenario.name}"
+)
+def test_what_a_search_has_found_is_not_taken_for_another_load_s(scenario: Scenario) -> None:
+    candidate = resolve_candidate("reference")
+    record = CurrentRecord(
+        scenario, run_scenario(scenario, load_controller(candidate)), candidate.declaration
+    )
+    optimum = reaches_optimum(record)
+    assert optimum is None or optimum.met, optimum
+    *_, last = record.windows()
+    value, measured = window_convergence(last)
+    assert value >= 0.0, measured
 
 
 @pytest.mark.parametrize("share", [0.5, 0.75])
