@@ -39,12 +39,12 @@ def any_speed(drive: PmAcDocument) -> st.SearchStrategy[float]:
 
 
 def turning_speeds(drive: PmAcDocument) -> st.SearchStrategy[float]:
-    """Draw a speed at which all of a controller has something to go by (rpm)."""
+    """Draw a speed from a tenth of base speed to the highest one (rpm)."""
     return speeds_between(drive, TURNING_SHARE * drive.rating.base_speed_rpm, drive.rating.highest_speed_rpm)
 
 
 def speeds_up_to_base(drive: PmAcDocument) -> st.SearchStrategy[float]:
-    """Draw such a speed that needs no field weakening (rpm)."""
+    """Draw a speed from a tenth of base speed to base speed (rpm)."""
     base = drive.rating.base_speed_rpm
     return speeds_between(drive, TURNING_SHARE * base, base)
 
