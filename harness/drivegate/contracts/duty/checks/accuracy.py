@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drivegate.checks.check import Check, Record
 from drivegate.checks.margin import Margin, at_most
@@ -22,7 +23,7 @@ from drivegate_models.units import RADIANS_PER_RPM
 ERROR_FACTOR = 2.0
 """Error of the speed over that which is allowed on the nominal drive (1)."""
 OVERSHOOT = 0.25
-"""Greatest overshoot of the speed over its step (1)."""
+"""Greatest overshoot of the speed over the way that it came (1)."""
 GROWTH = 1.5
 """Greatest ratio of the speed's swing at the end of a steady stretch to that at its begin (1)."""
 
@@ -98,9 +99,19 @@ def _margins(record: DutyRecord) -> Iterator[Margin]:
         before = window.dwell.speed_rpm
         if step != 0.0:
             rows = slice(round(window.dwell.start / period), round(window.dwell.end / period))
-            over = max(float(np.max((speed[rows] - window.dwell.speed_rpm) / step)), 0.0)
-            told = f"speed overshoots by {100.0 * over:.3g} % of its step of {step:.4g} rpm"
-            yield Margin("ROB-4", at_most(over, OVERSHOOT), told)
+            yield overshoot_of_speed(np.sign(step) * (speed[rows] - window.dwell.speed_rpm), abs(step))
+
+
+def overshoot_of_speed(beyond: NDArray[np.float64], step: float) -> Margin:
+    """Judge how far the speed gets `beyond` its reference (rpm), over the way that it came.
+
+    That is the step of the reference (rpm), or more where a load that comes on takes the speed farther away first.
+    """
+    peak = int(np.argmax(beyond))
+    way = max(step, -float(np.min(beyond[: peak + 1])))
+    over = max(float(beyond[peak]), 0.0) / way
+    told = f"speed overshoots by {100.0 * over:.3g} % of the {way:.4g} rpm that it came"
+    return Margin("ROB-4", at_most(over, OVERSHOOT), told)
 
 
 def _swing(record: DutyRecord, window: DutyWindow) -> Margin:
