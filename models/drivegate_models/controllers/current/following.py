@@ -17,6 +17,7 @@ from drivegate_models.controllers.current.modes import (
     SURE,
     begin_following,
     begin_settling,
+    forget_good_angle,
     hold_angle,
     may_follow,
     stop_following,
@@ -141,9 +142,7 @@ def _search_upward(state: Any, current_sum: float) -> None:
     state.forbidden = state.offset
     state.lost_at = state.offset
     state.forbidden_power = current_sum
-    # What was known of a limited current was found under another load, or below this angle.
-    state.good_power = inf
-    state.good_integral = inf
+    forget_good_angle(state)
     state.offset += state.first_step
     state.step = 0.5 * state.first_step
     state.direction = 1.0
@@ -168,7 +167,7 @@ def _return_to_kept(state: Any) -> None:
     """Hold the angle that the search had found before the angle regulated the speed."""
     state.offset = state.kept_offset
     state.integral = state.kept_integral
-    state.good_power = inf
+    forget_good_angle(state)
     hold_angle(state, state.kept_power)
     # Once: what it needs at rest may be more.
     state.kept_power = inf

@@ -39,6 +39,13 @@ def begin_settling(state: Any) -> None:
 
 
 @inlined
+def forget_good_angle(state: Any) -> None:
+    """Let no good angle be known: what it needed was found under another load, or with another regulation."""
+    state.good_integral = inf
+    state.good_power = inf
+
+
+@inlined
 def rearm(state: Any) -> None:
     """Return to the initial angle and reset all findings, because command or load has changed."""
     state.offset = 0.0
@@ -48,8 +55,7 @@ def rearm(state: Any) -> None:
     allow_all_angles(state)
     state.forbidden_power = 0.0
     state.retried = NOT_RETRIED
-    state.good_integral = inf
-    state.good_power = inf
+    forget_good_angle(state)
     state.climb = 0.5 * state.first_step
     state.regained = -inf
     state.calm_error = inf
