@@ -16,6 +16,7 @@ from drivegate.contracts.duty.checks.judged import (
     is_within_reach,
     worst,
 )
+from drivegate.contracts.duty.checks.steps import overshoot_of
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
 from drivegate.contracts.duty.scenarios.drawn_range import lost_torque_share
 from drivegate_models.units import RADIANS_PER_RPM
@@ -99,19 +100,19 @@ def _margins(record: DutyRecord) -> Iterator[Margin]:
         before = window.dwell.speed_rpm
         if step != 0.0:
             rows = slice(round(window.dwell.start / period), round(window.dwell.end / period))
-            yield overshoot_of_speed(np.sign(step) * (speed[rows] - window.dwell.speed_rpm), abs(step))
+            yield overshoot_of_speed(speed[rows], window.dwell.speed_rpm, step)
 
 
-def overshoot_of_speed(beyond: NDArray[np.float64], step: float) -> Margin:
-    """Judge how far the speed gets `beyond` its reference (rpm), over the way that it came.
+def overshoot_of_speed(speed: NDArray[np.float64], end: float, step: float) -> Margin:
+    """Judge how far the speed goes beyond the end of a step of its reference (rpm), over the way that it came.
 
-    That is the step of the reference (rpm), or more where a load that comes on takes the speed farther away first.
+    That is the signed step (rpm), or more where a load that comes on takes the speed farther away first.
     """
-    peak = int(np.argmax(beyond))
-    way = max(step, -float(np.min(beyond[: peak + 1])))
-    over = max(float(beyond[peak]), 0.0) / way
-    told = f"speed overshoots by {100.0 * over:.3g} % of the {way:.4g} rpm that it came"
-    return Margin("ROB-4", at_most(over, OVERSHOOT), told)
+    beyond = (speed - end) / step
+    way = step * max(1.0, -float(np.min(beyond[: int(np.argmax(beyond)) + 1])))
+    over = overshoot_of(speed, end, way)
+    measured = f"speed overshoots by {100.0 * over:.3g} % of the {abs(way):.4g} rpm that it came"
+    return Margin("ROB-4", at_most(over, OVERSHOOT), measured)
 
 
 def _swing(record: DutyRecord, window: DutyWindow) -> Margin:

@@ -666,5 +666,5 @@ def test_sensors_without_errors_show_the_plant_as_it_is(
 @pytest.mark.parametrize(("begins", "is_met"), [([-40.0], False), ([-40.0, -185.0], True)])
 def test_an_overshoot_is_judged_over_the_way_that_the_speed_came(begins: list[float], is_met: bool) -> None:
     """A load that comes on with a small step takes the speed farther away, and it returns from there."""
-    margin = overshoot_of_speed(np.array([*begins, 0.0, 13.0, 0.0, -200.0]), 40.0)
+    margin = overshoot_of_speed(np.array([*begins, 0.0, 13.0, 0.0, -200.0]), 0.0, 40.0)
     assert margin.met == is_met, margin.measured
