@@ -205,12 +205,15 @@ CHANGED_WITHIN = tuple(
 )
 
 
+def recorded_run(scenario: Scenario, name: str = "reference") -> CurrentRecord:
+    candidate = resolve_candidate(name)
+    run = run_scenario(scenario, load_controller(candidate))
+    return CurrentRecord(scenario, run, candidate.declaration)
+
+
 @pytest.mark.parametrize("scenario", RUNS, ids=lambda scenario: f"{scenario.drive.name}, {scenario.name}")
 def test_the_search_rests_at_the_optimum(scenario: Scenario) -> None:
-    candidate = resolve_candidate("reference")
-    record = CurrentRecord(
-        scenario, run_scenario(scenario, load_controller(candidate)), candidate.declaration
-    )
+    record = recorded_run(scenario)
     for check in (converges, reaches_optimum):
         margin = check(record)
         assert margin is None or margin.advisory or margin.met, margin
@@ -220,10 +223,7 @@ def test_the_search_rests_at_the_optimum(scenario: Scenario) -> None:
     "scenario", FALLING_ON, ids=lambda scenario: f"{scenario.drive.name}, {scenario.name}"
 )
 def test_a_speed_that_falls_on_is_caught_before_the_regulator_winds_up(scenario: Scenario) -> None:
-    candidate = resolve_candidate("reference")
-    record = CurrentRecord(
-        scenario, run_scenario(scenario, load_controller(candidate)), candidate.declaration
-    )
+    record = recorded_run(scenario)
     for window in record.windows():
         value, measured = window_convergence(window)
         assert value >= 0.0, measured
@@ -233,10 +233,7 @@ def test_a_speed_that_falls_on_is_caught_before_the_regulator_winds_up(scenario:
     "scenario", CHANGED_WITHIN, ids=lambda scenario: f"{scenario.drive.name}, {scenario.name}"
 )
 def test_what_a_search_has_found_is_not_taken_for_another_load_s(scenario: Scenario) -> None:
-    candidate = resolve_candidate("reference")
-    record = CurrentRecord(
-        scenario, run_scenario(scenario, load_controller(candidate)), candidate.declaration
-    )
+    record = recorded_run(scenario)
     optimum = reaches_optimum(record)
     assert optimum is None or optimum.met, optimum
     *_, last = record.windows()
@@ -248,9 +245,7 @@ def test_what_a_search_has_found_is_not_taken_for_another_load_s(scenario: Scena
 def test_the_angle_regulates_the_speed_where_the_emf_exceeds_the_supply(share: float) -> None:
     """There, at 1900 rpm, the least current sum is that of a current without limit."""
     scenario = steady_scenario(PAPER, 1900.0, power_share=share, constant_power=False)
-    candidate = resolve_candidate("reference")
-    run = run_scenario(scenario, load_controller(candidate))
-    margin = CNV_2.evaluate(CurrentRecord(scenario, run, candidate.declaration))
+    margin = CNV_2.evaluate(recorded_run(scenario))
     assert margin is not None, "CNV-2 judges this run"
     assert margin.value > 0.95, margin
 
@@ -267,9 +262,6 @@ def test_the_angle_regulates_the_speed_where_the_emf_exceeds_the_supply(share: f
 def test_a_step_that_loses_the_torque_is_given_back_whole(
     name: str, scenario: Scenario, check: Check
 ) -> None:
-    candidate = resolve_candidate(name)
-    margin = check.evaluate(
-        CurrentRecord(scenario, run_scenario(scenario, load_controller(candidate)), candidate.declaration)
-    )
+    margin = check.evaluate(recorded_run(scenario, name))
     assert margin is not None, f"{check.id} judges this run"
     assert margin.met, margin
