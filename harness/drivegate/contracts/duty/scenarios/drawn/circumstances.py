@@ -28,10 +28,7 @@ from drivegate.contracts.duty.scenarios.drawn.steps import (
     speeds_up_to_base,
     turning_speeds,
 )
-from drivegate.contracts.duty.scenarios.drawn_range import (
-    HEAVIEST_SHARE,
-    SHARE_STEP,
-)
+from drivegate.contracts.duty.scenarios.drawn_range import HEAVIEST_SHARE, SHARE_STEP
 from drivegate.scenarios.changes import CLOCKS_S, with_scales
 from drivegate.scenarios.drive_scale import tidy
 from drivegate.scenarios.title import titled

@@ -16,10 +16,7 @@ from drivegate.contracts.duty.scenarios.building import (
     with_edges,
 )
 from drivegate.contracts.duty.scenarios.drawn.steps import shares_between, speeds_between
-from drivegate.contracts.duty.scenarios.drawn_range import (
-    FAILURE_TORQUE_SHARE,
-    HEAVIEST_FAILURE_SHARE,
-)
+from drivegate.contracts.duty.scenarios.drawn_range import FAILURE_TORQUE_SHARE, HEAVIEST_FAILURE_SHARE
 from drivegate.scenarios.changes import with_real_sensors
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.limits import FAILURE_SPEED_SHARE

@@ -13,11 +13,7 @@ from drivegate.contracts.duty.scenarios.building import (
     torque_of,
     torque_scenario,
 )
-from drivegate.contracts.duty.scenarios.drawn_range import (
-    HEAVIEST_SHARE,
-    SHARE_STEP,
-    TURNING_SHARE,
-)
+from drivegate.contracts.duty.scenarios.drawn_range import HEAVIEST_SHARE, SHARE_STEP, TURNING_SHARE
 from drivegate.scenarios.drive_scale import tidy
 from drivegate_cases.drive.limits import nearest_step
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
