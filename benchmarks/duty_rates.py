@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from drivegate.studies.bench.workbench import Correctness, Value, Workbench, rate, timed
+from drivegate_lab.bench.workbench import Correctness, Value, Workbench, rate, timed
 from drivegate_models.contract.current.signals import PM_AC
 from drivegate_models.contract.duty.records import duty_nameplate_record
 from drivegate_models.contract.duty.signals import SPEED_REFERENCE, DutyNameplate

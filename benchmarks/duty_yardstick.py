@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.studies.bench.workbench import NotMeasured, Value, Workbench
+from drivegate_lab.bench.workbench import NotMeasured, Value, Workbench
 from drivegate_models.contract.duty.records import DUTY_COMMAND, duty_command_record, duty_nameplate_record
 from drivegate_models.controllers.duty.foc import reset_function, step_function
 from drivegate_models.controllers.duty.state import FOC_STATE

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Final
 from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.drives.running import run_scenario
-from drivegate.studies.bench.measurements import run_correctness
-from drivegate.studies.bench.workbench import (
+from drivegate_lab.bench.measurements import run_correctness
+from drivegate_lab.bench.workbench import (
     Correctness,
     NotMeasured,
     Value,

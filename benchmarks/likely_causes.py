@@ -12,13 +12,13 @@ import sys
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import own_candidate
 from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.duty.likely_causes import LIKELY_CAUSES, likely_causes, signs_of
 from drivegate.drives.running import recorded
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
+from drivegate_lab.candidates.duty_faults import DUTY_FAULTS
 
 
 def failed_checks(name: str, drive: DriveDocument) -> list[dict[str, Any]]:

@@ -14,11 +14,11 @@ from typing import Any, Final
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import own_candidate
 from drivegate.drives.running import recorded
-from drivegate.studies.bench.workbench import Correctness, NotMeasured, Value, Workbench, ratio
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.load import ConstantTorqueLoad
 from drivegate_cases.scenario.scenario import Scenario
+from drivegate_lab.bench.workbench import Correctness, NotMeasured, Value, Workbench, ratio
 from duty_rates import DEAD_TIMES, foc_run
 
 SIMULATED: Final = 8.0

@@ -18,10 +18,10 @@ import duty_yardstick
 import example_rates
 import peer_ratios
 import yardstick_ratio
-from drivegate.commands import bench
 from drivegate.commands.conduct import Outcome, conducted, wants_json
-from drivegate.studies.bench.measurements import SPEEDS_RPM
-from drivegate.studies.bench.plan import PYTHON_BAR, RATE_UNIT, Planned, planned, run_setting
+from drivegate_lab.bench.measurements import SPEEDS_RPM
+from drivegate_lab.bench.plan import PYTHON_BAR, RATE_UNIT, Planned, planned, run_setting
+from drivegate_lab.commands import bench
 
 PROGRAM: Final = "python benchmarks/source_bench.py"
 YARDSTICK_BAR: Final = 1.2

@@ -14,9 +14,6 @@ from math import radians
 from typing import Final, Literal, TypeAlias
 
 from drivegate.candidates.builtin.candidates import BUILTIN_CANDIDATES
-from drivegate.candidates.builtin.faults.catalogue import MUTATIONS
-from drivegate.candidates.builtin.faults.mutation import Mutation
-from drivegate.candidates.builtin.faulty_controller import FaultyController
 from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.contracts.current.record import CurrentRecord
 from drivegate.contracts.current.scenarios.building import steady_scenario
@@ -25,7 +22,10 @@ from drivegate.drives.running import run_scenario
 from drivegate.scenarios.changes import with_load_shares, with_scales
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_models.faults.current.state import NO_FAULT
+from drivegate_lab.candidates.faults.catalogue import MUTATIONS
+from drivegate_lab.candidates.faults.mutation import Mutation
+from drivegate_lab.candidates.faulty_controller import FaultyController
+from drivegate_lab.kernels.faults.current.state import NO_FAULT
 from drivegate_models.units import RADIANS_PER_RPM
 
 Point: TypeAlias = tuple[float, ...]

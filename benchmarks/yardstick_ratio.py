@@ -12,8 +12,8 @@ from typing import Final
 import numpy as np
 
 from drivegate.drives.running import run_scenario
-from drivegate.studies.bench.measurements import run_correctness
-from drivegate.studies.bench.workbench import (
+from drivegate_lab.bench.measurements import run_correctness
+from drivegate_lab.bench.workbench import (
     Correctness,
     NotMeasured,
     Value,

@@ -24,19 +24,19 @@ from varied_keys import (
     varied_keys,
 )
 
-from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS
-from drivegate.candidates.builtin.faults.catalogue import MUTATIONS
 from drivegate.commands.command_line import COMMANDS, command_line
 from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.contracts.current.scenarios.drawn.families import FAMILY_GROUPS, Family
 from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
 from drivegate.contracts.traceability import family_name, traced_checks
-from drivegate.drives.drawn.kinds import DRAWN_KINDS
 from drivegate.drives.kinds import DEFAULT_DRIVE, DEFAULT_DRIVES
 from drivegate.scenarios.covering import FACTORS, covering_rows
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.drive.rating import FOLLOWING
 from drivegate_cases.scenario.sensors import PLAIN
+from drivegate_lab.candidates.duty_faults import DUTY_FAULTS
+from drivegate_lab.candidates.faults.catalogue import MUTATIONS
+from drivegate_lab.drawn.kinds import DRAWN_KINDS
 from drivegate_models.contract.current import signals as current_signals
 from drivegate_models.contract.duty import signals as duty_signals
 

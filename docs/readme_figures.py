@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING, Final
 
 from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.drive.drive_document import load_drive
-from drivegate_models.errors import InputError
-from drivegate_reports.page.style import house_style, new_figure, svg_document
-from drivegate_reports.paper.figures import (
+from drivegate_lab.paper.figures import (
     conventional_drives,
     conventional_ripple_map,
     input_current,
     kinds_of_drives,
     search_trajectory,
 )
+from drivegate_models.errors import InputError
+from drivegate_reports.page.style import house_style, new_figure, svg_document
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -12,8 +12,8 @@ import source_bench
 import speed_tables
 import yardstick_ratio
 from drivegate.commands.conduct import conducted
-from drivegate.studies.bench.plan import planned
-from drivegate.studies.bench.workbench import NotMeasured, Workbench
+from drivegate_lab.bench.plan import planned
+from drivegate_lab.bench.workbench import NotMeasured, Workbench
 from in_turns import table, turn
 
 ROWS = source_bench.source_rows(quick=False)

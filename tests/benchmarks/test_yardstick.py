@@ -5,7 +5,7 @@ import pytest
 from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.drives.running import run_scenario
-from drivegate.studies.bench.workbench import operating_scenario
+from drivegate_lab.bench.workbench import operating_scenario
 from drivegate_models.errors import HarnessFault, InputError
 from yardstick import RECORD, Yardstick, build_yardstick
 from yardstick_ratio import compiled_yardstick, difference

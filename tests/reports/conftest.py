@@ -14,6 +14,7 @@ from typing import Any, TypeVar
 
 import pytest
 from playwright.sync_api import Browser, sync_playwright
+from tests.reports.page_names import PAGE_NAMES
 
 from drivegate.candidates.builtin.loading import BuiltinController
 from drivegate.candidates.fault import Fault, FaultKind
@@ -48,7 +49,6 @@ from drivegate_reports.campaign import report as campaign
 from drivegate_reports.comparison import drive_report
 from drivegate_reports.comparison import report as comparison
 from drivegate_reports.conformance.report import page
-from drivegate_reports.paper.report import PAGE_FILE, reproduce
 
 Document = dict[str, Any]
 MadeT = TypeVar("MadeT")
@@ -333,6 +333,8 @@ def _made_once(
 @pytest.fixture(scope="session")
 def reproduction(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Document]:
     """Return the folder of a reproduction of the paper, and its document."""
+    from drivegate_lab.paper.report import reproduce
+
     return _made_once(tmp_path_factory, "reproduction", reproduce)
 
 
@@ -529,12 +531,15 @@ def _write_pages(folder: Path, request: pytest.FixtureRequest) -> dict[str, Path
     summary = _made_up_campaign()
     for name in (SUMMARY, MANIFEST):
         (folder / name).write_text(json.dumps(summary), encoding="utf-8")
-    return {
+    pages = {
         "conformance": conformance / page,
         "duty": duty / write_result(duty_result, duty, report_formats(["conformance"])).pages["conformance"],
-        "reproduction": request.getfixturevalue("reproduction")[0] / PAGE_FILE,
         "ratios": ratios / comparison.REPORT_FILE,
         "comparison": comparison.write(document, folder),
         "drives": drives / drive_report.REPORT_FILE,
         "campaign": campaign.write(summary, folder),
     }
+    if "reproduction" in PAGE_NAMES:
+        reproduced, document = request.getfixturevalue("reproduction")
+        pages["reproduction"] = reproduced / document["page"]
+    return pages

@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 from playwright.sync_api import Browser, Page
+from tests.reports.page_names import PAGE_NAMES
 
 pytestmark = pytest.mark.needs("browser")
 MOST_HEIGHT = 12_000
@@ -51,9 +52,7 @@ def opened(browser: Browser, pages: dict[str, Path]) -> Iterator[Open]:
     assert reported == [], f"the browser complains: {reported}"
 
 
-EACH = pytest.mark.parametrize(
-    "name", ["conformance", "duty", "reproduction", "comparison", "ratios", "drives", "campaign"]
-)
+EACH = pytest.mark.parametrize("name", PAGE_NAMES)
 
 
 @EACH
@@ -151,19 +150,6 @@ def test_tables_sort_by_number_and_by_text(opened: Open) -> None:
     assert table.locator("th[aria-sort=descending]").inner_text().startswith("margin")
     table.get_by_role("button", name="check").click()
     assert heads.all_inner_texts() == ["CMD-1", "CNV-1", "CNV-3"], "by name"
-
-
-def test_tables_filter_by_words(opened: Open) -> None:
-    page = opened("reproduction")
-    rows = page.locator("table[data-name=numbers] tbody tr:visible")
-    before = rows.count()
-    field = page.get_by_label("Show only rows of “numbers” with")
-    field.fill("RIPPLE p8")
-    assert 1 < rows.count() < before
-    assert all("ripple" in text.lower() for text in rows.all_inner_texts())
-    assert page.locator("label.filter output").first.inner_text() == f"{rows.count()} of {before}"
-    field.fill("")
-    assert rows.count() == before
 
 
 @EACH

@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser
 from pypdfium2 import PdfDocument, PdfObject, PdfPage, raw
+from tests.reports.page_names import PAGE_NAMES
 
 from drivegate.candidates.declaration import Declaration
 from drivegate.checks.check import Check
@@ -129,9 +130,7 @@ def whole_pass(tmp_path_factory: pytest.TempPathFactory, recorded: dict[str, Any
 
 
 @pytest.mark.parametrize("paper", ["A4", "Letter"])
-@pytest.mark.parametrize(
-    "name", ["whole", "conformance", "duty", "reproduction", "comparison", "ratios", "drives", "campaign"]
-)
+@pytest.mark.parametrize("name", ["whole", *PAGE_NAMES])
 def test_paper_shows_it_as_a_review_would_want(
     browser: Browser, pages: dict[str, Path], whole_pass: Path, name: str, paper: str
 ) -> None:

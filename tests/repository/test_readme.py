@@ -13,10 +13,10 @@ from pathlib import Path
 import pytest
 from tests.harness.ended import ended
 
-from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.commands.command_line import command_line
 from drivegate.studies.campaign.file import read_campaign
+from drivegate_lab.candidates.duty_faults import DUTY_FAULTS
 
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")

@@ -33,6 +33,9 @@ DESIGN_PREFIX: Final = "design:"
 NEAR_PREFIX: Final = "near:"
 """What the name of a correct controller begins with that is near a limit by design."""
 
+LABORATORY_PREFIXES: Final = (FAULTY_PREFIX, DESIGN_PREFIX, NEAR_PREFIX)
+"""What the name of a built-in controller begins with that the laboratory brings."""
+
 INNER_PREFIX: Final = "inner:"
 """What the name of a controller of current references begins with that is run on duty ratios."""
 
@@ -90,7 +93,7 @@ class Kind:
 
 _ALL: Final = (
     Kind("python", "python", ways=("module:Class", "file.py:Class")),
-    Kind("builtin", "builtin", prefixes=(FAULTY_PREFIX, DESIGN_PREFIX, NEAR_PREFIX), is_included=True),
+    Kind("builtin", "builtin", prefixes=LABORATORY_PREFIXES, is_included=True),
     Kind(
         "c",
         "native",

@@ -14,6 +14,7 @@ from typing import Final, NoReturn
 import click
 
 from drivegate.commands.conduct import conducted, wants_json
+from drivegate.laboratory import COMMAND_GROUP, require_from_laboratory
 from drivegate.version import __version__
 
 COMMANDS: Final = MappingProxyType(
@@ -42,6 +43,8 @@ COMMANDS: Final = MappingProxyType(
 
 Where the name has a hyphen, the module's has an underscore.
 """
+LABORATORY_COMMANDS: Final = frozenset({"selftest", "reproduce", "bench"})
+"""Commands that are entry points of the laboratory instead."""
 
 
 class LazyGroup(click.Group):
@@ -59,7 +62,11 @@ class LazyGroup(click.Group):
         """Import a command."""
         if cmd_name not in COMMANDS:
             return None
-        command: click.Command = import_module(f"drivegate.commands.{cmd_name.replace('-', '_')}").command
+        command: click.Command
+        if cmd_name in LABORATORY_COMMANDS:
+            command = require_from_laboratory(COMMAND_GROUP, cmd_name, f"the command '{cmd_name}'")
+        else:
+            command = import_module(f"drivegate.commands.{cmd_name.replace('-', '_')}").command
         return command
 
     def resolve_command(

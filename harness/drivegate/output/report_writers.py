@@ -15,7 +15,7 @@ from drivegate.candidates.fault import bounded_line
 from drivegate.gate.events import CheckStarted, Event, RunDone
 from drivegate_cases.documents.wording import one_line
 from drivegate_cases.drive.drive_document import DriveDocument
-from drivegate_models.errors import HarnessFault, InputError
+from drivegate_models.errors import HarnessFault
 
 REPORT_GROUP: Final = "drivegate.reports"
 """Group of entry points, each a function of the result document and a folder that returns what it wrote."""
@@ -25,17 +25,11 @@ DRIVE_COMPARISON_GROUP: Final = "drivegate.drive_comparison_reports"
 """Group of entry points, each a function of the document of a comparison of drives and a folder, in the same way."""
 CAMPAIGN_GROUP: Final = "drivegate.campaign_reports"
 """Group of entry points, each a function of the campaign's summary and a folder that returns what it wrote."""
-REPRODUCTION_GROUP: Final = "drivegate.reproductions"
-"""Group of entry points, each a function of a folder that reproduces a publication into it and returns a document."""
-PUBLICATION: Final = "paper"
-"""Name of the entry point that reproduces the publication that drivegate rests on."""
 
 WriteReport: TypeAlias = Callable[[dict[str, Any], Path], Path]
 """From a document and an existing folder to the page that was written."""
 LoadWriter: TypeAlias = Callable[[], WriteReport]
 """Imports what writes a report, only when it is to be written."""
-Reproduce: TypeAlias = Callable[[Path], dict[str, Any]]
-"""From an existing folder to the document of what was written into it."""
 
 
 @dataclass(frozen=True)
@@ -99,17 +93,6 @@ def write_reports(
         except Exception as error:
             errors[name] = error
     return WrittenReports(pages, errors)
-
-
-def reproduction_writer() -> Reproduce:
-    """Load what reproduces the publication."""
-    for point in entry_points(group=REPRODUCTION_GROUP, name=PUBLICATION):
-        reproduce: Reproduce = point.load()
-        return reproduce
-    raise InputError(
-        f"no installed package offers the entry point '{PUBLICATION}' of the group '{REPRODUCTION_GROUP}'; "
-        "install drivegate again, which brings it"
-    )
 
 
 class Preparation:

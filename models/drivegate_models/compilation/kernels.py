@@ -41,7 +41,7 @@ from drivegate_models.compilation.target import adopt_target, choose_target, req
 from drivegate_models.errors import InputError
 
 _KEPT_SECONDS = 30 * 24 * 3600.0
-_OWN_PACKAGES = ("drivegate_models", "drivegate")
+_OWN_PACKAGES = ("drivegate_models", "drivegate", "drivegate_lab")
 
 
 @cache
@@ -148,7 +148,8 @@ class _LocatedByModule(caching.UserProvidedCacheLocator):
 
     def __init__(self, function: Any, file: str) -> None:
         super().__init__(function, file)
-        package = function.__module__.rpartition(".")[0]
+        self._module: str = function.__module__
+        package = self._module.rpartition(".")[0]
         self._cache_path = str(Path(_FOLDER or vars(numba.config)["CACHE_DIR"]) / package)
 
     def ensure_cache_path(self) -> None:
@@ -157,8 +158,10 @@ class _LocatedByModule(caching.UserProvidedCacheLocator):
             super().ensure_cache_path()
 
     def get_source_stamp(self) -> Any:
-        """Identify the source, and the functions that it calls, by the content of their folder and of all kernels."""
-        return _digest_of_kernels(), _digest_of_sources(Path(self._py_file).parent)
+        """Identify the source, and what it calls, by the content of its top folder and of all kernels."""
+        # A kernel above this package calls those of neighbouring folders too, such as the faults of both contracts.
+        depth = self._module.count(".")
+        return _digest_of_kernels(), _digest_of_sources(Path(self._py_file).parents[max(depth - 2, 0)])
 
 
 def _is_own(function: Any) -> bool:

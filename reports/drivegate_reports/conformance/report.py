@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+from drivegate.laboratory import PUBLICATION_GROUP, find_in_laboratory
 from drivegate_cases.documents.atomic_write import write_atomically
 
 if TYPE_CHECKING:
@@ -33,36 +34,27 @@ def prepare(drive: DriveDocument) -> None:
     )
     from drivegate_reports.conformance.drive import shown_drive
     from drivegate_reports.page.page import environment
-    from drivegate_reports.paper.drives import is_of_paper
-    from drivegate_reports.paper.facts import comparisons
-    from drivegate_reports.paper.findings import recomputed_findings
 
     behaviour.prepare_behaviour(drive)
     shown_drive({"envelope": envelope_of(drive)}, drive)
     environment().get_template(TEMPLATE)
-    if is_of_paper(drive):
-        comparisons()
-        recomputed_findings(of_paper_drive_only=True)
+    publication = _publication_of(drive)
+    if publication is not None:
+        publication.prepare()
 
 
 def page(document: Mapping[str, Any]) -> str:
     """Make the page."""
-    from drivegate_cases.publication import facts, open_assumptions
     from drivegate_reports.conformance.behaviour import shown_behaviour
-    from drivegate_reports.conformance.coverage import coverage_gaps, drive_of, evidence_of, fact_rows
+    from drivegate_reports.conformance.coverage import coverage_gaps, drive_of, evidence_of
     from drivegate_reports.conformance.drive import shown_drive, stated_values
     from drivegate_reports.conformance.runs import margin_figure, shown_runs
     from drivegate_reports.conformance.view import view_of
     from drivegate_reports.page.page import page_text
-    from drivegate_reports.paper.drives import is_of_paper
-    from drivegate_reports.paper.facts import comparisons
-    from drivegate_reports.paper.findings import recomputed_findings
-    from drivegate_reports.paper.verdicts import verdict_counts
 
     view, drive = view_of(document), drive_of(document)
-    # What the paper states is of no use to who checks another drive.
-    is_of_paper_drive = is_of_paper(drive)
-    compared = comparisons() if is_of_paper_drive else ()
+    publication = _publication_of(drive)
+    uncovered = () if publication is None else publication.uncovered_facts()
     return page_text(
         TEMPLATE,
         traces=True,
@@ -72,12 +64,13 @@ def page(document: Mapping[str, Any]) -> str:
         runs=shown_runs(document),
         margins=margin_figure(document),
         evidence={row.id: evidence_of(row.id, drive) for row in view.checks},
-        gaps=coverage_gaps(document),
-        fact_rows=fact_rows() if is_of_paper_drive else (),
-        is_of_paper_drive=is_of_paper_drive,
-        counts=verdict_counts(compared),
-        facts=[(fact, [row for row in compared if row.fact == fact.id]) for fact in facts()],
-        findings=recomputed_findings(of_paper_drive_only=True) if is_of_paper_drive else (),
-        assumptions=open_assumptions() if is_of_paper_drive else (),
-        stated_values=() if is_of_paper_drive else stated_values(drive),
+        gaps=(*coverage_gaps(document), *uncovered),
+        paper=None if publication is None else publication.sections(),
+        stated_values=stated_values(drive) if publication is None else (),
     )
+
+
+def _publication_of(drive: DriveDocument) -> Any | None:
+    """Return what the laboratory knows of the paper, where the drive is the paper's; to others it is of no use."""
+    publication = find_in_laboratory(PUBLICATION_GROUP, "paper")
+    return publication if publication is not None and publication.is_about(drive) else None

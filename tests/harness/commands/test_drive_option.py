@@ -13,7 +13,6 @@ POINT = ["--speed-rpm", "700", "--advance-deg", "30", "--current-a", "10"]
 COMMANDS = {
     "check": ["initial"],
     "compare": ["initial"],
-    "selftest": ["--fault", "angle-capped"],
     "simulate": ["initial", "--case", "fig5-search"],
     "diff": ["initial", "initial", "--case", "fig5-search"],
     "map": ["--speed-rpm", "700", "--advance-deg", "30", "--current-a", "10"],

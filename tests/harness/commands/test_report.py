@@ -1,4 +1,4 @@
-"""``drivegate report`` and ``drivegate reproduce``: the same reports again, and one sentence for what cannot be."""
+"""``drivegate report``: the same reports again, and one sentence for what cannot be."""
 
 from __future__ import annotations
 
@@ -107,38 +107,6 @@ def test_the_example_of_a_reporter_is_found_by_its_entry_point(result: Path, tmp
         "candidate,id,level,verdict,margin,runs,measured,limit",
         "reference,CNV-1,required,pass,0.25,1,measured,the limit",
     ]
-
-
-def test_the_reproduction_comes_from_its_entry_point(command: Any, monkeypatch: Any, tmp_path: Path) -> None:
-    class Point:
-        def load(self) -> Any:
-            def reproduce(folder: Path) -> dict[str, Any]:
-                (folder / "page.html").write_text("a page", encoding="utf-8")
-                row = dict.fromkeys(
-                    ("fact", "quantity", "published", "ours", "residual", "tolerance", "verdict"), "x"
-                )
-                return {
-                    "schema": 1,
-                    "page": "page.html",
-                    "paper": "a paper",
-                    "numbers": [row],
-                    "verdicts": {"x": 1},
-                }
-
-            return reproduce
-
-    monkeypatch.setattr("drivegate.output.report_writers.entry_points", lambda group, name: [Point()])
-    ended = command("reproduce", "--output", str(tmp_path / "made"))
-    assert ended.code == 0, ended.err
-    assert (tmp_path / "made" / "page.html").read_text(encoding="utf-8") == "a page"
-    assert "a paper: 1 x" in ended.out
-
-
-def test_a_reproduction_that_is_not_installed(command: Any, monkeypatch: Any, tmp_path: Path) -> None:
-    monkeypatch.setattr("drivegate.output.report_writers.entry_points", lambda group, name: [])
-    ended = command("reproduce", "--output", str(tmp_path / "made"))
-    assert ended.code == 2
-    assert "no installed package offers the entry point 'paper'" in ended.err
 
 
 def test_a_result_of_a_bad_drive_is_refused(command: Any, result: Path) -> None:

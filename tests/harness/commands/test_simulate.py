@@ -248,7 +248,7 @@ def test_a_star_is_run_through_hall_switches(command, tmp_path):
     assert summary["speed_final_rpm"] == pytest.approx(1500.0, abs=5.0)
 
 
-@pytest.mark.parametrize("run", [("simulate", "reference"), ("diff", "reference", "near:gain-doubled")])
+@pytest.mark.parametrize("run", [("simulate", "reference"), ("diff", "reference", "published")])
 def test_the_next_command_is_of_the_same_drive(command, tmp_path, run):
     brief = load_scenario("lock-up").replaced(duration_s=0.2)
     file = tmp_path / "brief.json"

@@ -7,7 +7,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from tests.models.drawn_runs import drawn
 
-from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.contracts.duty.scenarios.building import supply_step_scenario, torque_of, torque_scenario
 from drivegate.contracts.duty.scenarios.drawn.families import FAMILY_GROUPS, drawn_scenarios
@@ -15,7 +14,6 @@ from drivegate.contracts.duty.scenarios.feasibility import unfair_because
 from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios
 from drivegate.drives.abilities import ability_of, refuse_unreachable
 from drivegate.results.verdict import check_outcomes
-from drivegate.studies.selftest.subjects import seeded
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.greatest_torque import greatest_within
@@ -118,12 +116,3 @@ def test_what_a_drive_can_do_is_stated_without_weakening() -> None:
     assert envelope["rated_power_up_to_rpm"] == pytest.approx(BASE)
     assert "stated without field weakening" in ability_of(DRIVE).facts(envelope)[1]
     assert "weakening" not in ability_of(DRIVE).required(DRIVE)[0]
-
-
-def test_a_fault_in_weakening_does_nothing_there() -> None:
-    idle = {
-        name: seeded(name, DUTY_FAULTS[name], DRIVE).on(DRIVE).idle_because
-        for name in ("shallow-weakening", "stuck-weakening")
-    }
-    assert "without field weakening" in str(idle["shallow-weakening"])
-    assert idle["stuck-weakening"] is None

@@ -106,11 +106,11 @@ def test_the_counterexample_becomes_the_run_that_has_a_witness() -> None:
 
 def test_what_no_witness_meets_is_contested_and_does_not_count() -> None:
     accused = accusations([OUTCOME], RUNS, PAPER)
-    acquittal = Acquittal(("reference", "design:sweep"))
+    acquittal = Acquittal(("reference", "informed"))
     (outcome,) = with_witnesses([OUTCOME], accused, [acquittal])
     assert outcome.verdict == "contested"
     assert outcome.witness is None
-    assert "none of reference, design:sweep meets it there, so it does not count" in outcome.message
+    assert "none of reference, informed meets it there, so it does not count" in outcome.message
     assert candidate_verdict([outcome], []) == ("contested", 0)
     other = replace(OUTCOME, id="CNV-2")
     assert candidate_verdict([outcome, other], []) == ("fail", 1), "another failure counts all the same"

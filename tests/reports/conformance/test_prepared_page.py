@@ -11,9 +11,8 @@ from drivegate_reports.conformance import behaviour, drive
 from drivegate_reports.conformance.coverage import drive_of
 from drivegate_reports.conformance.report import page, prepare
 from drivegate_reports.page.style import house_style
-from drivegate_reports.paper import facts, findings
 
-KEPT = (drive._drawn, behaviour._trajectories, facts.comparisons, findings.recomputed_findings)
+KEPT = (drive._drawn, behaviour._trajectories)
 
 
 def test_what_depends_on_the_drive_alone_is_not_made_again(recorded: Any, duty_result: Any) -> None:

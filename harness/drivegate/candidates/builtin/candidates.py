@@ -1,4 +1,4 @@
-"""The candidates that come with drivegate, and what they declare of themselves."""
+"""The built-in candidates, and what they declare of themselves."""
 
 import re
 from math import radians
@@ -6,7 +6,7 @@ from types import MappingProxyType
 from typing import Final
 
 from drivegate.candidates.declaration import Declaration, FlowchartProfile
-from drivegate.candidates.kinds import DESIGN_PREFIX, FAULTY_PREFIX, NEAR_PREFIX
+from drivegate.candidates.kinds import LABORATORY_PREFIXES
 from drivegate_cases.scenario.failure_kind import FAILURE_KINDS
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -43,19 +43,9 @@ DUTY_CANDIDATES: Final = MappingProxyType(
 )
 """Declarations of those that answer with duty ratios, by bare name."""
 
-_DESIGNS = ("golden-section", "quadratic-interpolation", "angle-table", "sweep")
-
-DESIGN_CANDIDATES: Final = MappingProxyType(
-    {f"{DESIGN_PREFIX}{design}": Declaration(estimates_power=True) for design in _DESIGNS}
-)
-"""Declarations of correct candidates of other designs than the reference controller, by name with the prefix.
-
-The harness tests itself with them: no check may accuse a correct controller, whatever its design.
-"""
-
-_PREFIXED: Final = re.compile(f"({FAULTY_PREFIX}|{DESIGN_PREFIX}|{NEAR_PREFIX})[a-z0-9-]+")
+_PREFIXED: Final = re.compile(f"({'|'.join(LABORATORY_PREFIXES)})[a-z0-9-]+")
 
 
 def is_builtin_name(text: str) -> bool:
-    """Return True if a text has the form of the name of a candidate that comes with drivegate, and of nothing else."""
+    """Return True if a text has the form of the name of a built-in candidate, or one of the laboratory's."""
     return text in BUILTIN_CANDIDATES or text in DUTY_CANDIDATES or _PREFIXED.fullmatch(text) is not None

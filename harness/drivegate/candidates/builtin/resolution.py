@@ -1,4 +1,4 @@
-"""From the name of a controller that comes with drivegate, or a manifest with it, to a candidate."""
+"""From the name of a built-in controller, or a manifest with it, to a candidate."""
 
 from __future__ import annotations
 
@@ -6,16 +6,12 @@ import hashlib
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from drivegate.candidates.builtin.candidates import (
-    BUILTIN_CANDIDATES,
-    DESIGN_CANDIDATES,
-    DUTY_CANDIDATES,
-)
+from drivegate.candidates.builtin.candidates import BUILTIN_CANDIDATES, DUTY_CANDIDATES
+from drivegate.candidates.builtin.prefixed import family_of
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.declaration import Declaration
-from drivegate.candidates.kinds import DESIGN_PREFIX, FAULTY_PREFIX, NEAR_PREFIX
 from drivegate.version import __version__
-from drivegate_cases.documents.wording import nearest, one_line, shown_path
+from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
@@ -39,56 +35,32 @@ def from_manifest(manifest: Manifest, specification: str, folder: Path) -> Candi
     return _candidate(manifest.name, specification, manifest.entry, manifest.declaration())
 
 
-def _declaration_of(name: str) -> Declaration:
-    if _answers_with_duty_ratios(name):
-        # A faulty one declares what the controller does that it is a variation of.
-        return DUTY_CANDIDATES.get(name, DUTY_CANDIDATES["foc"])
-    if name.startswith(FAULTY_PREFIX):
-        # Their registry is only read where one of them is named.
-        from drivegate.candidates.builtin.faults.catalogue import find_mutation
-
-        return BUILTIN_CANDIDATES[find_mutation(name.removeprefix(FAULTY_PREFIX)).base]
-    if name.startswith(NEAR_PREFIX):
-        return _near_declaration(name)
-    if name.startswith(DESIGN_PREFIX):
-        return _design_declaration(name)
-    return BUILTIN_CANDIDATES[name]
+def _declaration_of(entry: str) -> Declaration:
+    found = family_of(entry)
+    if found is not None:
+        family, name = found
+        return family.declaration(name)
+    return DUTY_CANDIDATES[entry] if entry in DUTY_CANDIDATES else BUILTIN_CANDIDATES[entry]
 
 
-def _answers_with_duty_ratios(name: str) -> bool:
-    if not name.startswith(FAULTY_PREFIX):
-        return name in DUTY_CANDIDATES
-    # Their registry is only read where a faulty controller is named.
-    from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS
-
-    return name.removeprefix(FAULTY_PREFIX) in DUTY_FAULTS
-
-
-def _design_declaration(name: str) -> Declaration:
-    if name in DESIGN_CANDIDATES:
-        return DESIGN_CANDIDATES[name]
-    raise _unknown(name, list(DESIGN_CANDIDATES))
-
-
-def _near_declaration(name: str) -> Declaration:
-    from drivegate.candidates.builtin.faults.tolerances import NEAR_DESIGNS
-
-    names = [f"{NEAR_PREFIX}{design}" for design in NEAR_DESIGNS]
-    if name in names:
-        return BUILTIN_CANDIDATES[NEAR_DESIGNS[name.removeprefix(NEAR_PREFIX)].base]
-    raise _unknown(name, names)
-
-
-def _unknown(name: str, known: list[str]) -> InputError:
-    return InputError(
-        f"the candidate '{one_line(name)}' is unknown, the nearest known one is "
-        f"'{nearest(name, known)}'; known are {', '.join(known)}"
-    )
+def _contract_of(entry: str) -> ContractName:
+    found = family_of(entry)
+    if found is not None:
+        family, name = found
+        return family.contract(name)
+    return "duty" if entry in DUTY_CANDIDATES else "current"
 
 
 def _candidate(name: str, specification: str, entry: str, declaration: Declaration) -> Candidate:
     digest = hashlib.sha256(f"drivegate {__version__} {entry}".encode()).hexdigest()
-    contract: ContractName = "duty" if _answers_with_duty_ratios(entry) else "current"
     return Candidate(
-        name, "builtin", specification, entry, Path.cwd(), (), digest, declaration, contract=contract
+        name,
+        "builtin",
+        specification,
+        entry,
+        Path.cwd(),
+        (),
+        digest,
+        declaration,
+        contract=_contract_of(entry),
     )

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drivegate.contracts.current.words import RunSignals
 from drivegate_cases.drive.limits import limits_of
 from drivegate_models.errors import InputError
+from drivegate_models.steady.oracle import point_at_torque
+from drivegate_models.steady.plant import AnyDrive
+from drivegate_models.steady.steady_state import steady_state
+from drivegate_models.steady.waveform import periodic_waveforms
+from drivegate_models.units import RADIANS_PER_RPM
 from drivegate_reports.page.style import BLUE, GREEN, VERMILION, label_ends, new_figure
-from drivegate_reports.paper.figures.instantaneous_torque import TorqueCycle, cycle_at
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -21,6 +27,37 @@ _SHORT: Final = 0.999
 TITLE: Final = "Torque over one electrical period"
 _PERIOD_DEG: Final = 360.0
 _DASHED: Final = (0, (4, 3))
+
+
+@dataclass(frozen=True)
+class TorqueCycle:
+    """Torque over one electrical cycle in the steady state with ideal current regulators."""
+
+    angle_deg: NDArray[np.float64]
+    """Electrical angle since the opening of the first phase's window (deg), shape (n,)."""
+    torque_nm: NDArray[np.float64]
+    """Electromagnetic torque (N·m), shape (n,)."""
+    mean_nm: float
+    lowest_nm: float
+    highest_nm: float
+    """Mean and exact extremes (N·m)."""
+    speed_rpm: float
+    advance_deg: float
+    current_reference_a: float
+    """The operating point."""
+    certified: bool
+    """Whether the state repeats after the one cycle."""
+
+    @property
+    def ripple_percent(self) -> float:
+        """Peak to peak over mean (%)."""
+        return 100.0 * (self.highest_nm - self.lowest_nm) / self.mean_nm
+
+    @property
+    def one_sided_ripple_percent(self) -> float:
+        """Greatest deviation from the mean, over the mean (%)."""
+        deviation = max(self.highest_nm - self.mean_nm, self.mean_nm - self.lowest_nm)
+        return 100.0 * deviation / self.mean_nm
 
 
 @dataclass(frozen=True)
@@ -120,3 +157,24 @@ def _extremes(ripple: Ripple) -> tuple[float, float]:
 def _percent(ripple: Ripple) -> float:
     low, high = _extremes(ripple)
     return 100.0 * (high - low) / ripple.cycle.mean_nm
+
+
+def cycle_at(drive: AnyDrive, speed_rpm: float, advance_deg: float, torque_nm: float) -> TorqueCycle:
+    """Compute the torque at an operating point; at the current limit where the mean torque is out of reach."""
+    speed = speed_rpm * RADIANS_PER_RPM
+    advance = math.radians(advance_deg)
+    found = point_at_torque(drive, speed, advance, torque_nm)
+    reference = found.reference if found.static else drive.current_limit
+    waves = periodic_waveforms(drive, speed, reference, advance)
+    state = found if found.static else steady_state(drive, speed, reference, advance)
+    return TorqueCycle(
+        angle_deg=np.degrees(waves.angles),
+        torque_nm=waves.torque,
+        mean_nm=state.torque,
+        lowest_nm=state.torque_lowest,
+        highest_nm=state.torque_highest,
+        speed_rpm=speed_rpm,
+        advance_deg=advance_deg,
+        current_reference_a=reference,
+        certified=waves.certified,
+    )

@@ -46,13 +46,6 @@ def test_the_reference_finds_the_optimum_of_every_packaged_drive(drive: str, sha
     assert not failed("reference", drive, share) & {*CONVERGENCE}
 
 
-# Each table takes seconds to compute; those of the star's variants are made alike.
-@pytest.mark.parametrize("share", [0.05, 0.5, 1.0])
-@pytest.mark.parametrize("drive", [name for name in drive_names(but=PM_AC) if "-150-" not in name])
-def test_the_table_of_a_drive_leads_to_its_optimum(drive: str, share: float) -> None:
-    assert not failed("design:angle-table", drive, share) & {*CONVERGENCE}
-
-
 @pytest.mark.parametrize("drive", drive_names(but=PM_AC))
 def test_the_published_search_locks_up_on_every_packaged_drive(drive: str) -> None:
     assert any("CNV-1" in failed("published", drive, share) for share in (0.05, 0.5, 1.0))

@@ -19,7 +19,6 @@ from drivegate_models.units import RADIANS_PER_RPM
 PAPER = load_drive("paper-5-phase")
 EXAMPLE = str(Path(__file__).parents[4] / "examples" / "c" / "controller.c")
 VOLTS, AMPERES, SPEED = 4.0, 2.0, 2.0
-DESIGNS = ("angle-table", "golden-section", "quadratic-interpolation", "sweep")
 
 
 def in_other_units(drive: DriveDocument) -> DriveDocument:
@@ -65,7 +64,7 @@ def step_of_load(drive: DriveDocument, speed: float, share: float, time: float) 
 
 
 @pytest.mark.parametrize(("speed", "share"), [(1.3, 1.0), (3.0, 1.0), (2.0, 0.3)])
-@pytest.mark.parametrize("name", ["initial", "reference", *(f"design:{name}" for name in DESIGNS), EXAMPLE])
+@pytest.mark.parametrize("name", ["initial", "reference", EXAMPLE])
 def test_a_drive_in_other_units_is_controlled_alike(name: str, speed: float, share: float) -> None:
     candidate = resolve_candidate(name)
     traces = [

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import pytest
 
-from drivegate.candidates.builtin.duty_faults import DUTY_FAULTS
 from drivegate.contracts.catalogue import CONTRACTS
 from drivegate.contracts.duty.likely_causes import (
     LIKELY_CAUSES,
@@ -14,11 +13,6 @@ from drivegate.contracts.duty.likely_causes import (
 )
 
 CHECKS = {check.id for check in CONTRACTS["duty"].checks()}
-
-
-def test_every_known_fault_has_one_cause() -> None:
-    listed = [name for cause in LIKELY_CAUSES for name in cause.faults]
-    assert sorted(listed) == sorted(DUTY_FAULTS)
 
 
 def test_signs_and_what_confirms_a_cause_name_checks_that_there_are() -> None:

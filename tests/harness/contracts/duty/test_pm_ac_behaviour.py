@@ -85,12 +85,3 @@ def test_the_spectrum_shows_the_carriers_sidebands() -> None:
     )
     swing = max(torque["greatest_nm"]) - min(torque["least_nm"])
     assert torque["peak_to_peak_percent"] == pytest.approx(100.0 * swing / torque["mean_nm"], rel=0.1)
-
-
-def test_needless_weakening_shows_in_the_losses() -> None:
-    drive = drive_of("pm-ac-interior")
-    told, other = (
-        behaviour(lambda scenario, name=name: run(scenario, name), drive, None)["points"]
-        for name in ("foc", "faulty:stuck-weakening")
-    )
-    assert told[0]["above_least_percent"] < 1.0 < other[0]["above_least_percent"]

@@ -83,15 +83,6 @@ def test_a_shard_is_made_as_in_a_whole_check_or_not_at_all() -> None:
     assert run_drawn(FOC, DrawnRuns(INTERIOR, 2, 3, only=("STP-1",))).runs == ()
 
 
-@pytest.fixture
-def few_runs(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(
-        "drivegate.contracts.duty.scenarios.fixed.fixed_scenarios", lambda *_, **__: short_runs()
-    )
-    monkeypatch.setattr("drivegate.gate.plan.SHARDS", 2)
-    monkeypatch.setattr("drivegate.gate.plan.EXAMPLES", {"quick": 2})
-
-
 def check(candidate: str, only: tuple[str, ...] = ()) -> tuple[CheckResult, list[RunDone]]:
     events = list(
         check_candidate(
@@ -100,20 +91,6 @@ def check(candidate: str, only: tuple[str, ...] = ()) -> tuple[CheckResult, list
     )
     assert isinstance(events[-1], CheckFinished)
     return events[-1].result, [event for event in events if isinstance(event, RunDone)]
-
-
-@pytest.mark.usefixtures("few_runs")
-def test_a_confined_check_concludes_what_the_whole_check_does() -> None:
-    only = ("STP-1", "FWK-2")
-    whole, _ = check("faulty:stuck-weakening")
-    part, progress = check("faulty:stuck-weakening", only)
-    assert part.runs < whole.runs
-    assert progress[-1].done == progress[-1].planned == part.runs
-    assert {event.worst.partition(" ")[0] for event in progress} <= {"", *only}
-    expected = [outcome for outcome in whole.checks if outcome.id in only]
-    assert [(mine.id, mine.verdict, mine.margin, mine.measured, mine.scenario) for mine in part.checks] == [
-        (its.id, its.verdict, its.margin, its.measured, its.scenario) for its in expected
-    ]
 
 
 @pytest.mark.parametrize(

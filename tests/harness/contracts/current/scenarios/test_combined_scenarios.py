@@ -109,13 +109,6 @@ def test_the_shortest_period_shows_a_search_that_takes_it_for_another_with_any_s
     assert_shown("period-taken-for-1-millisecond", scenarios)
 
 
-@pytest.mark.parametrize("seed", [0, 1])
-@pytest.mark.parametrize("name", ["paper-5-phase", "star-3-phase"])
-def test_the_busy_run_shows_a_search_that_restarts_twenty_times_only(name: str, seed: int) -> None:
-    *_, busy = long_scenarios(load_drive(name), None, seed)
-    assert_shown("twenty-restarts", (busy,))
-
-
 def assert_shown(fault: str, scenarios: tuple[Scenario, ...]) -> None:
     """Check that `reference` meets `CNV-2` in all scenarios, and that the fault fails it in one."""
     met: dict[str, list[bool]] = {}

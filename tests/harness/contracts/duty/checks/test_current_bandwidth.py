@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from tests.harness.contracts.duty.checks.conftest import CHECKS
 
-from drivegate.candidates.builtin.duty_faults import DutyFault
 from drivegate.candidates.builtin.duty_loading import DutyController
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.resolution import resolve_candidate
@@ -35,13 +34,16 @@ USUAL = 1000.0
 def regulating(bandwidth: float) -> DutyController:
     """Make a controller whose current loops are of first order with a bandwidth (rad/s)."""
 
-    def alter(state: Any) -> None:
-        period = state["lead"] / 1.5
-        for axis in ("direct", "quadrature"):
-            state[f"{axis}_gain"] = bandwidth * state[f"{axis}_inductance"]
-            state[f"{axis}_integral_step"] = bandwidth * state["resistance"] * period
+    class Regulating(DutyController):
+        def reset(self, nameplate: Any) -> None:
+            super().reset(nameplate)
+            state = self._state
+            period = state["lead"] / 1.5
+            for axis in ("direct", "quadrature"):
+                state[f"{axis}_gain"] = bandwidth * state[f"{axis}_inductance"]
+                state[f"{axis}_integral_step"] = bandwidth * state["resistance"] * period
 
-    return DutyController(fault=DutyFault("STP-1", "Regulates with a bandwidth.", alter=alter))
+    return Regulating()
 
 
 @cache

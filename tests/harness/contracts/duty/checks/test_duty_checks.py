@@ -25,12 +25,11 @@ from drivegate.contracts.duty.scenarios.building import (
     torque_scenario,
     with_edges,
 )
-from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios, release_scenario
+from drivegate.contracts.duty.scenarios.fixed import release_scenario
 from drivegate.contracts.recorded_trace import closeup_of, deciding_moment
-from drivegate.drives.drawn.kinds import PM_AC
 from drivegate.drives.running import recorded
 from drivegate.scenarios.changes import with_scales
-from drivegate_cases.drive.drive_document import DriveDocument, load_drive
+from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.contract.duty.signals import LEG_PWM
@@ -462,48 +461,6 @@ def test_a_voltage_that_suffices_needs_no_weakening(run: Run) -> None:
     assert braking.voltage < share < free.voltage
     assert within.direct < free.direct - record.limits.direct_error_a
     margin = judged("FWK-2", record)
-    assert margin is not None
-    assert margin.met, margin.measured
-
-
-@pytest.mark.parametrize(
-    ("drive", "candidate", "speed_rpm", "torques_nm"),
-    [
-        # For seven periods the third phase carries nothing.
-        (load_drive("pm-ac-surface"), "predictive-flux", 1100.0, (-6.077, 2.431)),
-        # The voltage needs 110 periods for this step, for 40 of which the third phase carries nothing.
-        (PM_AC.draw(0, 4).document, "foc", 780.0, (-1.6, 0.6)),
-    ],
-    ids=["short", "long"],
-)
-def test_a_phase_without_current_during_a_step_is_not_missing(
-    drive: DriveDocument, candidate: str, speed_rpm: float, torques_nm: tuple[float, float]
-) -> None:
-    """At high speed the current vector stands while it shrinks."""
-    assert isinstance(drive, PmAcDocument)
-    loaded = own_candidate(resolve_candidate(candidate))
-    record = recorded(loaded, torque_scenario(drive, speed_rpm, torques_nm), loaded.controller())
-    assert isinstance(record, DutyRecord)
-    assert not np.any(record.run.commands["fault"])
-
-
-@pytest.mark.parametrize(
-    ("number", "name"),
-    [
-        # The regulator of a slowly sampled drive needs 120 ms to reach the greatest torque.
-        (1, "0-to-304rpm-91.72Nm-locked-rotor"),
-        # The diodes of the open leg carry up to 90 % of the expected amplitude, for half of each turn.
-        (17, "1440rpm-torque-28.78Nm-open-phase-1"),
-    ],
-    ids=["slow regulator", "diodes carry current"],
-)
-def test_foc_reaches_its_safe_state_in_time_on_drives_that_nobody_chose(number: int, name: str) -> None:
-    drive = PM_AC.draw(0, number).document
-    assert isinstance(drive, PmAcDocument)
-    loaded = own_candidate(resolve_candidate("foc"))
-    runs = fixed_scenarios(drive, detected=frozenset({"locked-rotor", "open-phase"}))
-    (scenario,) = (run for run in runs if run.name == name)
-    margin = judged("SAF-1", recorded(loaded, scenario, loaded.controller()))
     assert margin is not None
     assert margin.met, margin.measured
 

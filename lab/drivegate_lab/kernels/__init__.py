@@ -1,0 +1,1 @@
+"""Compiled code of faulty controllers and of correct designs."""

@@ -1,0 +1,27 @@
+"""A fault in weakening does nothing on a drive that is never weakened, and the self-test states it."""
+
+from __future__ import annotations
+
+from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_lab.candidates.duty_faults import DUTY_FAULTS
+from drivegate_lab.selftest.subjects import seeded
+
+
+def without_weakening(name: str = "pm-ac-surface") -> PmAcDocument:
+    drive = load_drive(name)
+    unweakened = drive.replaced(highest_speed_rpm=drive.rating.base_speed_rpm)
+    assert isinstance(unweakened, PmAcDocument)
+    return unweakened
+
+
+DRIVE = without_weakening()
+
+
+def test_a_fault_in_weakening_does_nothing_there() -> None:
+    idle = {
+        name: seeded(name, DUTY_FAULTS[name], DRIVE).on(DRIVE).idle_because
+        for name in ("shallow-weakening", "stuck-weakening")
+    }
+    assert "without field weakening" in str(idle["shallow-weakening"])
+    assert idle["stuck-weakening"] is None

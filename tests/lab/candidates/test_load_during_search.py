@@ -1,0 +1,158 @@
+"""Controllers find the optimum although the load changes while their search moves, or slowly while it rests."""
+
+import pytest
+
+from drivegate.candidates.builtin.candidates import BUILTIN_CANDIDATES
+from drivegate.candidates.builtin.loading import BuiltinController
+from drivegate.candidates.declaration import Declaration
+from drivegate.candidates.kinds import load_controller
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.containment.messages import AnyController
+from drivegate.contracts.current.checks.convergence import converges_again, reaches_optimum
+from drivegate.contracts.current.record import CurrentRecord
+from drivegate.contracts.current.scenarios.building import steady_scenario
+from drivegate.drives.running import run_scenario
+from drivegate.scenarios.changes import with_load_factor
+from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_lab.candidates.families import DESIGN_NAMES
+from drivegate_lab.drawn.kinds import HALF_BRIDGE
+from drivegate_models.controllers.current.builtin import SEARCHES
+
+DESIGN_CANDIDATES = [f"design:{name}" for name in DESIGN_NAMES]
+
+
+def assert_reaches_optimum(scenario: Scenario, controller: AnyController, name: str = "reference") -> None:
+    """Run, and hold the current found against the optimum."""
+    margin = reaches_optimum(CurrentRecord(scenario, run_scenario(scenario, controller), Declaration()))
+    assert margin is not None
+    assert margin.met, f"{name}: {margin.measured}"
+
+
+@pytest.mark.parametrize("factor", [((0.0, 0.0), (5.5, 0.0), (5.5, 0.9), (6.0, 0.9), (6.0, 1.0))])
+def test_a_step_of_the_load_is_not_taken_for_the_effect_of_a_step_of_the_angle(
+    factor: tuple[tuple[float, float], ...],
+) -> None:
+    plain = steady_scenario(load_drive("paper-5-phase"), 1500.0, power_share=1.0, constant_power=False)
+    torque = plain.replaced(load=plain.load.model_copy(update={"torque_nm": 10.0}))
+    scenario = with_load_factor(torque, factor)
+    run = run_scenario(scenario, BuiltinController(SEARCHES["reference"]))
+    record = CurrentRecord(scenario, run, BUILTIN_CANDIDATES["reference"])
+    for margin in (reaches_optimum(record), converges_again(record)):
+        assert margin is not None
+        assert margin.met, f"{margin.check}: {margin.measured}"
+
+
+@pytest.mark.parametrize(
+    ("speed", "torque", "before", "after"), [(1380.0, 10.4, 0.85, 0.75), (1430.0, 10.0, 0.45, 0.65)]
+)
+def test_a_load_that_drifts_while_the_search_rests_is_followed(
+    speed: float, torque: float, before: float, after: float
+) -> None:
+    plain = steady_scenario(load_drive("paper-5-phase"), speed, power_share=1.0, constant_power=False)
+    loaded = plain.replaced(load=plain.load.model_copy(update={"torque_nm": torque}))
+    ramp = ((0.0, 0.0), (0.2, before), (8.0, before), (10.0, after))
+    scenario = with_load_factor(loaded, ramp).replaced(duration_s=19.0)
+    for name, controller in (
+        ("reference", BuiltinController(SEARCHES["reference"])),
+        *((name, load_controller(resolve_candidate(name))) for name in DESIGN_CANDIDATES),
+    ):
+        assert_reaches_optimum(scenario, controller, name)
+
+
+def test_an_edge_that_is_met_while_the_load_grows_is_sought_again() -> None:
+    plain = steady_scenario(load_drive("fan-3-phase"), 5650.0, power_share=1.0, constant_power=False)
+    loaded = plain.replaced(load=plain.load.model_copy(update={"torque_nm": 0.169}))
+    ramp = ((0.0, 0.0), (0.2, 0.45), (7.6, 0.45), (9.6, 0.65))
+    scenario = with_load_factor(loaded, ramp).replaced(duration_s=19.6)
+    assert_reaches_optimum(scenario, BuiltinController(SEARCHES["reference"]))
+
+
+@pytest.mark.parametrize(
+    ("number", "speed", "torque"), [(11, 1750.0, 1.386), (14, 7150.0, 7.169), (17, 1620.0, 2.258)]
+)
+def test_what_was_forbidden_on_the_way_back_is_tried_again(number: int, speed: float, torque: float) -> None:
+    # A step of 2 degrees costs the speed as much as the edge does, or leads over it.
+    drive = HALF_BRIDGE.draw(0, number).document
+    plain = steady_scenario(drive, speed, power_share=1.0, constant_power=False)
+    scenario = plain.replaced(load=plain.load.model_copy(update={"torque_nm": torque}))
+    assert_reaches_optimum(scenario, BuiltinController(SEARCHES["reference"]))
+
+
+@pytest.mark.parametrize(
+    ("number", "speed", "power_share", "constant_power"), [(10, 1470.0, 1.0, True), (51, 2840.0, 0.5, False)]
+)
+def test_angles_at_which_the_speed_returns_are_not_given_up(
+    number: int, speed: float, power_share: float, constant_power: bool
+) -> None:
+    # Back from the edge the regulator is wound up, and the speed rises above its reference.
+    drive = HALF_BRIDGE.draw(0, number).document
+    scenario = steady_scenario(drive, speed, power_share=power_share, constant_power=constant_power)
+    assert_reaches_optimum(scenario, BuiltinController(SEARCHES["reference"]))
+
+
+@pytest.mark.parametrize("name", ["near:gain-doubled", "near:stops-early"])
+def test_a_load_that_grows_during_the_first_steps_does_not_end_the_search(name: str) -> None:
+    # Rest where the load's growth takes what the first three steps save: 31 % too much current.
+    plain = steady_scenario(load_drive("paper-5-phase"), 1430.0, power_share=1.0, constant_power=False)
+    loaded = plain.replaced(load=plain.load.model_copy(update={"torque_nm": 10.0}))
+    ramp = ((0.0, 0.0), (0.2, 0.45), (8.0, 0.45), (10.0, 0.65))
+    scenario = with_load_factor(loaded, ramp).replaced(duration_s=19.0)
+    assert_reaches_optimum(scenario, load_controller(resolve_candidate(name)), name)
+
+
+def test_what_a_long_step_saves_at_light_load_is_not_taken_for_another_load() -> None:
+    # Steps of 2° save up to 14 % of the current each. Two needless restarts outlast the time to settle.
+    name, drive = "near:gain-doubled", load_drive("star-3-phase")
+    plain = steady_scenario(drive, 1380.0, power_share=1.0, constant_power=False)
+    gone = ((0.0, 0.0), (0.2, 0.1), (11.4, 0.1), (11.4, 1.0), (14.2, 1.0), (14.2, 0.1))
+    scenario = with_load_factor(plain, gone).replaced(duration_s=25.2)
+    run = run_scenario(scenario, load_controller(resolve_candidate(name)))
+    margin = converges_again(CurrentRecord(scenario, run, Declaration()))
+    assert margin is not None
+    assert margin.met, f"{name}: {margin.measured}"
+
+
+@pytest.mark.parametrize("name", DESIGN_CANDIDATES)
+def test_an_angle_lost_to_a_pulse_of_the_load_is_found_again(name: str) -> None:
+    plain = steady_scenario(load_drive("paper-5-phase"), 1500.0, power_share=1.0, constant_power=False)
+    pulse = ((0.0, 0.0), (0.2, 0.95), (6.0, 0.95), (6.0, 1.0), (7.0, 1.0), (7.0, 0.95))
+    scenario = with_load_factor(plain, pulse).replaced(duration_s=16.0)
+    assert_reaches_optimum(scenario, load_controller(resolve_candidate(name)), name)
+
+
+@pytest.mark.parametrize(
+    ("name", "drive", "speed", "torque", "factor"),
+    [
+        # Gone for more decisions than a search may take.
+        (
+            "design:golden-section",
+            "fan-3-phase",
+            4650.0,
+            0.205,
+            ((0.0, 0.0), (0.2, 0.65), (1.0, 0.65), (1.0, 0.0), (3.3, 0.0), (3.3, 0.65)),
+        ),
+        (
+            "design:quadratic-interpolation",
+            "fan-3-phase",
+            4650.0,
+            0.205,
+            ((0.0, 0.0), (0.2, 0.65), (1.0, 0.65), (1.0, 0.0), (3.3, 0.0), (3.3, 0.65)),
+        ),
+        # Heavier until the search is on its way back from the edge.
+        (
+            "design:golden-section",
+            "traction-7-phase",
+            2240.0,
+            85.26,
+            ((0.0, 0.0), (0.2, 0.6), (2.0, 0.6), (2.0, 1.0), (3.97, 1.0), (3.97, 0.6)),
+        ),
+    ],
+)
+def test_a_search_has_its_time_from_the_load_on_for_which_it_searches(
+    name: str, drive: str, speed: float, torque: float, factor: tuple[tuple[float, float], ...]
+) -> None:
+    plain = steady_scenario(load_drive(drive), speed, power_share=1.0, constant_power=False)
+    loaded = plain.replaced(load=plain.load.model_copy(update={"torque_nm": torque}))
+    scenario = with_load_factor(loaded, factor).replaced(duration_s=factor[-1][0] + 10.0)
+    assert_reaches_optimum(scenario, load_controller(resolve_candidate(name)), name)

@@ -1,0 +1,67 @@
+"""Field-oriented control on unusual drives: a salient machine beyond its magnet's flux, dead time, and wide ripple."""
+
+import pytest
+
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.containment.judge import own_candidate
+from drivegate.contracts.catalogue import CONTRACTS
+from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios
+from drivegate.drives.running import recorded
+from drivegate_cases.drive.drive_document import DriveDocument, load_drive
+from drivegate_lab.drawn.kinds import PM_AC
+
+SERVO = load_drive("pm-ac-surface").with_overrides(
+    [
+        "machine.pole_pairs=4",
+        "machine.resistance_ohm=2.85",
+        "machine.direct_inductance_h=0.00306",
+        "machine.quadrature_inductance_h=0.00306",
+        "machine.magnet_flux_v_s=0.0462",
+        "machine.core_loss_conductance_s=0",
+        "machine.inertia_kg_m2=7e-5",
+        "inverter.link_voltage_v=320",
+        "inverter.carrier_frequency_hz=16000",
+        "inverter.dead_time_s=1e-6",
+        "rating.base_speed_rpm=6000",
+        "rating.highest_speed_rpm=7500",
+        "rating.overspeed_rpm=8000",
+        "rating.rated_power_w=400",
+        "rating.current_limit_a=10.9",
+    ]
+)
+"""A servo whose ripple exceeds its currents, so that they change sign within a carrier period."""
+CHECKS = {check.id: check for check in CONTRACTS["duty"].checks()}
+
+
+@pytest.mark.parametrize(
+    ("check_id", "number", "label"),
+    [
+        pytest.param(
+            "FWK-1", 16, "-torque-0-", id="most torque per volt lies beyond the magnet's whole flux"
+        ),
+        pytest.param("RIP-4", 16, "14rpm-torque-", id="dead time at 8 % of base speed"),
+        pytest.param("RIP-4", 5, "80rpm-torque-", id="dead time on a machine of large saliency"),
+        pytest.param("RIP-4", 48, "1300rpm-13.3Nm-100-50%", id="a speed that creeps to its reference"),
+    ],
+)
+def test_foc_meets_a_check_on_a_drawn_drive(check_id: str, number: int, label: str) -> None:
+    assert_met(PM_AC.draw(0, number).document, check_id, label)
+
+
+@pytest.mark.parametrize("check_id", ["STP-1", "DEC-1"])
+def test_dead_time_is_not_compensated_where_a_current_changes_sign_between_the_edges(check_id: str) -> None:
+    assert_met(SERVO, check_id, "3000rpm-torque-0-0.573-")
+
+
+def assert_met(drive: DriveDocument, check_id: str, label: str) -> None:
+    """Assert that `foc` meets a check in the fixed runs of a drive whose names contain the label."""
+    loaded = own_candidate(resolve_candidate("foc"))
+    controller = loaded.controller()
+    margins = [
+        CHECKS[check_id].evaluate(recorded(loaded, scenario, controller))
+        for scenario in fixed_scenarios(drive)
+        if label in scenario.name
+    ]
+    judged = [margin for margin in margins if margin is not None]
+    assert judged, f"no fixed scenario of {drive.name} is judged by {check_id}"
+    assert all(margin.met for margin in judged), [margin for margin in judged if not margin.met]
