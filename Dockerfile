@@ -11,6 +11,7 @@ COPY models /source/models
 COPY reference_cases /source/reference_cases
 COPY harness /source/harness
 COPY reports /source/reports
+COPY lab /source/lab
 RUN python -m pip install --no-cache-dir /source pytest && rm -rf /source
 
 # Compiled once, here, and closed to all others: who runs the image copies it, and compiles again on another processor.

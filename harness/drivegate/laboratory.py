@@ -17,13 +17,14 @@ CANDIDATE_GROUP: Final = "drivegate.candidates"
 """Group of entry points, each a `PrefixedControllers` by the prefix without its colon."""
 PUBLICATION_GROUP: Final = "drivegate.publications"
 """Group of entry points, each what pages show of a publication next to what is computed."""
-_PACKAGE: Final = "drivegate_lab"
+LABORATORY: Final = "drivegate_lab"
+"""Name of the package."""
 
 
 def find_in_laboratory(group: str, name: str) -> Any | None:
     """Import what an entry point names; None where no installed package offers it."""
     for point in entry_points(group=group, name=name):
-        if point.module.partition(".")[0] != _PACKAGE:
+        if point.module.partition(".")[0] != LABORATORY:
             # Its code runs uncontained, so no other installed package can take its place.
             continue
         try:
@@ -41,7 +42,7 @@ def require_from_laboratory(group: str, name: str, what: str) -> Any:
     found = find_in_laboratory(group, name)
     if found is None:
         raise InputError(
-            f"{what} belongs to drivegate's laboratory, the package {_PACKAGE}, which is not installed; install "
+            f"{what} belongs to drivegate's laboratory, the package {LABORATORY}, which is not installed; install "
             "drivegate again, which brings it"
         )
     return found

@@ -14,12 +14,14 @@ from dataclasses import dataclass
 from datetime import date, timedelta
 from importlib.metadata import distribution
 from importlib.resources import files
+from importlib.util import find_spec
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
 from drivegate.candidates.contract import ANSWERS, ContractName
 from drivegate.drives.kinds import DEFAULT_DRIVE, DEFAULT_DRIVES
+from drivegate.laboratory import LABORATORY
 from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_cases.drive.data_sheet import copied
@@ -33,7 +35,7 @@ if TYPE_CHECKING:
 _SUFFIX = ".toml"
 _FOLLOWING: Final = {"speed_tolerance_rpm": None, "settling_s": None, "point": ()}
 """Requirements that follow from the rating, as they are left out."""
-_PACKAGES: Final = ("drivegate_models", "drivegate_cases", "drivegate", "drivegate_reports")
+_PACKAGES: Final = ("drivegate_models", "drivegate_cases", "drivegate", "drivegate_reports", LABORATORY)
 _METADATA: Final = ("METADATA", "WHEEL", "entry_points.txt", "licenses/LICENSE")
 _EARLIEST: Final = (1980, 1, 1, 0, 0, 0)
 """The one time of every file: equal sources give equal bytes."""
@@ -187,9 +189,10 @@ def wheel_name() -> str:
 
 
 def _wheel_bytes() -> bytes:
-    """Pack the four packages as they are installed, or as they lie in a working tree, into a wheel."""
+    """Pack the packages that are installed, or that a working tree has, into a wheel; the laboratory may be missing."""
     place = f"drivegate-{distribution('drivegate').version}.dist-info"
-    contents = {f"{name}/{path}": data for name in _PACKAGES for path, data in _contents(files(name))}
+    packages = [name for name in _PACKAGES if name != LABORATORY or find_spec(name)]
+    contents = {f"{name}/{path}": data for name in packages for path, data in _contents(files(name))}
     contents |= {
         f"{place}/{name}": text.encode()
         for name in _METADATA

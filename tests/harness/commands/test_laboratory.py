@@ -56,7 +56,7 @@ def test_a_candidate_of_the_laboratory_is_refused_without_it(refused: Any, candi
 
 def test_a_fault_inside_the_laboratory_is_not_taken_for_its_absence(monkeypatch: pytest.MonkeyPatch) -> None:
     offering(monkeypatch, "drivegate_laboratory_that_is_broken:command")
-    monkeypatch.setattr(laboratory, "_PACKAGE", "drivegate_laboratory_that_is_broken")
+    monkeypatch.setattr(laboratory, "LABORATORY", "drivegate_laboratory_that_is_broken")
     assert laboratory.find_in_laboratory("any", "name") is None
     broken = type(sys)("drivegate_laboratory_that_is_broken")
     monkeypatch.setitem(sys.modules, broken.__name__, broken)

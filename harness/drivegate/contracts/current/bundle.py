@@ -113,11 +113,6 @@ CURRENT: Final = Contract(
     usual_candidate="reference",
     witnesses=(
         Witness("reference", _KINDS),
-        # These have a table of the drive's angles, computed from its nominal constants.
-        *(
-            Witness(f"design:{name}", _KINDS, knows_plant=True)
-            for name in ("angle-table", "golden-section", "quadratic-interpolation", "sweep")
-        ),
         Witness(
             "informed",
             _KINDS,
