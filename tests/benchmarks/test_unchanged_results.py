@@ -1,0 +1,88 @@
+"""The list of results is the same for the same code, and shows what has to show."""
+
+import json
+import tomllib
+from pathlib import Path
+
+import pytest
+
+import proof_rows
+from drivegate.studies.selftest.subjects import FAULTS_OF, chosen_faults
+from drivegate_cases.drive.drive_document import load_drive
+from proof_text import Places, normal, parts_of, stripped, words_of
+from unchanged_results import Listing
+
+PLACES = Places((("/scratch", "<scratch>"), ("/code", "<code>")))
+HASH = "6ea88350f05a5789"
+
+
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [
+        (f"sources {HASH}, report: /scratch/a.json", "sources <hash>, report: <scratch>/a.json"),
+        ("91 runs, 69 s, report: a", "91 runs, <duration>, report: a"),
+        ("at 2026-11-28T12:16:09+00:00 until 2026-12-01", "at <time> until <day>"),
+        ('File "/code/a.py", line 12, in step', "File <line>, in step"),
+        ("torque 0.1234567890123456 N·m after 2 s, 1234567890123456 steps", None),
+        ("stalled for 12 s, and 1.5 min of 3 min", None),
+    ],
+)
+def test_only_what_has_to_vary_is_replaced(text, shown):
+    assert normal(text, PLACES) == (text if shown is None else shown)
+
+
+def test_texts_and_the_order_of_keys_count_with_the_wording():
+    document = {
+        "verdict": "fails at 5 rpm",
+        "drive": {"name": "mine", "hash": HASH},
+        "candidate": {"hash": HASH},
+        "timing": {"seconds": 1.5, "checks": []},
+    }
+    assert json.dumps(stripped(document, PLACES)) == json.dumps(
+        {
+            "verdict": "fails at 5 rpm",
+            "drive": {"name": "mine", "hash": HASH},
+            "candidate": {"hash": "<hash>"},
+            "timing": {"seconds": None, "checks": []},
+        }
+    )
+    assert json.dumps(stripped(document, None)) == json.dumps(
+        {"candidate": {}, "drive": {"hash": HASH, "name": "mine"}, "verdict": ""}
+    )
+
+
+def test_a_page_is_compared_in_its_words_and_its_figures(tmp_path):
+    page = '<p title="why">One  <b>word</b></p><svg><text>in a figure</text></svg><script>let a</script><p>end</p>'
+    assert words_of(page) == "why\nOne\nword\nend"
+    (tmp_path / "report.html").write_text(page, encoding="utf-8")
+    parts = parts_of(tmp_path / "report.html", PLACES)
+    assert parts == {"": page, " words": words_of(page), " figures": "<svg><text>in a figure</text></svg>"}
+
+
+def test_every_faulty_controller_has_a_row():
+    table = tomllib.loads(
+        Path(proof_rows.__file__).with_name("proof_faults.toml").read_text(encoding="utf-8")
+    )
+    assert {load_drive(drive).contract for drive in table} == set(FAULTS_OF)
+    for drive, names in table.items():
+        known = {(fault.check, fault.name) for fault in chosen_faults((), load_drive(drive))}
+        assert {(check, name) for check in names for name in names[check]} == known
+
+
+def test_names_of_rows_are_their_own():
+    names = [row.name for row in proof_rows.rows()]
+    assert len(names) == len(set(names))
+
+
+@pytest.mark.parametrize("name", ["refused manifest key", "new drive"])
+def test_the_same_code_has_the_same_lines(tmp_path, name):
+    row = next(row for row in proof_rows.rows() if row.name == name)
+    lists = []
+    for again in ("first", "second"):
+        scratch, keep = tmp_path / again, tmp_path / f"kept-{again}"
+        scratch.mkdir()
+        keep.mkdir()
+        lists.append(Listing(scratch, keep, Places.of(scratch)).lines(row))
+        kept = "".join(path.read_text(encoding="utf-8") for path in keep.iterdir())
+        assert ("the nearest known key is 'estimates_power'" if "refused" in name else "[machine]") in kept
+    assert lists[0] == lists[1]
