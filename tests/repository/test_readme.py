@@ -67,7 +67,7 @@ def test_extras_are_those_of_the_package_and_bring_what_is_said() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     extras = project["optional-dependencies"]
     rows = re.findall(r"^\| `(\w+)` \| .* \| `pip install (.+)` \|$", TEXT, re.MULTILINE)
-    assert [name for name, _ in rows] == ["fmu", "parquet", "cluster", "sign"]
+    assert [name for name, _ in rows] == ["fmu", "parquet", "cluster"]
     for name, packages in rows:
         assert packages.split() == [re.split("[<>=]", needed)[0] for needed in extras[name]]
     installed = re.findall(r"pip install '\.\[(.+)\]'", TEXT)

@@ -17,7 +17,6 @@ from drivegate.commands.options import (
     isolation_option,
     json_flag,
     named_drive,
-    sign_option,
     workers_option,
 )
 from drivegate.output.failure import complain, failure_of
@@ -97,7 +96,6 @@ DEFAULT_OUTPUT = "drivegate-report"
     help="Judge what failed in the last report in DIR alone, its counterexamples first; all if nothing did.",
 )
 @click.option("-q", "--quiet", is_flag=True, help="Print the last line alone, and no progress.")
-@sign_option
 @json_flag(exposed=True)
 def command(
     candidates: tuple[str, ...],
@@ -117,7 +115,6 @@ def command(
     stop_at_first: bool,
     last_failed: bool,
     quiet: bool,
-    sign: Path | None,
     as_json: bool,
 ) -> Outcome:
     """Check every CANDIDATE: apply all checks, search for a scenario that breaks one, and write a report.
@@ -160,7 +157,6 @@ def command(
         output,
         how_much,
         records,
-        sign,
         part,
         drive=named_drive(drive),
         drive_named=drive,

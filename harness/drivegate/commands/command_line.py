@@ -27,7 +27,7 @@ COMMANDS: Final = MappingProxyType(
         "diff": "Compare two candidates step by step, up to the first difference.",
         "replay": "Run a counterexample again: does its check still fail?",
         "report": "Make the reports of a kept result again.",
-        "verify": "Tell whether a kept result is unchanged, and who signed it.",
+        "verify": "Check that a kept result is unchanged.",
         "drive": "Show what a drive can do, before anyone is judged on it.",
         "point": "Compute the steady state at one operating point.",
         "selftest": "Check the checks: faulty controllers must be caught, correct ones must pass.",

@@ -19,14 +19,6 @@ if TYPE_CHECKING:
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
-sign_option = click.option(
-    "--sign",
-    type=click.Path(path_type=Path),
-    metavar="KEY",
-    help="Sign the result with an ed25519 private key, as openssl genpkey or ssh-keygen writes it.",
-)
-"""The option that names the key which a result is signed with."""
-
 
 def json_flag(*, exposed: bool) -> Callable[[_Function], _Function]:
     """Make the flag ``--json``, as an argument `as_json` of the command if it is exposed."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from drivegate.commands.conduct import Outcome
-from drivegate.commands.options import folder_option, json_option, sign_option
+from drivegate.commands.options import folder_option, json_option
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -28,9 +28,8 @@ DEFAULT_OUTPUT = "drivegate-report"
     "again. By default all.",
 )
 @folder_option(DEFAULT_OUTPUT, "Folder of the reports.")
-@sign_option
 @json_option
-def command(file: Path, formats: tuple[str, ...], output: Path, sign: Path | None) -> Outcome:
+def command(file: Path, formats: tuple[str, ...], output: Path) -> Outcome:
     """Make the reports of the result in FILE, a result.json, again.
 
     The folder gets the result and its counterexamples too. The exit code is 0 when all reports are made, whatever
@@ -41,10 +40,6 @@ def command(file: Path, formats: tuple[str, ...], output: Path, sign: Path | Non
 
     chosen = report_formats(formats)
     result = read_result(file)
-    if sign is not None:
-        from drivegate.results.signature import read_private_key, signed
-
-        result = signed(result, read_private_key(sign))
     with ReportFolder(output) as folder:
         written = write_reports_again(result, file, folder.staging, chosen)
         folder.commit()

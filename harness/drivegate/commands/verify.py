@@ -1,4 +1,4 @@
-"""``drivegate verify``: whether a kept result is unchanged, and who signed it."""
+"""``drivegate verify``: whether a kept result is unchanged."""
 
 from __future__ import annotations
 
@@ -16,22 +16,16 @@ if TYPE_CHECKING:
 
 @click.command("verify")
 @click.argument("file", type=click.Path(path_type=Path), metavar="FILE")
-@click.option(
-    "--key",
-    type=click.Path(path_type=Path),
-    metavar="PUBLIC",
-    help="Public key that the result must be signed by: a PEM file, or a .pub file of ssh-keygen.",
-)
 @json_option
-def command(file: Path, key: Path | None) -> Outcome:
-    """Check that the result in FILE, a result.json, is unchanged and that its signature is valid, and show whose it is.
+def command(file: Path) -> Outcome:
+    """Check that the result in FILE, a result.json, is unchanged since its content hash was computed.
 
-    The exit code is 0 when all of that holds, whatever the result's verdict, and 1 when the result was altered, its
-    signature is invalid, or it is not signed by the key PUBLIC.
+    The exit code is 0 when it is, whatever the result's verdict, and 1 when it was altered. The hash shows accidental
+    changes; to show who vouches for a result, sign its file, for instance with ssh-keygen -Y sign.
     """
     from drivegate.studies.verify import verification
 
-    document = verification(file, key)
+    document = verification(file)
     return Outcome(document, lambda console: _show(console, document), document["exit_code"])
 
 
@@ -42,7 +36,6 @@ def _show(console: Console, document: dict[str, Any]) -> None:
         heading = plain(f"{document['candidate']}: ")
         heading.append_text(verdict_text(document["verdict"]))
         console.print(heading)
-    style = "green" if document["outcome"] == "valid" else "bold red" if document["exit_code"] else "yellow"
-    line = plain(document["outcome"], style)
+    line = plain(document["outcome"], "green" if document["unchanged"] else "bold red")
     line.append(f": {document['message']}")
     console.print(line)

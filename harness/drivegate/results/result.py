@@ -256,7 +256,7 @@ class CheckResult:
 
 
 def content_hash(document: Mapping[str, Any]) -> str:
-    """Hash all that a result document says but its times, its signature and what dying processes printed."""
+    """Hash all that a result says but its times, a signature in it and what dying processes printed."""
     hashed = {key: value for key, value in document.items() if key not in ("timing", "signature")}
     # What a dying process printed differs from run to run.
     hashed["faults"] = [{**fault, "traceback": ""} for fault in document["faults"]]

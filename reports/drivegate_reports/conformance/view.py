@@ -15,7 +15,6 @@ from drivegate.output.explanations import unjudged_in_words
 from drivegate.output.result_file import counterexample_name
 from drivegate.output.wording import drive_in_words, drive_option
 from drivegate.results.result import RESULT_SCHEMA, counted_levels
-from drivegate.results.signature import fingerprint
 from drivegate.results.waivers import DAY_VARIABLE, present_day
 from drivegate_reports.conformance.rows import (
     TONES,
@@ -244,9 +243,4 @@ def _provenance(document: Mapping[str, Any], times: Mapping[str, Any]) -> tuple[
         for key, value in section.items():
             items = value.items() if isinstance(value, Mapping) else [("", value)]
             entries += [(f"{key} {name}".strip().replace("_", " "), item) for name, item in items]
-    if document.get("signature"):
-        signer = fingerprint(document["signature"]["public_key"])
-        entries.append(("signature", f"by the key {signer}; drivegate verify reports whether it is valid"))
-        covered = "all but times, tracebacks and steps' times, which the machine decides"
-        entries.append(("the signature covers", covered))
     return tuple((clean(name), clean(value)) for name, value in entries)

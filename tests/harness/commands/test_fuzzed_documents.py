@@ -113,7 +113,7 @@ def reported(path: Path) -> None:
 
 
 def verified(path: Path) -> None:
-    verification(path, None)
+    verification(path)
 
 
 WAIVER: Final = {

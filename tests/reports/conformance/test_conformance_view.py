@@ -139,16 +139,6 @@ def test_numbers_that_depend_on_the_machine_are_shown_with_their_check(
     assert not any("TIM-1" in name for name, _ in view.provenance)
 
 
-def test_the_provenance_tells_who_signed(make_document):
-    line = "ssh-ed25519 AAAAC3NzaC1lZDI1NTE5AAAAIAOhB7/zzhC+HXDdGOdLwJln5NYwm6UNXx3chmQSVTG4"
-    text = page(make_document(signature={"public_key": line, "value": "00"}))
-    assert (
-        "SHA256:lbmsoA0yIEcEiVDRnMWuzm+nV+3ZEEpVIURqFoeSspg; drivegate verify reports whether it is valid"
-        in text
-    )
-    assert "drivegate verify" not in page(make_document()), "nobody signed"
-
-
 @pytest.mark.parametrize(
     ("value", "digits", "text"),
     [

@@ -23,7 +23,6 @@ from drivegate.output.report_writers import Preparation, page_name, write_report
 from drivegate.output.result_file import RESULT_FILE, as_json
 from drivegate.output.result_reports import own_formats, page_formats, write_result
 from drivegate.output.waiting import CheckPace
-from drivegate.results.result import CheckResult
 from drivegate.studies.check.checked import Checked, summary
 from drivegate.studies.check.part import WHOLE_CHECK, Part, focus_of
 from drivegate_cases.documents.system_failure import is_of_the_disk
@@ -75,7 +74,6 @@ def check_all(
     output: Path,
     effort: Effort,
     records: Records = Records(),
-    sign: Path | None = None,
     part: Part = WHOLE_CHECK,
     *,
     drive: DriveDocument | None = None,
@@ -88,7 +86,6 @@ def check_all(
     Each is checked on the drive that is given, else on the one that its manifest names, else on the default. `show`
     gets the verdicts when the results are stored, before the pages are written.
     """
-    finish = _finish(sign)
     all_checked = []
     with progress_on(None if quiet else sys.stderr) as display:
         for specification in specifications:
@@ -111,7 +108,7 @@ def check_all(
             elif checked.candidate is not None:
                 inside = "" if len(all_checked) == 1 else _folder_name(checked.candidate.name, taken)
                 checked.folder = output / inside
-                _check(checked, folder.staging / inside, options, finish, preparation, ending, quiet=quiet)
+                _check(checked, folder.staging / inside, options, preparation, ending, quiet=quiet)
         _commit(all_checked, folder, output)
         named = () if ending.is_requested() else tuple(filter(None, map(page_name, writers.values())))
         for checked in _stored(all_checked):
@@ -226,21 +223,10 @@ def _options(effort: Effort, records: Records, names: Sequence[str]) -> dict[str
     return options
 
 
-def _finish(sign: Path | None) -> Callable[[CheckResult], dict[str, Any]]:
-    """Return what makes a document of a result, signed if there is a key; it is read before any candidate is."""
-    if sign is None:
-        return CheckResult.document
-    from drivegate.results.signature import read_private_key, signed
-
-    key = read_private_key(sign)
-    return lambda result: signed(result.document(), key)
-
-
 def _check(
     checked: Checked,
     staging: Path,
     options: dict[str, Any],
-    finish: Callable[[CheckResult], dict[str, Any]],
     preparation: Preparation,
     ending: Termination,
     *,
@@ -265,7 +251,7 @@ def _check(
                 **options,
             )
             followed = ending.following(preparation.following(events))
-            checked.document = finish(finished(followed, display, pace))
+            checked.document = finished(followed, display, pace).document()
             # Announced here, so that the verdict is the last line of a log.
             display.phase("writing the report")
             staging.mkdir(exist_ok=True)

@@ -19,7 +19,6 @@ from drivegate.output.wording import (
     scenario_in_short,
 )
 from drivegate.results.result import Witnessed, counted_levels
-from drivegate.results.signature import fingerprint
 from drivegate.scenarios.facts import facts_in_short
 
 if TYPE_CHECKING:
@@ -52,8 +51,6 @@ def show_checked(console: Console, checked: Checked) -> None:
     failed = [check for check in document["checks"] if check["counterexample"] is not None]
     for check in failed:
         _show_counterexample(console, document, check, folder)
-    if "signature" in document:
-        console.print(plain(f"signed by the key {fingerprint(document['signature']['public_key'])}"))
     if folder is not None:
         console.print(plain(f"next: {_next_step(checked, folder)}", "dim"))
 
