@@ -104,7 +104,7 @@ def _checks() -> Iterator[Row]:
         for drive in _DUTY_DRIVES:
             if (candidate, drive) != ("foc", "pm-ac-interior"):
                 yield _check(candidate, drive, 0)
-    for kind in ("c", "python", "compose", "numba"):
+    for kind in ("c", "python", "numba"):
         yield _check(str(_EXAMPLES / kind / "candidate.toml"), "paper-5-phase", 0, f"example {kind}")
     row = _check("firmware/candidate.toml", "pm-ac-interior", 0, "template embedded-coder")
     yield Row(row.name, row.words, (("drivegate", "new", "embedded-coder", "firmware"),))

@@ -66,16 +66,6 @@ class Target:
 
 
 @dataclass(frozen=True)
-class Composition:
-    """What a composed controller consists of."""
-
-    base: str
-    """The built-in controller whose other blocks it has."""
-    blocks: tuple[tuple[str, str], ...]
-    """Name and entry of each block of its own; an entry is ``module:name`` or ``/path/file.py:name``."""
-
-
-@dataclass(frozen=True)
 class OuterLoop:
     """The controller of current references behind a loop of currents."""
 
@@ -83,7 +73,7 @@ class OuterLoop:
     """The controller, of any kind."""
 
 
-Details: TypeAlias = NativeBuild | Program | Target | Composition | OuterLoop
+Details: TypeAlias = NativeBuild | Program | Target | OuterLoop
 """What only one kind needs."""
 
 

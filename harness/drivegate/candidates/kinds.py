@@ -141,14 +141,6 @@ _ALL: Final = (
         compiles_own_code=True,
         reports_output=True,
     ),
-    Kind(
-        "compose",
-        "composed",
-        manifest_keys=("blocks",),
-        compiles_own_code=True,
-        reports_output=True,
-        way_of_running="blocks",
-    ),
 )
 
 KINDS: Final[Mapping[str, Kind]] = {kind.name: kind for kind in _ALL}

@@ -74,24 +74,6 @@ class Flowchart(Section):
         return self
 
 
-class Blocks(Section):
-    """The blocks of the paper's Fig. 2 that a composed controller has of its own."""
-
-    angle_model: Text | None = Field(
-        default=None, description="function of the initial advance angle (Fig. 3)"
-    )
-    speed_regulator: Text | None = Field(default=None, description="class of the speed regulator")
-    search: Text | None = Field(default=None, description="class of the search for the optimum (Fig. 4)")
-
-    @model_validator(mode="after")
-    def _one_is_replaced(self) -> Self:
-        if not any((self.angle_model, self.speed_regulator, self.search)):
-            raise ValueError(
-                "must replace a block: give 'angle_model', 'speed_regulator' or 'search' as file.py:name"
-            )
-        return self
-
-
 class Manifest(Document):
     """A candidate of any kind, described in a file."""
 
@@ -234,21 +216,6 @@ class Manifest(Document):
         default={},
         description="functions of an image that do not run, and what they return, from the same names as in [write]",
     )
-
-    blocks: Blocks | None = Field(default=None, description="blocks of its own, of the kind 'compose'")
-
-    @model_validator(mode="after")
-    def _only_a_composition_has_blocks(self) -> Self:
-        (composed,) = _KINDS_OF_KEY["blocks"]
-        if self.kind == composed and self.blocks is None:
-            raise ValueError(
-                f"the kind '{composed}' needs a table [blocks] with the blocks that are replaced"
-            )
-        if self.kind != composed and self.blocks is not None:
-            raise ValueError(
-                f"the table [blocks] is for the kind '{composed}', but the kind is '{self.kind}'"
-            )
-        return self
 
     @model_validator(mode="after")
     def _profile_and_constants_agree(self) -> Self:

@@ -121,10 +121,9 @@ def command(
 
     A CANDIDATE is a class in Python (file.py:Class or module:Class), a NumbaController (file.py:name), C, C++ or a
     shared library (file.c, file.cpp, file.so, also from Rust), an image for a Cortex-M (file.elf), an FMU (file.fmu),
-    any program that answers in lines of JSON (exec:command), a manifest (candidate.toml) for one of these or for a
-    composed controller, or the name of a controller that is included (reference, published, initial, faulty:NAME,
-    design:NAME, near:NAME) or is installed. inner:pi:candidate runs any of these that answers with a current reference
-    on a drive of duty ratios.
+    any program that answers in lines of JSON (exec:command), a manifest (candidate.toml) for one of these, or the name
+    of a controller that is included (reference, published, initial, faulty:NAME, design:NAME, near:NAME) or is
+    installed. inner:pi:candidate runs any of these that answers with a current reference on a drive of duty ratios.
 
     The exit code is 0 when all pass or are waived, 1 when one fails, 2 when one is refused, 3 after a fault of
     drivegate.

@@ -323,16 +323,15 @@ def test_a_python_class_is_judged_on_the_drive_that_is_named_and_on_the_manifest
         drive_for(stated, load_drive("paper-5-phase"))
 
 
-def test_a_composed_candidate_says_that_it_gives_no_duty_ratios(tmp_path: Path) -> None:
+def test_a_manifest_of_the_reference_says_that_it_gives_no_duty_ratios(tmp_path: Path) -> None:
     manifest = tmp_path / "candidate.toml"
-    (tmp_path / "line.py").write_text("def line(sense):\n    return 0.0\n", encoding="utf-8")
-    text = 'schema = 1\nname = "mine"\nkind = "compose"\nentry = "reference"\n[blocks]\nangle_model = "line.py:line"\n'
+    text = 'schema = 1\nname = "mine"\nkind = "builtin"\nentry = "reference"\n'
     manifest.write_text(text, encoding="utf-8")
     with pytest.raises(
         InputError, match="answers with a current reference and an advance angle, but the drive"
     ):
         drive_for(resolve_candidate(str(manifest)), INTERIOR)
-    manifest.write_text(text.replace("[blocks]", 'contract = "duty"\n[blocks]'), encoding="utf-8")
+    manifest.write_text(text + 'contract = "duty"\n', encoding="utf-8")
     with pytest.raises(
         InputError, match="the key 'contract' is 'duty', but the candidate answers with a current"
     ):

@@ -87,6 +87,8 @@ def test_a_native_candidate_may_have_flags_and_headers():
             "'flowchart.k2_percent'",
         ),
         ({"flags": ["-O3"]}, "the key 'flags' is for the kind 'c', but the kind is 'python'"),
+        ({"kind": "compose"}, "the key 'kind' is \"compose\", but must be 'python', 'builtin', 'c'"),
+        ({"blocks": {"search": "mine.py:Search"}}, "the key 'blocks' is unknown"),
     ],
 )
 def test_a_wrong_manifest_is_reported_in_one_sentence(changes, sentence):

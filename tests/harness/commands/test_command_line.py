@@ -259,7 +259,7 @@ def test_the_help_of_check_names_every_kind_of_candidate(command):
     for kind in KINDS.values():
         for mark in filter(None, (*kind.ways, *kind.prefixes)):
             assert mark in shown, f"a candidate may be written with '{mark}', which the help leaves out"
-    for mark in ("file.py:Class", "module:Class", "file.py:name", MANIFEST_SUFFIX, "reference", "composed"):
+    for mark in ("file.py:Class", "module:Class", "file.py:name", MANIFEST_SUFFIX, "reference"):
         assert mark in shown, f"the help leaves out {mark}"
 
 

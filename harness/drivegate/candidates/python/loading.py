@@ -10,7 +10,6 @@ import importlib.util
 import inspect
 import os
 import sys
-from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 
@@ -39,22 +38,6 @@ def load_controller(candidate: Candidate) -> Controller:
         return PythonController(chosen())
     except BaseException as error:
         raise CandidateFault(exception_fault(error, "loading")) from error
-
-
-def named_in_module(candidate: Candidate, entry: str) -> object:
-    """Import a module that belongs to a candidate, and find what is named in it."""
-    module = _module_of(replace(candidate, entry=entry))
-    source, _, attribute = entry.rpartition(":")
-    found: object = module
-    for part in attribute.split("."):
-        if not hasattr(found, part):
-            own = [name for name in vars(module) if not name.startswith("_")]
-            closest = nearest(attribute, own)
-            where = Path(source).name if source.endswith(".py") else source
-            advice = f"the nearest name there is '{closest}'" if closest else "which has no name at all"
-            raise InputError(f"there is no '{attribute}' in {one_line(where)}, {advice}")
-        found = getattr(found, part)
-    return found
 
 
 def _module_of(candidate: Candidate) -> ModuleType:

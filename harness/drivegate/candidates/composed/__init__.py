@@ -1,1 +1,0 @@
-"""A built-in controller some of whose blocks are the user's own."""
