@@ -9,13 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.drive.drive_document import load_drive
-from drivegate_lab.paper.figures import (
-    conventional_drives,
-    conventional_ripple_map,
-    input_current,
-    kinds_of_drives,
-    search_trajectory,
-)
+from drivegate_lab.paper.figures import input_current, search_trajectory
 from drivegate_models.errors import InputError
 from drivegate_reports.page.style import house_style, new_figure, svg_document
 
@@ -48,9 +42,6 @@ README_FIGURES: Final[Mapping[str, Callable[[], Figure]]] = {
     "failed-step": _failed_step,
     "search-trajectory": lambda: search_trajectory.draw(search_trajectory.search_trajectory()),
     "initial-against-optimal": lambda: input_current.draw(input_current.input_current_sweep()),
-    "conventional-drives": lambda: conventional_drives.draw(conventional_drives.conventional_drives()),
-    "conventional-ripple": lambda: conventional_ripple_map.draw(conventional_ripple_map.ripple_map()),
-    "kinds-of-drives": lambda: kinds_of_drives.draw(kinds_of_drives.kinds_over_speed()),
 }
 """How each figure is drawn, by the name of its file."""
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 import proof_rows
-from drivegate.studies.selftest.subjects import FAULTS_OF, chosen_faults
 from drivegate_cases.drive.drive_document import load_drive
+from drivegate_lab.selftest.subjects import FAULTS_OF, chosen_faults
 from proof_text import Places, normal, parts_of, stripped, words_of
 from unchanged_results import Listing
 

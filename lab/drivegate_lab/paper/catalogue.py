@@ -8,13 +8,10 @@ from functools import cache
 from typing import TYPE_CHECKING, Any, Final
 
 from drivegate_lab.paper.figures import (
-    conventional_drives,
-    conventional_ripple_map,
     cycle_waveforms,
     initial_angle,
     input_current,
     instantaneous_torque,
-    kinds_of_drives,
     phase_currents,
     ripple_over_speed,
     search_trajectory,
@@ -75,21 +72,6 @@ FIGURES: Final = (
     _of("search", "Fig. 5", ("P6", "P11"), search_trajectory, search_trajectory.search_trajectory),
     _of("torque", "Fig. 6", ("P8",), instantaneous_torque, instantaneous_torque.torque_cycle),
     _of("ripple", "Ripple over speed", ("P8",), ripple_over_speed, ripple_over_speed.ripple_over_speed),
-    _of(
-        "conventional",
-        "Conventional drives",
-        ("P9",),
-        conventional_drives,
-        conventional_drives.conventional_drives,
-    ),
-    _of(
-        "conventional-ripple",
-        "Ripple of conventional drives",
-        ("P9",),
-        conventional_ripple_map,
-        conventional_ripple_map.ripple_map,
-    ),
-    _of("kinds-of-drives", "Kinds of drives", ("P9",), kinds_of_drives, kinds_of_drives.kinds_over_speed),
     _of("saving", "Fig. 7", ("P4", "P12"), input_current, input_current.input_current_sweep),
     _of("currents", "Figs. 9 and 10", ("P7",), phase_currents, _both_currents),
     _of("speed-limit", "Speed limit", ("P10",), speed_limit, speed_limit.speed_limit),

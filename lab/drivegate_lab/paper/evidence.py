@@ -39,7 +39,7 @@ def is_about(drive: DriveDocument) -> bool:
 def prepare() -> None:
     """Compute what every page shows, while a candidate is still being checked."""
     comparisons()
-    recomputed_findings(of_paper_drive_only=True)
+    recomputed_findings()
 
 
 def sections() -> dict[str, Any]:
@@ -49,7 +49,7 @@ def sections() -> dict[str, Any]:
         "fact_rows": fact_rows(),
         "counts": verdict_counts(compared),
         "facts": [(fact, [row for row in compared if row.fact == fact.id]) for fact in facts()],
-        "findings": recomputed_findings(of_paper_drive_only=True),
+        "findings": recomputed_findings(),
         "assumptions": open_assumptions(),
     }
 

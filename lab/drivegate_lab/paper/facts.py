@@ -5,7 +5,6 @@ from __future__ import annotations
 from functools import cache
 
 from drivegate_cases.publication import facts
-from drivegate_lab.paper.conventional import CONVENTIONAL
 from drivegate_lab.paper.quantities import compared, quantity_keys
 from drivegate_lab.paper.statements import FIGURE_1, STATEMENTS
 from drivegate_lab.paper.verdicts import ComparedStatement
@@ -24,9 +23,5 @@ def comparisons() -> tuple[ComparedStatement, ...]:
 
 @cache
 def all_comparisons() -> tuple[ComparedStatement, ...]:
-    """Compare also what is published of conventional drives, and what belongs to no fact: the waveforms of Fig. 1."""
-    rows = [compare() for compare in FIGURE_1]
-    for fact in facts():
-        rows += [row for row in comparisons() if row.fact == fact.id]
-        rows += [compare() for compare in CONVENTIONAL.get(fact.id, ())]
-    return tuple(rows)
+    """Compare also what belongs to no fact: the waveforms of Fig. 1."""
+    return (*(compare() for compare in FIGURE_1), *comparisons())

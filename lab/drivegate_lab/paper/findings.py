@@ -12,7 +12,6 @@ import numpy as np
 
 from drivegate.drives.constant_power import last_met
 from drivegate_cases.publication import Finding, findings
-from drivegate_lab.paper.conventional import CONVENTIONAL_NUMBERS
 from drivegate_lab.paper.drives import banded_drive, ideal_drive, power_torque, reference_drive
 from drivegate_lab.paper.figures.search_trajectory import search_trajectory
 from drivegate_lab.paper.statements import out_of_reach_rpm
@@ -38,14 +37,9 @@ class RecomputedFinding:
 
 
 @cache
-def recomputed_findings(*, of_paper_drive_only: bool = False) -> tuple[RecomputedFinding, ...]:
-    """Compute the numbers of every finding again, or of those only that need no other drive than the paper's."""
-    # Those of stars compile a second plant, which takes longer than all others together.
-    numbers = _NUMBERS if of_paper_drive_only else {**_NUMBERS, **CONVENTIONAL_NUMBERS}
-    return tuple(
-        RecomputedFinding(finding, tuple(numbers[finding.id]()) if finding.id in numbers else ())
-        for finding in findings()
-    )
+def recomputed_findings() -> tuple[RecomputedFinding, ...]:
+    """Compute the numbers of every finding again."""
+    return tuple(RecomputedFinding(finding, tuple(_NUMBERS[finding.id]())) for finding in findings())
 
 
 _Numbers = list[tuple[str, str]]

@@ -6,9 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias, get_args
 
-Verdict: TypeAlias = Literal[
-    "reproduced", "reproduced in kind", "not reproduced", "open in the paper", "taken as given"
-]
+Verdict: TypeAlias = Literal["reproduced", "not reproduced", "open in the paper", "taken as given"]
 
 
 @dataclass(frozen=True)
@@ -38,9 +36,8 @@ class ComparedStatement:
     tolerance: str = ""
     """Ours minus the published value, and what is allowed; empty where they have no number."""
     verdict: Verdict
-    """``reproduced``, ``not reproduced``, ``open in the paper``, ``reproduced in kind`` for an effect of a
-    machine that the paper does not describe, on a machine of ours whose numbers cannot be held against it, or
-    ``taken as given`` for a value that the model has as an input, so that agreement proves nothing."""
+    """``reproduced``, ``not reproduced``, ``open in the paper``, or ``taken as given`` for a value that the model has
+    as an input, so that agreement proves nothing."""
     note: str
     """How ours was had."""
     numbers: tuple[Number, ...] = ()
