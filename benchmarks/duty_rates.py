@@ -16,7 +16,7 @@ from drivegate_models.controllers.duty.state import FOC_STATE
 from drivegate_models.loop.exchange import COMPLETED
 from drivegate_models.loop.schedule import Schedule, steady
 from drivegate_models.machine.load import CONSTANT_TORQUE, Load
-from drivegate_models.pm_ac.closed_loop import DutyRun, run_duty_loop
+from drivegate_models.pm_ac.closed_loop import DutyRun, prepared_duty_loop
 from drivegate_models.pm_ac.loop_records import TRACE
 from drivegate_models.pm_ac.plant.drive import Modulator, PmAcDrive, make_pm_ac_drive
 
@@ -55,7 +55,7 @@ def foc_run(
     state = np.zeros(1, FOC_STATE)
     reset_function()(state, duty_nameplate_record(nameplate))
     link = steady(0.5 * drive.link_voltage)
-    return run_duty_loop(
+    return prepared_duty_loop(
         drive,
         Load(CONSTANT_TORQUE, torque),
         Schedule(steady(speed), steady(1.0), link, steady(0.0), steady(1.0), steady(1.0), steady(1.0)),
@@ -64,7 +64,7 @@ def foc_run(
         control_period=nameplate.control_period,
         duration=simulated,
         initial_speed=speed,
-    )
+    ).run()
 
 
 def interior_drive(dead_time: float) -> PmAcDrive:

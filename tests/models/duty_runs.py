@@ -14,7 +14,7 @@ from drivegate_models.controllers.duty.state import foc_state
 from drivegate_models.loop.exchange import COMPLETED
 from drivegate_models.loop.schedule import Course, Schedule, steady
 from drivegate_models.machine.load import LOCKED, Load
-from drivegate_models.pm_ac.closed_loop import DutyRun, run_duty_loop
+from drivegate_models.pm_ac.closed_loop import DutyRun, prepared_duty_loop
 from drivegate_models.pm_ac.fundamental import LINEAR_LIMIT, base_speed
 from drivegate_models.pm_ac.loop_records import TRACE
 from drivegate_models.pm_ac.oracle import Limits, greatest_torque
@@ -90,7 +90,7 @@ def controlled(
 ) -> DutyRun:
     """Run a controller with a drive."""
     state = reset_controller(name, nameplate_of(drive, reference_kind, period))
-    return run_duty_loop(
+    return prepared_duty_loop(
         drive,
         load,
         schedule,
@@ -100,7 +100,7 @@ def controlled(
         duration=duration,
         initial_speed=initial_speed,
         initial_angle=initial_angle,
-    )
+    ).run()
 
 
 def held(
@@ -108,7 +108,7 @@ def held(
 ) -> tuple[DutyRun, NDArray[Any]]:
     """Run a controller of a torque for 0.1 s at a held speed; return the run and the state at its end."""
     state = reset_controller(name, nameplate_of(drive, TORQUE_REFERENCE))
-    run = run_duty_loop(
+    run = prepared_duty_loop(
         plant or drive,
         Load(LOCKED),
         course(drive, steady(speed), steady(0.0)),
@@ -118,6 +118,6 @@ def held(
         duration=0.1,
         initial_speed=speed,
         torque_reference=torque,
-    )
+    ).run()
     assert run.status == COMPLETED
     return run, state

@@ -15,7 +15,6 @@ from drivegate.isolation.system_calls import end_with_parent
 from drivegate_cases.documents.wording import one_line
 from drivegate_models.errors import HarnessFault, InputError
 
-BACKENDS: Final = ("local", "dask")
 _ATTEMPTS: Final = 3
 _CONNECTION_SECONDS: Final = 10.0
 
@@ -28,7 +27,7 @@ class Backend:
     """Where tasks are done."""
 
     name: str = "local"
-    """One of `BACKENDS`."""
+    """``local`` or ``dask``."""
     workers: int | None = None
     """Number of local processes; None for one a processor."""
     scheduler: str | None = None

@@ -203,25 +203,3 @@ def _settle_before_start(
         room.period,
     )
     return int(status) == advance_status.COMPLETED
-
-
-def run_duty_loop(drive: PmAcDrive, load: Load, schedule: Schedule, **options: Any) -> DutyRun:
-    """Run a controller that has been reset against the plant.
-
-    Parameters
-    ----------
-    drive : PmAcDrive
-        Constants of machine, bridge and modulator.
-    load : Load
-        Torque and inertia at the shaft.
-    schedule : Schedule
-        External conditions over time.
-    **options
-        Other arguments of `prepared_duty_loop`.
-
-    Returns
-    -------
-    DutyRun
-        With trace, totals and commands.
-    """
-    return prepared_duty_loop(drive, load, schedule, **options).run()

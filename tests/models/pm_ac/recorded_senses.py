@@ -16,7 +16,7 @@ from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE
 from drivegate_models.loop.exchange import COMPLETED
 from drivegate_models.loop.schedule import Schedule, steady
 from drivegate_models.machine.load import LOCKED, Load
-from drivegate_models.pm_ac.closed_loop import DutyRun, run_duty_loop
+from drivegate_models.pm_ac.closed_loop import DutyRun, prepared_duty_loop
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
 
 Answer = Callable[[Any, Any], None]
@@ -88,7 +88,7 @@ def recorded(drive: PmAcDrive, speed: float, steps: int, answer: Answer, **optio
         steady(1.0),
         steady(1.0),
     )
-    run = run_duty_loop(
+    run = prepared_duty_loop(
         drive,
         Load(LOCKED),
         schedule,
@@ -98,6 +98,6 @@ def recorded(drive: PmAcDrive, speed: float, steps: int, answer: Answer, **optio
         duration=steps * PERIOD,
         initial_speed=speed,
         **options,
-    )
+    ).run()
     assert run.status == COMPLETED
     return Recorded(drive, run, senses, currents)

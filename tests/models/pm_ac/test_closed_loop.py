@@ -18,7 +18,7 @@ from drivegate_models.loop.schedule import Course, steady
 from drivegate_models.machine import ledger
 from drivegate_models.machine.load import CONSTANT_POWER, CONSTANT_TORQUE, LOCKED, Load
 from drivegate_models.pm_ac import loop_kernel
-from drivegate_models.pm_ac.closed_loop import run_duty_loop
+from drivegate_models.pm_ac.closed_loop import prepared_duty_loop
 from drivegate_models.pm_ac.oracle import CURRENT, least_at
 from drivegate_models.pm_ac.plant.drive import Modulator, PmAcDrive
 
@@ -128,7 +128,7 @@ def test_an_answer_that_is_none_ends_the_run(
     interior: Factory, controller: tuple[object, int], status: int
 ) -> None:
     drive = interior()
-    run = run_duty_loop(
+    run = prepared_duty_loop(
         drive,
         Load(CONSTANT_TORQUE, 0.0),
         course(drive, steady(1.0), steady(1.0)),
@@ -136,7 +136,7 @@ def test_an_answer_that_is_none_ends_the_run(
         state_address=0,
         control_period=PERIOD,
         duration=10 * PERIOD,
-    )
+    ).run()
     assert run.status == status
     assert run.steps == (10 if status == COMPLETED else 0)
 
@@ -145,7 +145,7 @@ def test_an_answer_that_is_none_ends_the_run(
 def test_an_answer_acts_after_its_delay(interior: Factory, delay: int, silent: int) -> None:
     drive = interior(modulator=Modulator(update_delay=delay))
     kept, address = stubborn(0.9, 0.1, 0.1)
-    run = run_duty_loop(
+    run = prepared_duty_loop(
         drive,
         Load(CONSTANT_TORQUE, 100.0),
         course(drive, steady(0.0), steady(1.0)),
@@ -153,7 +153,7 @@ def test_an_answer_acts_after_its_delay(interior: Factory, delay: int, silent: i
         state_address=0,
         control_period=PERIOD,
         duration=4 * PERIOD,
-    )
+    ).run()
     assert kept is not None
     flows = run.trace[:, COLUMN["peak_current"]] > 0.1
     assert list(flows) == [k >= silent for k in range(4)]
@@ -165,7 +165,7 @@ def test_speed_frozen_at_the_middle_converges_with_the_square_of_the_period(inte
     kept, address = stubborn(0.0, 0.0, 0.0)
 
     def coasted(period: float) -> float:
-        run = run_duty_loop(
+        run = prepared_duty_loop(
             drive,
             Load(CONSTANT_TORQUE, 0.0),
             course(drive, steady(0.0), steady(1.0)),
@@ -174,7 +174,7 @@ def test_speed_frozen_at_the_middle_converges_with_the_square_of_the_period(inte
             control_period=period,
             duration=0.0405,
             initial_speed=100.0,
-        )
+        ).run()
         return float(np.interp(0.04, run.trace[:, COLUMN["time"]], run.trace[:, COLUMN["speed"]]))
 
     drive = drive._replace(modulator=drive.modulator._replace(update_delay=0))
@@ -207,7 +207,7 @@ def test_duty_ratios_hold_over_all_carrier_periods_of_a_control_period(interior:
 
     def held(modulator: Modulator, period: float) -> np.ndarray:
         drive = interior(modulator=modulator)
-        run = run_duty_loop(
+        run = prepared_duty_loop(
             drive,
             Load(LOCKED, 0.0),
             course(drive, steady(200.0), steady(1.0)),
@@ -215,7 +215,7 @@ def test_duty_ratios_hold_over_all_carrier_periods_of_a_control_period(interior:
             state_address=0,
             control_period=period,
             duration=8 * every * PERIOD,
-        )
+        ).run()
         assert run.worst_balance < 1e-9
         return run.trace
 

@@ -16,7 +16,7 @@ from drivegate_models.loop.exchange import COMPLETED
 from drivegate_models.loop.schedule import steady
 from drivegate_models.machine import ledger
 from drivegate_models.machine.load import LOCKED, Load
-from drivegate_models.pm_ac.closed_loop import DutyRun, run_duty_loop
+from drivegate_models.pm_ac.closed_loop import DutyRun, prepared_duty_loop
 from drivegate_models.pm_ac.plant.advance import PmAcPhases, make_phases
 from drivegate_models.pm_ac.plant.drive import Modulator, PmAcDrive
 from drivegate_models.pm_ac.rectifying import rectifies, settle_rectifying
@@ -28,7 +28,7 @@ RPM = pi / 30.0
 def started(drive: PmAcDrive, rpm: float, *, angle: float = 0.0, period: float = PERIOD) -> DutyRun:
     """Run a controller that always short-circuits the terminals, at a held speed."""
     kept, address = stubborn(0.5, 0.5, 0.5, leg=LEG_PWM)
-    run = run_duty_loop(
+    run = prepared_duty_loop(
         drive,
         Load(LOCKED),
         course(drive, steady(rpm * RPM), steady(1.0)),
@@ -38,7 +38,7 @@ def started(drive: PmAcDrive, rpm: float, *, angle: float = 0.0, period: float =
         duration=4 * period,
         initial_speed=rpm * RPM,
         initial_angle=angle,
-    )
+    ).run()
     assert kept is not None
     assert run.status == COMPLETED
     return run

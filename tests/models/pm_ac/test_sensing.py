@@ -35,7 +35,7 @@ from drivegate_models.loop.sensing.hall import (
     turning_hall,
 )
 from drivegate_models.machine.load import CONSTANT_TORQUE, Load
-from drivegate_models.pm_ac.closed_loop import DutyRun, run_duty_loop
+from drivegate_models.pm_ac.closed_loop import DutyRun, prepared_duty_loop
 from drivegate_models.pm_ac.plant.drive import CENTRED, FALLING, RISING, PmAcDrive
 from drivegate_models.pm_ac.sensing import (
     DC_LINK,
@@ -261,7 +261,7 @@ def test_hall_switches_that_miss_an_edge_keep_their_state_for_a_sector_and_chang
 
 def run_foc(drive: PmAcDrive, sensors: DutySensors | None, speed: float, torque: float) -> DutyRun:
     state = reset_controller("foc", nameplate_of(drive))
-    return run_duty_loop(
+    return prepared_duty_loop(
         drive,
         Load(CONSTANT_TORQUE, torque),
         course(drive, steady(speed), steady(1.0)),
@@ -271,7 +271,7 @@ def run_foc(drive: PmAcDrive, sensors: DutySensors | None, speed: float, torque:
         duration=1.0,
         initial_speed=speed,
         sensors=sensors,
-    )
+    ).run()
 
 
 def currents_of(run: DutyRun) -> np.ndarray:

@@ -23,7 +23,7 @@ from drivegate_models.controllers.duty.inner_loop import (
 from drivegate_models.loop.exchange import COMPLETED, NOT_FINITE, STOPPED
 from drivegate_models.loop.schedule import Course, steady
 from drivegate_models.machine.load import CONSTANT_TORQUE, LOCKED, Load
-from drivegate_models.pm_ac.closed_loop import DutyRun, run_duty_loop
+from drivegate_models.pm_ac.closed_loop import DutyRun, prepared_duty_loop
 from drivegate_models.pm_ac.oracle import CURRENT, Limits, least_at
 from drivegate_models.pm_ac.outer_nameplate import outer_nameplate
 from drivegate_models.pm_ac.plant.drive import PmAcDrive, make_pm_ac_drive
@@ -38,7 +38,7 @@ def run_inner(
     state = inner_state(*outer, periods)
     assert state.dtype == INNER_STATE
     inner_reset_function()(state, duty_nameplate_record(nameplate_of(drive)))
-    return run_duty_loop(
+    return prepared_duty_loop(
         drive,
         load,
         course(drive, speed, steady(1.0)),
@@ -47,7 +47,7 @@ def run_inner(
         control_period=PERIOD,
         duration=duration,
         initial_speed=float(speed.values[0]),
-    )
+    ).run()
 
 
 def run_builtin(drive: PmAcDrive, name: str, torque: float, speed: Course, duration: float) -> DutyRun:
