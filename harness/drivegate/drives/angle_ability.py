@@ -20,6 +20,7 @@ from drivegate.drives.rating import RatedDrive, rated_drive
 from drivegate.drives.required_ripple import machine_torque, unreachable_ripple
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import ideal_time_unit, limits_of, time_unit
+from drivegate_cases.drive.requirements import points_of
 from drivegate_models.units import RADIANS_PER_RPM
 
 _NO_BAND: Final = (
@@ -178,7 +179,7 @@ def _accepts(document: DriveDocument) -> bool:
     if not rating_is_met(drive):
         return False
     # A stated point is refused by itself.
-    points = () if document.requirements.point else drive.limits.points
+    points = () if document.requirements.point else points_of(document)
     find = drive.oracle.least_current_sum
     return all(
         isfinite(

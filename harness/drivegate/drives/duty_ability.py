@@ -18,9 +18,9 @@ from drivegate.drives.ability import Ability, RunTime, rating_document
 from drivegate.drives.constant_power import SPEEDS, ConstantPower
 from drivegate.drives.power_reach import PowerReach
 from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.limits import limits_of
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.greatest_torque import greatest_within
-from drivegate_cases.drive.pm_ac.limits import duty_limits_of
 from drivegate_models.machine.friction import friction_torque
 from drivegate_models.pm_ac.fundamental import SIX_STEPS, SteadyState, base_speed
 from drivegate_models.pm_ac.oracle import (
@@ -110,7 +110,7 @@ def duty_envelope(drive: DriveDocument, report: Callable[[int], None] = lambda _
     return {
         "rating": rating_document(drive),
         "control_period_s": document.inverter.control_period_s,
-        "settling_s": duty_limits_of(document).settling_s,
+        "settling_s": limits_of(document).settling_s,
         "undistorted_voltage_v": limits.voltage,
         "six_step_voltage_v": SIX_STEPS * plant.link_voltage,
         "magnet_current_a": plant.magnet_flux / plant.direct_inductance,

@@ -11,7 +11,7 @@ from drivegate.drives.power_reach import setting_words
 from drivegate.drives.rating import RatedDrive
 from drivegate_cases.documents.wording import rounded_to_digits
 from drivegate_cases.drive.limits import POINT_POWER_SHARE
-from drivegate_cases.drive.requirements import RequiredPoint
+from drivegate_cases.drive.requirements import RequiredPoint, points_of
 from drivegate_models.machine.friction import friction_torque
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -102,7 +102,7 @@ def unreachable_ripple(drive: RatedDrive) -> tuple[UnreachableRipple, ...]:
     """
     limits = drive.limits
     found = []
-    for point in limits.points:
+    for point in points_of(drive.document):
         speed = point.speed_rpm * RADIANS_PER_RPM
         least, advance, greatest = _ripples(drive, point)
         if not least < limits.ripple:
@@ -131,7 +131,7 @@ def machine_torque(drive: RatedDrive, point: RequiredPoint) -> float:
 def ripple_percent_of_all(drive: RatedDrive) -> float:
     """Return the limit that every angle with a current sum that `CNV-2` allows meets at all points (%); NaN if none."""
     found = [0]
-    for point in drive.limits.points:
+    for point in points_of(drive.document):
         *_, greatest = _ripples(drive, point)
         if not isfinite(greatest):
             return nan

@@ -12,7 +12,7 @@ from typing import Any, Final, TypeAlias
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.documents.wording import significant
 from drivegate_cases.drive.drive_document import DriveDocument
-from drivegate_cases.drive.limits import mechanical_time, nearest_step, settling_of, time_unit
+from drivegate_cases.drive.limits import SETTLING, mechanical_time, nearest_step, time_unit
 from drivegate_models.controllers.current.regulator_rates import (
     BANDWIDTH,
     FASTEST_OF_FREQUENCY,
@@ -166,7 +166,7 @@ def scale_of(drive: DriveDocument) -> DriveScale:
     grain = nearest_step(0.01 * base)
     lowest = base + 0.05 * (highest - base)
     whole = tidy(round(lowest / grain) * grain)
-    torque = power / (base * RADIANS_PER_RPM)
+    torque = rating.rated_torque_nm
     unit = time_unit(drive)
     ramp = max(0.2 * unit, nearest_step(_load_ramp(drive)))
     faster = _times_faster(drive)
@@ -189,7 +189,7 @@ def scale_of(drive: DriveDocument) -> DriveScale:
         time_unit_s=unit,
         load_ramp_s=ramp,
         load_ramp_cost_rpm=_RAMP_COST * base * _load_ramp(drive) / (ramp * faster * faster),
-        settling_s=settling_of(drive),
+        settling_s=SETTLING.on(drive, "settling_s"),
         shortest_window_s=3.0 * unit,
         dropout_step_s=min(max(nearest_step(0.011 * mechanical_time(drive)), 0.0005), 0.001),
     )

@@ -123,7 +123,7 @@ def check_continuous_current(drive: DriveValues) -> None:
     rating = drive.rating
     if rating.continuous_current_a is None:
         return
-    needed = rating.rated_power_w / (rating.base_speed_rpm * RADIANS_PER_RPM)
+    needed = rating.rated_torque_nm
     torque = drive.torque_of_current(rating.continuous_current_a)
     if needed > _TORQUE_SLACK * torque:
         raise ValueError(

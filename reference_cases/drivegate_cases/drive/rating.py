@@ -65,6 +65,11 @@ class Rating(Section):
         description="greatest current of a data sheet, in ampere, peak value of a phase: 1.414 times the rms value",
     )
 
+    @property
+    def rated_torque_nm(self) -> float:
+        """Torque of rated power at base speed (N·m)."""
+        return self.rated_power_w / (self.base_speed_rpm * RADIANS_PER_RPM)
+
     @model_validator(mode="after")
     def _speeds_rise(self) -> Self:
         base, highest = self.base_speed_rpm, self.highest_speed_rpm
@@ -97,7 +102,7 @@ class Rating(Section):
                 )
 
     def _with_a_torque_in_range(self) -> Self:
-        torque = self.rated_power_w / (self.base_speed_rpm * RADIANS_PER_RPM)
+        torque = self.rated_torque_nm
         if torque > GREATEST_TORQUE_NM:
             raise ValueError(
                 f"the key 'rated_power_w' is {self.rated_power_w:g}, which takes {torque:.3g} N·m at "

@@ -2,12 +2,23 @@
 
 from __future__ import annotations
 
-from typing import Any, Final
+from typing import Annotated, Any, Final
 
-from pydantic import Field, ValidationInfo, field_validator
+from pydantic import ConfigDict, Field, ValidationInfo, field_validator
 
 from drivegate_cases.documents.document import Section
+from drivegate_cases.drive.limits import (
+    POINT_POWER_SHARE,
+    SETTLING,
+    SPEED_TOLERANCE,
+    Limit,
+    ripple_limit,
+    rounded,
+    share,
+)
 from drivegate_cases.drive.rating import Rating
+from drivegate_cases.drive.usual_values import DriveValues
+from drivegate_models.units import RADIANS_PER_RPM
 
 _SUMS: Final = "the plant's sums are exact to 1e-9 of themselves"
 LEAST: Final[dict[str, tuple[float, str]]] = {
@@ -24,9 +35,10 @@ LEAST: Final[dict[str, tuple[float, str]]] = {
 """Least value of each limit, and why a finer one would judge rounding instead of a candidate."""
 
 
-def _from_least(key: str) -> dict[str, Any]:
-    """Return what a JSON Schema states of the least value, which a validator refuses with its reason."""
-    return {"minimum": LEAST[key][0]}
+def _with_least(schema: dict[str, Any]) -> None:
+    """State the least values in a JSON Schema; a validator refuses lesser ones with the reason."""
+    for key, (least, _) in LEAST.items():
+        schema["properties"][key]["minimum"] = least
 
 
 class RequiredPoint(Section):
@@ -39,25 +51,24 @@ class RequiredPoint(Section):
 class Requirements(Section):
     """Limits of the checks; one that has a unit follows from the rating where it is left out."""
 
-    speed_tolerance_rpm: float | None = Field(
+    model_config = ConfigDict(json_schema_extra=_with_least)
+
+    speed_tolerance_rpm: Annotated[float | None, SPEED_TOLERANCE] = Field(
         default=None,
-        json_schema_extra=_from_least("speed_tolerance_rpm"),
         le=1e6,
         description="greatest speed error k1 of a search that has converged, by default 1 % of base speed",
     )
-    power_tolerance_percent: float = Field(
+    power_tolerance_percent: Annotated[float, Limit("power_tolerance", share, "k2")] = Field(
         default=0.5,
-        json_schema_extra=_from_least("power_tolerance_percent"),
         le=100.0,
         description="greatest variation k2 of the current sum of a search that has converged, in percent",
     )
-    angle_tolerance_deg: float = Field(
+    angle_tolerance_deg: Annotated[float, Limit("angle_tolerance_deg", in_texts="angle")] = Field(
         default=1.0,
-        json_schema_extra=_from_least("angle_tolerance_deg"),
         le=90.0,
         description="greatest movement of the advance angle of a search that has converged, in electrical degrees",
     )
-    settling_s: float | None = Field(
+    settling_s: Annotated[float | None, SETTLING] = Field(
         default=None,
         ge=0.1,
         le=3600.0,
@@ -65,22 +76,19 @@ class Requirements(Section):
         "base speed over rated torque) or 550 electrical periods at base speed, the longer of both in steps of "
         "1, 1.5, 2, 3, 5, 7 times 6 s and never less than 6 s",
     )
-    optimum_tolerance_percent: float = Field(
+    optimum_tolerance_percent: Annotated[float, Limit("optimum_tolerance", share, "optimum")] = Field(
         default=2.0,
-        json_schema_extra=_from_least("optimum_tolerance_percent"),
         le=1000.0,
         description="greatest excess of the current sum over the least one, in percent",
     )
-    ripple_percent: float | None = Field(
+    ripple_percent: Annotated[float | None, ripple_limit("ripple", 0.13)] = Field(
         default=None,
-        json_schema_extra=_from_least("ripple_percent"),
         le=1000.0,
         description="limit of the torque ripple with the ideal regulator, peak to peak over mean, in percent, by "
         "default 13 of decoupled phases, and none of a star",
     )
-    closed_loop_ripple_percent: float | None = Field(
+    closed_loop_ripple_percent: Annotated[float | None, ripple_limit("closed_loop_ripple", 0.20)] = Field(
         default=None,
-        json_schema_extra=_from_least("closed_loop_ripple_percent"),
         le=1000.0,
         description="limit of the torque ripple with band and speed regulator, peak to peak over mean, in percent, by "
         "default 20 of decoupled phases, and none of a star",
@@ -112,6 +120,13 @@ class Requirements(Section):
 
 NO_REQUIREMENTS = Requirements()
 """Limits that follow from the rating alone."""
+
+
+def points_of(drive: DriveValues) -> tuple[RequiredPoint, ...]:
+    """Return the operating points at which the ripple of a drive is required."""
+    rating, stated = drive.rating, drive.requirements.point
+    torque = POINT_POWER_SHARE * rating.rated_power_w / (rating.highest_speed_rpm * RADIANS_PER_RPM)
+    return stated or (RequiredPoint(speed_rpm=rating.highest_speed_rpm, torque_n_m=rounded(torque, 3)),)
 
 
 def check_points(requirements: Requirements, rating: Rating) -> None:

@@ -31,6 +31,18 @@ class DriveValues(Protocol):
         """Supply and bridge."""
 
     @property
+    def requirements(self) -> Any:
+        """Limits of the checks, as its file states them."""
+
+    @property
+    def has_split_supply(self) -> bool:
+        """Whether its phases are between legs and the tap of a split supply."""
+
+    @property
+    def position(self) -> str:
+        """What shows the shaft in every run."""
+
+    @property
     def provenance(self) -> dict[str, dict[str, str]]:
         """Where its values come from."""
 

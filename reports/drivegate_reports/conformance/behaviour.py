@@ -16,8 +16,8 @@ from drivegate.contracts.duty.document import duty_document
 from drivegate.results.sections import BehaviourSection, EfficiencyPointSection
 from drivegate_cases.documents.wording import figure
 from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.limits import limits_of
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
-from drivegate_cases.drive.pm_ac.limits import duty_limits_of
 from drivegate_reports.conformance.figures import (
     efficiency_points,
     rotor_plane,
@@ -74,7 +74,7 @@ def _figures(read: BehaviourSection, drive: PmAcDocument) -> Iterator[PageFigure
         drawn = partial(torque_spectrum.draw, read.torque)
         yield page_figure("torque-spectrum", torque_spectrum.TITLE, drawn, *words)
     if read.points:
-        limit = 100.0 * duty_limits_of(drive).loss_excess
+        limit = 100.0 * limits_of(drive).loss_excess
         words = efficiency_points.alternative(read.points), efficiency_points.caption(limit)
         drawn = partial(efficiency_points.draw, read.points, limit)
         yield page_figure("efficiency-points", efficiency_points.TITLE, drawn, *words)

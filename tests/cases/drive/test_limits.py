@@ -2,10 +2,12 @@
 
 import pytest
 
+from drivegate_cases.documents.document import Section
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.drive_file import drive_schema
-from drivegate_cases.drive.limits import Limits, limits_of, mean_time, nearest_step, rounded, time_unit
-from drivegate_cases.drive.requirements import RequiredPoint
+from drivegate_cases.drive.limits import Limit, limits_of, mean_time, nearest_step, rounded, time_unit
+from drivegate_cases.drive.pm_ac.requirements import PmAcRequirements
+from drivegate_cases.drive.requirements import RequiredPoint, Requirements, points_of
 from drivegate_models.errors import InputError
 
 PAPER = load_drive("paper-5-phase")
@@ -13,23 +15,23 @@ UNSTATED = PAPER.replaced(requirements={})
 
 
 def test_the_drive_of_the_paper_states_its_limits() -> None:
-    assert limits_of(PAPER) == Limits(
-        speed_tolerance_rpm=5.0,
-        power_tolerance=0.005,
-        angle_tolerance_deg=1.0,
-        settling_s=6.0,
-        optimum_tolerance=0.02,
-        ripple=0.13,
-        closed_loop_ripple=0.20,
-        points=(RequiredPoint(speed_rpm=1500.0, torque_n_m=9.8),),
-    )
+    assert vars(limits_of(PAPER)) == {
+        "speed_tolerance_rpm": 5.0,
+        "power_tolerance": 0.005,
+        "angle_tolerance_deg": 1.0,
+        "settling_s": 6.0,
+        "optimum_tolerance": 0.02,
+        "ripple": 0.13,
+        "closed_loop_ripple": 0.20,
+    }
+    assert points_of(PAPER) == (RequiredPoint(speed_rpm=1500.0, torque_n_m=9.8),)
 
 
 def test_what_is_left_out_follows_from_the_rating() -> None:
     fast = UNSTATED.replaced(base_speed_rpm=1000.0, highest_speed_rpm=1800.0, rated_power_w=3000.0)
     limits = limits_of(fast)
     assert limits.speed_tolerance_rpm == 10.0, "1 % of base speed"
-    assert limits.points == (RequiredPoint(speed_rpm=1800.0, torque_n_m=16.333),), (
+    assert points_of(fast) == (RequiredPoint(speed_rpm=1800.0, torque_n_m=16.333),), (
         "2.6 % above 3 kW at the highest speed"
     )
 
@@ -104,4 +106,20 @@ def test_a_limit_that_would_judge_rounding_is_refused_with_the_least_and_the_rea
 
 
 def test_the_rules_give_the_paper_s_own_limits() -> None:
-    assert limits_of(UNSTATED) == limits_of(PAPER)
+    assert vars(limits_of(UNSTATED)) == vars(limits_of(PAPER))
+    assert points_of(UNSTATED) == points_of(PAPER)
+
+
+@pytest.mark.parametrize("table", [Requirements, PmAcRequirements])
+def test_every_key_of_the_requirements_but_the_points_declares_a_limit(table: type[Section]) -> None:
+    undeclared = {
+        key
+        for key, field in table.model_fields.items()
+        if not any(isinstance(limit, Limit) for limit in field.metadata)
+    }
+    assert undeclared <= {"point"}
+
+
+def test_a_limit_that_no_key_declares_is_refused_by_its_name() -> None:
+    with pytest.raises(AttributeError, match="no key of the drive's requirements declares a limit 'riple'"):
+        _ = limits_of(PAPER).riple

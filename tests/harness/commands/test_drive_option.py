@@ -7,6 +7,7 @@ import pytest
 
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.limits import limits_of
+from drivegate_cases.drive.requirements import points_of
 from drivegate_reports.conformance.drive import stated_values
 
 POINT = ["--speed-rpm", "700", "--advance-deg", "30", "--current-a", "10"]
@@ -143,7 +144,7 @@ def test_a_new_drive_keeps_no_number_that_follows_from_those_that_are_to_be_chan
     mine = load_drive(tmp_path / "mine.toml")
     assert mine.advance is None
     assert limits_of(mine).speed_tolerance_rpm == 30.0
-    assert [point.speed_rpm for point in limits_of(mine).points] == [6000.0]
+    assert [point.speed_rpm for point in points_of(mine)] == [6000.0]
     shown = {value.key: value.source for value in stated_values(mine)}
     assert shown["rating.base_speed_rpm"] == "not stated", "the value is no longer that of another drive"
     assert shown["machine.phases"] == "not stated; as in paper-5-phase, which has 5"

@@ -51,7 +51,7 @@ def test_drive_and_controllers_turn_backward_as_they_turn_forward(name: str) -> 
 def test_a_difference_of_the_limit_is_no_margin() -> None:
     record = record_of(mirrored(torque_scenario(DRIVE, 1000.0, (1.0,))))
     assert record.mirror is not None
-    rated = record.limits.rated_torque_nm
+    rated = record.document.rating.rated_torque_nm
     windows = tuple(replace(window, torque=window.torque + 0.02 * rated) for window in record.steady)
     record.__dict__["steady"] = windows
     margin = same_both_ways(record)

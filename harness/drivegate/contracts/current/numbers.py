@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import Final
 
 from drivegate.candidates.declaration import Declaration
-from drivegate.checks.number_words import limit_words, milliseconds, percent, power
+from drivegate.checks.number_words import limit_words, milliseconds, power
 from drivegate.scenarios.drive_scale import scale_of, tidy
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import limits_of, mean_time
+from drivegate_cases.drive.requirements import points_of
 from drivegate_cases.scenario.sensors import has_encoder, real_sensors
 
 FEASIBLE: Final = (
@@ -30,22 +31,17 @@ def given_below_limit(reference: float) -> str:
 
 def numbers(drive: DriveDocument, _declaration: Declaration) -> dict[str, str]:
     """Write the numbers that checks state, and what sensors the drive has, by the names that stand in their texts."""
-    scale, limits, rating = scale_of(drive), limits_of(drive), drive.rating
-    points = [f"{point.speed_rpm:g} rpm and {point.torque_n_m:g} N·m" for point in limits.points]
-    return limit_words(limits) | {
+    scale, rating = scale_of(drive), drive.rating
+    points = [f"{point.speed_rpm:g} rpm and {point.torque_n_m:g} N·m" for point in points_of(drive)]
+    return limit_words(drive) | {
         "base": f"{rating.base_speed_rpm:g} rpm",
         "lowest": f"{scale.lowest_loaded_rpm:g}",
         "highest": f"{rating.highest_speed_rpm:g} rpm",
         "overspeed": f"{rating.overspeed_rpm:g} rpm",
         "power": power(rating.rated_power_w),
         "current": f"{rating.current_limit_a:g} A",
-        "k1": f"{limits.speed_tolerance_rpm:g} rpm",
-        "k2": percent(limits.power_tolerance),
-        "angle": f"{limits.angle_tolerance_deg:g}°",
-        "settling": f"{limits.settling_s:g} s",
-        "stretch": f"{tidy(limits.settling_s + scale.shortest_window_s):g} s",
+        "stretch": f"{tidy(limits_of(drive).settling_s + scale.shortest_window_s):g} s",
         "mean": milliseconds(mean_time(drive)),
-        "optimum": percent(limits.optimum_tolerance),
         "points": " or ".join(points),
         "sensors": sensors_of(drive),
         **_disturbances(drive),

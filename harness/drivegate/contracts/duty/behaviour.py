@@ -91,7 +91,7 @@ def _path(record: DutyRecord) -> dict[str, Any]:
 
 
 def _points(record: DutyRecord) -> Iterator[dict[str, Any]]:
-    base, rated = record.document.rating.base_speed_rpm, record.limits.rated_torque_nm
+    base, rated = record.document.rating.base_speed_rpm, record.document.rating.rated_torque_nm
     for window in efficiency_windows(record):
         own, least = losses(record, window)
         required = window.dwell.speed_rpm / base, (window.torque_reference or 0.0) / rated
@@ -131,7 +131,7 @@ def _torque(record: DutyRecord) -> dict[str, Any] | None:
         return None
     course = torque_course(record, round(window.end_s / length) - count, count)
     # A faulty controller may give no torque at all.
-    rated = record.limits.rated_torque_nm
+    rated = record.document.rating.rated_torque_nm
     orders = int(_HIGHEST_CARRIERS * record.document.inverter.carrier_frequency_hz * count * length)
     percent = 100.0 * amplitudes(course.torque, orders) / rated
     frequency = np.arange(1, orders + 1) / (count * length)

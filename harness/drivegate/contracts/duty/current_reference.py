@@ -7,7 +7,7 @@ from math import copysign, isfinite
 from typing import TYPE_CHECKING, Final
 
 from drivegate.contracts.duty.document import duty_document
-from drivegate_cases.drive.pm_ac.limits import duty_limits_of
+from drivegate_cases.drive.limits import limits_of
 from drivegate_models.units import RADIANS_PER_RPM
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ def is_current_in_reach(scenario: Scenario) -> bool:
     from drivegate_models.pm_ac.oracle import undistorted_limits
 
     drive = duty_document(scenario.drive)
-    plant, share = drive.plant(), duty_limits_of(drive).weakening_voltage
+    plant, share = drive.plant(), limits_of(drive).weakening_voltage
     is_enough = all(
         voltage_along_none(drive, dwell.speed_rpm, dwell.torque_reference_nm or 0.0)
         <= undistorted_limits(plant, 2.0 * share * dwell.supply_v).voltage

@@ -8,23 +8,20 @@ from drivegate.contracts.duty.current_bandwidth import declared_rise_s, require_
 from drivegate.contracts.duty.current_reference import quadrature_for
 from drivegate.contracts.duty.document import duty_document
 from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.limits import Limits, limits_of
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
-from drivegate_cases.drive.pm_ac.limits import DutyLimits, duty_limits_of
 
 
 def numbers(drive: DriveDocument, declaration: Declaration) -> dict[str, str]:
     """Write the numbers that checks of duty ratios state, by the names that stand in their texts."""
     document, rating = duty_document(drive), drive.rating
-    limits, bandwidth = duty_limits_of(document), declaration.current_bandwidth
+    limits, bandwidth = limits_of(document), declaration.current_bandwidth
     if bandwidth is not None:
         require_bandwidth(document, bandwidth)
-    return limit_words(limits) | {
+    return limit_words(drive) | {
         "base": f"{rating.base_speed_rpm:g} rpm",
         "current": f"{rating.current_limit_a:g} A",
-        "k1": f"{limits.speed_tolerance_rpm:g} rpm",
         "safe_time": _safe_time(limits),
-        "dead_time_ripple": f"{limits.dead_time_ripple:g}",
-        "modulation_ripple": f"{limits.modulation_ripple:g}",
         **_current_error(document, declaration),
         "rise": f"90 % within {milliseconds(limits.rise_time_s)} and what the voltage takes"
         if bandwidth is None
@@ -34,7 +31,7 @@ def numbers(drive: DriveDocument, declaration: Declaration) -> dict[str, str]:
     }
 
 
-def _safe_time(limits: DutyLimits) -> str:
+def _safe_time(limits: Limits) -> str:
     """Write the time to the safe state, and that with a locked rotor where it is another one."""
     every, locked = (f"{1000.0 * time:.4g} ms" for time in (limits.safe_state_s, limits.safe_state_locked_s))
     return every if every == locked else f"{every} ({locked} with a locked rotor)"
@@ -44,8 +41,6 @@ def _current_error(drive: PmAcDocument, declaration: Declaration) -> dict[str, s
     """Write the error of a q current where a candidate gets one in place of a torque."""
     if not declaration.follows_current:
         return {}
-    limits = duty_limits_of(drive)
-    rated = quadrature_for(drive, limits.rated_torque_nm)
-    return {
-        "torque_error": f"{rated * limits.torque_error_nm / limits.rated_torque_nm:.4g} A of q current in its place"
-    }
+    torque = drive.rating.rated_torque_nm
+    error = quadrature_for(drive, torque) * limits_of(drive).torque_error_nm / torque
+    return {"torque_error": f"{error:.4g} A of q current in its place"}

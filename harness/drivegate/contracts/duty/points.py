@@ -28,7 +28,6 @@ def steady_points(record: DutyRecord) -> list[Row]:
 
 
 def _steady_point(record: DutyRecord, window: DutyWindow) -> Row:
-    limits = record.limits
     own, cool = losses(record, window)
     least = least_within(plant_of(record), window.speed, window.link, own.torque, "current")
     return {
@@ -44,7 +43,7 @@ def _steady_point(record: DutyRecord, window: DutyWindow) -> Row:
         "loss_above_least_percent": _above(own.loss, cool.loss),
         "efficiency_percent": efficiency(own, window.speed),
         "voltage_percent": 100.0 * window.voltage / undistorted(window.link),
-        "ripple_percent": 100.0 * _swing(record, window) / limits.rated_torque_nm,
+        "ripple_percent": 100.0 * _swing(record, window) / record.document.rating.rated_torque_nm,
     }
 
 

@@ -18,9 +18,9 @@ from drivegate.contracts.duty.document import duty_document
 from drivegate.contracts.duty.run import DutyClosedLoopRun
 from drivegate.contracts.duty.scenarios.compared import mirror_image, with_other_dead_time
 from drivegate.contracts.duty.scenarios.windows import DutyDwell, duty_windows
+from drivegate_cases.drive.limits import Limits, limits_of
 from drivegate_cases.drive.plant import NOMINAL
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
-from drivegate_cases.drive.pm_ac.limits import DutyLimits, duty_limits_of
 from drivegate_cases.scenario.load import DynamometerLoad
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import IdealSensors
@@ -82,9 +82,9 @@ class DutyRecord(Record):
         return duty_document(self.scenario.drive)
 
     @property
-    def limits(self) -> DutyLimits:
+    def limits(self) -> Limits:
         """What the drive's controllers are judged by."""
-        return duty_limits_of(self.document)
+        return limits_of(self.document)
 
     @property
     def follows_current(self) -> bool:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 from drivegate_cases.drive.advance import advance_line
 from drivegate_cases.drive.limits import limits_of
+from drivegate_cases.drive.requirements import points_of
 from drivegate_lab.candidates.faults.sizes import Size
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -44,7 +45,7 @@ def _edge_at_rated_power(drive: DriveDocument, speed_rpm: float) -> float:
 @lru_cache(maxsize=_KEPT)
 def _edge_at_point(drive: DriveDocument) -> float:
     """Return the least angle that gives the required point of greatest speed (deg)."""
-    point = max(limits_of(drive).points, key=lambda point: point.speed_rpm)
+    point = max(points_of(drive), key=lambda point: point.speed_rpm)
     return _edge(drive, point.speed_rpm * RADIANS_PER_RPM, point.torque_n_m)
 
 

@@ -2,89 +2,113 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Final
 
 from pydantic import Field
 
 from drivegate_cases.documents.document import Section
+from drivegate_cases.drive.limits import SPEED_TOLERANCE, Limit, times
+from drivegate_cases.drive.pm_ac.limits import safe_state_locked_s, safe_state_s
+from drivegate_cases.drive.usual_values import DriveValues
 
+SETTLING_PERIODS: Final = 8000
+"""Control periods in which a steady state has to be reached, where no time is stated."""
 _Percent = Annotated[float, Field(gt=0.0, le=1000.0)]
+_Ratio = Annotated[float, Field(ge=1.0, le=1000.0)]
+_SHARE: Final = times(0.01)
+_OF_TORQUE: Final = times(0.01, lambda drive: drive.rating.rated_torque_nm)
+_OF_CURRENT: Final = times(0.01, lambda drive: drive.rating.current_limit_a)
+_MILLI: Final = times(0.001)
+
+
+def _control_period_s(drive: DriveValues) -> float:
+    return float(drive.inverter.control_period_s)
 
 
 class PmAcRequirements(Section):
     """Limits of the checks; one that has a unit follows from the drive where it is left out."""
 
-    settling_s: float | None = Field(
+    settling_s: Annotated[
+        float | None, Limit("settling_s", otherwise=lambda drive: SETTLING_PERIODS * _control_period_s(drive))
+    ] = Field(
         default=None,
         ge=0.01,
         le=60.0,
         description="time after a change from which on a steady state is judged, by default 8000 control periods",
     )
-    speed_tolerance_rpm: float | None = Field(
+    speed_tolerance_rpm: Annotated[float | None, SPEED_TOLERANCE] = Field(
         default=None,
         ge=1e-6,
         le=1e6,
         description="greatest error k1 of the mean speed, by default 1 % of base speed",
     )
-    torque_tolerance_percent: _Percent = Field(
+    torque_tolerance_percent: Annotated[_Percent, Limit("torque_error_nm", _OF_TORQUE)] = Field(
         default=2.0, description="greatest error of the mean torque, in percent of rated torque"
     )
-    overshoot_percent: _Percent = Field(
+    overshoot_percent: Annotated[_Percent, Limit("overshoot", _SHARE)] = Field(
         default=10.0, description="greatest overshoot of the torque, in percent of the reference's step"
     )
-    coupled_current_percent: _Percent = Field(
+    coupled_current_percent: Annotated[_Percent, Limit("coupling", _SHARE)] = Field(
         default=10.0,
         description="greatest movement of the d current by a step of the torque, in percent of the q current's step",
     )
-    rise_periods: Annotated[float, Field(ge=1.0, le=1e6)] = Field(
+    rise_periods: Annotated[
+        float, Field(ge=1.0, le=1e6), Limit("rise_time_s", times(1.0, _control_period_s))
+    ] = Field(
         default=12.0,
         description="longest time of a torque step to 90 %, in control periods, plus the time that the link's voltage "
         "needs to move the current",
     )
-    peak_current_percent: Annotated[float, Field(ge=100.0, le=1000.0)] = Field(
+    peak_current_percent: Annotated[float, Field(ge=100.0, le=1000.0), Limit("peak_a", _OF_CURRENT)] = Field(
         default=120.0, description="greatest phase current at any time, in percent of the current limit"
     )
-    least_current_percent: _Percent = Field(
+    least_current_percent: Annotated[_Percent, Limit("current_excess", _SHARE)] = Field(
         default=2.0,
         description="greatest excess of the current over the least one below weakening, in percent",
     )
-    least_loss_percent: _Percent = Field(
+    least_loss_percent: Annotated[_Percent, Limit("loss_excess", _SHARE)] = Field(
         default=5.0, description="greatest excess of the loss over the least one, in percent"
     )
-    weakening_torque_percent: Annotated[float, Field(gt=0.0, le=100.0)] = Field(
+    weakening_torque_percent: Annotated[float, Field(gt=0.0, le=100.0), Limit("weakening", _SHARE)] = Field(
         default=95.0,
         description="least torque in weakening, in percent of the greatest within the current limit and "
         "weakening_voltage_percent of the voltage",
     )
-    weakening_voltage_percent: Annotated[float, Field(ge=50.0, le=100.0)] = Field(
+    weakening_voltage_percent: Annotated[
+        float, Field(ge=50.0, le=100.0), Limit("weakening_voltage", _SHARE)
+    ] = Field(
         default=96.0,
         description="voltage in weakening that a controller must use, in percent of the undistorted voltage of the "
         "link; the rest is reserved for its regulators",
     )
-    direct_current_percent: _Percent = Field(
+    direct_current_percent: Annotated[_Percent, Limit("direct_error_a", _OF_CURRENT)] = Field(
         default=3.0,
         description="greatest distance of the d current from that of most torque per ampere while the voltage is free, "
         "in percent of the current limit",
     )
-    braking_torque_percent: _Percent = Field(
+    braking_torque_percent: Annotated[_Percent, Limit("braking", _SHARE)] = Field(
         default=10.0,
         description="greatest braking torque after a torque reference goes to zero, in percent of the step of the "
         "torque, or of rated torque if that is more",
     )
-    safe_state_ms: Annotated[float, Field(ge=1.0, le=1000.0)] | None = Field(
+    safe_state_ms: Annotated[
+        _Ratio | None,
+        Limit("safe_state_s", _MILLI, otherwise=safe_state_s),
+        Limit("safe_state_locked_s", _MILLI, otherwise=safe_state_locked_s),
+    ] = Field(
         default=None,
         description="longest time from a failure to the safe state, in milliseconds, by default 1000 control periods, "
         "at most 100 ms, but no less than the failure needs to show",
     )
-    failure_torque_percent: _Percent = Field(
+    failure_torque_percent: Annotated[_Percent, Limit("failure_torque_nm", _OF_TORQUE)] = Field(
         default=20.0,
         description="greatest torque beyond the reference after a failure, and in the safe state, in percent of rated "
         "torque",
     )
-    dead_time_ripple: Annotated[float, Field(ge=1.0, le=1000.0)] = Field(
+    dead_time_ripple: Annotated[_Ratio, Limit("dead_time_ripple")] = Field(
         default=2.0, description="greatest torque ripple with dead time at low speed, over that without"
     )
-    modulation_ripple: Annotated[float, Field(ge=1.0, le=1000.0)] = Field(
+    modulation_ripple: Annotated[_Ratio, Limit("modulation_ripple")] = Field(
         default=1.2, description="greatest torque ripple over that of ideal space-vector modulation"
     )
 

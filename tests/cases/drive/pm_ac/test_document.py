@@ -11,9 +11,9 @@ import pytest
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.drive.drive_document import DriveDocument, drive_names, load_drive
 from drivegate_cases.drive.drive_file import drive_schema, drive_toml
+from drivegate_cases.drive.limits import limits_of
 from drivegate_cases.drive.plant import Scales
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
-from drivegate_cases.drive.pm_ac.limits import duty_limits_of
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import InputError
 from drivegate_models.pm_ac.fundamental import LINEAR_LIMIT
@@ -68,13 +68,13 @@ def test_the_plant_differs_from_the_document_by_the_scales_alone() -> None:
 
 def test_a_limit_that_is_left_out_follows_from_the_drive() -> None:
     drive = packaged("pm-ac-interior")
-    limits = duty_limits_of(drive)
+    limits = limits_of(drive)
     assert limits.speed_tolerance_rpm == pytest.approx(0.01 * drive.rating.base_speed_rpm)
     assert limits.peak_a == pytest.approx(1.2 * drive.rating.current_limit_a)
     stated = drive.with_overrides(["peak_current_percent=150", "requirements.settling_s=0.3"])
     assert isinstance(stated, PmAcDocument)
-    assert duty_limits_of(stated).peak_a == pytest.approx(1.5 * drive.rating.current_limit_a)
-    assert duty_limits_of(stated).settling_s == 0.3
+    assert limits_of(stated).peak_a == pytest.approx(1.5 * drive.rating.current_limit_a)
+    assert limits_of(stated).settling_s == 0.3
 
 
 @pytest.mark.parametrize(

@@ -7,16 +7,16 @@ from typing import Any, cast
 import pytest
 
 from drivegate_cases.drive.drive_document import drive_names, load_drive
+from drivegate_cases.drive.limits import Limits, limits_of
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
-from drivegate_cases.drive.pm_ac.limits import DutyLimits, duty_limits_of
 from drivegate_cases.drive.pm_ac.requirements import NO_PM_AC_REQUIREMENTS
 
 DRIVES = [drive for name in drive_names() if isinstance(drive := load_drive(name), PmAcDocument)]
 INTERIOR = next(drive for drive in DRIVES if drive.name == "pm-ac-interior")
 
 
-def limits(**changes: Any) -> DutyLimits:
-    return duty_limits_of(INTERIOR.replaced(**changes))
+def limits(**changes: Any) -> Limits:
+    return limits_of(INTERIOR.replaced(**changes))
 
 
 @pytest.mark.parametrize("drive", DRIVES, ids=lambda drive: drive.name)
@@ -24,7 +24,7 @@ def test_packaged_drives_state_the_usual_rise_time_and_leave_100_ms_to_the_safe_
     drive: PmAcDocument,
 ) -> None:
     assert drive.requirements.rise_periods == NO_PM_AC_REQUIREMENTS.rise_periods
-    found = duty_limits_of(drive)
+    found = limits_of(drive)
     assert (found.safe_state_s, found.safe_state_locked_s) == (0.1, 0.1)
 
 
@@ -49,12 +49,12 @@ def test_a_stated_time_to_the_safe_state_is_taken_as_it_is() -> None:
 
 
 def test_a_locked_shaft_looks_like_one_that_starts_until_that_one_must_have_passed_a_sector() -> None:
-    hall = duty_limits_of(cast(PmAcDocument, INTERIOR.with_overrides(["sensing.position=hall"])))
+    hall = limits_of(cast(PmAcDocument, INTERIOR.with_overrides(["sensing.position=hall"])))
     base = INTERIOR.rating.base_speed_rpm * 3.141592653589793 / 30.0
     torque = INTERIOR.rating.rated_power_w / base
     inertia, sector = INTERIOR.machine.inertia_kg_m2, 3.141592653589793 / 3.0 / INTERIOR.machine.pole_pairs
     passed = (2.0 * sector * inertia / (0.1 * torque)) ** 0.5
     assert hall.safe_state_locked_s == pytest.approx(0.01 + 0.2 * inertia * base / torque + passed)
     assert hall.safe_state_s == limits().safe_state_s
-    encoder = duty_limits_of(cast(PmAcDocument, INTERIOR.with_overrides(["sensing.position=encoder"])))
+    encoder = limits_of(cast(PmAcDocument, INTERIOR.with_overrides(["sensing.position=encoder"])))
     assert encoder.safe_state_locked_s == limits().safe_state_locked_s

@@ -10,7 +10,7 @@ from drivegate.candidates.declaration import Declaration
 from drivegate.checks.check import ReasonNotApplicable
 from drivegate.scenarios.drive_scale import SpeedRange, scale_of
 from drivegate_cases.drive.drive_document import DriveDocument
-from drivegate_cases.drive.limits import limits_of
+from drivegate_cases.drive.requirements import points_of
 
 JudgedSpeeds: TypeAlias = Callable[[DriveDocument], SpeedRange]
 """From a drive to the lowest and highest speed that a check judges (rpm)."""
@@ -38,7 +38,7 @@ def beyond_constant_power(drive: DriveDocument) -> SpeedRange:
 
 def required_points(drive: DriveDocument) -> SpeedRange:
     """Return the range of the speeds of the required points."""
-    speeds = [point.speed_rpm for point in limits_of(drive).points]
+    speeds = [point.speed_rpm for point in points_of(drive)]
     return min(speeds), max(speeds)
 
 

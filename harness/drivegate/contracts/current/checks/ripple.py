@@ -14,6 +14,7 @@ from drivegate.contracts.current.record import CurrentRecord, SteadyWindow, rate
 from drivegate_cases.documents.wording import figure
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import limits_of
+from drivegate_cases.drive.requirements import points_of
 from drivegate_cases.scenario.circumstance import Circumstance
 from drivegate_models.steady.oracle import point_at_torque
 
@@ -26,7 +27,7 @@ def _is_required_point(window: SteadyWindow) -> bool:
     return window.has_nominal_supply and any(
         window.dwell.speed_rpm == point.speed_rpm
         and math.isclose(window.torque_required, point.torque_n_m, rel_tol=1e-9)
-        for point in limits_of(window.scenario.drive).points
+        for point in points_of(window.scenario.drive)
     )
 
 

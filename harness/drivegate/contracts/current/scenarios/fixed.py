@@ -27,8 +27,7 @@ from drivegate.scenarios.changes import (
 from drivegate.scenarios.drive_scale import SpeedRange, loaded_range, scale_of, tidy
 from drivegate.scenarios.title import titled
 from drivegate_cases.drive.drive_document import DriveDocument
-from drivegate_cases.drive.limits import limits_of
-from drivegate_cases.drive.requirements import RequiredPoint
+from drivegate_cases.drive.requirements import RequiredPoint, points_of
 from drivegate_cases.scenario.load import ConstantTorqueLoad
 from drivegate_cases.scenario.scenario import Scenario, load_scenario
 from drivegate_cases.scenario.sensors import has_encoder, real_sensors
@@ -64,7 +63,7 @@ def _different(*scenarios: Scenario) -> tuple[Scenario, ...]:
 
 def _required_points(drive: DriveDocument) -> list[Scenario]:
     """Run the published cases at the first point that the drive requires, and plain runs at the others."""
-    first, *others = limits_of(drive).points
+    first, *others = points_of(drive)
     return [
         *(_at_point(load_scenario(name), drive, first) for name in ("lock-up", "fig5-search")),
         *(

@@ -53,9 +53,10 @@ def reference_error(
     if not is_within_reach(record, window.speed, window.link, wanted):
         return None
     if record.follows_current:
-        current, rated = (record.quadrature_reference(torque) for torque in (wanted, limits.rated_torque_nm))
+        rated_torque = record.document.rating.rated_torque_nm
+        current, rated = (record.quadrature_reference(torque) for torque in (wanted, rated_torque))
         error = abs(window.quadrature - current)
-        allowed = factor * rated * limits.torque_error_nm / limits.rated_torque_nm
+        allowed = factor * rated * limits.torque_error_nm / rated_torque
         margin = at_most(error, allowed + lost_share * abs(current))
         return Margin(check, margin, f"q current off by {error:.4g} A from {current:.4g} A {at(window)}")
     error = abs(window.torque - wanted)

@@ -119,7 +119,7 @@ def _free_windows(record: DutyRecord) -> Iterator[DutyWindow]:
     if not record.is_nominal:
         return
     for window in record.steady:
-        if abs(window.torque) < LEAST_TORQUE_SHARE * record.limits.rated_torque_nm:
+        if abs(window.torque) < LEAST_TORQUE_SHARE * record.document.rating.rated_torque_nm:
             continue
         least = least_free(plant_of(record), window.speed, window.torque)
         if isfinite(least.voltage) and least.voltage < FREE_SHARE * undistorted(window.link):
@@ -165,7 +165,7 @@ def efficiency_windows(record: DutyRecord) -> Iterator[DutyWindow]:
 def _is_efficiency_point(record: DutyRecord, window: DutyWindow) -> bool:
     if window.torque_reference is None or record.scenario.supply_v is not None:
         return False
-    base, rated = record.document.rating.base_speed_rpm, record.limits.rated_torque_nm
+    base, rated = record.document.rating.base_speed_rpm, record.document.rating.rated_torque_nm
     place = window.dwell.speed_rpm / base, window.torque_reference / rated
     return any(
         abs(place[0] - speed) < _SAME and abs(place[1] - torque) < _SAME

@@ -108,7 +108,7 @@ def _is_rippling(record: DutyRecord, window: DutyWindow) -> bool:
     if not _is_held(record, window, HELD_SHARE * base):
         return False
     is_slow = abs(window.speed) < LEAST_SPEED_SHARE * base
-    is_weak = abs(window.torque) < LEAST_TORQUE_SHARE * record.limits.rated_torque_nm
+    is_weak = abs(window.torque) < LEAST_TORQUE_SHARE * record.document.rating.rated_torque_nm
     greatest = undistorted(window.link)
     if is_slow or is_weak or window.voltage > VOLTAGE_SHARE * greatest:
         return False
@@ -180,7 +180,7 @@ def _over(
     if other == 0.0:
         return None
     swing = _swing(record, window)
-    if swing < LEAST_SWING_SHARE * record.limits.rated_torque_nm:
+    if swing < LEAST_SWING_SHARE * record.document.rating.rated_torque_nm:
         return None
     ratio = swing / other
     finding = f"torque swings by {swing:.4g} N·m, {ratio:.4g} times the {other:.4g} N·m {words}, {at(window)}"

@@ -134,7 +134,7 @@ def _moment(record: DutyRecord, response: StepResponse) -> Moment:
 
 def is_free(record: DutyRecord, step: TorqueStep) -> bool:
     """Return True if a step is great enough to be judged, and leaves voltage for its own response."""
-    smallest = SMALLEST_SHARE * record.limits.rated_torque_nm
+    smallest = SMALLEST_SHARE * record.document.rating.rated_torque_nm
     speed, link = step.speed_rpm * RADIANS_PER_RPM, record.document.inverter.link_voltage_v
     greatest = max(abs(step.before), abs(step.after))
     if record.scenario.supply_v is not None or not is_within_reach(record, speed, link, greatest):

@@ -24,7 +24,7 @@ def same_both_ways(record: Record) -> Margin | None:
 
 
 def _differences(record: DutyRecord, window: DutyWindow, forward: DutyWindow) -> Iterator[Margin]:
-    rated, limit = record.limits.rated_torque_nm, record.document.rating.current_limit_a
+    rated, limit = record.document.rating.rated_torque_nm, record.document.rating.current_limit_a
     measured = (
         ("torque", "N·m", window.torque, -forward.torque, rated),
         ("d current", "A", window.direct, forward.direct, limit),

@@ -158,7 +158,7 @@ def _step_size(record: DutyRecord, step: TorqueStep) -> float:
     greatest = greatest_at(plant_of(record), abs(step.speed_rpm) * RADIANS_PER_RPM, link).torque
     required = abs(step.before)
     before = min(required, greatest) if isfinite(greatest) else required
-    return max(before, record.limits.rated_torque_nm)
+    return max(before, record.document.rating.rated_torque_nm)
 
 
 def _release(record: DutyRecord, step: TorqueStep) -> Margin:

@@ -33,8 +33,8 @@ from drivegate.contracts.duty.scenarios.building import speed_scenario, torque_o
 from drivegate.contracts.duty.scenarios.fixed import speed_of
 from drivegate.scenarios.title import titled
 from drivegate_cases.documents.wording import significant
+from drivegate_cases.drive.limits import limits_of
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
-from drivegate_cases.drive.pm_ac.limits import duty_limits_of
 from drivegate_cases.scenario.control_periods import on_whole_periods
 from drivegate_models.machine.rotor_frame import SUM_OVER_PEAK
 
@@ -219,11 +219,11 @@ _RANKING: Final = Ranking(
 
 
 def _facts(request: ComparisonRequest, _plan: Sequence[PlannedRun]) -> Row:
-    limits = duty_limits_of(duty_document(request.drive))
+    limits = limits_of(request.drive)
     return {
         "reference": request.reference,
         "drive": {
-            "rated_torque_nm": limits.rated_torque_nm,
+            "rated_torque_nm": request.drive.rating.rated_torque_nm,
             "torque_tolerance_nm": limits.torque_error_nm,
             "speed_tolerance_rpm": limits.speed_tolerance_rpm,
             "overshoot_limit_percent": 100.0 * limits.overshoot,
@@ -240,7 +240,7 @@ def _drive_points(
     request: ComparisonRequest, _plan: Sequence[PlannedRun], all_figures: Mapping[int, Row]
 ) -> Iterator[DrivePoint]:
     drive, size = duty_document(request.drive), EFFORTS[request.effort]
-    rated_torque = duty_limits_of(drive).rated_torque_nm
+    rated_torque = drive.rating.rated_torque_nm
     rows = [row for figures in all_figures.values() for row in figures.get("points", ())]
     by_place = {_place(row["speed_rpm"], row["reference_nm"]): row for row in rows}
     for share in size.speeds:

@@ -13,10 +13,9 @@ from drivegate.contracts.duty.scenarios.windows import WINDOW_SHARE, run_up_s
 from drivegate.scenarios.drive_scale import rated_torque_at, tidy
 from drivegate.scenarios.title import titled
 from drivegate_cases.drive.document import Position
-from drivegate_cases.drive.limits import rounded
+from drivegate_cases.drive.limits import limits_of, rounded
 from drivegate_cases.drive.plant import Scales
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
-from drivegate_cases.drive.pm_ac.limits import duty_limits_of
 from drivegate_cases.scenario.control_periods import first_period_from, period_start_s
 from drivegate_cases.scenario.disturbance import Drift, Dropout, Glitch
 from drivegate_cases.scenario.failure_kind import FailureKind
@@ -47,7 +46,7 @@ def slow_torque(drive: PmAcDocument, speed_rpm: float, share: float = 1.0) -> fl
 
 def dwell_periods(drive: PmAcDocument, speed_change_rpm: float = 0.0, inertia_factor: float = 1.0) -> int:
     """Return the control periods after a change in which a steady state is reached and judged."""
-    settling = duty_limits_of(drive).settling_s
+    settling = limits_of(drive).settling_s
     time = (1.0 + WINDOW_SHARE) * settling + run_up_s(drive, speed_change_rpm, inertia_factor)
     return PERIODS_AT_A_TIME * math.ceil(round(time / (PERIODS_AT_A_TIME * drive.control_period_s), 6))
 

@@ -21,10 +21,10 @@ from drivegate.contracts.duty.scenarios.drawn_range import (
 from drivegate.contracts.duty.scenarios.windows import DutyDwell, duty_dwells
 from drivegate.scenarios.drive_scale import rated_torque_at
 from drivegate_cases.drive.data_sheet import USABLE_SHARE
+from drivegate_cases.drive.limits import limits_of
 from drivegate_cases.drive.plant import NOMINAL
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.greatest_torque import greatest_within
-from drivegate_cases.drive.pm_ac.limits import duty_limits_of
 from drivegate_cases.scenario.load import DynamometerLoad, LockedLoad, VehicleLoad
 from drivegate_cases.scenario.piecewise import value_from
 from drivegate_cases.scenario.scenario import Scenario
@@ -55,7 +55,7 @@ def unfair_because(scenario: Scenario) -> str | None:
         return "it begins above base speed, on a plant that the controller does not know"
     if (unnoticed := unnoticed_because(scenario)) is not None:
         return unnoticed
-    if _rectified_current(scenario) > duty_limits_of(duty_document(scenario.drive)).peak_a:
+    if _rectified_current(scenario) > limits_of(duty_document(scenario.drive)).peak_a:
         return "it begins so fast that the current through the diodes alone exceeds the limit of OVC-1"
     if _shows_a_failure(scenario):
         return "its false edges are so many of an encoder's speed window that they look like a failure of the encoder"
@@ -147,7 +147,7 @@ def required_torque(document: PmAcDocument, plant: PmAcDrive, speed: float, link
 
     It is below every load where the limits leave none.
     """
-    limits, weakens = duty_limits_of(document), document.weakens
+    limits, weakens = limits_of(document), document.weakens
     return min(
         IN_HAND * _greatest(plant, speed, link, weakens),
         limits.weakening * _greatest(plant, speed, limits.weakening_voltage * link, weakens),

@@ -17,7 +17,6 @@ from drivegate_cases.scenario.load import ConstantTorqueLoad, DynamometerLoad, F
 from drivegate_cases.scenario.piecewise import Profile
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import IDEAL, SHUNTS, ShuntSensors
-from drivegate_models.units import RADIANS_PER_RPM
 
 _KEPT: Final = (
     "duration_s",
@@ -132,7 +131,7 @@ def _rounder_speed(scenario: Scenario) -> Iterator[Fields]:
 
 def _rounder_torque(scenario: Scenario) -> Iterator[Fields]:
     load, drive = scenario.load, duty_document(scenario.drive)
-    rated = drive.rating.rated_power_w / (drive.rating.base_speed_rpm * RADIANS_PER_RPM)
+    rated = drive.rating.rated_torque_nm
     for share in _TORQUE_SHARES:
         grain = nearest_step(share * rated)
         if isinstance(load, DynamometerLoad):

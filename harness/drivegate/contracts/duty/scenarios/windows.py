@@ -7,8 +7,8 @@ from itertools import pairwise
 from typing import Final
 
 from drivegate.contracts.duty.document import duty_document
+from drivegate_cases.drive.limits import limits_of
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
-from drivegate_cases.drive.pm_ac.limits import duty_limits_of
 from drivegate_cases.scenario.control_periods import first_period_from
 from drivegate_cases.scenario.load import DynamometerLoad
 from drivegate_cases.scenario.piecewise import breakpoints, value_from, value_until
@@ -94,7 +94,7 @@ def run_up_s(drive: PmAcDocument, speed_change_rpm: float, inertia_factor: float
 def duty_windows(scenario: Scenario) -> list[tuple[DutyDwell, float, float]]:
     """Find the end of every dwell that is long enough to settle in, with its start and end (s)."""
     drive = duty_document(scenario.drive)
-    settling, period = duty_limits_of(drive).settling_s, drive.control_period_s
+    settling, period = limits_of(drive).settling_s, drive.control_period_s
     length = WINDOW_SHARE * settling
     windows = []
     before = scenario.initial_speed_rpm

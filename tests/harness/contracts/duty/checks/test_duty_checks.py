@@ -533,7 +533,7 @@ def test_braking_after_a_large_step_is_measured_by_the_step(
     weak = interior.replaced(rated_power_w=200.0)
     speed = 1.05 * weak.rating.base_speed_rpm
     record = run(torque_scenario(weak, speed, (torque_of(weak, speed, 2.5), 0.0)))
-    rated = record.limits.rated_torque_nm
+    rated = record.document.rating.rated_torque_nm
     half = len(record.run.trace) // 2
     braked = with_column(
         record,

@@ -21,7 +21,7 @@ from drivegate.scenarios.drive_scale import SpeedRange, loaded_range, scale_of, 
 from drivegate.scenarios.title import titled
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import limits_of
-from drivegate_cases.drive.requirements import RequiredPoint
+from drivegate_cases.drive.requirements import RequiredPoint, points_of
 from drivegate_cases.scenario.load import ConstantTorqueLoad
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.units import RADIANS_PER_RPM
@@ -87,10 +87,10 @@ def required_point_scenarios(
     drive: DriveDocument, speed_range: SpeedRange | None = None
 ) -> st.SearchStrategy[Scenario]:
     """Draw ways to the required points: load and speed reference arrive there in any order, at once or slowly."""
-    tenth, limits = scale_of(drive).tenth_s, limits_of(drive)
+    tenth = scale_of(drive).tenth_s
     lowest, highest = loaded_range(drive, speed_range)
-    points = [point for point in limits.points if lowest <= point.speed_rpm <= highest]
-    if not points or math.isinf(limits.ripple):
+    points = [point for point in points_of(drive) if lowest <= point.speed_rpm <= highest]
+    if not points or math.isinf(limits_of(drive).ripple):
         return st.nothing()
 
     def build(

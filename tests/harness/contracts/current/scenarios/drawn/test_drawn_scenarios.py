@@ -23,7 +23,7 @@ from drivegate.contracts.current.scenarios.feasibility import coasts
 from drivegate.scenarios.drive_scale import scale_of
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.drive.drive_document import load_drive
-from drivegate_cases.drive.limits import limits_of
+from drivegate_cases.drive.requirements import points_of
 from drivegate_cases.scenario.load import VehicleLoad
 from drivegate_cases.scenario.piecewise import breakpoints, value_from, value_until
 from drivegate_cases.scenario.scenario import Scenario
@@ -125,7 +125,7 @@ def test_a_candidate_for_other_speeds_is_refused_in_one_sentence() -> None:
 
 
 def test_the_required_points_are_reached_in_any_order() -> None:
-    point, orders = limits_of(DRIVE).points[0], set()
+    point, orders = points_of(DRIVE)[0], set()
 
     @MANY
     @given(scenario=required_point_scenarios(DRIVE, None))
