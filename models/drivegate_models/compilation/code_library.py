@@ -68,6 +68,37 @@ class CodeLibrary(codegen.JITCodeLibrary):
         self._linking_libraries = [each for each in needed if not each._is_called_by_symbol()]
         super().finalize()
 
+    def _optimize_final_module(self) -> None:
+        """Link the functions that are still missing, and optimise the code as numba does."""
+        self._link_missing()
+        super()._optimize_final_module()
+
+    def _link_missing(self) -> None:
+        """Link again the libraries of functions that are declared here, but not yet defined.
+
+        numba links each library once, in the order in which the source calls it. Of a library, LLVM adds only the
+        functions that are declared by then. Where the optimiser has already removed the last call of a function, its
+        library adds nothing, and another library that follows may still call it. numba's own libraries contain what
+        they call, so only copied code is affected. Without this, the process ends with a segmentation fault, or
+        numba with "Symbol ... not linked properly".
+
+        To link callers before what they call would do as well, but it changes the order of the functions in every
+        kernel, and with it what the optimiser inlines.
+        """
+        definitions = {
+            function.name: library
+            for library in self._linking_libraries
+            for function in library._get_module_for_linking().functions
+            if not function.is_declaration
+        }
+        while missing := [
+            definitions[function.name]
+            for function in self._final_module.functions
+            if function.is_declaration and function.name in definitions
+        ]:
+            for library in dict.fromkeys(missing):
+                self._final_module.link_in(library._get_module_for_linking(), preserve=True)
+
     def _is_called_by_symbol(self) -> bool:
         """Return True if callers call the function by its symbol, rather than contain a copy of it."""
         return self.name in CALLED_FUNCTIONS and not self._is_only_copied

@@ -42,6 +42,10 @@ from drivegate_models.errors import InputError
 
 _KEPT_SECONDS = 30 * 24 * 3600.0
 _OWN_PACKAGES = ("drivegate_models", "drivegate", "drivegate_lab")
+# These releases have the private interfaces that this module and `code_library` extend; a later one may have moved
+# them. `pyproject.toml` states the same range.
+_FIRST_NUMBA = (0, 62)
+_NEXT_NUMBA = (0, 69)
 
 
 @cache
@@ -114,6 +118,18 @@ def _prune(used: Path) -> None:
                 shutil.rmtree(folder, ignore_errors=True)
 
 
+def _require_known_numba(version: str) -> None:
+    """Refuse another numba than those that drivegate extends, which would fail somewhere in its compiler."""
+    major, minor = map(int, version.split(".")[:2])
+    if not _FIRST_NUMBA <= (major, minor) < _NEXT_NUMBA:
+        wanted = "numba>={}.{},<{}.{}".format(*_FIRST_NUMBA, *_NEXT_NUMBA)
+        raise InputError(
+            f"numba {version} is installed, but drivegate extends private parts of numba's compiler and requires "
+            f"{wanted}; install it with pip install '{wanted}'"
+        )
+
+
+_require_known_numba(importlib.metadata.version("numba"))
 choose_target()
 _ONLY_READS = KERNELS_VARIABLE in os.environ
 _FOLDER = _configure()

@@ -6,6 +6,7 @@ import os
 import shutil
 import subprocess
 import sys
+import tomllib
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -13,6 +14,7 @@ import pytest
 
 import drivegate_models
 from drivegate_models.compilation import kernels as compilation
+from drivegate_models.errors import InputError
 from drivegate_models.machine.winding_current import phi4
 
 
@@ -278,3 +280,72 @@ def test_a_function_that_is_called_by_its_symbol_is_compiled_once(tmp_path: Path
     assert _printed(tmp_path, f"from sizes import *; {shown}; print(once.signatures)") == "2.375 [] 1\n[]"
     shown = "print(other_caller(1.0), copies(other_caller), sum(once.stats.cache_hits.values()))"
     assert _printed(tmp_path, f"from sizes import *; {shown}") == "1.375 [] 1"
+
+
+_LOST_CALL = """
+from drivegate_models.compilation.kernels import called, kernel, unallocating
+@unallocating
+def larger(x, y):
+    return max(x, y) + max(y, x)
+@unallocating
+def caller_of_larger(x):
+    return larger(x, x + x) + 0.5
+DECORATORS
+def without_call(x):
+    length = 0.0
+    if x > 3.0:
+        length = 0.0
+    if length > 0.0:
+        x = LOST
+    return caller_of_larger(x)
+@kernel
+def outer(x):
+    return without_call(x)
+"""
+
+
+_CALLER_OF_LOST = """
+from drivegate_models.compilation.kernels import kernel
+from lost import without_call
+@kernel
+def caller(x):
+    return without_call(x) + 1.0
+"""
+
+
+@pytest.mark.parametrize(
+    ("decorators", "lost"),
+    [
+        ("@called @unallocating", "larger(x, x * x)"),
+        ("@called @unallocating", "max(x, x * x)"),
+        ("@unallocating", "larger(x, x * x)"),
+        ("@kernel", "larger(x, x * x)"),
+    ],
+)
+def test_a_function_whose_only_call_the_optimiser_removes_is_linked_for_its_other_callers(
+    tmp_path: Path, decorators: str, lost: str
+) -> None:
+    """The compiler finds out that `length` is never above 0 after numba has listed what the call needs."""
+    source = _LOST_CALL.replace("LOST", lost).replace("DECORATORS", decorators.replace(" ", "\n"))
+    (tmp_path / "lost.py").write_text(source, encoding="utf-8")
+    (tmp_path / "other.py").write_text(_CALLER_OF_LOST, encoding="utf-8")
+    assert _printed(tmp_path, "from lost import outer; print(outer(1.0))") == "4.5"
+    # Another process takes the code from the cache.
+    assert _printed(tmp_path, "from other import caller; print(caller(1.0))") == "5.5"
+
+
+@pytest.mark.parametrize("version", ["0.61.2", "0.69.0", "0.69.0rc1", "1.0.0"])
+def test_another_numba_is_refused_in_one_sentence(version: str) -> None:
+    with pytest.raises(
+        InputError, match=rf"^numba {version} is installed, but .* requires numba>=0\.62,<0\.69; "
+    ):
+        compilation._require_known_numba(version)
+
+
+def test_the_package_requires_the_numba_that_the_compilation_extends() -> None:
+    project = Path(__file__).parents[3] / "pyproject.toml"
+    required = tomllib.loads(project.read_text(encoding="utf-8"))["project"]["dependencies"]
+    first, following = (
+        ".".join(map(str, each)) for each in (compilation._FIRST_NUMBA, compilation._NEXT_NUMBA)
+    )
+    assert f"numba>={first},<{following}" in required
