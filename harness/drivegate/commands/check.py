@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import click
 
@@ -109,8 +109,8 @@ def command(
     corpus: Path | None,
     waivers: Path | None,
     baseline: Path | None,
-    fail_on: str,
-    contested: str,
+    fail_on: Literal["required", "advisory"],
+    contested: Literal["pass", "fail"],
     only: tuple[str, ...],
     stop_at_first: bool,
     last_failed: bool,
@@ -128,11 +128,22 @@ def command(
     The exit code is 0 when all pass or are waived, 1 when one fails, 2 when one is refused, 3 after a fault of
     drivegate.
     """
-    from drivegate.studies.check.check_all import Effort, Records, check_all
+    from drivegate.gate.options import CheckOptions
+    from drivegate.studies.check.check_all import Records, check_all
     from drivegate.studies.check.checked import summary
     from drivegate.studies.check.part import Part
 
-    how_much = Effort(effort, seed, workers, max_time, search, fail_on, contested)
+    options = CheckOptions(
+        drive=named_drive(drive),
+        drive_named=drive,
+        effort=effort,
+        seed=seed,
+        workers=workers,
+        max_time=max_time,
+        search=search,
+        fail_on=fail_on,
+        contested=contested,
+    )
     records = Records(corpus, waivers, baseline)
     part = Part(only, stop_at_first, last_failed)
     reported: set[int] = set()
@@ -154,11 +165,9 @@ def command(
     all_checked = check_all(
         candidates,
         output,
-        how_much,
+        options,
         records,
         part,
-        drive=named_drive(drive),
-        drive_named=drive,
         quiet=quiet,
         show=show,
     )

@@ -4,21 +4,20 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import astuple, dataclass, field, replace
-from datetime import UTC, datetime
+from dataclasses import astuple, dataclass, replace
+from datetime import UTC, date, datetime
 from typing import Any, Final
 
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.fault import Fault, FaultKind
-from drivegate.checks.check import InfeasibleScenario, JudgedRun, ShardOutcome
+from drivegate.candidates.kinds import KINDS
+from drivegate.checks.check import JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin, margin_in_words
 from drivegate.containment.candidate_isolation import isolating_layers
-from drivegate.containment.messages import Job
 from drivegate.containment.pool import WorkEnded, WorkerPool
-from drivegate.containment.watches import SlowRun
 from drivegate.contracts.catalogue import CONTRACTS, all_checks, contract_of
 from drivegate.drives.abilities import refuse_unreachable
 from drivegate.drives.kinds import drive_for
@@ -35,26 +34,32 @@ from drivegate.gate.events import (
     Shrinking,
     WitnessesHeard,
 )
-from drivegate.gate.focus import WHOLE, Focus
+from drivegate.gate.focus import Focus
+from drivegate.gate.options import CheckOptions
 from drivegate.gate.plan import EXAMPLES, REPEATED, Origin, Work, planned_work
+from drivegate.gate.progress import Progress
 from drivegate.gate.recording import behaviour_job, recording_job, recording_plans, with_recordings
 from drivegate.gate.repetition import repeated_elsewhere
 from drivegate.gate.same_drive import require_same_drive
 from drivegate.gate.shrinking import Shrunk, simplest_failures, with_simplest
 from drivegate.gate.warm_up import compile_kernels, judges_on, uncompiled_kinds
-from drivegate.gate.witnesses import Acquittal, Defence, accusations, with_witnesses
-from drivegate.results.baseline import Baseline, compared
-from drivegate.results.counterexample import Counterexample
-from drivegate.results.provenance import machine, provenance
-from drivegate.results.result import (
-    BaselineComparison,
-    CheckOutcome,
-    CheckResult,
-    FixedMargins,
-    counted_levels,
+from drivegate.gate.witnesses import Accusation, Acquittal, Defence, accusations, with_witnesses
+from drivegate.results.baseline import compared
+from drivegate.results.document import (
+    CandidateSection,
+    CheckSection,
+    ComparisonSection,
+    DriveSection,
+    FaultSection,
+    FixedSection,
+    FocusSection,
+    InfeasibleSection,
+    ResultDocument,
 )
+from drivegate.results.provenance import machine, provenance
+from drivegate.results.result import counted_levels
 from drivegate.results.verdict import candidate_verdict, check_outcomes, costly_steps, machine_dependent
-from drivegate.results.waivers import Waiver, present_day, under_waivers
+from drivegate.results.waivers import present_day, under_waivers
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.errors import InputError
 
@@ -65,141 +70,104 @@ _TELLING: Final = frozenset(
     if check.level == "required" and check.subject == "candidate" and not check.volatile
 )
 """Checks whose margins progress shows; one of 0 that is met is a clamped command's."""
-_GRACE_SECONDS: Final = 2.0
-"""How long work that has begun may go on after the time has run out."""
 _VOLATILE: Final = frozenset(check.id for check in all_checks().values() if check.volatile)
 
 
-@dataclass
-class _Progress:
-    """What the runs have come to so far."""
+@dataclass(frozen=True)
+class _Plan:
+    """A check of which all is known that can be before anything is compiled or run."""
 
-    deadline: float | None
-    focus: Focus
-    counting: frozenset[str]
-    runs: dict[Origin, list[JudgedRun]] = field(default_factory=lambda: {origin: [] for origin in Origin})
-    faults: list[Fault] = field(default_factory=list)
-    infeasible: list[InfeasibleScenario] = field(default_factory=list)
-    complete: bool = True
-    stopped: bool = False
-    incomplete: str | None = None
-
-    def is_overdue(self) -> bool:
-        """Return True if work that has begun must end."""
-        return self.deadline is not None and time.monotonic() > self.deadline + _GRACE_SECONDS
-
-    def end(self) -> None:
-        """Note that work was ended; if it was not for the time, for a request."""
-        if not self.cuts_short():
-            self.incomplete = "interrupted"
-
-    def add(self, work: Work, outcome: ShardOutcome | Fault) -> None:
-        if isinstance(outcome, Fault):
-            self.add_fault(outcome)
-        else:
-            self.runs[work.origin].extend(outcome.runs)
-            self.infeasible.extend(outcome.infeasible)
-
-    def add_fault(self, fault: Fault) -> None:
-        if (fault.kind, fault.message) not in [(known.kind, known.message) for known in self.faults]:
-            self.faults.append(fault)
-
-    @property
-    def all_runs(self) -> list[JudgedRun]:
-        return [run for origin in Origin for run in self.runs[origin]]
-
-    @property
-    def stops_here(self) -> bool:
-        if not self.focus.stop_at_first:
-            return False
-        return bool(self.faults) or self.focus.broken_by(self.all_runs, self.counting)
-
-    def cuts_short(self) -> bool:
-        """Return True if no more work may begin; called where there is some, so that the check is incomplete then."""
-        if self.incomplete is None and self.deadline is not None and time.monotonic() > self.deadline:
-            self.incomplete = "max time"
-        return self.incomplete is not None
+    candidate: Candidate
+    options: CheckOptions
+    """With the focus that suits the drive."""
+    how: CheckPlan
+    """On which drive, and how, the candidate is checked."""
+    uncompiled: tuple[str, ...]
+    """Kinds of drives whose kernels are compiled first."""
+    today: date | None
+    """The day on which waivers must hold."""
 
 
-def _counting(
-    candidate: Candidate, drive: DriveDocument, fail_on: str, waivers: Sequence[Waiver]
-) -> frozenset[str]:
-    """Return the identifiers of the checks that can fail the candidate."""
-    levels = counted_levels(fail_on)
-    waived = {waiver.check for waiver in waivers if waiver.candidate == candidate.name}
-    return frozenset(check.id for check in contract_of(drive).checks() if check.level in levels) - waived
+def check_candidate(candidate: Candidate, options: CheckOptions) -> Iterator[Event]:
+    """Check a candidate on a drive, and report progress as events."""
+    plan = _planned(candidate, options)
+    started, began = datetime.now(UTC), time.monotonic()
+    yield CheckStarted(candidate.name, None, plan.how)
+    deadline = None if options.max_time is None else began + options.max_time
+    progress = Progress(deadline, plan.options.focus, _counting(plan))
+    yield from _run(plan, progress)
+    timing = {
+        "started_utc": started.isoformat(timespec="seconds"),
+        "seconds": round(time.monotonic() - began, 3),
+        "workers": plan.how.workers,
+        "machine": machine(),
+        "checks": machine_dependent(progress.all_runs),
+    }
+    yield CheckFinished(_finished(plan, progress, timing))
 
 
-def check_candidate(
-    candidate: Candidate,
-    *,
-    drive: DriveDocument | None = None,
-    drive_named: str | None = None,
-    effort: str = "default",
-    seed: int = 0,
-    workers: int | None = None,
-    max_time: float | None = None,
-    search: bool = True,
-    corpus: Sequence[Counterexample] = (),
-    baseline: Baseline | None = None,
-    waivers: Sequence[Waiver] = (),
-    fail_on: str = "required",
-    contested: str = "pass",
-    focus: Focus = WHOLE,
-    on_slow: Callable[[SlowRun], None] | None = None,
-    is_ended: Callable[[], bool] = lambda: False,
-) -> Iterator[Event]:
-    """Check a candidate on a drive, and report progress as events; `on_slow` is called with a run that will take long.
-
-    Once `is_ended` returns True, the check ends with what its runs have shown by then.
-    `drive_named` is the string that named the drive, which the result repeats.
-    """
-    if effort not in EXAMPLES:
-        raise InputError(f"the effort is '{effort}', but must be one of {', '.join(EXAMPLES)}")
-    if seed < 0:
-        raise InputError(f"the seed is {seed}, but must be 0 or more")
-    judged_on = drive_for(candidate, drive)
+def _planned(candidate: Candidate, options: CheckOptions) -> _Plan:
+    """Refuse what cannot be checked, as far as it is known before anything is compiled or run."""
+    if options.effort not in EXAMPLES:
+        raise InputError(f"the effort is '{options.effort}', but must be one of {', '.join(EXAMPLES)}")
+    if options.seed < 0:
+        raise InputError(f"the seed is {options.seed}, but must be 0 or more")
+    drive = drive_for(candidate, options.drive)
     require_same_drive(
-        judged_on,
-        baseline=baseline,
-        counterexamples=(*focus.first, *corpus),
-        waivers=[waiver for waiver in waivers if waiver.candidate == candidate.name],
+        drive,
+        baseline=options.baseline,
+        counterexamples=(*options.focus.first, *options.corpus),
+        waivers=[waiver for waiver in options.waivers if waiver.candidate == candidate.name],
     )
-    focus = focus.within(judged_on.contract, [check.id for check in contract_of(judged_on).checks()])
-    # What a candidate does not declare is known before anything is compiled or run.
-    focus.require_judged(check_outcomes((), candidate.declaration, judged_on, complete=False))
-    uncompiled = uncompiled_kinds([judged_on])
+    focus = options.focus.within(drive.contract, [check.id for check in contract_of(drive).checks()])
+    focus.require_judged(check_outcomes((), candidate.declaration, drive, complete=False))
+    uncompiled = uncompiled_kinds([drive])
     if not uncompiled:
-        refuse_unreachable(judged_on)
-    isolation = isolating_layers(candidate)
-    today = present_day() if waivers else None
-    started = datetime.now(UTC)
-    began = time.monotonic()
-    count = workers or os.cpu_count() or 1
-    how = CheckPlan(judged_on, _drive_from(candidate, drive), effort, seed, count, isolation)
-    yield CheckStarted(candidate.name, None, how)
-    counting = _counting(candidate, judged_on, fail_on, waivers)
-    progress = _Progress(None if max_time is None else began + max_time, focus, counting)
-    traces: tuple[dict[str, list[float]], ...] = ()
-    behaviour: dict[str, Any] | None = None
+        refuse_unreachable(drive)
+    how = CheckPlan(
+        drive,
+        _drive_from(candidate, options.drive),
+        options.effort,
+        options.seed,
+        options.workers or os.cpu_count() or 1,
+        isolating_layers(candidate),
+    )
+    today = present_day() if options.waivers else None
+    return _Plan(candidate, replace(options, focus=focus), how, uncompiled, today)
+
+
+def _counting(plan: _Plan) -> frozenset[str]:
+    """Return the identifiers of the checks that can fail the candidate."""
+    options = plan.options
+    levels = counted_levels(options.fail_on)
+    waived = {waiver.check for waiver in options.waivers if waiver.candidate == plan.candidate.name}
+    own = contract_of(plan.how.drive).checks()
+    return frozenset(check.id for check in own if check.level in levels) - waived
+
+
+def _run(plan: _Plan, progress: Progress) -> Iterator[Event]:
+    """Make all runs, judge them, and find out what reports show of failures."""
+    candidate, options, drive = plan.candidate, plan.options, plan.how.drive
 
     def ends() -> bool:
-        return is_ended() or progress.is_overdue()
+        return options.is_ended() or progress.is_overdue()
 
-    if uncompiled:
-        yield from _compile(uncompiled, judged_on, ends)
+    if plan.uncompiled:
+        yield from _compile(plan.uncompiled, drive, ends)
     work = planned_work(
-        effort,
-        seed,
-        drive=judged_on,
+        options.effort,
+        options.seed,
+        drive=drive,
         declaration=candidate.declaration,
-        search=search,
-        corpus=corpus,
-        baseline=baseline,
-        focus=focus,
+        search=options.search,
+        corpus=options.corpus,
+        baseline=options.baseline,
+        focus=options.focus,
     )
-    prepared = judges_on(judged_on)
-    with WorkerPool(candidate, workers=count, on_slow=on_slow, is_ended=ends, preparation=prepared) as pool:
+    prepared = judges_on(drive)
+    with WorkerPool(
+        candidate, workers=plan.how.workers, on_slow=options.on_slow, is_ended=ends, preparation=prepared
+    ) as pool:
         yield Running(sum(item.runs for item in work))
         try:
             yield from _run_all(pool, work, progress)
@@ -208,46 +176,77 @@ def check_candidate(
         except WorkEnded:
             progress.complete = False
             progress.end()
-        runs = progress.all_runs
-        judged = check_outcomes(
-            runs,
-            candidate.declaration,
-            judged_on,
-            complete=progress.complete and not progress.faults,
-        )
-        focus.require_judged(judged)
-        outcomes = focus.outcomes(judged)
+        complete = progress.complete and not progress.faults
+        judged = check_outcomes(progress.all_runs, candidate.declaration, drive, complete=complete)
+        options.focus.require_judged(judged)
+        progress.outcomes = options.focus.outcomes(judged)
         try:
-            outcomes = yield from _shrink(pool, outcomes, runs, effort, progress)
-            outcomes = yield from _hear(pool, judged_on, outcomes, runs, progress, counts=contested == "fail")
+            yield from _shrink(pool, options.effort, progress)
+            yield from _hear(pool, drive, progress, counts=options.contested == "fail")
             if not progress.cuts_short():
                 yield Recording()
-            outcomes, traces = _record(pool, outcomes, progress)
-            behaviour = _behave(pool, judged_on, candidate.declaration, outcomes, progress)
+            _record(pool, progress)
+            _behave(pool, drive, candidate.declaration, progress)
         except WorkEnded:
             progress.end()
+
+
+def _finished(plan: _Plan, progress: Progress, timing: dict[str, Any]) -> ResultDocument:
+    """Judge the candidate."""
+    candidate, options, how, runs = plan.candidate, plan.options, plan.how, progress.all_runs
+    outcomes = progress.outcomes
     _add_differing(outcomes, progress)
-    if today is not None:
-        outcomes = under_waivers(outcomes, candidate.name, waivers, today)
-    comparisons = None if baseline is None else compared(baseline, runs, contract_of(judged_on).checks())
-    if comparisons is not None:
-        comparisons = tuple(entry for entry in comparisons if focus.judges(entry.check))
-    timing: dict[str, Any] = {
-        "started_utc": started.isoformat(timespec="seconds"),
-        "seconds": round(time.monotonic() - began, 3),
-        "workers": count,
-        "machine": machine(),
-        "checks": machine_dependent(runs),
-    }
-    result = _result(
-        candidate, judged_on, effort, seed, outcomes, comparisons, traces, progress, timing, fail_on
+    if plan.today is not None:
+        outcomes = under_waivers(outcomes, candidate.name, options.waivers, plan.today)
+    comparisons = _compared(plan, runs)
+    verdict, exit_code = candidate_verdict(
+        outcomes, progress.faults, comparisons or (), fail_on=options.fail_on
     )
-    steps = costly_steps(runs, candidate.step_limits)
-    result = replace(result, behaviour=behaviour, contested=contested, steps=steps)
-    yield CheckFinished(replace(result, drive_named=drive_named, isolation=isolation))
+    infeasible = sorted(set(progress.infeasible), key=astuple)
+    confined = bool(options.focus.only) or progress.stopped
+    made: dict[str, Any] = {
+        "isolation": how.isolation,
+        "traces": progress.traces,
+        "behaviour": progress.behaviour,
+        "steps": costly_steps(runs, candidate.step_limits),
+        "provenance": provenance(),
+        "timing": timing,
+    }
+    return ResultDocument.model_construct(
+        kind="check",
+        candidate=CandidateSection.of(candidate),
+        drive=DriveSection.of(how.drive, options.drive_named),
+        verdict=verdict,
+        exit_code=exit_code,
+        seed=how.seed,
+        effort=how.effort,
+        judged_by="own code" if KINDS[candidate.kind].is_included else "playback",
+        fail_on=options.fail_on,
+        contested=options.contested,
+        focus=FocusSection(only=options.focus.only, stopped_at_first=progress.stopped) if confined else None,
+        incomplete=progress.incomplete,
+        checks=outcomes,
+        faults=tuple(map(FaultSection.of, progress.faults)),
+        runs=len(runs),
+        set_aside=len(infeasible),
+        infeasible=tuple(InfeasibleSection(scenario=one.scenario, reason=one.reason) for one in infeasible),
+        corpus_runs=len(progress.runs[Origin.CORPUS]),
+        fixed=tuple(map(_fixed_margins, progress.runs[Origin.FIXED])),
+        baseline=comparisons,
+        **made,
+    )
 
 
-def _add_differing(outcomes: Sequence[CheckOutcome], progress: _Progress) -> None:
+def _compared(plan: _Plan, runs: Sequence[JudgedRun]) -> tuple[ComparisonSection, ...] | None:
+    """Compare the margins with those of the baseline."""
+    options = plan.options
+    if options.baseline is None:
+        return None
+    entries = compared(options.baseline, runs, contract_of(plan.how.drive).checks())
+    return tuple(entry for entry in entries if options.focus.judges(entry.check))
+
+
+def _add_differing(outcomes: Sequence[CheckSection], progress: Progress) -> None:
     """Make a fault of a repeated run that differed."""
     for outcome in outcomes:
         if outcome.id == REPEATED and outcome.verdict == "fail":
@@ -269,7 +268,7 @@ def _compile(kinds: tuple[str, ...], drive: DriveDocument, is_ended: Callable[[]
         refuse_unreachable(drive)
 
 
-def _run_all(pool: WorkerPool, work: Sequence[Work], progress: _Progress) -> Iterator[Event]:
+def _run_all(pool: WorkerPool, work: Sequence[Work], progress: Progress) -> Iterator[Event]:
     planned = sum(item.runs for item in work)
     mapped = pool.map([item.job for item in work])
     outcomes = _saved(mapped, work, progress)
@@ -288,7 +287,7 @@ def _run_all(pool: WorkerPool, work: Sequence[Work], progress: _Progress) -> Ite
 
 
 def _saved(
-    outcomes: Iterator[ShardOutcome | Fault], work: Sequence[Work], progress: _Progress
+    outcomes: Iterator[ShardOutcome | Fault], work: Sequence[Work], progress: Progress
 ) -> Iterator[ShardOutcome | Fault]:
     """Pass outcomes on; when work ends, add those that wait for an earlier one."""
     try:
@@ -299,25 +298,18 @@ def _saved(
         raise
 
 
-def _repeat(pool: WorkerPool, progress: _Progress) -> None:
+def _repeat(pool: WorkerPool, progress: Progress) -> None:
     """Run once more, in processes of their own, what has been repeated within one."""
     for origin in (Origin.LAST_FAILED, Origin.FIXED, Origin.CORPUS):
         endings = list(repeated_elsewhere(pool, progress.runs[origin]))
         progress.runs[origin] = [ending for ending in endings if not isinstance(ending, Fault)]
         for ending in endings:
-            if isinstance(ending, Fault):
-                progress.add_fault(ending)
+            progress.add_fault(ending)
 
 
-def _shrink(
-    pool: WorkerPool,
-    outcomes: tuple[CheckOutcome, ...],
-    runs: Sequence[JudgedRun],
-    effort: str,
-    progress: _Progress,
-) -> Generator[Event, None, tuple[CheckOutcome, ...]]:
-    """Make the failures simpler, and return the outcomes with their counterexamples."""
-    failures = simplest_failures(outcomes, runs)
+def _shrink(pool: WorkerPool, effort: str, progress: Progress) -> Iterator[Event]:
+    """Make the failures simpler, and give the outcomes their counterexamples."""
+    failures = simplest_failures(progress.outcomes, progress.all_runs)
     shrinking = [failure for failure in failures if failure.shrinks() and not progress.cuts_short()]
     shrunk: dict[str, Shrunk | Fault | None] = {}
     if shrinking:
@@ -326,111 +318,58 @@ def _shrink(
         try:
             for failure, ending in zip(shrinking, endings, strict=True):
                 shrunk[failure.check] = ending
-                if isinstance(ending, Fault):
-                    progress.add_fault(ending)
+                progress.add_fault(ending)
                 yield Shrinking(failure.check, len(shrunk), len(shrinking))
                 if len(shrunk) < len(shrinking) and progress.cuts_short():
                     break
         except WorkEnded as ended:
             shrunk |= {shrinking[index].check: ending for index, ending in ended.outcomes.items()}
             progress.end()
-    return tuple(with_simplest(outcome, failures, shrunk) for outcome in outcomes)
+    progress.outcomes = with_simplest(progress.outcomes, failures, shrunk)
 
 
-def _hear(
-    pool: WorkerPool,
-    drive: DriveDocument,
-    outcomes: tuple[CheckOutcome, ...],
-    runs: Sequence[JudgedRun],
-    progress: _Progress,
-    *,
-    counts: bool,
-) -> Generator[Event, None, tuple[CheckOutcome, ...]]:
+def _hear(pool: WorkerPool, drive: DriveDocument, progress: Progress, *, counts: bool) -> Iterator[Event]:
     """Run known good controllers where the candidate fails, and contest what none of them meets."""
-    accused = accusations(outcomes, runs, drive)
-    if accused and progress.cuts_short():
-        accused = []
-    endings: list[Acquittal | Defence | Fault] = []
-    if accused:
-        yield WitnessesHeard("", 0, len(accused))
-    jobs: list[Job[Acquittal | Defence | Fault]] = [accusation.job() for accusation in accused]
-    for accusation, ending in zip(accused, pool.map(jobs), strict=True):
-        endings.append(ending)
-        yield WitnessesHeard(accusation.check, len(endings), len(accused))
-    return with_witnesses(outcomes, accused, endings, counts=counts)
+    accused = accusations(progress.outcomes, progress.all_runs, drive)
+    if not accused or progress.cuts_short():
+        return
+    yield WitnessesHeard("", 0, len(accused))
+    heard: dict[str, tuple[Accusation, Acquittal | Defence | Fault]] = {}
+    endings = pool.map([accusation.job() for accusation in accused])
+    for accusation, ending in zip(accused, endings, strict=True):
+        heard[accusation.check] = accusation, ending
+        yield WitnessesHeard(accusation.check, len(heard), len(accused))
+    progress.outcomes = with_witnesses(progress.outcomes, heard, counts=counts)
 
 
-def _record(
-    pool: WorkerPool, outcomes: tuple[CheckOutcome, ...], progress: _Progress
-) -> tuple[tuple[CheckOutcome, ...], tuple[dict[str, list[float]], ...]]:
+def _record(pool: WorkerPool, progress: Progress) -> None:
     """Keep the signals of the runs that reports show."""
-    plans = [] if progress.cuts_short() else recording_plans(outcomes)
+    plans = [] if progress.cuts_short() else recording_plans(progress.outcomes)
     mapped = pool.map([recording_job(plan) for plan in plans])
     endings = list(mapped)
     for ending in endings:
-        if isinstance(ending, Fault):
-            progress.add_fault(ending)
-    return with_recordings(outcomes, plans, endings)
+        progress.add_fault(ending)
+    progress.outcomes, progress.traces = with_recordings(progress.outcomes, endings)
 
 
-def _behave(
-    pool: WorkerPool,
-    drive: DriveDocument,
-    declaration: Declaration,
-    outcomes: tuple[CheckOutcome, ...],
-    progress: _Progress,
-) -> dict[str, Any] | None:
+def _behave(pool: WorkerPool, drive: DriveDocument, declaration: Declaration, progress: Progress) -> None:
     """Measure how a candidate without faults behaves, where all of it was judged."""
-    job = behaviour_job(drive, declaration, outcomes)
+    job = behaviour_job(drive, declaration, progress.outcomes)
     whole = progress.complete and not progress.faults and not progress.focus.only
     if job is None or not whole or progress.cuts_short():
-        return None
+        return
     (ending,) = pool.map([job])
-    if isinstance(ending, Fault):
-        progress.add_fault(ending)
-        return None
-    return ending
+    progress.add_fault(ending)
+    progress.behaviour = None if isinstance(ending, Fault) else ending
 
 
-def _result(
-    candidate: Candidate,
-    drive: DriveDocument,
-    effort: str,
-    seed: int,
-    outcomes: tuple[CheckOutcome, ...],
-    comparisons: tuple[BaselineComparison, ...] | None,
-    traces: tuple[dict[str, list[float]], ...],
-    progress: _Progress,
-    timing: dict[str, Any],
-    fail_on: str,
-) -> CheckResult:
-    verdict, exit_code = candidate_verdict(outcomes, progress.faults, comparisons or (), fail_on=fail_on)
-    return CheckResult(
-        candidate=candidate,
-        drive=drive,
-        verdict=verdict,
-        exit_code=exit_code,
-        seed=seed,
-        effort=effort,
-        checks=outcomes,
-        faults=tuple(progress.faults),
-        runs=len(progress.all_runs),
-        infeasible=tuple(sorted(set(progress.infeasible), key=astuple)),
-        provenance=provenance(),
-        timing=timing,
-        corpus_runs=len(progress.runs[Origin.CORPUS]),
-        fixed=tuple(map(_fixed_margins, progress.runs[Origin.FIXED])),
-        baseline=comparisons,
-        fail_on=fail_on,
-        traces=traces,
-        focus=progress.focus.document(stopped=progress.stopped),
-        incomplete=progress.incomplete,
+def _fixed_margins(run: JudgedRun) -> FixedSection:
+    margins: dict[str, float | None] = {
+        margin.check: margin.value for margin in run.margins if margin.check not in _VOLATILE
+    }
+    return FixedSection.model_construct(
+        name=str(run.scenario["name"]), scenario=run.scenario, margins=margins
     )
-
-
-def _fixed_margins(run: JudgedRun) -> FixedMargins:
-    margins = {margin.check: margin.value for margin in run.margins if margin.check not in _VOLATILE}
-    return FixedMargins(str(run.scenario["name"]), run.scenario, margins)
 
 
 def _worst(runs: Sequence[JudgedRun], focus: Focus) -> str:

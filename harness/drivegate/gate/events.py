@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from drivegate.results.result import CheckResult
-from drivegate_cases.drive.drive_document import DriveDocument
+if TYPE_CHECKING:
+    from drivegate.results.document import ResultDocument
+    from drivegate_cases.drive.drive_document import DriveDocument
 
 DriveFrom: TypeAlias = Literal["user", "manifest", "default"]
 """Who named a drive."""
@@ -105,7 +106,7 @@ class Recording:
 class CheckFinished:
     """A candidate's check has ended."""
 
-    result: CheckResult
+    result: ResultDocument
     """The result."""
 
 

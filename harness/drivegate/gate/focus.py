@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass, replace
-from typing import Any, Final
+from typing import TYPE_CHECKING, Final
 
-from drivegate.checks.check import JudgedRun
-from drivegate.results.counterexample import Counterexample
-from drivegate.results.result import CheckOutcome
 from drivegate_models.errors import InputError
+
+if TYPE_CHECKING:
+    from drivegate.checks.check import JudgedRun
+    from drivegate.results.counterexample import Counterexample
+    from drivegate.results.document import CheckSection
 
 
 @dataclass(frozen=True)
@@ -35,7 +37,7 @@ class Focus:
                 )
         return replace(self, only=tuple(check for check in self.only if check in own))
 
-    def require_judged(self, outcomes: Iterable[CheckOutcome]) -> None:
+    def require_judged(self, outcomes: Iterable[CheckSection]) -> None:
         """Refuse to pass a candidate to which none of the named checks applies."""
         named = [outcome for outcome in outcomes if outcome.id in self.only]
         if named and all(outcome.verdict == "not applicable" for outcome in named):
@@ -46,7 +48,7 @@ class Focus:
         """Return True if a check is judged."""
         return not self.only or check in self.only
 
-    def outcomes(self, outcomes: Iterable[CheckOutcome]) -> tuple[CheckOutcome, ...]:
+    def outcomes(self, outcomes: Iterable[CheckSection]) -> tuple[CheckSection, ...]:
         """Leave out the checks that are not judged; a plant that failed is always reported."""
         return tuple(
             outcome
@@ -61,12 +63,6 @@ class Focus:
             for run in runs
             for margin in run.margins
         )
-
-    def document(self, *, stopped: bool) -> dict[str, Any] | None:
-        """Write as plain data what a result is confined to; None where it is confined to nothing."""
-        if not self.only and not stopped:
-            return None
-        return {"only": list(self.only), "stopped_at_first": stopped}
 
 
 WHOLE: Final = Focus()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
@@ -12,7 +12,7 @@ from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.recorded_trace import closeup_of, deciding_moment, thinned
 from drivegate.drives.running import recorded
-from drivegate.results.result import CheckOutcome, Recording
+from drivegate.results.document import CheckSection, RecordingSection
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.scenario import Scenario
@@ -41,17 +41,17 @@ class Recorded:
     """Lists of equal length by the name of the column."""
     windows: dict[str, tuple[float, float]]
     """By check, start and end of the stretch that it was judged on (s)."""
-    closeups: dict[str, dict[str, Any]]
+    closeups: dict[str, Any]
     """By failed check, its deciding moment as plain data."""
 
 
-def shown_scenario(outcome: CheckOutcome) -> dict[str, Any] | None:
+def shown_scenario(outcome: CheckSection) -> dict[str, Any] | None:
     """Choose the run that a report shows for a check."""
     scenario = outcome.scenario if outcome.counterexample is None else outcome.counterexample
     return None if scenario is None or scenario.get("kind") == "script" else scenario
 
 
-def recording_plans(outcomes: Iterable[CheckOutcome]) -> list[RecordPlan]:
+def recording_plans(outcomes: Iterable[CheckSection]) -> list[RecordPlan]:
     """Plan which runs are recorded: each scenario once, whatever number of checks look at it."""
     plans: list[RecordPlan] = []
     for outcome in outcomes:
@@ -91,20 +91,24 @@ def run_recorded(loaded: JudgedCandidate, plan: RecordPlan) -> Recorded:
 
 
 def with_recordings(
-    outcomes: Iterable[CheckOutcome], plans: Iterable[RecordPlan], endings: Iterable[Recorded | Fault]
-) -> tuple[tuple[CheckOutcome, ...], tuple[dict[str, list[float]], ...]]:
+    outcomes: Iterable[CheckSection], endings: Iterable[Recorded | Fault]
+) -> tuple[tuple[CheckSection, ...], tuple[dict[str, list[float]], ...]]:
     """Put what was recorded into a result."""
     traces: list[dict[str, list[float]]] = []
-    places: dict[str, Recording] = {}
-    for _, ending in zip(plans, endings, strict=False):
+    places: dict[str, RecordingSection] = {}
+    for ending in endings:
         if isinstance(ending, Recorded):
-            windows: Mapping[str, tuple[float, float]] = ending.windows
             places |= {
-                check: Recording(len(traces), *window, ending.closeups.get(check))
-                for check, window in windows.items()
+                check: RecordingSection.model_construct(
+                    trace=len(traces), start_s=start, end_s=end, closeup=ending.closeups.get(check)
+                )
+                for check, (start, end) in ending.windows.items()
             }
             traces.append(ending.columns)
-    return tuple(replace(outcome, recording=places.get(outcome.id)) for outcome in outcomes), tuple(traces)
+    recorded_outcomes = (
+        outcome.model_copy(update={"recording": places.get(outcome.id)}) for outcome in outcomes
+    )
+    return tuple(recorded_outcomes), tuple(traces)
 
 
 @dataclass(frozen=True)
@@ -118,7 +122,7 @@ class BehaviourPlan:
 
 
 def behaviour_job(
-    drive: DriveDocument, declaration: Declaration, outcomes: Iterable[CheckOutcome]
+    drive: DriveDocument, declaration: Declaration, outcomes: Iterable[CheckSection]
 ) -> Job[dict[str, Any]] | None:
     """Plan the work; None where reports show nothing of the sort, or a candidate does not follow both references."""
     if contract_of(drive).behaviour is None or len(declaration.references) == 1:

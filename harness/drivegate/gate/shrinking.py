@@ -16,7 +16,7 @@ from drivegate.contracts.parting import SEED_IN_RESET
 from drivegate.drives.running import recorded
 from drivegate.gate.plan import REPEATED
 from drivegate.gate.shard import content_key
-from drivegate.results.result import CheckOutcome, Found
+from drivegate.results.document import CheckSection, FoundSection
 from drivegate.results.verdict import considered
 from drivegate.scenarios.simplification import Simplification, simplified, size_of
 from drivegate.scenarios.title import titled
@@ -53,8 +53,6 @@ class Shrunk:
     """The check's margin on it."""
     runs: int
     """Number of runs that were spent."""
-    size: int
-    """How complicated the scenario is, by `size_of`."""
 
 
 def run_shrink(loaded: JudgedCandidate, plan: ShrinkPlan) -> Shrunk | None:
@@ -73,8 +71,7 @@ def run_shrink(loaded: JudgedCandidate, plan: ShrinkPlan) -> Shrunk | None:
     simplest, margin = _simplest(scenario, margin, trials)
     if simplest is not scenario:
         simplest = titled(simplest)
-    mapping = simplest.to_mapping()
-    return Shrunk(mapping, margin, trials.runs, size_of(mapping))
+    return Shrunk(simplest.to_mapping(), margin, trials.runs)
 
 
 class _Trials:
@@ -175,7 +172,7 @@ class FailedRun:
         return Job(run_shrink, ShrinkPlan(self.run.scenario, self.check, _BUDGET[effort], self.worst))
 
 
-def simplest_failures(outcomes: Iterable[CheckOutcome], runs: Sequence[JudgedRun]) -> list[FailedRun]:
+def simplest_failures(outcomes: Iterable[CheckSection], runs: Sequence[JudgedRun]) -> list[FailedRun]:
     """Choose for every failed check of the candidate the simplest scenario that breaks it."""
     failures = []
     for outcome in outcomes:
@@ -187,20 +184,35 @@ def simplest_failures(outcomes: Iterable[CheckOutcome], runs: Sequence[JudgedRun
 
 
 def with_simplest(
-    outcome: CheckOutcome,
+    outcomes: Iterable[CheckSection],
     failures: Iterable[FailedRun],
     shrunk: Mapping[str, Shrunk | Fault | None],
-) -> CheckOutcome:
-    """Put the simplest counterexample that was found into an outcome."""
-    failure = next((failure for failure in failures if failure.check == outcome.id), None)
-    if failure is None:
-        return outcome
+) -> tuple[CheckSection, ...]:
+    """Put the simplest counterexamples that were found into the outcomes."""
+    failed = {failure.check: failure for failure in failures}
+    return tuple(
+        _with_simplest(outcome, failed[outcome.id], shrunk) if outcome.id in failed else outcome
+        for outcome in outcomes
+    )
+
+
+def _with_simplest(
+    outcome: CheckSection, failure: FailedRun, shrunk: Mapping[str, Shrunk | Fault | None]
+) -> CheckSection:
     simpler = shrunk.get(failure.check)
     if isinstance(simpler, Shrunk):
-        found = Found(simpler.margin.value, simpler.margin.measured, simpler.size, simpler.runs)
-        return replace(outcome, counterexample=simpler.scenario, found=found)
-    scenario, measured = failure.run.scenario, failure.margin.measured
+        return shown_by(outcome, simpler.scenario, simpler.margin, simpler.runs)
+    margin = failure.margin
     if simpler is None and failure.check in shrunk:
-        measured = f"{measured}; {_GONE}"
-    found = Found(failure.margin.value, measured, size_of(scenario), 0)
-    return replace(outcome, counterexample=scenario, found=found)
+        margin = replace(margin, measured=f"{margin.measured}; {_GONE}")
+    return shown_by(outcome, failure.run.scenario, margin)
+
+
+def shown_by(
+    outcome: CheckSection, scenario: Mapping[str, Any], margin: Margin, runs: int = 0
+) -> CheckSection:
+    """Show a failure by a counterexample, which was found in a number of runs."""
+    found = FoundSection.model_construct(
+        margin=margin.value, measured=margin.measured, size=size_of(scenario), runs=runs
+    )
+    return outcome.model_copy(update={"counterexample": dict(scenario), "found": found})

@@ -19,7 +19,9 @@ from drivegate.contracts.catalogue import check_of, contract_of
 from drivegate.contracts.contract import Witness
 from drivegate.drives.running import recorded
 from drivegate.gate.plan import REPEATED
-from drivegate.results.result import CheckOutcome, Found, Witnessed
+from drivegate.gate.shrinking import shown_by
+from drivegate.results.document import CheckSection, WitnessedSection
+from drivegate.results.result import witness_in_words
 from drivegate.results.verdict import considered
 from drivegate.scenarios.simplification import size_of
 from drivegate_cases.documents.document import parse_document
@@ -50,7 +52,7 @@ class Accusation:
 class Defence:
     """A witness has met the requirement, so the accusation stands."""
 
-    witnessed: Witnessed
+    witnessed: WitnessedSection
     """What the witness did."""
     place: int
     """Which of the accusation's scenarios it was run in."""
@@ -75,7 +77,7 @@ def witnesses_on(check: str, drive: DriveDocument) -> tuple[Witness, ...]:
 
 
 def accusations(
-    outcomes: Iterable[CheckOutcome], runs: Sequence[JudgedRun], drive: DriveDocument
+    outcomes: Iterable[CheckSection], runs: Sequence[JudgedRun], drive: DriveDocument
 ) -> list[Accusation]:
     """List the failed checks that a witness can speak on: not those of a repeated run, a script or a target."""
     if not witnesses_for(drive):
@@ -92,15 +94,15 @@ def accusations(
 
 
 def _failures(
-    outcome: CheckOutcome, runs: Sequence[JudgedRun]
+    outcome: CheckSection, runs: Sequence[JudgedRun]
 ) -> tuple[tuple[Mapping[str, Any], Margin], ...]:
     """Return the counterexample, the worst run, and of the other failed runs the simplest ones."""
     failed = [(run.scenario, margin) for margin, run in considered(outcome.id, runs) if not margin.met]
     failed.sort(key=lambda failure: (failure[0] != outcome.scenario, size_of(failure[0])))
     assert outcome.counterexample is not None, "only a failed check is an accusation"
-    shrunk = outcome.found
-    if shrunk is not None:
-        margin = Margin(outcome.id, shrunk.margin, shrunk.measured)
+    found = outcome.found
+    if found is not None and found.margin is not None:
+        margin = Margin(outcome.id, found.margin, found.measured)
         failed = [(outcome.counterexample, margin), *failed]
     chosen: list[tuple[Mapping[str, Any], Margin]] = []
     for failure in failed:
@@ -122,8 +124,11 @@ def hear_witnesses(loaded: JudgedCandidate, accusation: Accusation) -> Acquittal
         for witness in heard:
             margin = _best_margin(witness, scenario, declaration, accusation.check)
             if margin is not None and margin.met:
-                witnessed = Witnessed(
-                    witness.candidate, margin.value, margin.measured, knows_plant=witness.knows_plant
+                witnessed = WitnessedSection.model_construct(
+                    name=witness.candidate,
+                    margin=margin.value,
+                    measured=margin.measured,
+                    knows_plant=witness.knows_plant,
                 )
                 return Defence(witnessed, place)
     return Acquittal(tuple(witness.candidate for witness in heard))
@@ -170,18 +175,12 @@ def judged_witness(witness: Witness, scenario: Scenario, declaration: Declaratio
 
 
 def with_witnesses(
-    outcomes: Iterable[CheckOutcome],
-    accused: Sequence[Accusation],
-    endings: Sequence[Acquittal | Defence | Fault],
+    outcomes: Iterable[CheckSection],
+    heard: Mapping[str, tuple[Accusation, Acquittal | Defence | Fault]],
     *,
     counts: bool = False,
-) -> tuple[CheckOutcome, ...]:
+) -> tuple[CheckSection, ...]:
     """Put what the witnesses did into the outcomes; a contested failure remains one where it `counts`."""
-    heard = {
-        accusation.check: (accusation, ending)
-        for accusation, ending in zip(accused, endings, strict=False)
-        if not isinstance(ending, Fault)
-    }
     return tuple(
         _with_witness(outcome, *heard[outcome.id], counts) if outcome.id in heard else outcome
         for outcome in outcomes
@@ -189,24 +188,16 @@ def with_witnesses(
 
 
 def _with_witness(
-    outcome: CheckOutcome, accusation: Accusation, ending: Acquittal | Defence, counts: bool
-) -> CheckOutcome:
+    outcome: CheckSection, accusation: Accusation, ending: Acquittal | Defence | Fault, counts: bool
+) -> CheckSection:
+    if isinstance(ending, Fault):
+        return outcome
     if isinstance(ending, Defence):
-        made = replace(
-            outcome, witness=ending.witnessed, message=f"{outcome.message}; {ending.witnessed.sentence()}"
-        )
-        return made if ending.place == 0 else _shown_by(made, *accusation.failures[ending.place])
+        message = f"{outcome.message}; {witness_in_words(dict(ending.witnessed))}"
+        made = outcome.model_copy(update={"witness": ending.witnessed, "message": message})
+        return made if ending.place == 0 else shown_by(made, *accusation.failures[ending.place])
     names = ", ".join(ending.witnesses)
     sentence = f"contested: none of {names} meets it there"
     sentence += ", but --contested fail counts it" if counts else ", so it does not count"
-    return replace(
-        outcome,
-        verdict=outcome.verdict if counts else "contested",
-        message=f"{outcome.message}; {sentence}",
-    )
-
-
-def _shown_by(outcome: CheckOutcome, scenario: Mapping[str, Any], margin: Margin) -> CheckOutcome:
-    """Show a failure by the run in which a witness meets the requirement."""
-    found = Found(margin.value, margin.measured, size_of(scenario), 0)
-    return replace(outcome, counterexample=dict(scenario), found=found)
+    verdict = outcome.verdict if counts else "contested"
+    return outcome.model_copy(update={"verdict": verdict, "message": f"{outcome.message}; {sentence}"})

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING
 
 from drivegate.contracts.catalogue import contract_of
 from drivegate.gate.events import (
@@ -20,13 +21,15 @@ from drivegate.gate.events import (
 from drivegate.isolation.layers import layers_in_words
 from drivegate.output.progress import Display
 from drivegate.output.waiting import CheckPace, compiling_in_words
-from drivegate.results.result import CheckResult
 from drivegate_models.errors import HarnessFault
 
+if TYPE_CHECKING:
+    from drivegate.results.document import ResultDocument
 
-def followed(events: Iterable[Event], display: Display) -> CheckResult | None:
+
+def followed(events: Iterable[Event], display: Display) -> ResultDocument | None:
     """Show every event, and give the result if they end with one."""
-    result: CheckResult | None = None
+    result: ResultDocument | None = None
     for event in events:
         _show(event, display)
         if isinstance(event, CheckFinished):
@@ -47,7 +50,7 @@ def _with_pace(events: Iterable[Event], display: Display, pace: CheckPace) -> It
         yield event
 
 
-def finished(events: Iterable[Event], display: Display, pace: CheckPace | None = None) -> CheckResult:
+def finished(events: Iterable[Event], display: Display, pace: CheckPace | None = None) -> ResultDocument:
     """Show every event of a check, and return its result; announce if it will take long."""
     result = followed(_with_pace(events, display, pace or CheckPace()), display)
     if result is None:

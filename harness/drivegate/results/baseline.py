@@ -11,7 +11,8 @@ from pydantic import BeforeValidator, ConfigDict, Field
 
 from drivegate.checks.check import Check
 from drivegate.results.counterexample import require_kind, resolved_scenario
-from drivegate.results.result import RESULT_SCHEMA, BaselineComparison
+from drivegate.results.document import ComparisonSection
+from drivegate.results.result import RESULT_SCHEMA
 from drivegate_cases.documents.document import Document, Section, parse_document
 from drivegate_cases.documents.reading import read_mapping
 from drivegate_cases.documents.wording import shown_path
@@ -73,7 +74,7 @@ def scenario_key(scenario: Mapping[str, Any]) -> str:
 
 def compared(
     baseline: Baseline, runs: Iterable[JudgedRun], checks: Iterable[Check]
-) -> tuple[BaselineComparison, ...]:
+) -> tuple[ComparisonSection, ...]:
     """Compare the margins of every check of the candidate with the earlier ones."""
     now: dict[str, dict[str, float]] = {}
     for run in runs:
@@ -94,25 +95,31 @@ def compared(
     return tuple(made)
 
 
-def _comparison(check: Check, changes: Sequence[float]) -> BaselineComparison:
+def _comparison(check: Check, changes: Sequence[float]) -> ComparisonSection:
     from statistics import median
 
-    pairs = len(changes)
+    pairs, p_value = len(changes), None
     change = median(changes) if changes else None
     if change is None or pairs < FEWEST_PAIRS:
+        verdict = "too few pairs"
         message = f"{pairs} scenarios have a margin in both results, but it takes {FEWEST_PAIRS} to compare"
-        return BaselineComparison(check.id, check.level, pairs, change, None, "too few pairs", message)
-    if not any(changes):
-        message = f"the margins of {pairs} scenarios are the same"
-        return BaselineComparison(check.id, check.level, pairs, change, None, "no difference", message)
-    p_value = loss_by_chance(changes)
-    lost = p_value < SIGNIFICANCE and change < -LEAST_LOSS
-    message = (
-        f"the margin changed by {change:+.3g} in the median of {pairs} scenarios (p = {p_value:.3g}); a loss "
-        f"above {LEAST_LOSS:g} with p below {SIGNIFICANCE:g} fails"
-    )
-    return BaselineComparison(
-        check.id, check.level, pairs, change, p_value, "fail" if lost else "pass", message
+    elif not any(changes):
+        verdict, message = "no difference", f"the margins of {pairs} scenarios are the same"
+    else:
+        p_value = loss_by_chance(changes)
+        verdict = "fail" if p_value < SIGNIFICANCE and change < -LEAST_LOSS else "pass"
+        message = (
+            f"the margin changed by {change:+.3g} in the median of {pairs} scenarios (p = {p_value:.3g}); a loss "
+            f"above {LEAST_LOSS:g} with p below {SIGNIFICANCE:g} fails"
+        )
+    return ComparisonSection.model_construct(
+        check=check.id,
+        level=check.level,
+        pairs=pairs,
+        median_change=change,
+        p_value=p_value,
+        verdict=verdict,
+        message=message,
     )
 
 

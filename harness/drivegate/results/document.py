@@ -1,14 +1,21 @@
-"""The result document as it is read again: every key with its type and meaning, and the schema made from that."""
+"""The result document: every key with its type and meaning, and the schema made from that.
+
+A result that is read is validated. The gate builds one with `model_construct`: its parts were checked as they were
+made, and margins that are infinite become null only when they are written.
+"""
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import AfterValidator, ConfigDict, Field
 
+from drivegate.candidates.candidate import Candidate
+from drivegate.candidates.fault import Fault
 from drivegate.contracts.recorded_trace import Closeup
 from drivegate.results.counterexample import resolved_script_or_scenario
-from drivegate.results.result import RESULT_SCHEMA
+from drivegate.results.result import RESULT_SCHEMA, content_hash, finite
 from drivegate.results.sections import BehaviourSection, EnvelopeSection
 from drivegate_cases.documents.document import Document, Section, parse_document
 from drivegate_cases.drive.drive_document import DriveDocument
@@ -44,6 +51,17 @@ class CandidateSection(Section):
     hash: Text = Field(description="hash of its sources")
     declaration: Table = Field(description="what it declares of itself")
 
+    @classmethod
+    def of(cls, candidate: Candidate) -> CandidateSection:
+        """Describe a candidate."""
+        return cls.model_construct(
+            name=candidate.name,
+            kind=candidate.kind,
+            specification=candidate.specification,
+            hash=candidate.content_hash,
+            declaration=asdict(candidate.declaration),
+        )
+
 
 class DriveSection(Section):
     """The drive that a result is of."""
@@ -58,6 +76,14 @@ class DriveSection(Section):
     document: DriveTable | None = Field(
         default=None, description="the drive, fully resolved; null in results of earlier versions"
     )
+
+    @classmethod
+    def of(cls, drive: DriveDocument, named: str | None) -> DriveSection:
+        """Describe a drive; `named` is the string that named it."""
+        table = drive.to_mapping()
+        return cls.model_construct(
+            name=drive.name, kind=drive.kind, hash=drive.values_hash, specification=named, document=table
+        )
 
 
 class FoundSection(Section):
@@ -142,6 +168,12 @@ class FaultSection(Section):
     step: int | None = Field(default=None, description="number of steps before")
     time_s: Number = Field(default=None, description="simulated time, in seconds")
     sense: Table | None = Field(default=None, description="what the candidate had sensed")
+
+    @classmethod
+    def of(cls, fault: Fault) -> FaultSection:
+        """Describe a fault."""
+        stated = asdict(fault) | {"kind": fault.kind.value}
+        return cls.model_construct(time_s=stated.pop("time"), **stated)
 
 
 class FixedSection(Section):
@@ -301,6 +333,23 @@ class ResultDocument(Document):
         default=None,
         description="signature that an earlier version made; not checked, and not part of the content hash",
     )
+
+    def written(self) -> dict[str, Any]:
+        """Write a result that the gate made as plain data, with its content hash and what its drive can do."""
+        # It brings the compiler, which reading results does not need.
+        from drivegate.drives.envelope_document import envelope_of
+
+        assert self.drive is not None
+        assert self.drive.document is not None, "only results of earlier versions have no drive"
+        drive = parse_document(self.drive.document, DriveDocument, "the drive")
+        # What jobs made is plain data already.
+        made = self.model_dump(by_alias=True, exclude={"signature"}, warnings=False)
+        content: dict[str, Any] = finite(made | {"schema": RESULT_SCHEMA, "envelope": envelope_of(drive)})
+        for fault in content["faults"]:
+            fault["time_s"] = fault.pop("time_s")
+        timing = content.pop("timing")
+        content["provenance"] |= {"content_hash": content_hash(content)}
+        return content | {"timing": timing}
 
 
 def result_schema() -> dict[str, Any]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
 from typing import Any, Final
 
 from drivegate.candidates.declaration import Declaration
@@ -13,13 +12,8 @@ from drivegate.checks.check import Check, JudgedRun
 from drivegate.checks.margin import Margin
 from drivegate.checks.target_costs import costs_in_words, on_target
 from drivegate.contracts.catalogue import all_checks, contract_of, on_drive
-from drivegate.results.result import (
-    MOST_MARGINS,
-    STALE_WAIVERS,
-    BaselineComparison,
-    CheckOutcome,
-    counted_levels,
-)
+from drivegate.results.document import CheckSection, ComparisonSection
+from drivegate.results.result import MOST_MARGINS, STALE_WAIVERS, counted_levels
 from drivegate_cases.documents.wording import counted, significant
 from drivegate_cases.drive.drive_document import DriveDocument
 
@@ -39,7 +33,7 @@ def check_outcomes(
     drive: DriveDocument,
     *,
     complete: bool,
-) -> tuple[CheckOutcome, ...]:
+) -> tuple[CheckSection, ...]:
     """Judge every check of a drive's contract over all runs."""
     own = contract_of(drive).checks()
     return tuple(
@@ -78,7 +72,7 @@ def _outcome(
     declaration: Declaration,
     drive: DriveDocument,
     complete: bool,
-) -> CheckOutcome:
+) -> CheckSection:
     reason = check.reason_not_applicable(declaration, drive)
     items = considered(check.id, runs) if reason is None else []
     if not items:
@@ -106,8 +100,8 @@ def _outcome(
     unmet = sum(not other.met for other in advised)
     if unmet and not margin.advisory:
         summary += f"; advisory: not met in {counted(unmet, 'run')} beyond what is required"
-    made = _made(check, verdict, margin, len(items), f"{margin.measured}; {summary}", run.scenario)
-    return replace(made, margins=_spread([item.value for item, _ in items]))
+    margins = _spread([item.value for item, _ in items])
+    return _made(check, verdict, margin, len(items), f"{margin.measured}; {summary}", run.scenario, margins)
 
 
 def _spread(margins: Sequence[float]) -> tuple[float, ...]:
@@ -132,8 +126,9 @@ def _made(
     runs: int,
     message: str,
     scenario: dict[str, Any] | None,
-) -> CheckOutcome:
-    return CheckOutcome(
+    margins: tuple[float, ...] = (),
+) -> CheckSection:
+    return CheckSection.model_construct(
         id=check.id,
         requirement=check.requirement,
         source=check.source,
@@ -147,13 +142,14 @@ def _made(
         message=message,
         scenario=scenario,
         counterexample=scenario if verdict == "fail" else None,
+        margins=margins,
     )
 
 
 def candidate_verdict(
-    outcomes: Sequence[CheckOutcome],
+    outcomes: Sequence[CheckSection],
     faults: Sequence[Fault],
-    baseline: Sequence[BaselineComparison] = (),
+    baseline: Sequence[ComparisonSection] = (),
     *,
     fail_on: str = "required",
 ) -> tuple[str, int]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Collection, Iterable
-from dataclasses import replace
 from datetime import UTC, date, datetime
 from pathlib import Path
 from typing import Annotated, Any, Final
@@ -12,7 +11,7 @@ from typing import Annotated, Any, Final
 from pydantic import BeforeValidator, Field
 
 from drivegate.contracts.catalogue import all_checks
-from drivegate.results.result import CheckOutcome
+from drivegate.results.document import CheckSection
 from drivegate_cases.documents.document import Document, Section, read_document
 from drivegate_cases.documents.wording import nearest, one_line, shown, shown_path
 from drivegate_models.errors import InputError
@@ -99,8 +98,8 @@ def _problems(waiver: Waiver, earlier: Iterable[Waiver], candidates: Collection[
 
 
 def under_waivers(
-    outcomes: Iterable[CheckOutcome], candidate: str, waivers: Iterable[Waiver], today: date
-) -> tuple[CheckOutcome, ...]:
+    outcomes: Iterable[CheckSection], candidate: str, waivers: Iterable[Waiver], today: date
+) -> tuple[CheckSection, ...]:
     """Apply the waivers to a candidate's outcomes."""
     own = {waiver.check: waiver for waiver in waivers if waiver.candidate == candidate}
     return tuple(
@@ -108,7 +107,7 @@ def under_waivers(
     )
 
 
-def _waived(outcome: CheckOutcome, waiver: Waiver, today: date) -> CheckOutcome:
+def _waived(outcome: CheckSection, waiver: Waiver, today: date) -> CheckSection:
     verdict, sentence = outcome.verdict, f"there is a waiver of {waiver.owner} for it"
     if outcome.verdict == "pass":
         verdict = "unexpectedly passes"
@@ -121,12 +120,8 @@ def _waived(outcome: CheckOutcome, waiver: Waiver, today: date) -> CheckOutcome:
     elif outcome.verdict == "fail":
         verdict = "waived"
         sentence = f"waived by {waiver.owner} until {waiver.expires}: {waiver.reason}"
-    return replace(
-        outcome,
-        verdict=verdict,
-        message=f"{outcome.message}; {one_line(sentence)}",
-        waiver=waiver.as_document(),
-    )
+    message = f"{outcome.message}; {one_line(sentence)}"
+    return outcome.model_copy(update={"verdict": verdict, "message": message, "waiver": waiver.as_document()})
 
 
 def _holds(waiver: Waiver, margin: float | None) -> bool:

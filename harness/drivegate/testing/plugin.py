@@ -147,12 +147,12 @@ def _planned(requested: _Request) -> tuple[Candidate, Iterator[Event]]:
     """Plan a check; bad input is refused, none of the candidate's code runs."""
     from drivegate.candidates.resolution import resolve_candidate
     from drivegate.gate.engine import check_candidate
+    from drivegate.gate.options import CheckOptions
     from drivegate.results.counterexample import read_corpus
     from drivegate.results.waivers import read_waivers
 
     candidate = resolve_candidate(requested.candidate)
-    events = check_candidate(
-        candidate,
+    options = CheckOptions(
         drive=_named_drive(requested),
         drive_named=requested.drive,
         effort=requested.effort,
@@ -160,6 +160,7 @@ def _planned(requested: _Request) -> tuple[Candidate, Iterator[Event]]:
         corpus=() if requested.corpus is None else read_corpus(requested.corpus),
         waivers=() if requested.waivers is None else read_waivers(requested.waivers, [candidate.name]),
     )
+    events = check_candidate(candidate, options)
     # The engine refuses its options before it reports that it has started, and works only afterwards.
     return candidate, chain([next(events)], events)
 
@@ -203,7 +204,7 @@ def _judge(requested: _Request, output: Path, taken: set[Path]) -> Judged:
         candidate, events = _planned(requested)
         place = _free_folder(output, candidate, requested, taken)
         with ReportFolder(place) as folder:
-            document = finished(events, Display()).document()
+            document = finished(events, Display()).written()
             write_result(document, folder.staging, {})
             folder.commit()
     except Exception as error:

@@ -18,11 +18,12 @@ from drivegate.contracts.catalogue import contract_of
 from drivegate.drives.kinds import drive_for
 from drivegate.gate.engine import check_candidate
 from drivegate.gate.events import Event
+from drivegate.gate.options import CheckOptions
 from drivegate.gate.plan import Origin, Work, planned_work
 from drivegate.gate.warm_up import compile_missing, judges_on
 from drivegate.output.event_loop import finished
 from drivegate.output.progress import progress_on
-from drivegate.results.result import CheckOutcome, CheckResult
+from drivegate.results.document import CheckSection, ResultDocument
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_lab.selftest.matrix import DesignRow, FaultRow, LeastMargin
 from drivegate_lab.selftest.subjects import CorrectDesign, FaultOnDrive, SeededFault
@@ -141,17 +142,13 @@ def _row(
 def design_check(design: CorrectDesign, seed: int, effort: SelftestEffort) -> Iterator[Event]:
     """Check a correct design as any candidate is checked."""
     name = effort.name if design.checks is None else "quick"
-    return check_candidate(
-        resolve_candidate(design.candidate),
-        drive=effort.drive,
-        effort=name,
-        seed=seed,
-        workers=effort.workers,
-        search=effort.search,
+    options = CheckOptions(
+        drive=effort.drive, effort=name, seed=seed, workers=effort.workers, search=effort.search
     )
+    return check_candidate(resolve_candidate(design.candidate), options)
 
 
-def judged_design(design: CorrectDesign, result: CheckResult) -> DesignRow:
+def judged_design(design: CorrectDesign, result: ResultDocument) -> DesignRow:
     """Return whether a whole check accuses a correct design."""
     for outcome in result.checks:
         if outcome.subject == "plant" and outcome.verdict == "fail":
@@ -181,7 +178,7 @@ def judged_design(design: CorrectDesign, result: CheckResult) -> DesignRow:
     )
 
 
-def least_margin(outcomes: Sequence[CheckOutcome]) -> LeastMargin | None:
+def least_margin(outcomes: Sequence[CheckSection]) -> LeastMargin | None:
     """Find the least margin of the required checks, without those whose margin depends on the machine."""
     judged = [
         LeastMargin(outcome.id, outcome.margin, outcome.measured or "")

@@ -11,7 +11,7 @@ from typing import Any, Final
 from drivegate.checks.margin import margin_in_words
 from drivegate.output.result_file import counterexample_name
 from drivegate.output.wording import scenario_in_short
-from drivegate.results.result import Witnessed
+from drivegate.results.result import witness_in_words
 from drivegate_reports.page.page import LONGEST_BLOCK, clean, plain_data
 
 TONES: Final = {
@@ -181,7 +181,7 @@ def _found(check: Mapping[str, Any]) -> str:
 def _witness(witness: object) -> str:
     if not isinstance(witness, Mapping) or not isinstance(witness.get("margin"), int | float):
         return ""
-    return clean(Witnessed(**witness).sentence())
+    return clean(witness_in_words(witness))
 
 
 def _spread(margins: object) -> str:

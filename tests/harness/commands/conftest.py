@@ -7,11 +7,13 @@ from typing import Any
 
 import pytest
 from tests.harness.ended import Ended, ended
+from tests.harness.made import made_outcome, made_result
 
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.gate.events import CheckFinished, CheckPlan, CheckStarted, RunDone
-from drivegate.results.result import BaselineComparison, CheckOutcome, CheckResult
+from drivegate.gate.options import CheckOptions
+from drivegate.results.document import CheckSection, ComparisonSection
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import load_scenario
 
@@ -76,19 +78,14 @@ HOSTILE = "\x1b]0;title\x07[red]markup[/red] | a_b *c* <script> & \ud800 \ufffe 
 
 def outcome(
     check: str, verdict: str, *, level: str = "required", message: str = "as measured"
-) -> CheckOutcome:
+) -> CheckSection:
     scenario = load_scenario("lock-up").to_mapping()
     applied = verdict in ("pass", "fail")
-    return CheckOutcome(
-        id=check,
-        requirement="The requirement.",
-        source="P6",
-        subject="candidate",
+    return made_outcome(
+        check,
+        verdict,
         level=level,
-        limit="the limit",
-        verdict=verdict,
         margin={"pass": 0.25, "fail": -1.5}.get(verdict),
-        measured="measured",
         runs=int(applied),
         message=message,
         scenario=scenario if applied else None,
@@ -100,18 +97,18 @@ def outcome(
 class FakeEngine:
     """Stands for the engine: answers for a candidate by its name."""
 
-    outcomes: tuple[CheckOutcome, ...] = ()
+    outcomes: tuple[CheckSection, ...] = ()
     faults: tuple[Fault, ...] = ()
     verdict: str = "pass"
     exit_code: int = 0
     error: BaseException | None = None
-    options: dict[str, Any] | None = None
-    baseline: tuple[BaselineComparison, ...] | None = None
+    options: CheckOptions | None = None
+    baseline: tuple[ComparisonSection, ...] | None = None
     corpus_runs: int = 0
     focus: dict[str, Any] | None = None
     timing: dict[str, Any] = field(default_factory=lambda: {"seconds": 1.0})
 
-    def __call__(self, candidate: Candidate, **options: Any) -> Any:
+    def __call__(self, candidate: Candidate, options: CheckOptions) -> Any:
         self.options = options
         yield CheckStarted(
             candidate.name, 2, CheckPlan(load_drive("paper-5-phase"), "default", "quick", 0, 2)
@@ -119,18 +116,15 @@ class FakeEngine:
         yield RunDone(1, 2, "a scenario", "CNV-1 +0.1")
         if self.error is not None:
             raise self.error
-        result = CheckResult(
-            candidate=candidate,
-            drive=load_drive("paper-5-phase"),
+        result = made_result(
+            candidate,
+            faults=self.faults,
             verdict=self.verdict,
             exit_code=self.exit_code,
-            seed=options["seed"],
-            effort=options["effort"],
+            seed=options.seed,
+            effort=options.effort,
             checks=self.outcomes,
-            faults=self.faults,
             runs=2,
-            infeasible=(),
-            provenance={"drivegate": "0.1.0"},
             timing=self.timing,
             corpus_runs=self.corpus_runs,
             baseline=self.baseline,

@@ -8,7 +8,8 @@ import pytest
 from tests.harness.commands.conftest import OnePage, outcome
 
 from drivegate.candidates.fault import Fault, FaultKind
-from drivegate.results.result import Witnessed
+from drivegate.gate.options import CheckOptions
+from drivegate.results.document import WitnessedSection
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_models.errors import HarnessFault, InputError
 
@@ -22,6 +23,9 @@ FILES = [
 ]
 
 
+USUAL = CheckOptions()
+
+
 def names(folder):
     return sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())
 
@@ -32,9 +36,8 @@ def test_a_pass_is_reported_and_reported(command, engine, tmp_path):
     )
     assert ended.code == 0
     requested = {"effort": "quick", "seed": 7, "workers": 1, "max_time": 9.0}
-    given = {key: value for key, value in engine.options.items() if key not in ("on_slow", "is_ended")}
-    usual = {"search": True, "fail_on": "required", "contested": "pass", "drive": None, "drive_named": None}
-    assert given == requested | usual
+    given = replace(engine.options, on_slow=None, is_ended=USUAL.is_ended)
+    assert given == replace(USUAL, **requested)
     assert "reference: pass" in ended.out
     assert "report: drivegate-report/report.html" in ended.out
     assert "a report that prints" not in ended.out
@@ -249,8 +252,10 @@ def test_a_contested_failure_is_listed_first_and_passes(command, engine, tmp_pat
 
 
 def test_a_witness_is_named_with_its_margin(command, engine):
-    witness = Witnessed("predictive-flux", 0.62, "as good as it gets", knows_plant=False)
-    engine.outcomes = (replace(outcome("CNV-1", "fail"), witness=witness),)
+    witness = WitnessedSection(
+        name="predictive-flux", margin=0.62, measured="as good as it gets", knows_plant=False
+    )
+    engine.outcomes = (outcome("CNV-1", "fail").model_copy(update={"witness": witness}),)
     engine.verdict, engine.exit_code = "fail", 1
     assert "  predictive-flux meets it there with margin +0.62\n" in command("check", "reference").out
 
@@ -258,4 +263,4 @@ def test_a_witness_is_named_with_its_margin(command, engine):
 @pytest.mark.parametrize("counts", ["pass", "fail"])
 def test_what_is_contested_counts_only_where_the_user_says_so(command, engine, counts):
     command("check", "reference", "--contested", counts)
-    assert engine.options["contested"] == counts
+    assert engine.options.contested == counts

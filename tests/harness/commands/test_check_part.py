@@ -11,7 +11,7 @@ NO_REPORT = "there is no earlier result"
 
 def test_checks_are_chosen_by_name_and_by_family(command, engine):
     assert command("check", "reference", "--only", "cnv-3,PWR", "--only", "CNV-2", "-x").code == 0
-    assert engine.options["focus"] == Focus(
+    assert engine.options.focus == Focus(
         ("PWR-1", "PWR-2", "CNV-2", "CNV-3"), ("CNV-3", "PWR", "CNV-2"), stop_at_first=True
     )
 
@@ -19,7 +19,7 @@ def test_checks_are_chosen_by_name_and_by_family(command, engine):
 def test_what_failed_last_time_is_judged_alone_and_its_counterexample_comes_first(command, failing):
     command("check", "reference", "--output", "out")
     command("check", "reference", "--output", "out", "--last-failed")
-    focus = failing.options["focus"]
+    focus = failing.options.focus
     assert focus.only == ("CNV-1",), "CUR-1 failed too, but only advises"
     assert [stored.scenario.name for stored in focus.first] == ["lock-up"]
     command("check", "reference", "--output", "out", "--last-failed", "--fail-on", "advisory")
@@ -28,7 +28,7 @@ def test_what_failed_last_time_is_judged_alone_and_its_counterexample_comes_firs
 def test_after_a_pass_nothing_is_left_out(command, engine):
     command("check", "reference", "--output", "out")
     command("check", "reference", "--output", "out", "--last-failed")
-    assert engine.options["focus"] == Focus()
+    assert engine.options.focus == Focus()
 
 
 def test_quiet_is_one_line_with_verdict_time_and_report(command, failing):

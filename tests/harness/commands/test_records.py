@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from drivegate.contracts.current.scenarios.building import steady_scenario
-from drivegate.results.result import BaselineComparison
+from drivegate.results.document import ComparisonSection
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import load_scenario
 
@@ -155,14 +155,22 @@ def shown(command, engine, failing, tmp_path):
     verdicts = ("waived", "waiver expired", "unexpectedly passes", "pass", "inconclusive")
     waiver = {"reason": "known", "owner": "Ada", "expires": "2030-01-01", "margin": -2.0}
     engine.outcomes = tuple(
-        replace(one, verdict=verdict, level="required", waiver=waiver, message=f"{verdict} by Ada")
+        one.model_copy(
+            update={
+                "verdict": verdict,
+                "level": "required",
+                "waiver": waiver,
+                "message": f"{verdict} by Ada",
+            }
+        )
         for one, verdict in zip(engine.outcomes, verdicts, strict=True)
     )
     engine.faults = ()
     engine.verdict, engine.exit_code = "waiver expired", 1
+    fallen = {"pairs": 9, "median_change": -0.2, "p_value": 0.002, "verdict": "fail"}
     engine.baseline = (
-        BaselineComparison("CNV-1", "required", 9, -0.2, 0.002, "fail", "the margin fell | much"),
-        BaselineComparison("CUR-1", "advisory", 9, -0.2, 0.002, "fail", "the margin fell"),
+        ComparisonSection(check="CNV-1", level="required", message="the margin fell | much", **fallen),
+        ComparisonSection(check="CUR-1", level="advisory", message="the margin fell", **fallen),
     )
     engine.corpus_runs = 3
     ended = command("check", "reference")
@@ -234,7 +242,7 @@ def test_bad_waivers_are_refused_before_anything_runs(refused, engine, waivers, 
 
 def test_waivers_of_one_of_several_candidates_are_fine(command, engine, waivers):
     assert command("check", "reference", "initial", "--waivers", waivers).code == 0
-    assert [waiver.candidate for waiver in engine.options["waivers"]] == ["initial"]
+    assert [waiver.candidate for waiver in engine.options.waivers] == ["initial"]
 
 
 @pytest.mark.parametrize(

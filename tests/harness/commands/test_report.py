@@ -72,7 +72,7 @@ def test_a_file_that_is_no_result(command: Any, tmp_path: Path, content: dict[st
 
 def test_advisory_checks_can_be_made_to_count(command: Any, engine: Any, tmp_path: Path) -> None:
     command("check", "reference", "--fail-on", "advisory", "--output", str(tmp_path / "report"))
-    assert engine.options["fail_on"] == "advisory"
+    assert engine.options.fail_on == "advisory"
 
 
 def test_the_example_of_a_reporter_is_found_by_its_entry_point(result: Path, tmp_path: Path) -> None:

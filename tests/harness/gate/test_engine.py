@@ -15,9 +15,10 @@ from drivegate.drives.envelope_document import envelope_of
 from drivegate.gate import engine
 from drivegate.gate.engine import check_candidate
 from drivegate.gate.events import CheckFinished, CheckStarted, Event, RunDone, Shrinking
+from drivegate.gate.options import CheckOptions
 from drivegate.output.result_file import as_json
 from drivegate.results.document import ResultDocument
-from drivegate.results.result import CheckResult, finite
+from drivegate.results.result import finite
 from drivegate.scenarios.simplification import size_of
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
@@ -25,8 +26,8 @@ from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import InputError
 
 
-def check(text: str, **options: object) -> CheckResult:
-    events = list(check_candidate(resolve_candidate(text), effort="quick", **options))  # type: ignore[arg-type]
+def check(text: str, **options: Any) -> ResultDocument:
+    events = list(check_candidate(resolve_candidate(text), CheckOptions(effort="quick", **options)))
     assert isinstance(events[0], CheckStarted)
     done = [event.done for event in events if isinstance(event, RunDone)]
     assert done == sorted(done), f"progress goes back: {done}"
@@ -54,7 +55,7 @@ def few_jobs(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("drivegate.gate.plan.EXAMPLES", {"quick": 1})
 
 
-def check_of_initial(workers: int) -> CheckResult:
+def check_of_initial(workers: int) -> ResultDocument:
     """Check the line of angles alone in a third of the fixed scenarios and in two shards of drawn ones."""
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(
@@ -72,11 +73,11 @@ def little_drawn(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture(scope="module")
-def initial() -> CheckResult:
+def initial() -> ResultDocument:
     return check_of_initial(2)
 
 
-def verdicts(result: CheckResult) -> dict[str, str]:
+def verdicts(result: ResultDocument) -> dict[str, str]:
     return {outcome.id: outcome.verdict for outcome in result.checks}
 
 
@@ -109,7 +110,7 @@ def test_the_published_search_fails_and_shows_the_lock_up(little_drawn: None) ->
     assert found["FLO-1"] == "pass", "the published search follows its own flowchart"
 
 
-def test_the_initial_angle_alone_converges_but_misses_the_optimum(initial: CheckResult) -> None:
+def test_the_initial_angle_alone_converges_but_misses_the_optimum(initial: ResultDocument) -> None:
     found = verdicts(initial)
     assert found["CNV-2"] == "fail", found
     assert found["CNV-1"] == found["CNV-3"] == found["CPW-1"] == "pass", found
@@ -117,8 +118,8 @@ def test_the_initial_angle_alone_converges_but_misses_the_optimum(initial: Check
     assert failed <= {"CNV-2", "ROB-1"}, "the template that gives the same commands waives these alone"
 
 
-def test_the_result_has_its_drive_and_what_that_can_do(initial: CheckResult) -> None:
-    document = parse_document(json.loads(as_json(initial.document())), ResultDocument, "the result")
+def test_the_result_has_its_drive_and_what_that_can_do(initial: ResultDocument) -> None:
+    document = parse_document(json.loads(as_json(initial.written())), ResultDocument, "the result")
     drive = load_drive("paper-5-phase")
     assert document.drive is not None
     assert parse_document(document.drive.document, DriveDocument, "the drive") == drive
@@ -131,10 +132,10 @@ def as_read(written: dict[str, Any]) -> dict[str, Any]:
     return written | {"points": tuple(written["points"])}
 
 
-def test_the_result_does_not_depend_on_the_number_of_workers(initial: CheckResult) -> None:
+def test_the_result_does_not_depend_on_the_number_of_workers(initial: ResultDocument) -> None:
     documents = []
     for result in (check_of_initial(1), initial):
-        document = result.document()
+        document = result.written()
         del document["timing"]
         documents.append(json.dumps(document))
     assert documents[0] == documents[1]
@@ -198,9 +199,7 @@ def test_a_check_that_is_ended_has_what_its_runs_have_shown(tmp_path: Path, few_
     ended: list[Event] = []
     events = check_candidate(
         resolve_candidate(candidate(tmp_path, "return Command(1e9, -0.02)")),
-        effort="quick",
-        workers=1,
-        is_ended=lambda: bool(ended),
+        CheckOptions(effort="quick", workers=1, is_ended=lambda: bool(ended)),
     )
     for event in events:
         if isinstance(event, RunDone):
@@ -212,7 +211,7 @@ def test_a_check_that_is_ended_has_what_its_runs_have_shown(tmp_path: Path, few_
     failed = {outcome.id: outcome for outcome in result.checks}["CMD-1"]
     assert failed.counterexample is not None
     assert result.runs == ended[0].done
-    document = json.loads(as_json(result.document()))
+    document = json.loads(as_json(result.written()))
     assert parse_document(document, ResultDocument, "the result").incomplete == "interrupted"
 
 
@@ -229,7 +228,7 @@ def test_a_drive_is_refused_once_its_kernels_are_compiled(
     monkeypatch.setattr(engine, "compile_kernels", lambda kinds, _: compiled.extend(kinds))
     monkeypatch.setattr(engine, "refuse_unreachable", refuse)
     with pytest.raises(InputError, match=re.escape(f"with {list(uncompiled)} compiled")):
-        list(check_candidate(resolve_candidate("initial"), drive=load_drive("star-3-phase")))
+        list(check_candidate(resolve_candidate("initial"), CheckOptions(drive=load_drive("star-3-phase"))))
 
 
 def test_a_drive_whose_runs_cannot_be_planned_is_refused_before_they_are(
@@ -239,9 +238,9 @@ def test_a_drive_whose_runs_cannot_be_planned_is_refused_before_they_are(
     monkeypatch.setattr(engine, "compile_kernels", lambda _, __: None)
     slow = load_drive("fan-3-phase").replaced(inertia_kg_m2=1e3)
     with pytest.raises(InputError, match="is too slow to be checked"):
-        list(check_candidate(resolve_candidate("initial"), drive=slow))
+        list(check_candidate(resolve_candidate("initial"), CheckOptions(drive=slow)))
 
 
 def test_an_unknown_effort_is_refused() -> None:
     with pytest.raises(InputError, match="must be one of quick, default, nightly"):
-        list(check_candidate(resolve_candidate("initial"), effort="heroic"))
+        list(check_candidate(resolve_candidate("initial"), CheckOptions(effort="heroic")))

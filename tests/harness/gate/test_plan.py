@@ -5,6 +5,7 @@ from typing import Any
 from drivegate.candidates.declaration import Declaration, FlowchartProfile
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.gate import engine
+from drivegate.gate.options import CheckOptions
 from drivegate.gate.plan import planned_work
 from drivegate.gate.shard import FixedRuns, JointRuns, run_joint
 from drivegate_cases.drive.drive_document import load_drive
@@ -44,7 +45,7 @@ def test_a_check_is_planned_on_the_drive_that_is_named(monkeypatch: Any) -> None
     planned: list[Any] = []
     monkeypatch.setattr(engine, "planned_work", lambda *_, **options: planned.append(options["drive"]) or [])
     for count, drive in enumerate((None, MINE), start=1):
-        events = iter(engine.check_candidate(resolve_candidate("reference"), drive=drive))
+        events = iter(engine.check_candidate(resolve_candidate("reference"), CheckOptions(drive=drive)))
         # A check first tells that it has started and, with a cold cache, that it compiles.
         while len(planned) < count:
             next(events)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+from tests.harness.made import made_outcome
 
 from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.candidates.resolution import resolve_candidate
@@ -21,28 +21,13 @@ from drivegate.gate.recording import (
     recording_plans,
     with_recordings,
 )
-from drivegate.results.result import CheckOutcome, Recording
+from drivegate.results.document import CheckSection, RecordingSection
 from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.loop.observation import TRACE_RECORD
 
 
-def outcome(check: str, scenario: dict[str, Any] | None, **changes: Any) -> CheckOutcome:
-    made = CheckOutcome(
-        id=check,
-        requirement="The requirement.",
-        source="P6",
-        subject="candidate",
-        level="required",
-        limit="the limit",
-        verdict="pass",
-        margin=0.5,
-        measured="measured",
-        runs=1,
-        message="as measured",
-        scenario=scenario,
-        counterexample=None,
-    )
-    return replace(made, **changes)
+def outcome(check: str, scenario: dict[str, Any] | None, **changes: Any) -> CheckSection:
+    return made_outcome(check, "pass", margin=0.5, scenario=scenario, **changes)
 
 
 def test_means_over_equal_stretches_are_kept() -> None:
@@ -90,14 +75,14 @@ def test_a_run_is_recorded_with_the_stretch_that_was_judged() -> None:
     start, end = ended.windows["CNV-1"]
     assert 6.0 < start < end == 20.0, "only what follows on the time to converge is judged"
     assert ended.columns["speed_rpm"][-1] == pytest.approx(1264.0, abs=1.0), "it locks up"
-    outcomes, traces = with_recordings(
-        (outcome("CNV-1", scenario), outcome("PWR-1", scenario)), [plan], [ended]
-    )
+    outcomes, traces = with_recordings((outcome("CNV-1", scenario), outcome("PWR-1", scenario)), [ended])
     assert list(ended.closeups) == ["CNV-1"], "of a whole run there is nothing to zoom in on"
     closeup = ended.closeups["CNV-1"]
     assert closeup["moment"]["start_s"] == start
     assert 2.0 < closeup["columns"]["time_s"][0] < start, "with what leads to it"
-    assert outcomes[0].recording == Recording(0, start, end, closeup)
+    assert outcomes[0].recording == RecordingSection.model_construct(
+        trace=0, start_s=start, end_s=end, closeup=closeup
+    )
     assert outcomes[1].recording is None
     assert traces == (ended.columns,)
 
@@ -105,8 +90,6 @@ def test_a_run_is_recorded_with_the_stretch_that_was_judged() -> None:
 def test_a_fault_leaves_a_check_without_recording() -> None:
     scenario = load_scenario("lock-up").to_mapping()
     fault = Fault(FaultKind.EXCEPTION, "it raised", "step")
-    outcomes, traces = with_recordings(
-        (outcome("CNV-1", scenario),), [RecordPlan(scenario, ("CNV-1",))], [fault]
-    )
+    outcomes, traces = with_recordings((outcome("CNV-1", scenario),), [fault])
     assert outcomes[0].recording is None
     assert traces == ()

@@ -7,6 +7,7 @@ import pytest
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.gate.engine import check_candidate
 from drivegate.gate.focus import Focus
+from drivegate.gate.options import CheckOptions
 from drivegate.results.baseline import Baseline
 from drivegate.results.counterexample import Counterexample
 from drivegate.results.waivers import WaiverFile
@@ -55,7 +56,7 @@ def waivers(drive: str | None) -> Any:
 
 
 def begun(drive: DriveDocument, **records: Any) -> None:
-    next(iter(check_candidate(resolve_candidate("reference"), drive=drive, **records)))
+    next(iter(check_candidate(resolve_candidate("reference"), CheckOptions(drive=drive, **records))))
 
 
 @pytest.mark.parametrize(
@@ -87,4 +88,4 @@ def test_a_drive_is_known_by_its_values_and_not_by_its_name() -> None:
 
 
 def test_a_waiver_of_another_candidate_is_left_alone() -> None:
-    next(iter(check_candidate(resolve_candidate("initial"), drive=MINE, waivers=waivers(None))))
+    next(iter(check_candidate(resolve_candidate("initial"), CheckOptions(drive=MINE, waivers=waivers(None)))))

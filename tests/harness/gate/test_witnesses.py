@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import pytest
+from tests.harness.made import made_outcome
 
 from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.candidates.resolution import resolve_candidate
@@ -25,7 +25,8 @@ from drivegate.gate.witnesses import (
     hear_witnesses,
     with_witnesses,
 )
-from drivegate.results.result import CheckOutcome, Found, Witnessed
+from drivegate.results.document import FoundSection, WitnessedSection
+from drivegate.results.result import witness_in_words
 from drivegate.results.verdict import candidate_verdict
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.scenario.scenario import load_scenario
@@ -34,24 +35,18 @@ PAPER = load_drive("paper-5-phase")
 LOCK_UP = load_scenario("lock-up").to_mapping()
 SHRUNK = LOCK_UP | {"duration_s": 12.0}
 MARGIN = Margin("CNV-1", -2.0, "speed error 15 rpm")
-OUTCOME = CheckOutcome(
-    id="CNV-1",
-    requirement="",
-    source="",
-    subject="candidate",
-    level="required",
-    limit="",
-    verdict="fail",
+OUTCOME = made_outcome(
+    "CNV-1",
+    "fail",
     margin=-2.0,
     measured=MARGIN.measured,
-    runs=1,
     message="speed error 15 rpm; fails in 1 of 1 runs: lock-up",
     scenario=LOCK_UP,
     counterexample=SHRUNK,
-    found=Found(-1.0, "speed error 10 rpm", 3, 5),
+    found=FoundSection(margin=-1.0, measured="speed error 10 rpm", size=3, runs=5),
 )
 RUNS = [JudgedRun(LOCK_UP, (MARGIN,))]
-WITNESSED = Witnessed("reference", 0.62, "speed error 2 rpm", knows_plant=False)
+WITNESSED = WitnessedSection(name="reference", margin=0.62, measured="speed error 2 rpm", knows_plant=False)
 
 
 def scenarios(accusation: Accusation) -> list[Any]:
@@ -83,12 +78,12 @@ def test_no_more_than_a_few_scenarios_are_heard() -> None:
     ],
 )
 def test_what_no_witness_can_speak_on_is_not_heard(changes: dict[str, Any]) -> None:
-    assert not accusations([replace(OUTCOME, **changes)], RUNS, PAPER)
+    assert not accusations([OUTCOME.model_copy(update=changes)], RUNS, PAPER)
 
 
 def test_a_failure_stands_where_a_witness_meets_the_requirement() -> None:
-    accused = accusations([OUTCOME], RUNS, PAPER)
-    (outcome,) = with_witnesses([OUTCOME], accused, [Defence(WITNESSED, 0)])
+    (accused,) = accusations([OUTCOME], RUNS, PAPER)
+    (outcome,) = with_witnesses([OUTCOME], {"CNV-1": (accused, Defence(WITNESSED, 0))})
     assert outcome.verdict == "fail"
     assert outcome.witness == WITNESSED
     assert outcome.counterexample == SHRUNK
@@ -97,36 +92,37 @@ def test_a_failure_stands_where_a_witness_meets_the_requirement() -> None:
 
 
 def test_the_counterexample_becomes_the_run_that_has_a_witness() -> None:
-    accused = accusations([OUTCOME], RUNS, PAPER)
-    (outcome,) = with_witnesses([OUTCOME], accused, [Defence(WITNESSED, 1)])
+    (accused,) = accusations([OUTCOME], RUNS, PAPER)
+    (outcome,) = with_witnesses([OUTCOME], {"CNV-1": (accused, Defence(WITNESSED, 1))})
     assert outcome.counterexample == LOCK_UP
     assert outcome.found is not None
     assert (outcome.found.margin, outcome.found.measured) == (-2.0, "speed error 15 rpm")
 
 
 def test_what_no_witness_meets_is_contested_and_does_not_count() -> None:
-    accused = accusations([OUTCOME], RUNS, PAPER)
+    (accused,) = accusations([OUTCOME], RUNS, PAPER)
     acquittal = Acquittal(("reference", "informed"))
-    (outcome,) = with_witnesses([OUTCOME], accused, [acquittal])
+    (outcome,) = with_witnesses([OUTCOME], {"CNV-1": (accused, acquittal)})
     assert outcome.verdict == "contested"
     assert outcome.witness is None
     assert "none of reference, informed meets it there, so it does not count" in outcome.message
     assert candidate_verdict([outcome], []) == ("contested", 0)
-    other = replace(OUTCOME, id="CNV-2")
+    other = OUTCOME.model_copy(update={"id": "CNV-2"})
     assert candidate_verdict([outcome, other], []) == ("fail", 1), "another failure counts all the same"
 
 
 def test_a_contested_failure_counts_where_the_user_wants_it_to() -> None:
-    accused = accusations([OUTCOME], RUNS, PAPER)
-    (outcome,) = with_witnesses([OUTCOME], accused, [Acquittal(("reference",))], counts=True)
+    (accused,) = accusations([OUTCOME], RUNS, PAPER)
+    acquittal = Acquittal(("reference",))
+    (outcome,) = with_witnesses([OUTCOME], {"CNV-1": (accused, acquittal)}, counts=True)
     assert outcome.verdict == "fail"
     assert "--contested fail counts it" in outcome.message
 
 
 def test_a_witness_that_was_not_heard_changes_nothing() -> None:
-    accused = accusations([OUTCOME], RUNS, PAPER)
+    (accused,) = accusations([OUTCOME], RUNS, PAPER)
     fault = Fault(FaultKind.CRASH, "it ended", "step")
-    assert with_witnesses([OUTCOME], accused, [fault]) == (OUTCOME,)
+    assert with_witnesses([OUTCOME], {"CNV-1": (accused, fault)}) == (OUTCOME,)
 
 
 def test_the_reference_meets_what_the_published_search_does_not_in_the_same_scenario() -> None:
@@ -158,7 +154,7 @@ def test_the_informed_witness_meets_what_only_a_plant_that_is_known_allows(
         ending = hear_witnesses(accused, Accusation(check, ((scenario, MARGIN),)))
         assert isinstance(ending, Defence), check
         assert ending.witnessed.knows_plant
-        assert ending.witnessed.sentence().startswith(
+        assert witness_in_words(dict(ending.witnessed)).startswith(
             "informed, which knows more than its nameplate, meets it"
         )
 

@@ -11,7 +11,7 @@ from drivegate.checks.margin import Margin
 from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.gate.plan import Origin, planned_work
 from drivegate.results.baseline import Baseline, compared, loss_by_chance, read_baseline
-from drivegate.results.result import BaselineComparison
+from drivegate.results.document import ComparisonSection
 from drivegate.results.verdict import candidate_verdict
 from drivegate_cases.scenario.scenario import Scenario, load_scenario
 from drivegate_models.errors import InputError
@@ -40,7 +40,7 @@ def read(folder: Path, document: Any) -> Baseline:
 
 def comparison(
     folder: Path, then: list[float | None], now: list[float], check: str = "CNV-2"
-) -> BaselineComparison:
+) -> ComparisonSection:
     runs = [
         JudgedRun(scenario(number).to_mapping(), (Margin(check, margin, "as measured"),))
         for number, margin in enumerate(now)

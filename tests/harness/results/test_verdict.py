@@ -10,7 +10,8 @@ from drivegate.checks.check import JudgedRun
 from drivegate.checks.margin import Margin
 from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.gate.shrinking import Shrunk, simplest_failures, with_simplest
-from drivegate.results.result import MOST_MARGINS, CheckOutcome
+from drivegate.results.document import CheckSection
+from drivegate.results.result import MOST_MARGINS
 from drivegate.results.verdict import candidate_verdict, check_outcomes, machine_dependent
 from drivegate.scenarios.simplification import size_of
 from drivegate_cases.scenario.scenario import load_scenario
@@ -26,7 +27,7 @@ def run(name: str, *margins: Margin, **changes: Any) -> JudgedRun:
 
 def judged(
     check: str, *runs: JudgedRun, complete: bool = True, declaration: Declaration | None = None
-) -> CheckOutcome:
+) -> CheckSection:
     outcomes = check_outcomes(
         runs, declaration or Declaration(estimates_power=True), DRIVE, complete=complete
     )
@@ -87,15 +88,15 @@ def test_the_simplest_failure_becomes_the_counterexample() -> None:
     (failure,) = simplest_failures([outcome], [hard, easy, met])
     assert failure.run is easy
     assert failure.job("quick").payload.worst == -9.0, "no simpler one is worse than the check is reported"
-    kept = with_simplest(outcome, [failure], {"CNV-1": None})
+    (kept,) = with_simplest([outcome], [failure], {"CNV-1": None})
     assert (kept.scenario, kept.counterexample) == (hard.scenario, easy.scenario)
     assert kept.found is not None
     assert (kept.found.margin, kept.found.runs) == (-0.1, 0)
-    shrunk = Shrunk(met.scenario, Margin("CNV-1", -0.05, "less"), 7, 3)
-    simpler = with_simplest(outcome, [failure], {"CNV-1": shrunk})
+    shrunk = Shrunk(met.scenario, Margin("CNV-1", -0.05, "less"), 7)
+    (simpler,) = with_simplest([outcome], [failure], {"CNV-1": shrunk})
     assert simpler.counterexample == met.scenario
     assert simpler.found is not None
-    assert (simpler.found.margin, simpler.found.size, simpler.found.runs) == (-0.05, 3, 7)
+    assert (simpler.found.margin, simpler.found.size, simpler.found.runs) == (-0.05, size_of(met.scenario), 7)
 
 
 def test_margins_go_from_the_least_to_the_greatest_whatever_the_order_of_the_runs() -> None:

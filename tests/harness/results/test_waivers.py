@@ -5,9 +5,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.harness.made import made_outcome
 
 from drivegate.candidates.fault import Fault, FaultKind
-from drivegate.results.result import CheckOutcome
+from drivegate.results.document import CheckSection
 from drivegate.results.verdict import candidate_verdict
 from drivegate.results.waivers import Waiver, present_day, read_waivers, under_waivers
 from drivegate_models.errors import InputError
@@ -29,10 +30,8 @@ def waiver(**changes: Any) -> Waiver:
 
 def outcome(
     verdict: str, margin: float | None, level: str = "required", check: str = "CNV-2"
-) -> CheckOutcome:
-    return CheckOutcome(
-        check, "It converges.", "P6", "candidate", level, "2 %", verdict, margin, "3 %", 4, "3 %", None, None
-    )
+) -> CheckSection:
+    return made_outcome(check, verdict, margin=margin, level=level, message="3 %")
 
 
 def judged(verdict: str, margin: float | None, one: Waiver, level: str = "required") -> tuple[str, str, int]:

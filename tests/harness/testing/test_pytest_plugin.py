@@ -13,13 +13,15 @@ from typing import Any
 
 import pytest
 import scipy.optimize  # noqa: F401  (what a run of pytester imports is forgotten, and numpy cannot be imported twice)
+from tests.harness.made import made_outcome, made_result
 
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.gate import engine as real_engine
 from drivegate.gate.events import CheckFinished, CheckStarted, Event
-from drivegate.results.result import CheckOutcome, CheckResult
+from drivegate.gate.options import CheckOptions
+from drivegate.results.document import CheckSection
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.errors import HarnessFault, InputError
@@ -45,17 +47,17 @@ class Raising:
 """
 
 
-def outcome(check: Any, verdict: str) -> CheckOutcome:
+def outcome(check: Any, verdict: str) -> CheckSection:
     applied = verdict in ("pass", "fail")
     scenario = load_scenario("lock-up").to_mapping() if applied else None
-    return CheckOutcome(
-        id=check.id,
+    return made_outcome(
+        check.id,
+        verdict,
         requirement=check.requirement,
         source=check.source,
         subject=check.subject,
         level=check.level,
         limit=check.limit,
-        verdict=verdict,
         margin={"pass": 0.25, "fail": -1.5}.get(verdict),
         measured="as measured",
         runs=int(applied),
@@ -73,29 +75,24 @@ class FakeEngine:
     faults: tuple[Fault, ...] = ()
     error: Exception | None = None
     calls: list[tuple[str, str, int]] = field(default_factory=list)
-    records: list[dict[str, Any]] = field(default_factory=list)
+    records: list[CheckOptions] = field(default_factory=list)
 
-    def __call__(self, candidate: Candidate, *, effort: str, seed: int, **records: Any) -> Iterator[Event]:
+    def __call__(self, candidate: Candidate, options: CheckOptions) -> Iterator[Event]:
         yield CheckStarted(candidate.name, 1)
-        self.calls.append((candidate.specification, effort, seed))
-        self.records.append(records)
+        self.calls.append((candidate.specification, options.effort, options.seed))
+        self.records.append(options)
         if self.error is not None:
             raise self.error
         checks = tuple(outcome(check, self.verdicts.get(check.id, "pass")) for check in CHECKS)
         verdict = "fail" if "fail" in self.verdicts.values() else "pass"
-        result = CheckResult(
-            candidate=candidate,
-            drive=load_drive("paper-5-phase"),
+        result = made_result(
+            candidate,
+            faults=self.faults,
             verdict=verdict,
             exit_code=int(verdict != "pass"),
-            seed=seed,
-            effort=effort,
+            seed=options.seed,
+            effort=options.effort,
             checks=checks,
-            faults=self.faults,
-            runs=1,
-            infeasible=(),
-            provenance={"drivegate": "0.1.0"},
-            timing={"seconds": 1.0},
         )
         yield CheckFinished(result)
 

@@ -15,7 +15,8 @@ from drivegate.contracts.duty.scenarios.building import (
 from drivegate.gate.engine import check_candidate
 from drivegate.gate.events import CheckFinished, RunDone
 from drivegate.gate.focus import Focus
-from drivegate.results.result import CheckResult
+from drivegate.gate.options import CheckOptions
+from drivegate.results.document import ResultDocument
 from drivegate.scenarios.changes import with_real_sensors, with_scales
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
@@ -52,10 +53,11 @@ def few_runs(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("drivegate.gate.plan.EXAMPLES", {"quick": 2})
 
 
-def check(candidate: str, only: tuple[str, ...] = ()) -> tuple[CheckResult, list[RunDone]]:
+def check(candidate: str, only: tuple[str, ...] = ()) -> tuple[ResultDocument, list[RunDone]]:
     events = list(
         check_candidate(
-            resolve_candidate(candidate), drive=INTERIOR, effort="quick", workers=1, focus=Focus(only)
+            resolve_candidate(candidate),
+            CheckOptions(drive=INTERIOR, effort="quick", workers=1, focus=Focus(only)),
         )
     )
     assert isinstance(events[-1], CheckFinished)

@@ -32,6 +32,7 @@ from drivegate.drives.running import recorded
 from drivegate.gate.engine import check_candidate
 from drivegate.gate.events import CheckFinished
 from drivegate.gate.focus import Focus
+from drivegate.gate.options import CheckOptions
 from drivegate.gate.shard import FixedRuns, run_fixed
 from drivegate.scenarios.facts import facts_of
 from drivegate.scenarios.rotation import mirrored
@@ -216,10 +217,11 @@ def test_a_faulty_controller_is_caught_through_hall_switches_alone(name: str) ->
 def test_a_fault_is_made_simple_recorded_and_told_on_the_page() -> None:
     focus = Focus(only=("FWK-2",), stop_at_first=True)
     events = check_candidate(
-        resolve_candidate("faulty:stuck-weakening"), drive=INTERIOR, effort="quick", workers=1, focus=focus
+        resolve_candidate("faulty:stuck-weakening"),
+        CheckOptions(drive=INTERIOR, effort="quick", workers=1, focus=focus),
     )
     finished = next(event for event in events if isinstance(event, CheckFinished))
-    document = finished.result.document()
+    document = finished.result.written()
     (failed,) = document["checks"]
     assert (failed["id"], failed["verdict"], document["exit_code"]) == ("FWK-2", "fail", 1)
     assert len(facts_of(failed["counterexample"])) <= 3

@@ -4,11 +4,11 @@ import io
 from dataclasses import replace
 
 import pytest
+from tests.harness.made import made_outcome, made_result
 
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.output.console import console_for
-from drivegate.results.result import CheckOutcome, CheckResult
-from drivegate_cases.drive.drive_document import load_drive
+from drivegate.results.document import CheckSection, ResultDocument
 from drivegate_lab.selftest.display import show_matrix
 from drivegate_lab.selftest.matrix import DesignRow, FaultRow, LeastMargin, Matrix, detection_by_kind
 from drivegate_lab.selftest.run import judged_design
@@ -131,27 +131,12 @@ def test_the_document_tells_the_slowest_catch() -> None:
     assert [seed["seed"] for seed in fault["seeds"]] == [0, 1]
 
 
-def outcome(check: str, verdict: str, level: str = "required") -> CheckOutcome:
-    return CheckOutcome(
-        check, "", "", "candidate", level, "", verdict, -1.0, "", 1, f"{check} {verdict}", None, None
-    )
+def outcome(check: str, verdict: str, level: str = "required") -> CheckSection:
+    return made_outcome(check, verdict, level=level, margin=-1.0, message=f"{check} {verdict}")
 
 
-def result(verdict: str, code: int, *checks: CheckOutcome) -> CheckResult:
-    return CheckResult(
-        resolve_candidate("reference"),
-        load_drive("paper-5-phase"),
-        verdict,
-        code,
-        4,
-        "quick",
-        checks,
-        (),
-        1,
-        0,
-        {},
-        {},
-    )
+def result(verdict: str, code: int, *checks: CheckSection) -> ResultDocument:
+    return made_result(resolve_candidate("reference"), verdict=verdict, exit_code=code, seed=4, checks=checks)
 
 
 @pytest.mark.parametrize(

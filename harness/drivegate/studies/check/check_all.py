@@ -9,13 +9,14 @@ import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from copy import deepcopy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import FrameType
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.gate.events import Event, Running
+from drivegate.gate.options import CheckOptions
 from drivegate.output.event_loop import finished
 from drivegate.output.progress import progress_on
 from drivegate.output.report_folder import ReportFolder
@@ -31,30 +32,9 @@ from drivegate_models.errors import HarnessFault, InputError
 
 if TYPE_CHECKING:
     from drivegate.output.report_writers import LoadWriter
-    from drivegate_cases.drive.drive_document import DriveDocument
 
 
 _Result = TypeVar("_Result")
-
-
-@dataclass(frozen=True)
-class Effort:
-    """How much is searched, and with what."""
-
-    name: str = "default"
-    """``quick``, ``default`` or ``nightly``."""
-    seed: int = 0
-    """Seed of the search."""
-    workers: int | None = None
-    """Number of processes; None for as many as there are processors."""
-    max_time: float | None = None
-    """Time after which no more work is begun (s)."""
-    search: bool = True
-    """Whether the search climbs toward small margins."""
-    fail_on: str = "required"
-    """``required``, or ``advisory`` where advisory checks count like required ones."""
-    contested: str = "pass"
-    """``fail`` where failures count that no known good controller avoids in the same scenario, else ``pass``."""
 
 
 @dataclass(frozen=True)
@@ -72,19 +52,16 @@ class Records:
 def check_all(
     specifications: Sequence[str],
     output: Path,
-    effort: Effort,
+    options: CheckOptions,
     records: Records = Records(),
     part: Part = WHOLE_CHECK,
     *,
-    drive: DriveDocument | None = None,
-    drive_named: str | None = None,
     quiet: bool = False,
     show: Callable[[list[Checked]], None] = lambda _: None,
 ) -> list[Checked]:
     """Check candidates and write their reports; nothing is written where there is no result.
 
-    Each is checked on the drive that is given, else on the one that its manifest names, else on the default. `show`
-    gets the verdicts when the results are stored, before the pages are written.
+    `show` gets the verdicts when the results are stored, before the pages are written.
     """
     all_checked = []
     with progress_on(None if quiet else sys.stderr) as display:
@@ -94,10 +71,11 @@ def check_all(
     if all(checked.candidate is None for checked in all_checked):
         show(all_checked)
         return all_checked
-    options = _options(effort, records, [_name(checked) for checked in all_checked])
-    options |= {"drive": drive, "drive_named": drive_named}
+    options = _with_records(options, records, [_name(checked) for checked in all_checked])
     if part != WHOLE_CHECK:
-        options["focus"] = focus_of(part, [checked.candidate for checked in all_checked], output)
+        options = replace(
+            options, focus=focus_of(part, [checked.candidate for checked in all_checked], output)
+        )
     taken: set[str] = set()
     writers = page_formats()
     preparation = Preparation(writers)
@@ -197,36 +175,27 @@ def _name(checked: Checked) -> str:
     return checked.specification if checked.candidate is None else checked.candidate.name
 
 
-def _options(effort: Effort, records: Records, names: Sequence[str]) -> dict[str, Any]:
-    """Read the records, and give what the engine takes."""
-    options: dict[str, Any] = {
-        "effort": effort.name,
-        "seed": effort.seed,
-        "workers": effort.workers,
-        "max_time": effort.max_time,
-        "search": effort.search,
-        "fail_on": effort.fail_on,
-        "contested": effort.contested,
-    }
+def _with_records(options: CheckOptions, records: Records, names: Sequence[str]) -> CheckOptions:
+    """Read the records into the options."""
     if records.corpus is not None:
         from drivegate.results.counterexample import read_corpus
 
-        options["corpus"] = read_corpus(records.corpus)
+        options = replace(options, corpus=read_corpus(records.corpus))
     if records.waivers is not None:
         from drivegate.results.waivers import read_waivers
 
-        options["waivers"] = read_waivers(records.waivers, names)
+        options = replace(options, waivers=read_waivers(records.waivers, names))
     if records.baseline is not None:
         from drivegate.results.baseline import read_baseline
 
-        options["baseline"] = read_baseline(records.baseline)
+        options = replace(options, baseline=read_baseline(records.baseline))
     return options
 
 
 def _check(
     checked: Checked,
     staging: Path,
-    options: dict[str, Any],
+    options: CheckOptions,
     preparation: Preparation,
     ending: Termination,
     *,
@@ -244,14 +213,14 @@ def _check(
             from drivegate.gate.engine import check_candidate
 
             pace = CheckPace()
-            events = check_candidate(
-                candidate,
+            followed_options = replace(
+                options,
                 on_slow=lambda run: display.announce(pace.slow_run_in_words(run)),
                 is_ended=ending.is_requested,
-                **options,
             )
+            events = check_candidate(candidate, followed_options)
             followed = ending.following(preparation.following(events))
-            checked.document = finished(followed, display, pace).document()
+            checked.document = finished(followed, display, pace).written()
             # Announced here, so that the verdict is the last line of a log.
             display.phase("writing the report")
             staging.mkdir(exist_ok=True)

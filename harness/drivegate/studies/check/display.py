@@ -18,7 +18,7 @@ from drivegate.output.wording import (
     runs_in_short,
     scenario_in_short,
 )
-from drivegate.results.result import Witnessed, counted_levels
+from drivegate.results.result import counted_levels, witness_in_words
 from drivegate.scenarios.facts import facts_in_short
 
 if TYPE_CHECKING:
@@ -99,7 +99,7 @@ def _show_counterexample(
     measured = check["measured"] if check["found"] is None else check["found"]["measured"]
     console.print(plain(f"  measured {measured}; limit {check['limit']}"))
     if check.get("witness") is not None:
-        console.print(plain(f"  {Witnessed(**check['witness']).sentence()}"))
+        console.print(plain(f"  {witness_in_words(check['witness'])}"))
     console.print(plain(f"  in {scenario_in_short(check['counterexample'])}"))
     console.print(plain(f"  facts {facts_in_short(check['counterexample'])}"))
     for sentence in account_of(document, check):

@@ -8,13 +8,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from drivegate.candidates.candidate import Candidate
+from drivegate.gate.focus import Focus, is_called
 from drivegate.output.result_file import RESULT_FILE, counterexamples
 from drivegate.results.result import counted_levels
 from drivegate_cases.documents.wording import nearest, one_line, shown_path
 from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
-    from drivegate.gate.focus import Focus
     from drivegate.results.counterexample import Counterexample
 
 
@@ -36,8 +36,6 @@ WHOLE_CHECK: Final = Part()
 
 def focus_of(part: Part, candidates: Sequence[Candidate | None], output: Path) -> Focus:
     """Find the checks that are requested, and what failed in the last report of a folder."""
-    from drivegate.gate.focus import Focus
-
     named = _named(part.only)
     only = _chosen(named)
     first: tuple[Counterexample, ...] = ()
@@ -53,7 +51,6 @@ def focus_of(part: Part, candidates: Sequence[Candidate | None], output: Path) -
 def _named(words: Iterable[str]) -> tuple[str, ...]:
     """Read names of checks and families, and refuse those that no contract has."""
     from drivegate.contracts.catalogue import all_checks
-    from drivegate.gate.focus import is_called
 
     known = list(all_checks())
     named = tuple(word.strip().upper() for listed in words for word in listed.split(",") if word.strip())
@@ -71,7 +68,6 @@ def _named(words: Iterable[str]) -> tuple[str, ...]:
 def _chosen(named: Iterable[str]) -> tuple[str, ...]:
     """Find the checks of any contract that are named, in the order of the catalogue."""
     from drivegate.contracts.catalogue import all_checks
-    from drivegate.gate.focus import is_called
 
     return tuple(check for check in all_checks() if any(is_called(check, name) for name in named))
 

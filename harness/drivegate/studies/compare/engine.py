@@ -19,7 +19,7 @@ from drivegate.drives.running import recorded
 from drivegate.gate.events import CheckStarted, Compiling, Event, RunDone
 from drivegate.gate.plan import Origin, Work, planned_work
 from drivegate.gate.warm_up import compile_kernels, judges_on, uncompiled_kinds
-from drivegate.results.result import CheckOutcome
+from drivegate.results.document import CheckSection
 from drivegate.results.verdict import check_outcomes
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.scenario import Scenario
@@ -54,7 +54,7 @@ class Compared:
     """The candidate's faults."""
     complete: bool = True
     """Whether every planned run was made."""
-    outcomes: tuple[CheckOutcome, ...] | None = None
+    outcomes: tuple[CheckSection, ...] | None = None
     """Outcomes of the checks; None where they were not made."""
     timing: Row = field(default_factory=dict)
     """Numbers that depend on the machine."""

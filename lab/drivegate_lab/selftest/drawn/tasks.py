@@ -12,7 +12,7 @@ from drivegate.contracts.catalogue import contract_of
 from drivegate.drives.kinds import drive_for
 from drivegate.output.event_loop import finished
 from drivegate.output.progress import Display
-from drivegate.results.result import CheckOutcome, CheckResult
+from drivegate.results.document import CheckSection, ResultDocument
 from drivegate.scenarios.facts import facts_in_short
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_lab.selftest.matrix import FaultRow
@@ -126,7 +126,7 @@ class GateRow:
     seed: int
     """Seed of the search."""
     verdict: str
-    """As in `drivegate.results.result.CheckResult`, or ``refused`` where the drive cannot be judged on."""
+    """As in `drivegate.results.document.ResultDocument`, or ``refused`` where the drive cannot be judged on."""
     passed: bool
     """Whether the candidate passes."""
     runs: int = 0
@@ -141,7 +141,7 @@ class GateRow:
         return asdict(self)
 
 
-def _gate_row(result: CheckResult) -> GateRow:
+def _gate_row(result: ResultDocument) -> GateRow:
     """Take from a whole check what is kept of it."""
     return GateRow(
         seed=result.seed,
@@ -158,7 +158,7 @@ def row_from(document: Mapping[str, Any]) -> GateRow:
     return GateRow(**{**document, "failed": tuple(FailedCheck(**check) for check in document["failed"])})
 
 
-def _failed(outcomes: Sequence[CheckOutcome]) -> list[FailedCheck]:
+def _failed(outcomes: Sequence[CheckSection]) -> list[FailedCheck]:
     return [
         FailedCheck(
             check=outcome.id,

@@ -14,6 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from tests.harness.containment.test_hostile_fuzz import DRAWN_ONCE, assert_a_verdict
+from tests.harness.made import made_result
 
 from drivegate.candidates.declaration import NOTHING_DECLARED
 from drivegate.candidates.fault import CandidateFault, Fault
@@ -27,7 +28,6 @@ from drivegate.gate.recording import behaviour_job, recording_job, recording_pla
 from drivegate.gate.shard import FixedRuns, run_fixed
 from drivegate.output.result_reports import all_formats, read_result, write_result
 from drivegate.results.provenance import provenance
-from drivegate.results.result import CheckResult
 from drivegate.results.verdict import candidate_verdict, check_outcomes
 from drivegate_cases.drive.drive_document import drive_names, load_drive
 from drivegate_models.contract.duty.records import DUTY_COMMAND
@@ -128,13 +128,22 @@ def test_any_commands_of_duty_ratios_get_a_verdict_and_a_report(
     outcomes = check_outcomes(runs, NOTHING_DECLARED, document, complete=not faults)
     plans = recording_plans(outcomes)
     jobs = [recording_job(plan) for plan in plans]
-    outcomes, traces = with_recordings(outcomes, plans, [job.target(loaded, job.payload) for job in jobs])
+    outcomes, traces = with_recordings(outcomes, [job.target(loaded, job.payload) for job in jobs])
     verdict, exit_code = candidate_verdict(outcomes, faults)
-    result = CheckResult(
-        candidate, document, verdict, exit_code, 0, "quick", outcomes, tuple(faults), len(runs), (),
-        provenance(), {}, traces=traces, behaviour=None if faults else behaviour_of(loaded, outcomes, document),
-    )  # fmt: skip
-    written = write_result(result.document(), tmp_path, all_formats())
+    result = made_result(
+        candidate,
+        document,
+        faults=faults,
+        verdict=verdict,
+        exit_code=exit_code,
+        checks=outcomes,
+        runs=len(runs),
+        provenance=provenance(),
+        timing={},
+        traces=traces,
+        behaviour=None if faults else behaviour_of(loaded, outcomes, document),
+    )
+    written = write_result(result.written(), tmp_path, all_formats())
     written.require_all()
     read_result(tmp_path / "result.json")
 

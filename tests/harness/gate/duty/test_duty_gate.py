@@ -24,6 +24,7 @@ from drivegate.drives.running import recorded
 from drivegate.gate.engine import check_candidate
 from drivegate.gate.events import CheckFinished
 from drivegate.gate.focus import Focus
+from drivegate.gate.options import CheckOptions
 from drivegate.gate.plan import TimedSteps, time_steps
 from drivegate.gate.recording import behaviour_job
 from drivegate.gate.shard import DrawnRuns, FixedRuns, run_drawn, run_fixed
@@ -60,11 +61,13 @@ def test_a_quick_check_on_a_drive_with_hall_switches_alone_is_passed() -> None:
     events = list(
         check_candidate(
             resolve_candidate("foc"),
-            drive=drive,
-            effort="quick",
-            workers=1,
-            search=False,
-            focus=Focus(only=("STA-1", "SAF-1")),
+            CheckOptions(
+                drive=drive,
+                effort="quick",
+                workers=1,
+                search=False,
+                focus=Focus(only=("STA-1", "SAF-1")),
+            ),
         )
     )
     assert isinstance(events[-1], CheckFinished)

@@ -19,9 +19,10 @@ from drivegate.drives.running import recorded
 from drivegate.gate.engine import check_candidate
 from drivegate.gate.events import CheckFinished, RunDone
 from drivegate.gate.focus import Focus
+from drivegate.gate.options import CheckOptions
 from drivegate.gate.plan import planned_work
 from drivegate.gate.shard import DrawnRuns, FixedRuns, is_needed, run_drawn, run_fixed
-from drivegate.results.result import CheckResult
+from drivegate.results.document import ResultDocument
 from drivegate.results.verdict import check_outcomes
 from drivegate.scenarios.changes import with_real_sensors, with_scales
 from drivegate_cases.drive.drive_document import load_drive
@@ -83,10 +84,11 @@ def test_a_shard_is_made_as_in_a_whole_check_or_not_at_all() -> None:
     assert run_drawn(FOC, DrawnRuns(INTERIOR, 2, 3, only=("STP-1",))).runs == ()
 
 
-def check(candidate: str, only: tuple[str, ...] = ()) -> tuple[CheckResult, list[RunDone]]:
+def check(candidate: str, only: tuple[str, ...] = ()) -> tuple[ResultDocument, list[RunDone]]:
     events = list(
         check_candidate(
-            resolve_candidate(candidate), drive=INTERIOR, effort="quick", workers=1, focus=Focus(only)
+            resolve_candidate(candidate),
+            CheckOptions(drive=INTERIOR, effort="quick", workers=1, focus=Focus(only)),
         )
     )
     assert isinstance(events[-1], CheckFinished)

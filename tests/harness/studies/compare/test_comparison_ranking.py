@@ -1,12 +1,12 @@
 """The ranking's one rule, on operating points made up for it."""
 
 import pytest
+from tests.harness.made import made_outcome
 
 from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.contracts.comparison import POINTS
 from drivegate.contracts.current.comparison.declaration import COMPARISON
-from drivegate.results.result import CheckOutcome
 from drivegate.studies.compare.engine import Compared, labelled
 from drivegate.studies.compare.ranking import difference_rows, ranking_rows, region_rows
 from drivegate_cases.drive.drive_document import load_drive
@@ -23,7 +23,7 @@ def compared(label, *, failed=None, **others):
 
 
 def check(identifier, *, verdict="fail", level="required"):
-    return CheckOutcome(identifier, "", "", "candidate", level, "", verdict, -1.0, "", 1, "", None, None)
+    return made_outcome(identifier, verdict, level=level, margin=-1.0)
 
 
 def points(label, watts, held=(True, True, True)):
