@@ -45,25 +45,27 @@ def prepare(drive: DriveDocument) -> None:
 
 def page(document: Mapping[str, Any]) -> str:
     """Make the page."""
+    from drivegate_reports.conformance import words
     from drivegate_reports.conformance.behaviour import shown_behaviour
     from drivegate_reports.conformance.coverage import coverage_gaps, drive_of, evidence_of
     from drivegate_reports.conformance.drive import shown_drive, stated_values
     from drivegate_reports.conformance.runs import margin_figure, shown_runs
-    from drivegate_reports.conformance.view import view_of
+    from drivegate_reports.conformance.view import page_values
     from drivegate_reports.page.page import page_text
 
-    view, drive = view_of(document), drive_of(document)
+    values, drive = page_values(document), drive_of(document)
     publication = _publication_of(drive)
     uncovered = () if publication is None else publication.uncovered_facts()
     return page_text(
         TEMPLATE,
         traces=True,
-        result=view,
+        words=words,
+        **values,
         drive=shown_drive(document, drive),
         behaviour=shown_behaviour(document, drive),
         runs=shown_runs(document),
         margins=margin_figure(document),
-        evidence={row.id: evidence_of(row.id, drive) for row in view.checks},
+        evidence={check: evidence_of(check, drive) for check in values["check_of"]},
         gaps=(*coverage_gaps(document), *uncovered),
         paper=None if publication is None else publication.sections(),
         stated_values=stated_values(drive) if publication is None else (),

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import json
 import os
+from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from shlex import quote
 from typing import Any, Final
 
@@ -16,122 +16,51 @@ from drivegate.output.result_file import counterexample_name
 from drivegate.output.wording import drive_in_words, drive_option
 from drivegate.results.result import RESULT_SCHEMA, counted_levels
 from drivegate.results.waivers import DAY_VARIABLE, present_day
-from drivegate_reports.conformance.rows import (
-    TONES,
-    CheckRow,
-    ComparisonRow,
-    ShownFault,
-    check_row,
-    comparison_row,
-    fault_row,
-)
-from drivegate_reports.page.page import clean, require_document
+from drivegate_reports.page.page import LONGEST_BLOCK, LONGEST_TEXT, clean, require_document
 
 MOST_FAULTS: Final = 20
 """Most faults that are shown one by one."""
 
 
-@dataclass(frozen=True)
-class ResultView:
-    """A result document as the page shows it."""
-
-    candidate: str
-    kind: str
-    specification: str
-    candidate_hash: str
-    """The candidate."""
-    drive: str
-    """The drive; empty in a result that does not show it."""
-    verdict: str
-    tone: str
-    meaning: str
-    """The verdict, its colour, and what it means in one sentence."""
-    exit_code: int
-    seed: int
-    runs: int
-    set_aside: int
-    """As in the result document."""
-    infeasible: tuple[tuple[str, str], ...]
-    """Scenarios that were set aside, each with the reason."""
-    effort: str
-    """As in the result document."""
-    failing: tuple[str, ...]
-    """Identifiers of the required checks that fail."""
-    rests_on: tuple[str, ...]
-    """What the verdict rests on, in sentences."""
-    next_step: str
-    """A command to go on with."""
-    checks: tuple[CheckRow, ...]
-    """In the order of the document."""
-    comparisons: tuple[ComparisonRow, ...]
-    """Of each check with the baseline; empty where there was none."""
-    faults: tuple[ShownFault, ...]
-    """The first `MOST_FAULTS` of them."""
-    more_faults: int
-    """Number of further ones."""
-    provenance: tuple[tuple[str, str], ...]
-    """Names and values."""
-
-    @property
-    def broken(self) -> tuple[CheckRow, ...]:
-        """Checks with a counterexample that counts."""
-        return tuple(row for row in self.checks if row.file and row.verdict != "contested")
-
-    @property
-    def contested(self) -> tuple[CheckRow, ...]:
-        """Checks that no known good controller meets in their counterexamples either."""
-        return tuple(row for row in self.checks if row.file and row.verdict == "contested")
-
-    @property
-    def met(self) -> tuple[CheckRow, ...]:
-        """Checks without one that have a worst run."""
-        return tuple(row for row in self.checks if row.scenario and not row.file)
-
-    def replay(self, row: CheckRow) -> str:
-        """Write the command that runs a counterexample again."""
-        return f"drivegate replay {quote(row.file)} --candidate {quote(self.specification)} --plot {quote(row.id)}.svg"
-
-    def verdict_of(self, check: str) -> CheckRow | None:
-        """Find a check."""
-        return next((row for row in self.checks if row.id == check), None)
+def printable(section: Mapping[str, Any]) -> dict[str, Any]:
+    """Make the texts of a section printable and bounded."""
+    return {
+        key: clean(item, LONGEST_BLOCK if key == "traceback" else LONGEST_TEXT)
+        if isinstance(item, str)
+        else item
+        for key, item in section.items()
+    }
 
 
-def view_of(document: Mapping[str, Any]) -> ResultView:
-    """Prepare a result document for the page."""
+def page_values(document: Mapping[str, Any]) -> dict[str, Any]:
+    """Prepare a result document for the page: its sections with printable texts, and what they mean in sentences."""
     require_document(document, "check", RESULT_SCHEMA, "the result")
-    candidate = document["candidate"]
     times = _shown_times(document)
-    checks = tuple(check_row(_with_timed_numbers(check, times)) for check in document["checks"])
-    faults = tuple(fault_row(fault) for fault in document["faults"][:MOST_FAULTS])
+    checks = [printable(_with_timed_numbers(check, times)) for check in document["checks"]]
     counted = counted_levels(document.get("fail_on"))
-    failing = tuple(row.id for row in checks if row.verdict == "fail" and row.level in counted)
-    verdict = clean(document["verdict"])
-    return ResultView(
-        candidate=clean(candidate["name"]),
-        kind=clean(candidate["kind"]),
-        specification=clean(candidate["specification"]),
-        candidate_hash=clean(candidate["hash"]),
-        drive=clean(drive_in_words(document["drive"]) if document.get("drive") else ""),
-        verdict=verdict,
-        tone=TONES.get(verdict, "fail"),
-        meaning=" ".join([_meaning(verdict, failing), *_causes(document)]).strip(),
-        exit_code=int(document["exit_code"]),
-        seed=int(document["seed"]),
-        runs=int(document["runs"]),
-        set_aside=int(document["set_aside"]),
-        infeasible=tuple(
-            (clean(drawn["scenario"]), clean(drawn["reason"])) for drawn in document.get("infeasible") or ()
-        ),
-        effort=clean(document["effort"]),
-        failing=failing,
-        rests_on=_rests_on(document, checks),
-        next_step=clean(_next_step(document, failing)),
-        checks=checks,
-        comparisons=tuple(comparison_row(entry) for entry in document.get("baseline") or ()),
-        faults=faults,
-        more_faults=len(document["faults"]) - len(faults),
-        provenance=_provenance(document, times),
+    failing = [check["id"] for check in checks if check["verdict"] == "fail" and check["level"] in counted]
+    broken = [check for check in checks if check["counterexample"] is not None]
+    lists = ("faults", "infeasible", "baseline")
+    sections = {key: [printable(entry) for entry in document.get(key) or ()] for key in lists}
+    result = (
+        printable(document) | {"candidate": printable(document["candidate"]), "checks": checks} | sections
     )
+    return {
+        "result": result,
+        "drive_in_words": clean(drive_in_words(document["drive"]) if document.get("drive") else ""),
+        "meaning": " ".join([_meaning(result["verdict"], failing), *_causes(document)]).strip(),
+        "failing": failing,
+        "rests_on": _rests_on(document, checks),
+        "next_step": clean(_next_step(document, failing)),
+        "broken": [check for check in broken if check["verdict"] != "contested"],
+        "contested": [check for check in broken if check["verdict"] == "contested"],
+        "met": [
+            check for check in checks if check["counterexample"] is None and check["scenario"] is not None
+        ],
+        "provenance": _provenance(document, times),
+        "faults": sections["faults"][:MOST_FAULTS],
+        "check_of": {check["id"]: check for check in checks},
+    }
 
 
 def _shown_times(document: Mapping[str, Any]) -> Mapping[str, Any]:
@@ -179,11 +108,11 @@ def _causes(document: Mapping[str, Any]) -> list[str]:
     return [f"{clause[0].upper()}{clause[1:]}." for clause in clauses if clause]
 
 
-def _rests_on(document: Mapping[str, Any], checks: Sequence[CheckRow]) -> tuple[str, ...]:
+def _rests_on(document: Mapping[str, Any], checks: Sequence[Mapping[str, Any]]) -> tuple[str, ...]:
     sentences = []
     for level in ("required", "advisory"):
-        of_level = [row for row in checks if row.level == level]
-        counts = {row.verdict: sum(other.verdict == row.verdict for other in of_level) for row in of_level}
+        of_level = [check["verdict"] for check in checks if check["level"] == level]
+        counts = Counter(of_level)
         listed = ", ".join(f"{count} {verdict}" for verdict, count in counts.items())
         sentences.append(f"{len(of_level)} {level} checks: {listed or 'none'}.")
     if document.get("incomplete"):
@@ -206,7 +135,7 @@ def _rests_on(document: Mapping[str, Any], checks: Sequence[CheckRow]) -> tuple[
         sentences.append(f"The candidate's process was {isolated}.")
     if document["faults"]:
         sentences.append(f"{len(document['faults'])} faults of the candidate, which no waiver covers.")
-    waived = [row.id for row in checks if row.waiver]
+    waived = [check["id"] for check in checks if check.get("waiver")]
     if waived:
         sentences.append(f"Waivers for {', '.join(waived)}.")
     return tuple(map(clean, sentences))

@@ -16,7 +16,7 @@ from drivegate.output.continuous_integration import junit_xml, markdown
 from drivegate.output.explanations import by_urgency
 from drivegate.studies.check.checked import Checked
 from drivegate.studies.check.display import show_checked
-from drivegate_reports.conformance.view import view_of
+from drivegate_reports.conformance.view import page_values
 
 EDGE = "the search takes the angle past the feasible edge, and the speed is lost"
 
@@ -56,11 +56,11 @@ def test_the_cause_stands_before_the_table_and_next_points_at_it(
     assert text.count(EDGE) == 1
     following = next(line for line in text.splitlines() if line.startswith("next: "))
     assert "CNV-1.json" in following, "CMD-1 fails alone, two checks have the cause of CNV-1"
-    view = view_of(three_failed)
-    assert view.meaning.endswith(
+    values = page_values(three_failed)
+    assert values["meaning"].endswith(
         "The search" + EDGE.removeprefix("the search") + ": in the counterexamples of CNV-1, CPW-1."
     )
-    assert "CNV-1.json" in view.next_step, "the page and the terminal begin with the same check"
+    assert "CNV-1.json" in values["next_step"], "the page and the terminal begin with the same check"
     assert markdown(three_failed).index("past the feasible edge") < markdown(three_failed).index("| check |")
 
 
@@ -114,4 +114,4 @@ def test_a_fault_without_failed_checks_is_what_next_names(recorded: dict[str, An
     text = shown(document, tmp_path)
     assert "next: mend what is named first (crash), then drivegate check mine.py:Mine" in text
     assert text.index("crash: died") < text.index(f"not judged: {name}") < text.index("margin")
-    assert f"Not judged: {name}." in view_of(document).meaning
+    assert f"Not judged: {name}." in page_values(document)["meaning"]
