@@ -7,6 +7,7 @@ from typing import Final
 
 import numpy as np
 
+from drivegate_cases.scenario.courses import COURSES
 from drivegate_lab.bench.workbench import Correctness, Value, Workbench, rate, timed
 from drivegate_models.contract.current.signals import PM_AC
 from drivegate_models.contract.duty.records import duty_nameplate_record
@@ -14,7 +15,7 @@ from drivegate_models.contract.duty.signals import SPEED_REFERENCE, DutyNameplat
 from drivegate_models.controllers.duty.foc import reset_function, step_function
 from drivegate_models.controllers.duty.state import FOC_STATE
 from drivegate_models.loop.exchange import COMPLETED
-from drivegate_models.loop.schedule import Schedule, steady
+from drivegate_models.loop.schedule import Conditions, steady
 from drivegate_models.machine.load import CONSTANT_TORQUE, Load
 from drivegate_models.pm_ac.closed_loop import DutyRun, prepared_duty_loop
 from drivegate_models.pm_ac.loop_records import TRACE
@@ -33,6 +34,7 @@ TORQUE: Final = 1.2
 """Their load (N m)."""
 
 _BASE_SPEED = 230.0
+_NOMINAL = Conditions(*(steady(COURSES[name].nominal or 0.0) for name in Conditions._fields))
 
 
 def duty_rate(bench: Workbench, bridge: str) -> Value:
@@ -58,7 +60,7 @@ def foc_run(
     return prepared_duty_loop(
         drive,
         Load(CONSTANT_TORQUE, torque),
-        Schedule(steady(speed), steady(1.0), link, steady(0.0), steady(1.0), steady(1.0), steady(1.0)),
+        _NOMINAL._replace(speed=steady(speed), supply=link),
         step_address=step_function().address,
         state_address=state.ctypes.data,
         control_period=nameplate.control_period,

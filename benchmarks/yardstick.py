@@ -129,7 +129,13 @@ class PreparedRun:
 
     def __init__(self, function: Any, scenario: Scenario, controller: Controller | None) -> None:
         load, schedule = plant_load(scenario), plant_schedule(scenario)
-        steady = (schedule.speed, schedule.supply, schedule.imbalance, schedule.resistance, schedule.emf)
+        steady = (
+            schedule.speed,
+            schedule.supply,
+            schedule.imbalance,
+            schedule.resistance,
+            schedule.emf_constant,
+        )
         if load.kind != CONSTANT_TORQUE or any(np.ptp(course.values) > 0.0 for course in steady):
             raise HarnessFault("the yardstick knows constant torque at steady speed and supply only")
         self._function, self._controller, self._scenario = function, controller, scenario

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from numpy.typing import NDArray
+from tests.models.schedules import schedule_of
 
 from drivegate_models.contract.current.signals import PM_AC
 from drivegate_models.contract.duty.records import duty_nameplate_record
@@ -37,9 +38,7 @@ def rating(drive: PmAcDrive) -> tuple[float, float]:
 
 def course(drive: PmAcDrive, reference: Course, load: Course) -> Schedule:
     """Return what happens, at the nominal voltage of the link."""
-    return Schedule(
-        reference, load, steady(0.5 * drive.link_voltage), steady(0.0), steady(1.0), steady(1.0), steady(1.0)
-    )
+    return schedule_of(reference, 0.5 * drive.link_voltage, load=load)
 
 
 def nameplate_of(

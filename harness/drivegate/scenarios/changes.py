@@ -8,7 +8,8 @@ from typing import Any, Final
 from drivegate.scenarios.drive_scale import scale_of, tidy, whole_tenths
 from drivegate.scenarios.title import titled
 from drivegate_cases.scenario.control_periods import on_whole_periods
-from drivegate_cases.scenario.disturbance import CurrentError, Drift, Dropout, Glitch
+from drivegate_cases.scenario.courses import Drift
+from drivegate_cases.scenario.disturbance import CurrentError, Dropout, Glitch
 from drivegate_cases.scenario.load import LockedLoad, VehicleLoad
 from drivegate_cases.scenario.piecewise import Profile
 from drivegate_cases.scenario.scenario import Scenario

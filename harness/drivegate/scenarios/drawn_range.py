@@ -8,8 +8,9 @@ from typing import Final, NamedTuple
 
 from drivegate.scenarios.drive_scale import rated_torque_at
 from drivegate_cases.drive.plant import NOMINAL
+from drivegate_cases.scenario.courses import DISTURBANCES, Quantity
 from drivegate_cases.scenario.load import DynamometerLoad, LockedLoad
-from drivegate_cases.scenario.piecewise import Profile, breakpoints, value_from, value_until
+from drivegate_cases.scenario.piecewise import breakpoints, value_from, value_until
 from drivegate_cases.scenario.scenario import Scenario
 
 LIGHTEST_SHARE: Final = 0.1
@@ -100,15 +101,10 @@ def _corners(scenario: Scenario) -> Iterator[tuple[float, float]]:
 
 def _deviations(scenario: Scenario) -> Mapping[str, float]:
     """Measure how far each quantity is from nominal at most."""
-    nominal_v = scenario.drive.inverter.supply_voltage_v
     scales = scenario.scales
     return {
-        "supply": _farthest(scenario.supply_profile, nominal_v) / nominal_v,
-        "imbalance": _farthest(scenario.imbalance_profile, 0.0),
-        "drift of the resistance": _farthest(scenario.resistance_profile, 1.0),
-        "drift of the EMF": _farthest(scenario.emf_profile, 1.0),
-        "change of the inertia": _farthest(scenario.inertia_profile, 1.0),
-        **{key: abs(getattr(scales, key) - getattr(NOMINAL, key)) for key in type(NOMINAL).model_fields},
+        **{quantity.name: _farthest(scenario, quantity) for quantity in DISTURBANCES},
+        **{f"scales.{key}": abs(getattr(scales, key) - value) for key, value in NOMINAL},
         "gain": max((abs(error.gain - 1.0) for error in scenario.current_errors), default=0.0),
         "offset": max((abs(error.offset_a) for error in scenario.current_errors), default=0.0),
         "dropout": max((dropout.duration_s for dropout in scenario.dropouts), default=0.0),
@@ -116,5 +112,7 @@ def _deviations(scenario: Scenario) -> Mapping[str, float]:
     }
 
 
-def _farthest(profile: Profile, nominal: float) -> float:
-    return max(abs(value - nominal) for _, value in profile)
+def _farthest(scenario: Scenario, quantity: Quantity) -> float:
+    """Measure how far a quantity is from its nominal value, over that one unless it is 0."""
+    nominal = quantity.nominal_in(scenario.drive)
+    return max(abs(value - nominal) for _, value in quantity.profile(scenario)) / (nominal or 1.0)

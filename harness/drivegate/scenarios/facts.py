@@ -12,6 +12,7 @@ from drivegate_cases.documents.wording import figure
 from drivegate_cases.drive.drive_document import PM_AC
 from drivegate_cases.drive.limits import rounded
 from drivegate_cases.drive.plant import FACTOR_SYMBOLS, NOMINAL
+from drivegate_cases.scenario.courses import PARAMETERS, stated_profiles
 from drivegate_cases.scenario.failure import PHASED
 from drivegate_cases.scenario.scenario import LONGEST_CONTROL_PERIOD_S, Scenario
 from drivegate_models.units import RADIANS_PER_RPM
@@ -20,8 +21,6 @@ PLAIN_RUN: Final = "the plain run"
 """What is said of a scenario without any fact."""
 
 _TOLD_ELSEWHERE: Final = frozenset({"schema", "name", "description", "drive", "seed", "initial_speed_rpm"})
-COURSES: Final = ("factor", "grade_percent", "torque_reference_nm")
-"""Keys of a load that are courses over time."""
 _TORQUE_DIGITS: Final = 3
 _UNITS: Final = {"torque_nm": "N·m", "power_w": "W"}
 
@@ -135,9 +134,9 @@ def _scales(scenario: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _drift(scenario: Mapping[str, Any]) -> Iterator[str]:
-    for name, profile in (scenario["drift"] or {}).items():
-        verb = "changes" if name == "inertia" else "drifts"
-        yield f"{FACTOR_SYMBOLS[name]} {verb} by {_course(profile, 'times')}"
+    for quantity in PARAMETERS:
+        if profile := quantity.stated(scenario):
+            yield f"{quantity.symbol} {quantity.verb} by {_course(profile, quantity.unit)}"
 
 
 def _dropouts(scenario: Mapping[str, Any]) -> Iterator[str]:
@@ -167,15 +166,7 @@ def _duration(scenario: Mapping[str, Any]) -> Iterator[str]:
 
 def _last_time(scenario: Mapping[str, Any]) -> float:
     """Return the time at which the last change is over."""
-    load = scenario["load"]
-    profiles = [
-        scenario["speed_rpm"],
-        next((load[key] for key in COURSES if key in load), ()),
-        scenario.get("supply_v") or (),
-        scenario.get("imbalance") or (),
-        *(scenario.get("drift") or {}).values(),
-    ]
-    times = [point[0] for profile in profiles for point in profile]
+    times = [point[0] for _, profile in stated_profiles(scenario) for point in profile]
     times += [lost["start_s"] + lost["duration_s"] for lost in scenario.get("dropouts", ())]
     times += [false["time_s"] for false in scenario.get("glitches", ())]
     return max(times, default=0.0)

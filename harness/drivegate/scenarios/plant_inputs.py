@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_cases.scenario.control_periods import seen_at_s
+from drivegate_cases.scenario.courses import COURSES, Quantity
 from drivegate_cases.scenario.disturbance import Dropout
 from drivegate_cases.scenario.load import (
     GRAVITY,
@@ -17,13 +18,12 @@ from drivegate_cases.scenario.load import (
     FanLoad,
     HoistLoad,
     LockedLoad,
-    VehicleLoad,
 )
 from drivegate_cases.scenario.piecewise import Profile
 from drivegate_cases.scenario.profile import profile_arrays
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import HallSensors, Mcs96Sensors, ShuntSensors
-from drivegate_models.loop.schedule import Course, Schedule
+from drivegate_models.loop.schedule import Conditions, Course, Schedule
 from drivegate_models.loop.sensing import sensors
 from drivegate_models.loop.sensing.converters import Converters, real_converters
 from drivegate_models.loop.sensing.encoder import Encoder, turning_encoder
@@ -31,7 +31,6 @@ from drivegate_models.loop.sensing.hall import EDGES, Hall, turning_hall
 from drivegate_models.machine import load
 from drivegate_models.units import RADIANS_PER_RPM
 
-_PERCENT = 0.01
 _SIGNALS = {"speed": sensors.SPEED, "currents": sensors.CURRENTS, "supply": sensors.SUPPLY}
 
 
@@ -62,16 +61,12 @@ def plant_load(scenario: Scenario) -> load.Load:
 
 def plant_schedule(scenario: Scenario) -> Schedule:
     """Return what happens in a scenario as the plant takes it."""
-    load_unit = _PERCENT if isinstance(scenario.load, VehicleLoad) else 1.0
-    course = partial(plant_course, scenario)
-    return Schedule(
-        speed=course(scenario.speed_rpm, RADIANS_PER_RPM),
-        load=course(scenario.load_profile, load_unit),
-        supply=course(scenario.supply_profile),
-        imbalance=course(scenario.imbalance_profile),
-        resistance=course(scenario.resistance_profile),
-        emf=course(scenario.emf_profile),
-        inertia=course(scenario.inertia_profile),
+    return Conditions(*(_course(scenario, COURSES[name]) for name in Conditions._fields))
+
+
+def _course(scenario: Scenario, quantity: Quantity) -> Course:
+    return plant_course(
+        scenario, quantity.profile(scenario), quantity.keys.get(quantity.key(scenario) or "", 1.0)
     )
 
 

@@ -6,9 +6,10 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, Final, TypeAlias
 
-from drivegate.scenarios.facts import COURSES, facts_of
+from drivegate.scenarios.facts import facts_of
 from drivegate_cases.drive.plant import NOMINAL
 from drivegate_cases.scenario.control_periods import on_whole_periods
+from drivegate_cases.scenario.courses import COURSES, stated_profiles
 from drivegate_cases.scenario.profile import dwell_torque, dwells
 from drivegate_cases.scenario.scenario import LONGEST_CONTROL_PERIOD_S, Scenario
 from drivegate_cases.scenario.sensors import IDEAL, PLAIN
@@ -41,15 +42,12 @@ def size_of(scenario: Mapping[str, Any]) -> int:
     if scenario.get("kind") == "script":
         return _leaves(scenario)
     failures = sum(len(scenario.get(key, ())) for key in _FAILURES)
+    faults = sum(
+        quantity.role == "fault" and quantity.key(scenario) is not None for quantity in COURSES.values()
+    )
     moved = sum(scenario.get(key, plain) != plain for key, plain in _PLAIN.items())
     load = scenario["load"]
-    profiles = [
-        scenario["speed_rpm"],
-        next((load[key] for key in COURSES if key in load), ()),
-        scenario.get("supply_v", ()),
-        scenario.get("imbalance", ()),
-        *(scenario.get("drift") or {}).values(),
-    ]
+    profiles = [profile for _, profile in stated_profiles(scenario)]
     numbers = [number for profile in profiles for point in profile for number in point]
     numbers += [value for key, value in load.items() if isinstance(value, float)]
     for key in ("dropouts", "glitches", "current_errors"):
@@ -61,13 +59,7 @@ def size_of(scenario: Mapping[str, Any]) -> int:
     numbers += scales.values()
     parts = (
         _FACT * len(facts_of(scenario)),
-        _FAILURE
-        * (
-            failures
-            + len(scenario.get("drift") or {})
-            + ("imbalance" in scenario)
-            + (scenario.get("failure") is not None)
-        ),
+        _FAILURE * (failures + faults + (scenario.get("failure") is not None)),
         _PARAMETER * len([key for key, value in scales.items() if value != getattr(NOMINAL, key)]),
         _sensor_size(scenario.get("sensors", "ideal")),
         _PARAMETER * moved,

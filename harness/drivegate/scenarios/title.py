@@ -9,6 +9,7 @@ from typing import NamedTuple
 from drivegate_cases.documents.wording import figure
 from drivegate_cases.drive.drive_document import SPLIT_SUPPLY
 from drivegate_cases.drive.plant import FACTOR_SYMBOLS
+from drivegate_cases.scenario.courses import PARAMETERS
 from drivegate_cases.scenario.disturbance import Dropout
 from drivegate_cases.scenario.failure import PHASED
 from drivegate_cases.scenario.load import (
@@ -162,15 +163,14 @@ def _parameters(scenario: Scenario) -> list[_Trait]:
     if scales.friction_added_n_m:
         added = f"{scales.friction_added_n_m:.4g}"
         traits.append(_Trait(f"friction+{added}Nm", f"friction + {added} N·m"))
-    drifts = (
-        ("R", "drifts", scenario.resistance_profile),
-        ("ke", "drifts", scenario.emf_profile),
-        ("J", "changes", scenario.inertia_profile),
-    )
-    for symbol, verb, profile in drifts:
-        if _levels(profile) != [1.0]:
-            label = f"{symbol}-{verb}×{_sequence(_levels(profile))}"
-            traits.append(_Trait(label, f"{symbol} {verb} by {_changing(profile, 'times')}"))
+    for quantity in PARAMETERS:
+        profile = quantity.profile(scenario)
+        if (levels := _levels(profile)) != [quantity.nominal]:
+            label = (
+                f"{quantity.symbol}-{quantity.verb}{'×' if quantity.is_factor else '+'}{_sequence(levels)}"
+            )
+            words = f"{quantity.symbol} {quantity.verb} by {_changing(profile, quantity.unit)}"
+            traits.append(_Trait(label, words))
     return traits
 
 

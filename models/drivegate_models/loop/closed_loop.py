@@ -22,7 +22,7 @@ from drivegate_models.loop.observation import (
     WindowObservation,
 )
 from drivegate_models.loop.restarting import Restarts, no_restarts
-from drivegate_models.loop.schedule import Schedule
+from drivegate_models.loop.schedule import Conditions, Schedule
 from drivegate_models.loop.sensing.sensors import Sensors, ideal_sensors
 from drivegate_models.machine import ledger
 from drivegate_models.machine.load import Load
@@ -241,7 +241,7 @@ def _timing(
 
 def _room(phases: int, windows: int, products: int) -> Room:
     return Room(
-        np.zeros(len(Schedule._fields), np.int64),
+        np.zeros(len(Conditions._fields), np.int64),
         np.zeros(phases, np.int64),
         np.zeros(max(products, 1)),
         np.zeros(ledger.ENTRIES),

@@ -111,7 +111,7 @@ def _write_sense(
     exchange: Exchange,
     sensors: Sensors,
     phases: Any,
-    conditions: Conditions,
+    conditions: Conditions[float],
     timing: Timing,
     time: float,
     speed: float,
@@ -128,7 +128,7 @@ def _write_sense(
         measured_sum = current_sum
     sense = exchange.sense
     sense[0].time = timing.clock_start + time
-    sense[0].speed_reference = conditions.speed_reference
+    sense[0].speed_reference = conditions.speed
     sense[0].speed = measured_speed
     sense[0].current_magnitude_sum = measured_sum
     sense[0].half_supply_voltage = measured_supply
@@ -275,9 +275,9 @@ def loop_of(kernels: PlantKernels) -> Any:
         for k in range(timing.steps):
             time = k * length
             conditions = conditions_at(schedule, room.course_positions, time)
-            plant = drifted(drive, conditions.resistance_factor, conditions.emf_factor)
+            plant = drifted(drive, conditions.resistance, conditions.emf_constant)
             if load.kind == LOCKED:
-                speed = conditions.speed_reference
+                speed = conditions.speed
             measured = _write_sense(exchange, sensors, phases, conditions, timing, time, speed, current_sum)
             status, restarted = step_or_restart(exchange, restarts, restarted, k)
             if status != COMPLETED:
@@ -309,9 +309,9 @@ def loop_of(kernels: PlantKernels) -> Any:
             observe_balance(observed, phases.currents, upper == lower, period)
             stored = now_stored
             current_sum = period[ledger.MAGNITUDE] / length
-            load_now = load_torque(load, conditions.load_factor, held)
+            load_now = load_torque(load, conditions.load, held)
             applied = _applied(period, length, reference, advance, held, current_sum, load_now)
-            _observe_windows(timing, records, room, k, conditions.speed_reference, applied)
+            _observe_windows(timing, records, room, k, conditions.speed, applied)
             if traced < records.trace.shape[0] and k % timing.trace_every == 0:
                 write_trace(records.trace[traced], time, conditions, applied, speed, measured.speed)
                 traced += 1
@@ -321,7 +321,7 @@ def loop_of(kernels: PlantKernels) -> Any:
             watch = follow_ripple(plant, recorded, records, room, watched, watch, length, wraps)
             angle = within_a_turn(turned)
             if load.kind != LOCKED:
-                inertia = conditions.inertia_factor * (drive.inertia + load.inertia)
+                inertia = conditions.inertia * (drive.inertia + load.inertia)
                 gained = speed_gained(drive, inertia, speed, held, load_now, period, length)
                 observed.kinetic_residual += inertia * gained * (speed + 0.5 * gained - held)
                 speed += gained

@@ -172,7 +172,12 @@ def observe_window(
 
 @inlined
 def write_trace(
-    row: Any, time: float, conditions: Conditions, applied: Applied, speed: float, measured_speed: float
+    row: Any,
+    time: float,
+    conditions: Conditions[float],
+    applied: Applied,
+    speed: float,
+    measured_speed: float,
 ) -> None:
     """Write one control period into a trace, in the units of its columns.
 
@@ -180,7 +185,7 @@ def write_trace(
     one (rad/s).
     """
     row.time_s = time
-    row.speed_reference_rpm = conditions.speed_reference * RPM
+    row.speed_reference_rpm = conditions.speed * RPM
     row.speed_rpm = speed * RPM
     row.current_sum_a = applied.current_sum
     row.current_reference_a = applied.reference

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Generic, NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import inlined
+
+ValueT = TypeVar("ValueT")
 
 
 class Course(NamedTuple):
@@ -19,42 +21,27 @@ class Course(NamedTuple):
     """Values at these times, shape (n,), in the unit of the quantity."""
 
 
-class Schedule(NamedTuple):
-    """The external conditions of a run over time."""
+class Conditions(NamedTuple, Generic[ValueT]):
+    """The external conditions of a run: their values in one control period, or the course of each."""
 
-    speed: Course
-    """Speed reference (rad/s)."""
-    load: Course
-    """Load factor (1), or a vehicle's grade (1)."""
-    supply: Course
-    """Mean voltage of the half-sources (V)."""
-    imbalance: Course
-    """Share by which the upper half-source is above it, and the lower below (1)."""
-    resistance: Course
-    """Factor on the winding resistance (1)."""
-    emf: Course
-    """Factor on the EMF constant (1)."""
-    inertia: Course
-    """Factor on the inertia of rotor and load (1)."""
-
-
-class Conditions(NamedTuple):
-    """The external conditions in one control period."""
-
-    speed_reference: float
+    speed: ValueT
     """Speed reference of the shaft (rad/s)."""
-    load_factor: float
+    load: ValueT
     """Load factor (1), or a vehicle's grade (1)."""
-    supply: float
+    supply: ValueT
     """Mean voltage of the half-sources (V)."""
-    imbalance: float
+    imbalance: ValueT
     """Share by which the upper half-source is above it, and the lower below (1)."""
-    resistance_factor: float
+    resistance: ValueT
     """Factor on the winding resistance (1)."""
-    emf_factor: float
+    emf_constant: ValueT
     """Factor on the EMF constant (1)."""
-    inertia_factor: float
+    inertia: ValueT
     """Factor on the inertia of rotor and load (1)."""
+
+
+Schedule: TypeAlias = Conditions[Course]
+"""The external conditions of a run over time."""
 
 
 def steady(value: float) -> Course:
@@ -84,10 +71,10 @@ def follow(course: Course, positions: NDArray[np.int64], index: int, time: float
 
 
 @inlined
-def conditions_at(schedule: Schedule, positions: NDArray[np.int64], time: float) -> Conditions:
+def conditions_at(schedule: Schedule, positions: NDArray[np.int64], time: float) -> Conditions[float]:
     """Return the external conditions at a time; at a step, the values after it.
 
-    `positions`, shape (7,): index of the point before the last time, for each course; updated. `time`: time, not
+    `positions`, shape (n,): index of the point before the last time, for each course; updated. `time`: time, not
     earlier than in the last call (s).
     """
     return Conditions(
@@ -96,6 +83,6 @@ def conditions_at(schedule: Schedule, positions: NDArray[np.int64], time: float)
         follow(schedule.supply, positions, 2, time),
         follow(schedule.imbalance, positions, 3, time),
         follow(schedule.resistance, positions, 4, time),
-        follow(schedule.emf, positions, 5, time),
+        follow(schedule.emf_constant, positions, 5, time),
         follow(schedule.inertia, positions, 6, time),
     )

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from drivegate_models.contract.duty.signals import LEG_OFF
 from drivegate_models.loop.exchange import COMPLETED
 from drivegate_models.loop.restarting import Restarts, no_restarts
-from drivegate_models.loop.schedule import Course, Schedule, steady
+from drivegate_models.loop.schedule import Conditions, Course, Schedule, steady
 from drivegate_models.machine import advance_status, ledger
 from drivegate_models.machine.load import Load
 from drivegate_models.pm_ac.exchange import DutyExchange, make_exchange
@@ -137,7 +137,7 @@ def prepared_duty_loop(
     exchange = make_exchange(before + steps, step_address, state_address, progress, kept)
     records = make_records(steps)
     room = DutyRoom(
-        np.zeros(len(Schedule._fields) + 1, np.int64),
+        np.zeros(len(Conditions._fields) + 1, np.int64),
         np.zeros(ledger.ENTRIES),
         np.zeros((2, 3)),
         np.full((2, 3), LEG_OFF, np.int64),

@@ -171,11 +171,11 @@ def release_before_start(
     A kernel of its own passes through the compiler in half the time.
     """
     begin = conditions_at(schedule, room.course_positions, 0.0)
-    speed = begin.speed_reference if load.kind == LOCKED else timing.initial_speed
+    speed = begin.speed if load.kind == LOCKED else timing.initial_speed
     link = 2.0 * begin.supply
-    plant = drifted(drive, begin.resistance_factor, begin.emf_factor)
+    plant = drifted(drive, begin.resistance, begin.emf_constant)
     release_legs(plant, phases, timing.initial_angle, speed, link)
-    return speed, link, (begin.resistance_factor, begin.emf_factor)
+    return speed, link, (begin.resistance, begin.emf_constant)
 
 
 @unallocating
@@ -222,13 +222,13 @@ def run_periods(
         # The sensors' own time begins when the shaft turns.
         turning = max(k + timing.waiting, 0)
         conditions = conditions_at(schedule, room.course_positions, now)
-        plant = drifted(drive, conditions.resistance_factor, conditions.emf_factor)
+        plant = drifted(drive, conditions.resistance, conditions.emf_constant)
         is_locked = has_failed(failure, LOCKED_ROTOR, k)
         if load.kind == LOCKED or is_locked:
-            speed = 0.0 if is_locked else conditions.speed_reference
+            speed = 0.0 if is_locked else conditions.speed
             change = 0.0
         torque_reference = follow(torque, room.course_positions, len(schedule), now)
-        reference = torque_reference if timing.regulates_torque else conditions.speed_reference
+        reference = torque_reference if timing.regulates_torque else conditions.speed
         link = 2.0 * conditions.supply
         shaft_angle = shown_angle((angle + 2.0 * pi * turns) / drive.pole_pairs)
         clock = timing.clock_start + (before + k) * length
@@ -280,11 +280,11 @@ def run_periods(
         exchange.sense[0].supply_current = (
             ledger.source_energy(period) / (link * length) if link > 0.0 else 0.0
         )
-        opposing = load_torque(load, conditions.load_factor, abs(held))
-        weight = weight_torque(load, conditions.load_factor)
+        opposing = load_torque(load, conditions.load, abs(held))
+        weight = weight_torque(load, conditions.load)
         if k >= 0:
             ledger.add_period(records.totals, period)
-            begin = (now, conditions.speed_reference, speed, angle, link, torque_reference)
+            begin = (now, conditions.speed, speed, angle, link, torque_reference)
             write_period(records.trace[k], period, length, phases.rotor_currents, begin, opposing + weight)
         turned = angle + drive.pole_pairs * held * length
         turns = (turns + whole_turns(turned)) % drive.pole_pairs
@@ -294,7 +294,7 @@ def run_periods(
             for leg in range(3):
                 room.last[leg] = low_side_ratio(room.ratios[0, leg], room.legs[0, leg])
         if k >= 0 and load.kind != LOCKED and not is_locked:
-            inertia = conditions.inertia_factor * (drive.inertia + load.inertia)
+            inertia = conditions.inertia * (drive.inertia + load.inertia)
             change = _speed_change(drive, inertia, speed, opposing, weight, period, length)
             speed += change
         if delay > 0:

@@ -3,6 +3,7 @@
 from enum import Enum
 
 from drivegate_cases.drive.plant import NOMINAL
+from drivegate_cases.scenario.courses import COURSES
 from drivegate_cases.scenario.scenario import Scenario
 
 
@@ -21,7 +22,8 @@ class Circumstance(Enum):
 
 def circumstance(scenario: Scenario) -> Circumstance:
     """State what is not nominal about a run."""
-    if scenario.drift or scenario.imbalance or scenario.dropouts or scenario.glitches:
+    is_faulty = any(quantity.role == "fault" and quantity.key(scenario) for quantity in COURSES.values())
+    if is_faulty or scenario.dropouts or scenario.glitches:
         return Circumstance.FAULTS
     if scenario.sensors.kind != "ideal" or scenario.current_errors:
         return Circumstance.SENSORS

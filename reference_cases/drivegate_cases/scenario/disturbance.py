@@ -1,45 +1,10 @@
-"""Disturbances besides steps of load, speed and supply: drift of parameters, and sensors that fail for a moment."""
+"""Sensors that fail for a moment or show something wrong."""
 
 from typing import Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
 from drivegate_cases.documents.document import Section
-from drivegate_cases.scenario.piecewise import Profile, check_times
-
-_LEAST_FACTOR, _GREATEST_FACTOR = 0.1, 10.0
-
-
-class Drift(Section):
-    """How the plant's parameters change during a run.
-
-    Windings and magnets change with temperature, and the inertia where a wheel is lifted from the ground or set down.
-    """
-
-    resistance: Profile | None = Field(
-        default=None, description="factor on the phase resistance, a list of [seconds, factor]"
-    )
-    emf_constant: Profile | None = Field(
-        default=None, description="factor on the EMF constant, a list of [seconds, factor]"
-    )
-    inertia: Profile | None = Field(
-        default=None, description="factor on the inertia of rotor and load, a list of [seconds, factor]"
-    )
-
-    @field_validator("resistance", "emf_constant", "inertia")
-    @classmethod
-    def _factors_in_range(cls, profile: Profile | None) -> Profile | None:
-        if profile is None:
-            return None
-        if any(not _LEAST_FACTOR <= factor <= _GREATEST_FACTOR for _, factor in profile):
-            raise ValueError(f"must have factors from {_LEAST_FACTOR:g} to {_GREATEST_FACTOR:g}")
-        return check_times(profile)
-
-    @model_validator(mode="after")
-    def _has_one(self) -> Self:
-        if self.resistance is None and self.emf_constant is None and self.inertia is None:
-            raise ValueError("must give 'resistance', 'emf_constant' or 'inertia'")
-        return self
 
 
 class Dropout(Section):

@@ -1,14 +1,16 @@
 """What follows from a scenario's profiles: their layout for compiled code, and where all stand still."""
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate_cases.drive.plant import Scales
+from drivegate_cases.drive.plant import NOMINAL, Scales
 from drivegate_cases.scenario.control_periods import seen_at_s
-from drivegate_cases.scenario.load import LockedLoad
+from drivegate_cases.scenario.courses import profiles_of, with_courses
+from drivegate_cases.scenario.load import DynamometerLoad, LockedLoad
 from drivegate_cases.scenario.piecewise import Profile, breakpoints, value_from, value_until
 from drivegate_cases.scenario.scenario import Scenario
 
@@ -28,10 +30,10 @@ class Dwell:
     """Mean voltage of the halves of the supply (V)."""
     imbalance: float = 0.0
     """Share by which the halves differ from it."""
-    resistance_factor: float = 1.0
-    emf_factor: float = 1.0
-    inertia_factor: float = 1.0
-    """Drift of the plant's parameters (1)."""
+    torque_reference_nm: float | None = None
+    """Torque reference (N·m); None where the reference is the speed."""
+    scales: Scales = NOMINAL
+    """The plant's parameters, with their drift."""
 
     @property
     def duration(self) -> float:
@@ -48,51 +50,49 @@ def profile_arrays(
     return np.ascontiguousarray(table[:, 0]), np.ascontiguousarray(table[:, 1])
 
 
-def dwells(scenario: Scenario) -> tuple[Dwell, ...]:
+def dwell_of(scenario: Scenario, values: Mapping[str, float], start: float = 0.0, end: float = 0.0) -> Dwell:
+    """Return the conditions of a scenario where its courses, by name, have some values."""
+    is_torque = isinstance(scenario.load, DynamometerLoad)
+    return Dwell(
+        start,
+        end,
+        speed_rpm=values["speed"],
+        load_factor=values["load"],
+        supply_v=values["supply"],
+        imbalance=values["imbalance"],
+        torque_reference_nm=values["torque_reference"] if is_torque else None,
+        scales=with_courses(scenario.scales, values),
+    )
+
+
+def dwells(scenario: Scenario, *, seen_throughout: bool = False) -> tuple[Dwell, ...]:
     """Find the stretches of a scenario in which reference, load, supply, plant and sensors are all constant.
 
-    A restart of the controller ends one, as an event that is over at once.
+    A restart of the controller ends one, as an event that is over at once. With `seen_throughout` so does the loss of
+    a signal, at its end; without, it is in none.
     """
-    profiles = (
-        scenario.speed_rpm,
-        scenario.load_profile,
-        scenario.supply_profile,
-        scenario.imbalance_profile,
-        scenario.resistance_profile,
-        scenario.emf_profile,
-        scenario.inertia_profile,
-    )
-    failures = [(dropout.start_s, dropout.end_s) for dropout in scenario.dropouts]
+    profiles = profiles_of(scenario)
+    failures = [
+        (dropout.end_s if seen_throughout else dropout.start_s, dropout.end_s)
+        for dropout in scenario.dropouts
+    ]
     failures += [(glitch.time_s, glitch.time_s) for glitch in scenario.glitches]
     failures += [(time, time) for time in scenario.restarts_s]
     # A failure begins at the first of its two points and is over at the second.
     events: tuple[Profile, ...] = tuple(((start, 0.0), (end, 0.0)) for start, end in failures)
     interruptions = {end for _, end in failures}
-    found: list[Dwell] = []
-    for start, end in pairwise(breakpoints((*profiles, *events), scenario.duration_s)):
-        constant = [value_from(points, start) for points in profiles]
-        if constant != [value_until(points, end) for points in profiles]:
+    found: list[tuple[float, float, dict[str, float]]] = []
+    for start, end in pairwise(breakpoints((*profiles.values(), *events), scenario.duration_s)):
+        constant = {name: value_from(points, start) for name, points in profiles.items()}
+        if constant != {name: value_until(points, end) for name, points in profiles.items()}:
             continue
         if any(failed <= start and end <= back for failed, back in failures):
             continue
-        continues = found and found[-1].end == start and start not in interruptions
-        if continues and _conditions(found[-1]) == constant:
-            found[-1] = replace(found[-1], end=end)
+        if found and found[-1][1:] == (start, constant) and start not in interruptions:
+            found[-1] = (found[-1][0], end, constant)
         else:
-            found.append(Dwell(start, end, *constant))
-    return tuple(found)
-
-
-def _conditions(dwell: Dwell) -> list[float]:
-    return [
-        dwell.speed_rpm,
-        dwell.load_factor,
-        dwell.supply_v,
-        dwell.imbalance,
-        dwell.resistance_factor,
-        dwell.emf_factor,
-        dwell.inertia_factor,
-    ]
+            found.append((start, end, constant))
+    return tuple(dwell_of(scenario, values, start, end) for start, end, values in found)
 
 
 def dwell_torque(scenario: Scenario, dwell: Dwell) -> float:
@@ -100,18 +100,6 @@ def dwell_torque(scenario: Scenario, dwell: Dwell) -> float:
     if isinstance(scenario.load, LockedLoad) or dwell.load_factor == 0.0 == dwell.speed_rpm:
         return 0.0
     return scenario.load.torque_at(dwell.speed_rpm, dwell.load_factor)
-
-
-def dwell_scales(scenario: Scenario, dwell: Dwell) -> Scales:
-    """Return the plant's parameters while nothing changes."""
-    scales = scenario.scales
-    return scales.model_copy(
-        update={
-            "resistance": scales.resistance * dwell.resistance_factor,
-            "emf_constant": scales.emf_constant * dwell.emf_factor,
-            "inertia": scales.inertia * dwell.inertia_factor,
-        }
-    )
 
 
 def is_after_change(scenario: Scenario, dwell: Dwell) -> bool:

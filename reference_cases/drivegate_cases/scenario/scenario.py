@@ -11,11 +11,11 @@ from drivegate_cases.documents.packaged import load_named, packaged_names
 from drivegate_cases.drive.drive_document import DriveDocument, DriveReference
 from drivegate_cases.drive.plant import Scales
 from drivegate_cases.scenario.control_periods import on_whole_periods, period_start_s, whole_periods
-from drivegate_cases.scenario.disturbance import CurrentError, Drift, Dropout, Glitch
+from drivegate_cases.scenario.courses import COURSES, Drift, stated_profiles
+from drivegate_cases.scenario.disturbance import CurrentError, Dropout, Glitch
 from drivegate_cases.scenario.failure import Failure
 from drivegate_cases.scenario.load import (
     ConstantPowerLoad,
-    DynamometerLoad,
     Load,
     LockedLoad,
     VehicleLoad,
@@ -39,7 +39,6 @@ _HIGHEST_SPEED_RPM = 1e6
 _HIGHEST_VOLTAGE_V = 1e5
 _GREATEST_IMBALANCE = 0.5
 _LATEST_START_S = 1e7
-_STEADY: Profile = ((0.0, 1.0),)
 _LEFT_OUT: Final[Any] = None
 
 
@@ -253,17 +252,7 @@ class Scenario(Document):
             )
 
     def _check_profiles_end_in_time(self) -> None:
-        profiles = {
-            "speed_rpm": self.speed_rpm,
-            "supply_v": self.supply_profile,
-            "load.grade_percent" if isinstance(self.load, VehicleLoad) else "load.factor": self.load_profile,
-            "load.torque_reference_nm": self.torque_reference_profile,
-            "imbalance": self.imbalance_profile,
-            "drift.resistance": self.resistance_profile,
-            "drift.emf_constant": self.emf_profile,
-            "drift.inertia": self.inertia_profile,
-        }
-        for key, profile in profiles.items():
+        for key, profile in stated_profiles(self):
             if profile[-1][0] > self.duration_s:
                 raise ValueError(
                     f"the key '{key}' has a point at {profile[-1][0]} s, "
@@ -331,39 +320,17 @@ class Scenario(Document):
     @property
     def supply_profile(self) -> Profile:
         """Voltage of each half of the supply over time (s, V), the drive's where none is given."""
-        return self.supply_v if self.supply_v is not None else ((0.0, self.drive.inverter.supply_voltage_v),)
+        return COURSES["supply"].profile(self)
 
     @property
     def load_profile(self) -> Profile:
         """Share of the load over time (s, -), 1 throughout for a locked shaft; a vehicle's grade (s, %)."""
-        if isinstance(self.load, LockedLoad):
-            return ((0.0, 1.0),)
-        return self.load.grade_percent if isinstance(self.load, VehicleLoad) else self.load.factor
+        return COURSES["load"].profile(self)
 
     @property
     def torque_reference_profile(self) -> Profile:
         """Torque reference over time (s, N·m), 0 throughout where the reference is a speed."""
-        return self.load.torque_reference_nm if isinstance(self.load, DynamometerLoad) else ((0.0, 0.0),)
-
-    @property
-    def imbalance_profile(self) -> Profile:
-        """Share by which the halves of the supply differ from their mean over time (s, -)."""
-        return self.imbalance if self.imbalance is not None else ((0.0, 0.0),)
-
-    @property
-    def resistance_profile(self) -> Profile:
-        """Factor on the phase resistance over time (s, -)."""
-        return _STEADY if self.drift is None or self.drift.resistance is None else self.drift.resistance
-
-    @property
-    def emf_profile(self) -> Profile:
-        """Factor on the EMF constant over time (s, -)."""
-        return _STEADY if self.drift is None or self.drift.emf_constant is None else self.drift.emf_constant
-
-    @property
-    def inertia_profile(self) -> Profile:
-        """Factor on the inertia of rotor and load over time (s, -)."""
-        return _STEADY if self.drift is None or self.drift.inertia is None else self.drift.inertia
+        return COURSES["torque_reference"].profile(self)
 
     def nameplate(self) -> Nameplate:
         """Return what the controller knows of its drive."""

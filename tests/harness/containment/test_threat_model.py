@@ -290,7 +290,7 @@ def test_semaphores_and_shared_memory_go_with_the_candidate(attempt, honest):
 
 
 LOOKING = """
-secrets = {"Scenario", "Schedule", "Course", "Profile", "Dwell", "Check", "Timing", "SpeedRange"}
+secrets = {"Scenario", "Conditions", "Course", "Profile", "Dwell", "Check", "Timing", "SpeedRange"}
 found = {type(thing).__name__ for thing in gc.get_objects()} & secrets
 found |= {type(part).__name__ for thing in gc.get_objects() if type(thing) is tuple for part in thing} & secrets
 names = set()
@@ -323,7 +323,7 @@ def test_a_profiler_does_not_see_an_order_taken_apart(attempt):
         "def look(frame, event, what): seen.update(type(v).__name__ for v in frame.f_locals.values())\n"
         "sys.setprofile(look); threading.setprofile(look); sys.settrace(lambda *a: look(*a))"
     )
-    step = "raise LookupError(f\"found {sorted(seen & {'Schedule', 'CloseLoop', 'Load'})}\")"
+    step = "raise LookupError(f\"found {sorted(seen & {'Conditions', 'CloseLoop', 'Load'})}\")"
     fault = attempt(step, top=top)
     assert isinstance(fault, Fault)
     assert fault.message == "LookupError: found []", fault.message

@@ -9,10 +9,14 @@ from numpy.typing import NDArray
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import own_candidate
 from drivegate.contracts.catalogue import contract_of
+from drivegate.contracts.current.scenarios.building import plain_scenario
+from drivegate.contracts.current.scenarios.simplification import SIMPLIFICATIONS
 from drivegate.drives.running import recorded, run_scenario
 from drivegate.scenarios.facts import facts_of
+from drivegate.scenarios.simplification import simplified
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.scenario.courses import COURSES
 from drivegate_cases.scenario.profile import dwells
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import InputError
@@ -50,7 +54,7 @@ def test_the_shaft_gains_speed_by_the_inertia_that_it_has_at_that_time(name: str
     scenario = lifted(name)
     trace, plant = shaft(scenario), scenario.drive.plant(scenario.scales)
     driving = trace["torque"] - trace["load"] - plant.friction - plant.viscous_friction * trace["speed"]
-    times, factors = np.array(scenario.inertia_profile).T
+    times, factors = np.array(COURSES["inertia"].profile(scenario)).T
     inertia = plant.inertia * np.interp(trace["time"], times, factors)
     expected = (driving * scenario.control_period_s / inertia)[:-1]
     gained = np.diff(trace["speed"])
@@ -65,10 +69,21 @@ def test_the_shaft_gains_speed_by_the_inertia_that_it_has_at_that_time(name: str
 @pytest.mark.parametrize("name", DRIVES)
 def test_it_is_a_stretch_of_its_own_and_is_told(name: str) -> None:
     scenario = lifted(name)
-    factor = min(value for _, value in scenario.inertia_profile)
-    assert {dwell.inertia_factor for dwell in dwells(scenario)} == {1.0, factor}
+    factor = min(value for _, value in COURSES["inertia"].profile(scenario))
+    own = scenario.scales.inertia
+    assert {dwell.scales.inertia for dwell in dwells(scenario)} == {own, own * factor}
     facts = facts_of(scenario.to_mapping())
     assert any(fact.startswith(f"J changes by 1 → {factor:g} → 1 times at ") for fact in facts), facts
+
+
+def test_a_moment_that_rounding_would_take_away_is_no_simpler_scenario() -> None:
+    moment = ((0.0, 1.0), (9.1, 1.0), (9.1, 0.3), (9.4, 0.3), (9.4, 1.0))
+    run = plain_scenario(load_drive("paper-5-phase")).replaced(duration_s=20.0, drift={"inertia": moment})
+    fields = (fields for simplification in SIMPLIFICATIONS for fields in simplification(run))
+    simpler = [found.drift for changed in fields if (found := simplified(run, changed)) is not None]
+    left = {drift.inertia for drift in simpler if drift is not None}
+    assert None in simpler
+    assert moment in left
 
 
 @pytest.mark.parametrize(

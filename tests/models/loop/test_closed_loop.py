@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.models.schedules import schedule_of
 
 from drivegate_models.contract.current.records import COMMAND, nameplate_record
 from drivegate_models.contract.current.signals import Nameplate
@@ -14,7 +15,7 @@ from drivegate_models.controllers.current.state import CONTROLLER_STATE
 from drivegate_models.half_bridge.closed_loop import prepared_loop
 from drivegate_models.loop import exchange
 from drivegate_models.loop.closed_loop import ClosedLoopRun
-from drivegate_models.loop.schedule import Course, Schedule, steady
+from drivegate_models.loop.schedule import Course, Schedule
 from drivegate_models.loop.step_recording import player_of, playing_step
 from drivegate_models.machine import ledger
 from drivegate_models.machine.load import (
@@ -36,9 +37,7 @@ def course(*points: tuple[float, float]) -> Course:
 
 
 def schedule(speed: float, factor: tuple[tuple[float, float], ...]) -> Schedule:
-    return Schedule(
-        steady(speed), course(*factor), steady(48.0), steady(0.0), steady(1.0), steady(1.0), steady(1.0)
-    )
+    return schedule_of(speed, 48.0, load=course(*factor))
 
 
 def simulate(

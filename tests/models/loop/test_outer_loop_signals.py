@@ -13,13 +13,14 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from tests.models.conftest import _motor
+from tests.models.schedules import schedule_of
 
 from drivegate_models.contract.current.records import COMMAND, SENSE
 from drivegate_models.half_bridge.closed_loop import prepared_loop
 from drivegate_models.half_bridge.plant.drive import Drive
 from drivegate_models.loop.closed_loop import ClosedLoopRun
 from drivegate_models.loop.exchange import COMPLETED
-from drivegate_models.loop.schedule import Course, Schedule, steady
+from drivegate_models.loop.schedule import Course
 from drivegate_models.machine.load import LOCKED, Load
 
 PERIOD: Final = 5e-4
@@ -67,7 +68,7 @@ def run_of(**answer: float) -> Recorded:
     run = prepared_loop(
         drive,
         Load(LOCKED),
-        Schedule(steady(SPEED), steady(1.0), supply, steady(0.0), steady(1.0), steady(1.0), steady(1.0)),
+        schedule_of(SPEED, supply),
         step_address=int(ctypes.cast(kept, ctypes.c_void_p).value or 0),
         state_address=0,
         initial_speed=SPEED,

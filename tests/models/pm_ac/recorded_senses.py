@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from tests.models.duty_runs import COLUMN, PERIOD
+from tests.models.schedules import schedule_of
 
 from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE
 from drivegate_models.loop.exchange import COMPLETED
-from drivegate_models.loop.schedule import Schedule, steady
 from drivegate_models.machine.load import LOCKED, Load
 from drivegate_models.pm_ac.closed_loop import DutyRun, prepared_duty_loop
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
@@ -79,15 +79,7 @@ def recorded(drive: PmAcDrive, speed: float, steps: int, answer: Answer, **optio
         answer(sense, command)
 
     kept = _STEP(step)
-    schedule = options.pop("schedule", None) or Schedule(
-        steady(speed),
-        steady(1.0),
-        steady(0.5 * drive.link_voltage),
-        steady(0.0),
-        steady(1.0),
-        steady(1.0),
-        steady(1.0),
-    )
+    schedule = options.pop("schedule", None) or schedule_of(speed, 0.5 * drive.link_voltage)
     run = prepared_duty_loop(
         drive,
         Load(LOCKED),

@@ -13,9 +13,10 @@ from tests.models.duty_runs import PERIOD
 from tests.models.pm_ac.conftest import SURFACE
 from tests.models.pm_ac.recorded_senses import Recorded, motoring, recorded
 from tests.models.pm_ac.test_sensing import HALL_STATES, converters, encoder, hall
+from tests.models.schedules import schedule_of
 
 from drivegate_models.contract.duty.records import DUTY_SENSE
-from drivegate_models.loop.schedule import Course, Schedule, steady
+from drivegate_models.loop.schedule import Course
 from drivegate_models.machine.rotor_frame import phase_currents, shaft_angles
 from drivegate_models.pm_ac.plant.drive import PmAcDrive, make_pm_ac_drive
 from drivegate_models.pm_ac.sensing import DutySensors, real_duty_sensors
@@ -51,9 +52,7 @@ def run_of(position: str, speed: float, pole_pairs: int = 3) -> Recorded:
     """Return a run of more than two turns at a speed that is held, while the link's voltage falls."""
     drive = drive_of(pole_pairs)
     supply = Course(np.array([0.0, STEPS * PERIOD]), 0.5 * drive.link_voltage * np.array([1.0, 0.9]))
-    schedule = Schedule(
-        steady(speed), steady(1.0), supply, steady(0.0), steady(1.0), steady(1.0), steady(1.0)
-    )
+    schedule = schedule_of(speed, supply)
     return recorded(
         drive,
         speed,

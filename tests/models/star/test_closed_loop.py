@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from tests.models.schedules import schedule_of
 
 from drivegate_models.contract.current.records import nameplate_record
 from drivegate_models.contract.current.signals import Nameplate
@@ -14,7 +15,7 @@ from drivegate_models.controllers.current.builtin import SEARCHES, reset_functio
 from drivegate_models.controllers.current.state import CONTROLLER_STATE
 from drivegate_models.loop import exchange
 from drivegate_models.loop.closed_loop import ClosedLoopRun
-from drivegate_models.loop.schedule import Course, Schedule, steady
+from drivegate_models.loop.schedule import Course
 from drivegate_models.machine.load import CONSTANT_TORQUE, Load
 from drivegate_models.star.closed_loop import prepared_loop
 from drivegate_models.star.plant.drive import StarDrive
@@ -49,7 +50,7 @@ def simulate(drive: StarDrive, speed: float, torque: float, duration: float) -> 
     )
     reset_function()(state, nameplate_record(nameplate), SEARCHES["reference"])
     load = Course(np.array([0.0, 0.2]), np.array([0.0, 1.0]))
-    course = Schedule(steady(speed), load, steady(48.0), steady(0.0), steady(1.0), steady(1.0), steady(1.0))
+    course = schedule_of(speed, 48.0, load=load)
     return prepared_loop(
         drive,
         Load(CONSTANT_TORQUE, torque, 1.0),

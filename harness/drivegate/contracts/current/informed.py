@@ -10,7 +10,7 @@ from typing import Final
 
 from drivegate_cases.drive.limits import limits_of
 from drivegate_cases.scenario.circumstance import Circumstance, circumstance
-from drivegate_cases.scenario.profile import Dwell, dwell_scales, dwell_torque, dwells
+from drivegate_cases.scenario.profile import Dwell, dwell_torque, dwells
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.contract.current.signals import Command, Nameplate, Sense
 from drivegate_models.machine.friction import friction_torque
@@ -107,7 +107,7 @@ def optimum_angle(scenario: Scenario, dwell: Dwell) -> float:
     load = dwell_torque(scenario, dwell)
     if speed < scenario.drive.rating.base_speed_rpm * RADIANS_PER_RPM or load <= 0.0:
         return 0.0
-    drive = scenario.drive.plant(dwell_scales(scenario, dwell))
+    drive = scenario.drive.plant(dwell.scales)
     torque = load + friction_torque(drive, speed)
     voltage = dwell.supply_v * (1.0 - abs(dwell.imbalance))
     best = least_current_sum(drive, speed, torque, voltage)

@@ -15,7 +15,7 @@ from drivegate.contracts.current.run import observed_windows
 from drivegate_cases.drive.plant import Scales
 from drivegate_cases.scenario.circumstance import Circumstance, circumstance
 from drivegate_cases.scenario.load import LockedLoad
-from drivegate_cases.scenario.profile import Dwell, dwell_scales, dwell_torque, dwells, is_after_change
+from drivegate_cases.scenario.profile import Dwell, dwell_torque, dwells, is_after_change
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.loop.closed_loop import ClosedLoopRun
 from drivegate_models.loop.observation import WindowObservation
@@ -58,7 +58,7 @@ class SteadyWindow:
     @property
     def scales(self) -> Scales:
         """How the plant differs from the nominal drive meanwhile."""
-        return dwell_scales(self.scenario, self.dwell)
+        return self.dwell.scales
 
     @property
     def has_nominal_supply(self) -> bool:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from drivegate.scenarios.title import titled
 from drivegate_cases.drive.limits import limits_of
-from drivegate_cases.scenario.profile import Dwell, dwell_scales, dwell_torque, dwells
+from drivegate_cases.scenario.profile import Dwell, dwell_torque, dwells
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import InputError
 from drivegate_models.machine.friction import friction_torque
@@ -109,7 +109,7 @@ def _from_its_begin(scenario: Scenario, held: Sequence[Dwell]) -> Dwell:
 
 @lru_cache(maxsize=200)
 def _answers(scenario: Scenario, dwell: Dwell) -> JudgedPoint | None:
-    drive = scenario.drive.plant(dwell_scales(scenario, dwell))
+    drive = scenario.drive.plant(dwell.scales)
     speed = dwell.speed_rpm * RADIANS_PER_RPM
     load = dwell_torque(scenario, dwell)
     voltage = dwell.supply_v * (1.0 - abs(dwell.imbalance))

@@ -10,6 +10,7 @@ from math import isfinite, pi, sqrt
 from typing import TYPE_CHECKING, Any, Final
 
 from drivegate.contracts.duty.checks.judged import greatest_at, least_within, undistorted
+from drivegate_cases.scenario.courses import COURSES
 from drivegate_cases.scenario.load import VehicleLoad
 from drivegate_cases.scenario.piecewise import value_from
 from drivegate_cases.scenario.scenario import Scenario
@@ -109,10 +110,8 @@ class InformedController:
         scenario = self._scenario
         if scenario.drift is None:
             return self._nominal
-        factors = (
-            value_from(profile, time) for profile in (scenario.resistance_profile, scenario.emf_profile)
-        )
-        return drifted(self._nominal, *factors)
+        factors = (COURSES[name].profile(scenario) for name in ("resistance", "emf_constant"))
+        return drifted(self._nominal, *(value_from(profile, time) for profile in factors))
 
     def _electrical_angle(self, pole_pairs: int, sense: DutySense) -> float:
         """Return the angle (rad electrical); between the edges of Hall switches, it goes on with the speed."""

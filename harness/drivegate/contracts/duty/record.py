@@ -17,11 +17,12 @@ from drivegate.contracts.duty.current_reference import quadrature_for
 from drivegate.contracts.duty.document import duty_document
 from drivegate.contracts.duty.run import DutyClosedLoopRun
 from drivegate.contracts.duty.scenarios.compared import mirror_image, with_other_dead_time
-from drivegate.contracts.duty.scenarios.windows import DutyDwell, duty_windows
+from drivegate.contracts.duty.scenarios.windows import duty_windows
 from drivegate_cases.drive.limits import Limits, limits_of
 from drivegate_cases.drive.plant import NOMINAL
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.load import DynamometerLoad
+from drivegate_cases.scenario.profile import Dwell
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import IdealSensors
 from drivegate_models.units import RADIANS_PER_RPM
@@ -31,7 +32,7 @@ from drivegate_models.units import RADIANS_PER_RPM
 class DutyWindow:
     """Means over a stretch in which a steady state is judged."""
 
-    dwell: DutyDwell
+    dwell: Dwell
     """The constant conditions that it belongs to."""
     start_s: float
     end_s: float
@@ -140,7 +141,7 @@ def exact_mean(values: NDArray[np.float64]) -> float:
 class _UnseenWindow(DutyWindow):
     """Stretch in which a steady state would be judged: what it shows is not known."""
 
-    def __init__(self, dwell: DutyDwell, start_s: float, end_s: float) -> None:
+    def __init__(self, dwell: Dwell, start_s: float, end_s: float) -> None:
         self.__dict__.update(dwell=dwell, start_s=start_s, end_s=end_s)
 
     def __getattr__(self, name: str) -> Any:

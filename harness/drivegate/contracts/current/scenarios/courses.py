@@ -5,26 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Any, Final, Literal, TypeAlias
+from typing import Any, Final
 
-from drivegate_cases.scenario.disturbance import Drift
-from drivegate_cases.scenario.load import LockedLoad, VehicleLoad
+from drivegate_cases.scenario.courses import COURSES
 from drivegate_cases.scenario.piecewise import Profile
 from drivegate_cases.scenario.scenario import Scenario
 
-Quantity: TypeAlias = Literal["speed", "load", "supply", "imbalance", "resistance", "emf_constant", "inertia"]
-"""What a profile is of."""
-
-QUANTITIES: Final[tuple[Quantity, ...]] = (
-    "inertia",
-    "resistance",
-    "emf_constant",
-    "imbalance",
-    "supply",
-    "speed",
-    "load",
+_LAST: Final = ("resistance", "emf_constant", "imbalance", "supply", "speed", "load")
+QUANTITIES: Final = (
+    *(name for name in COURSES if name not in (*_LAST, "torque_reference")),
+    *_LAST,
 )
-"""All of them, those that a plain run has not got first."""
+"""Those of this contract, the ones that a plain run has not got first."""
 
 
 @dataclass(frozen=True)
@@ -101,36 +93,11 @@ class ProfileCourse:
         return ProfileCourse(self.first, tuple(c for c in self.changes if c.start < end and c.end <= end))
 
 
-def course_of(scenario: Scenario, quantity: Quantity) -> ProfileCourse:
+def course_of(scenario: Scenario, quantity: str) -> ProfileCourse:
     """Read one of a scenario's profiles."""
-    profiles: dict[Quantity, Profile] = {
-        "speed": scenario.speed_rpm,
-        "load": scenario.load_profile,
-        "supply": scenario.supply_profile,
-        "imbalance": scenario.imbalance_profile,
-        "resistance": scenario.resistance_profile,
-        "emf_constant": scenario.emf_profile,
-        "inertia": scenario.inertia_profile,
-    }
-    return ProfileCourse.of(profiles[quantity])
+    return ProfileCourse.of(COURSES[quantity].profile(scenario))
 
 
-def fields_of(scenario: Scenario, quantity: Quantity, course: ProfileCourse) -> dict[str, Any]:
+def fields_of(scenario: Scenario, quantity: str, course: ProfileCourse) -> dict[str, Any]:
     """Write one of a scenario's profiles."""
-    profile = course.profile()
-    match quantity:
-        case "speed":
-            return {"speed_rpm": profile, "initial_speed_rpm": course.first}
-        case "load":
-            if isinstance(scenario.load, LockedLoad):
-                return {}
-            key = "grade_percent" if isinstance(scenario.load, VehicleLoad) else "factor"
-            return {"load": scenario.load.model_copy(update={key: profile})}
-        case "supply":
-            nominal = ((0.0, scenario.drive.inverter.supply_voltage_v),)
-            return {"supply_v": None if profile == nominal else profile}
-        case "imbalance":
-            return {"imbalance": None if profile == ((0.0, 0.0),) else profile}
-    new = dict(scenario.drift or Drift.model_construct())
-    new[quantity] = None if profile == ((0.0, 1.0),) else profile
-    return {"drift": Drift(**new) if any(new.values()) else None}
+    return COURSES[quantity].fields(scenario, course.profile())

@@ -10,7 +10,7 @@ torque; of a load of constant power, also at the speed to which the shaft sags w
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import lru_cache
 from itertools import pairwise
@@ -22,9 +22,10 @@ from drivegate.scenarios.drive_scale import scale_of
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import mean_time
 from drivegate_cases.drive.plant import NOMINAL, Scales
+from drivegate_cases.scenario.courses import profiles_of
 from drivegate_cases.scenario.load import ConstantPowerLoad, LockedLoad
 from drivegate_cases.scenario.piecewise import Profile, breakpoints, value_from, value_until
-from drivegate_cases.scenario.profile import Dwell, dwell_scales, dwell_torque
+from drivegate_cases.scenario.profile import Dwell, dwell_of, dwell_torque
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import HallSensors
 from drivegate_models.machine.friction import friction_torque
@@ -107,7 +108,7 @@ def withstands_steps(scenario: Scenario) -> bool:
     steps = [(stretch.first, stretch.last) for stretch in _stretches(scenario) if stretch.duration == 0.0]
     added = [(first, _torque_added(scenario, first, last)) for first, last in steps]
     for time in scenario.restarts_s:
-        running = _conditions(scenario, time, value_from)
+        running = _conditions(scenario, profiles_of(scenario), time, value_from)
         added.append((running, dwell_torque(scenario, running)))
     return all(_stays_fast(scenario, conditions, torque) for conditions, torque in added)
 
@@ -147,30 +148,26 @@ def unfair_because(scenario: Scenario) -> str | None:
 
 def _stretches(scenario: Scenario) -> Iterator[_Stretch]:
     """Cut a run at every corner of its profiles; steps come as pieces of no length."""
-    times = breakpoints(_profiles(scenario), scenario.duration_s)
-    before = _conditions(scenario, times[0], value_from)
+    # What accelerates a shaft is judged by the nameplate's inertia, whatever its own is by then.
+    profiles = {name: points for name, points in profiles_of(scenario).items() if name != "inertia"}
+    times = breakpoints(tuple(profiles.values()), scenario.duration_s)
+    before = _conditions(scenario, profiles, times[0], value_from)
     for start, end in pairwise(times):
-        first = _conditions(scenario, start, value_from)
+        first = _conditions(scenario, profiles, start, value_from)
         if first != before:
             yield _Stretch(0.0, before, first)
-        before = _conditions(scenario, end, value_until)
+        before = _conditions(scenario, profiles, end, value_until)
         yield _Stretch(end - start, first, before)
 
 
-def _profiles(scenario: Scenario) -> tuple[Profile, ...]:
-    return (
-        scenario.speed_rpm,
-        scenario.load_profile,
-        scenario.supply_profile,
-        scenario.imbalance_profile,
-        scenario.resistance_profile,
-        scenario.emf_profile,
-    )
-
-
-def _conditions(scenario: Scenario, time: float, value_at: Callable[[Profile, float], float]) -> Dwell:
+def _conditions(
+    scenario: Scenario,
+    profiles: Mapping[str, Profile],
+    time: float,
+    value_at: Callable[[Profile, float], float],
+) -> Dwell:
     # The time itself is no condition.
-    return Dwell(0.0, 0.0, *(value_at(profile, time) for profile in _profiles(scenario)))
+    return dwell_of(scenario, {name: value_at(points, time) for name, points in profiles.items()})
 
 
 def _demands(scenario: Scenario) -> Iterator[tuple[Dwell, float]]:
@@ -197,7 +194,7 @@ def _reaches(
     speed = conditions.speed_rpm * RADIANS_PER_RPM
     if load == 0.0 or speed == 0.0:
         return True
-    scales = dwell_scales(scenario, conditions)
+    scales = conditions.scales
     drive = _drive(scenario.drive, scales)
     held = load + _own_drag(drive, speed)
     if held < 0.0:
@@ -231,7 +228,7 @@ def _sag(scenario: Scenario) -> float:
 
 def _drag(scenario: Scenario, conditions: Dwell) -> float:
     """Torque that slows the shaft while no phase carries current: the load and the drive's own (N m)."""
-    drive = _drive(scenario.drive, dwell_scales(scenario, conditions))
+    drive = _drive(scenario.drive, conditions.scales)
     return dwell_torque(scenario, conditions) + _own_drag(drive, conditions.speed_rpm * RADIANS_PER_RPM)
 
 

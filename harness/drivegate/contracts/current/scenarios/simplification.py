@@ -9,7 +9,6 @@ from drivegate.contracts.current.scenarios.building import TORQUE_DIGITS, coming
 from drivegate.contracts.current.scenarios.courses import (
     QUANTITIES,
     ProfileCourse,
-    Quantity,
     course_of,
     fields_of,
 )
@@ -17,6 +16,7 @@ from drivegate.scenarios.drive_scale import scale_of, tidy, whole_tenths
 from drivegate.scenarios.simplification import Fields, Simplification
 from drivegate_cases.drive.limits import rounded
 from drivegate_cases.drive.plant import NOMINAL
+from drivegate_cases.scenario.courses import COURSES, DISTURBANCES
 from drivegate_cases.scenario.load import (
     ConstantPowerLoad,
     ConstantTorqueLoad,
@@ -35,15 +35,17 @@ _TIMES = (5.0, 1.0, 0.5, 0.1)
 _SPEED_GRAINS: Final = (50, 10, 5, 1)
 _SUPPLY_GRAINS: Final = (10, 5, 1)
 _TORQUE_GRAINS: Final = (50, 10, 5, 1)
-_SHARE_GRAINS: Final[dict[Quantity, tuple[float, ...]]] = {
+_SHARE_GRAINS: Final[dict[str, tuple[float, ...]]] = {
     "load": (0.5, 0.25, 0.1, 0.05),
     "imbalance": (0.05, 0.01),
-    "resistance": (0.5, 0.1, 0.05),
     "emf_constant": (0.05, 0.01),
     "inertia": (0.1, 0.05),
 }
 
 
+_DISTURBED: Final = tuple(
+    dict.fromkeys(key.partition(".")[0] for quantity in reversed(DISTURBANCES) for key in quantity.keys)
+)
 _FAILURES: Final = ("dropouts", "glitches", "restarts_s", "current_errors")
 _BEGINNING: Final[Fields] = {
     "control_period_s": LONGEST_CONTROL_PERIOD_S,
@@ -124,13 +126,13 @@ def _nominal_parameters(scenario: Scenario) -> Iterator[Fields]:
 
 def _without_disturbance(scenario: Scenario) -> Iterator[Fields]:
     """Take drift, unequal halves and another supply away altogether."""
-    given = [key for key in ("drift", "imbalance", "supply_v") if getattr(scenario, key) is not None]
+    given = [key for key in _DISTURBED if getattr(scenario, key) is not None]
     yield dict.fromkeys(given)
     for key in given:
         yield {key: None}
 
 
-def _steadier(quantity: Quantity) -> Simplification:
+def _steadier(quantity: str) -> Simplification:
     def candidates(scenario: Scenario) -> Iterator[Fields]:
         course = course_of(scenario, quantity)
         if not course.changes:
@@ -141,7 +143,7 @@ def _steadier(quantity: Quantity) -> Simplification:
     return candidates
 
 
-def _coming_on(scenario: Scenario, quantity: Quantity, course: ProfileCourse) -> ProfileCourse:
+def _coming_on(scenario: Scenario, quantity: str, course: ProfileCourse) -> ProfileCourse:
     """Let a switched load come on as in every other run, from a shaft that turns freely."""
     if quantity != "load" or isinstance(scenario.load, VehicleLoad) or course.first == 0.0:
         return course
@@ -188,7 +190,7 @@ def _until(scenario: Scenario, end: float) -> Fields:
     return fields
 
 
-def _rounder(quantity: Quantity) -> Simplification:
+def _rounder(quantity: str) -> Simplification:
     def candidates(scenario: Scenario) -> Iterator[Fields]:
         course = course_of(scenario, quantity)
         for grain in _grains(scenario, quantity):
@@ -197,7 +199,7 @@ def _rounder(quantity: Quantity) -> Simplification:
     return candidates
 
 
-def _grains(scenario: Scenario, quantity: Quantity) -> Iterator[float]:
+def _grains(scenario: Scenario, quantity: str) -> Iterator[float]:
     """Return what a quantity is rounded to, the coarsest first."""
     scale = scale_of(scenario.drive)
     match quantity:
@@ -206,7 +208,8 @@ def _grains(scenario: Scenario, quantity: Quantity) -> Iterator[float]:
         case "supply":
             yield from (tidy(steps * scale.supply_step_v) for steps in _SUPPLY_GRAINS)
         case _:
-            yield from _SHARE_GRAINS[quantity]
+            unit = _unit(scenario, COURSES[quantity].scale)
+            yield from (tidy(grain * unit) for grain in _SHARE_GRAINS.get(quantity, (0.5, 0.1, 0.05)))
 
 
 def _rounder_times(scenario: Scenario) -> Iterator[Fields]:
@@ -251,12 +254,15 @@ def _rounder_load(scenario: Scenario) -> Iterator[Fields]:
 
 
 def _rounder_parameters(scenario: Scenario) -> Iterator[Fields]:
-    friction_step = 10.0 * scale_of(scenario.drive).torque_step_nm
     for grain in (0.5, 0.25, 0.1, 0.05):
         for key in type(NOMINAL).model_fields:
-            size = tidy(grain * friction_step) if key == "friction_added_n_m" else grain
-            value = _to(size)(getattr(scenario.scales, key))
+            value = _to(tidy(grain * _unit(scenario, key)))(getattr(scenario.scales, key))
             yield {"scales": scenario.scales.model_copy(update={key: value})}
+
+
+def _unit(scenario: Scenario, scale: str | None) -> float:
+    """Return what grains of a parameter are multiplied by: 1 for a factor, a torque of the drive for a friction."""
+    return 10.0 * scale_of(scenario.drive).torque_step_nm if scale == "friction_added_n_m" else 1.0
 
 
 def _rounder_failures(scenario: Scenario) -> Iterator[Fields]:

@@ -17,7 +17,8 @@ from drivegate_cases.drive.limits import limits_of, rounded
 from drivegate_cases.drive.plant import Scales
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.control_periods import first_period_from, period_start_s
-from drivegate_cases.scenario.disturbance import Drift, Dropout, Glitch
+from drivegate_cases.scenario.courses import Drift
+from drivegate_cases.scenario.disturbance import Dropout, Glitch
 from drivegate_cases.scenario.failure_kind import FailureKind
 from drivegate_cases.scenario.load import ConstantTorqueLoad, DynamometerLoad, FanLoad, HoistLoad
 from drivegate_cases.scenario.piecewise import Profile

@@ -18,15 +18,17 @@ from drivegate.contracts.duty.scenarios.drawn_range import (
     slow_load_share,
     unnoticed_because,
 )
-from drivegate.contracts.duty.scenarios.windows import DutyDwell, duty_dwells
+from drivegate.contracts.duty.scenarios.windows import duty_dwells
 from drivegate.scenarios.drive_scale import rated_torque_at
 from drivegate_cases.drive.data_sheet import USABLE_SHARE
 from drivegate_cases.drive.limits import limits_of
 from drivegate_cases.drive.plant import NOMINAL
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.greatest_torque import greatest_within
+from drivegate_cases.scenario.courses import profiles_of
 from drivegate_cases.scenario.load import DynamometerLoad, LockedLoad, VehicleLoad
 from drivegate_cases.scenario.piecewise import value_from
+from drivegate_cases.scenario.profile import Dwell, dwell_of
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import EDGES_A_LINE, SHUNTS, ShuntSensors
 from drivegate_models.contract.duty.signals import LEG_OFF
@@ -127,12 +129,12 @@ def _stops_within_a_sector(scenario: Scenario) -> bool:
     return False
 
 
-def _is_driven(scenario: Scenario, dwell: DutyDwell) -> bool:
+def _is_driven(scenario: Scenario, dwell: Dwell) -> bool:
     """Return True if the torque of a load, or of a torque reference, has to be reached."""
     load = scenario.load
     speed = abs(dwell.speed_rpm) * RADIANS_PER_RPM
     document = duty_document(scenario.drive)
-    plant = _plant(scenario, dwell.resistance_factor, dwell.emf_factor)
+    plant = document.plant(dwell.scales)
     if isinstance(load, LockedLoad):
         demanded = abs(dwell.torque_reference_nm or 0.0)
     else:
@@ -158,10 +160,11 @@ def _rectified_current(scenario: Scenario) -> float:
     """Return the greatest phase current with which a scenario begins, while all legs are off (A)."""
     is_held = isinstance(scenario.load, LockedLoad)
     speed_rpm = value_from(scenario.speed_rpm, 0.0) if is_held else scenario.initial_speed_rpm
-    profiles = (scenario.resistance_profile, scenario.emf_profile, scenario.supply_profile)
-    resistance, emf, supply = (value_from(profile, 0.0) for profile in profiles)
-    plant, speed = _plant(scenario, resistance, emf), speed_rpm * RADIANS_PER_RPM
-    return _settled_peak(plant, speed, 2.0 * supply, scenario.control_period_s)
+    begin = dwell_of(
+        scenario, {name: value_from(points, 0.0) for name, points in profiles_of(scenario).items()}
+    )
+    plant, speed = duty_document(scenario.drive).plant(begin.scales), speed_rpm * RADIANS_PER_RPM
+    return _settled_peak(plant, speed, 2.0 * begin.supply_v, scenario.control_period_s)
 
 
 @lru_cache(maxsize=_KEPT)
@@ -170,16 +173,6 @@ def _settled_peak(plant: PmAcDrive, speed: float, link: float, period: float) ->
     legs_off = np.zeros(3), np.full(3, LEG_OFF, np.int64)
     settle_rectifying(plant, make_phases(), 0.0, speed, link, (1.0, 1.0), period, *legs_off, totals)
     return float(totals[ledger.PEAK])
-
-
-def _plant(scenario: Scenario, resistance_factor: float, emf_factor: float) -> PmAcDrive:
-    """Make the plant of a scenario as it has drifted by some time."""
-    scales = scenario.scales
-    changed = {
-        "resistance": scales.resistance * resistance_factor,
-        "emf_constant": scales.emf_constant * emf_factor,
-    }
-    return duty_document(scenario.drive).plant(scales.model_copy(update=changed))
 
 
 @lru_cache(maxsize=_KEPT)
