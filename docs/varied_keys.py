@@ -32,6 +32,7 @@ _VEHICLE = "part of a vehicle's torque, which its mass, gear and grade vary"
 _PUBLISHED = "as in the published implementation; its errors vary with the seed"
 _HALL = "of Hall switches, which stars have; the error of each edge varies with the seed"
 _DRIVE = "the drive's, which `--drive` names; the plant's own varies by `scales`"
+_OWN = "for your own scenarios; the runs vary the load"
 _DUTY = "of PM AC drives, whose own runs vary it"
 
 NOT_VARIED: Final[Mapping[str, str]] = {
@@ -39,6 +40,7 @@ NOT_VARIED: Final[Mapping[str, str]] = {
     "name": _NO_PART,
     "description": _NO_PART,
     "drive": _DRIVE,
+    "drift.friction_n_m": _OWN,
     **dict.fromkeys(
         (
             "load.wheel_radius_m",

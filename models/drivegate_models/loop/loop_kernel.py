@@ -322,7 +322,8 @@ def loop_of(kernels: PlantKernels) -> Any:
             angle = within_a_turn(turned)
             if load.kind != LOCKED:
                 inertia = conditions.inertia * (drive.inertia + load.inertia)
-                gained = speed_gained(drive, inertia, speed, held, load_now, period, length)
+                resisting = load_now + conditions.friction
+                gained = speed_gained(drive, inertia, speed, held, resisting, period, length)
                 observed.kinetic_residual += inertia * gained * (speed + 0.5 * gained - held)
                 speed += gained
         observed.steps = timing.steps

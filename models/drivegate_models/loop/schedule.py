@@ -38,6 +38,8 @@ class Conditions(NamedTuple, Generic[ValueT]):
     """Factor on the EMF constant (1)."""
     inertia: ValueT
     """Factor on the inertia of rotor and load (1)."""
+    friction: ValueT
+    """Torque that is added to the friction of the shaft (N m)."""
 
 
 Schedule: TypeAlias = Conditions[Course]
@@ -85,4 +87,5 @@ def conditions_at(schedule: Schedule, positions: NDArray[np.int64], time: float)
         follow(schedule.resistance, positions, 4, time),
         follow(schedule.emf_constant, positions, 5, time),
         follow(schedule.inertia, positions, 6, time),
+        follow(schedule.friction, positions, 7, time),
     )

@@ -295,7 +295,8 @@ def run_periods(
                 room.last[leg] = low_side_ratio(room.ratios[0, leg], room.legs[0, leg])
         if k >= 0 and load.kind != LOCKED and not is_locked:
             inertia = conditions.inertia * (drive.inertia + load.inertia)
-            change = _speed_change(drive, inertia, speed, opposing, weight, period, length)
+            resisting = opposing + conditions.friction
+            change = _speed_change(drive, inertia, speed, resisting, weight, period, length)
             speed += change
         if delay > 0:
             for leg in range(3):

@@ -19,13 +19,15 @@ from drivegate_cases.scenario.piecewise import Profile, check_times
 from drivegate_models.units import RADIANS_PER_RPM
 
 _LEAST_FACTOR, _GREATEST_FACTOR = 0.1, 10.0
+_GREATEST_FRICTION_N_M = 1e5
 _PERCENT = 0.01
 
 
 class Drift(Section):
     """How the plant's parameters change during a run.
 
-    Windings and magnets change with temperature, and the inertia where a wheel is lifted from the ground or set down.
+    Windings and magnets change with temperature, the inertia where a wheel is lifted from the ground or set down, and
+    the friction where a brake drags.
     """
 
     resistance: Profile | None = Field(
@@ -37,6 +39,10 @@ class Drift(Section):
     inertia: Profile | None = Field(
         default=None, description="factor on the inertia of rotor and load, a list of [seconds, factor]"
     )
+    friction_n_m: Profile | None = Field(
+        default=None,
+        description="friction torque added to the drive's own, a list of [seconds, newton metres]",
+    )
 
     @field_validator("resistance", "emf_constant", "inertia")
     @classmethod
@@ -45,6 +51,15 @@ class Drift(Section):
             return None
         if any(not _LEAST_FACTOR <= factor <= _GREATEST_FACTOR for _, factor in profile):
             raise ValueError(f"must have factors from {_LEAST_FACTOR:g} to {_GREATEST_FACTOR:g}")
+        return check_times(profile)
+
+    @field_validator("friction_n_m")
+    @classmethod
+    def _friction_in_range(cls, profile: Profile | None) -> Profile | None:
+        if profile is None:
+            return None
+        if any(not 0.0 <= torque <= _GREATEST_FRICTION_N_M for _, torque in profile):
+            raise ValueError(f"must have torques from 0 to {_GREATEST_FRICTION_N_M:g} N·m")
         return check_times(profile)
 
     @model_validator(mode="after")
@@ -147,6 +162,16 @@ COURSES: Final[Mapping[str, Quantity]] = MappingProxyType(
             _drifting("resistance", "resistance"),
             _drifting("emf_constant", "emf_constant"),
             _drifting("inertia", "inertia", "changes"),
+            Quantity(
+                "friction",
+                "fault",
+                {"drift.friction_n_m": 1.0},
+                0.0,
+                "friction_added_n_m",
+                symbol="friction",
+                verb="changes",
+                unit="N·m",
+            ),
         )
     }
 )
@@ -177,6 +202,11 @@ def with_courses(scales: Scales, values: Mapping[str, float]) -> Scales:
         if values.get(quantity.name, quantity.nominal) != quantity.nominal
     }
     return scales.model_copy(update=changed) if changed else scales
+
+
+def friction_since(begin: Scales, scales: Scales) -> float:
+    """Return the friction that a run has added to that of its beginning, which acts like a load (N·m)."""
+    return scales.friction_added_n_m - begin.friction_added_n_m
 
 
 def _combined(quantity: Quantity, scales: Scales, value: float) -> float:

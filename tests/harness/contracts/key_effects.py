@@ -201,6 +201,7 @@ _SCENARIO: Final[dict[str, Effect]] = {
     "drift.resistance": Runs([[0.0, 3.0]]),
     "drift.emf_constant": Runs([[0.0, 0.5]]),
     "drift.inertia": Runs([[0.0, 0.5]]),
+    "drift.friction_n_m": Runs([[0.0, 0.05]]),
     "dropouts.signal": Runs(
         "speed", {"dropouts": [{"signal": "currents", "start_s": 0.01, "duration_s": 0.005}]}
     ),

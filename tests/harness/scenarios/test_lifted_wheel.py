@@ -102,5 +102,7 @@ def test_a_course_that_cannot_be_is_refused_in_a_sentence(inertia: list[list[flo
 
 def test_a_drift_of_nothing_names_what_could_be_given() -> None:
     given = lifted("paper-5-phase").to_mapping() | {"drift": {}}
-    with pytest.raises(InputError, match="must give 'resistance', 'emf_constant' or 'inertia'"):
+    with pytest.raises(
+        InputError, match="must give 'resistance', 'emf_constant', 'inertia' or 'friction_n_m'"
+    ):
         parse_document(given, Scenario, "lifted.toml")

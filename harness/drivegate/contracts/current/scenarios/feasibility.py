@@ -22,7 +22,7 @@ from drivegate.scenarios.drive_scale import scale_of
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import mean_time
 from drivegate_cases.drive.plant import NOMINAL, Scales
-from drivegate_cases.scenario.courses import profiles_of
+from drivegate_cases.scenario.courses import friction_since, profiles_of
 from drivegate_cases.scenario.load import ConstantPowerLoad, LockedLoad
 from drivegate_cases.scenario.piecewise import Profile, breakpoints, value_from, value_until
 from drivegate_cases.scenario.profile import Dwell, dwell_of, dwell_torque
@@ -114,7 +114,8 @@ def withstands_steps(scenario: Scenario) -> bool:
 
 
 def _torque_added(scenario: Scenario, first: Dwell, last: Dwell) -> float:
-    return dwell_torque(scenario, last) - dwell_torque(scenario, first)
+    friction = friction_since(first.scales, last.scales)
+    return dwell_torque(scenario, last) - dwell_torque(scenario, first) + friction
 
 
 def _stays_fast(scenario: Scenario, conditions: Dwell, torque: float) -> bool:
@@ -192,9 +193,9 @@ def _reaches(
 ) -> bool:
     load = dwell_torque(scenario, conditions)
     speed = conditions.speed_rpm * RADIANS_PER_RPM
-    if load == 0.0 or speed == 0.0:
-        return True
     scales = conditions.scales
+    if load == 0.0 == friction_since(scenario.scales, scales) or speed == 0.0:
+        return True
     drive = _drive(scenario.drive, scales)
     held = load + _own_drag(drive, speed)
     if held < 0.0:

@@ -25,7 +25,7 @@ from drivegate_cases.drive.limits import limits_of
 from drivegate_cases.drive.plant import NOMINAL
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.greatest_torque import greatest_within
-from drivegate_cases.scenario.courses import profiles_of
+from drivegate_cases.scenario.courses import friction_since, profiles_of
 from drivegate_cases.scenario.load import DynamometerLoad, LockedLoad, VehicleLoad
 from drivegate_cases.scenario.piecewise import value_from
 from drivegate_cases.scenario.profile import Dwell, dwell_of
@@ -104,6 +104,7 @@ def _stops_at_low_speed(scenario: Scenario) -> bool:
     return any(
         0.0 < abs(dwell.speed_rpm) < end
         and abs(load.torque_at(dwell.speed_rpm, dwell.load_factor))
+        + friction_since(scenario.scales, dwell.scales)
         > slow_load_share(dwell.speed_rpm, drive) * rated_torque_at(drive, end) * (1.0 + _ROUNDING)
         for dwell in duty_dwells(scenario)
     )
@@ -120,7 +121,7 @@ def _stops_within_a_sector(scenario: Scenario) -> bool:
     )
     before, time, speed_rpm = 0.0, 0.0, scenario.initial_speed_rpm
     for dwell in duty_dwells(scenario):
-        torque = load.torque_at(speed_rpm, dwell.load_factor)
+        torque = load.torque_at(speed_rpm, dwell.load_factor) + friction_since(scenario.scales, dwell.scales)
         speed = speed_rpm * RADIANS_PER_RPM
         energy = 0.5 * inertia * speed * speed
         if dwell.start == time and 0.0 < energy < (torque - before) * SECTOR / machine.pole_pairs:
