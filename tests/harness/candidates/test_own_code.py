@@ -18,7 +18,7 @@ from drivegate.studies.new import write_candidate
 from drivegate_models.compilation.kernels import required_cache_folder
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
-INNER = f"inner:pi:{EXAMPLES / 'python' / 'candidate.toml'}"
+CANDIDATE = str(EXAMPLES / "python" / "candidate.toml")
 # Load a candidate and reset it, in a process that refuses to compile.
 RUN = """
 import sys
@@ -43,7 +43,7 @@ print("has a step at", controller.step_address)
     ("text", "drive"),
     [
         pytest.param("cortex-m", "paper-5-phase", marks=pytest.mark.needs("arm-none-eabi-gcc")),
-        (INNER, "pm-ac-surface"),
+        (f"inner:pi:{CANDIDATE}", "pm-ac-surface"),
     ],
     ids=["elf", "inner"],
 )
@@ -68,7 +68,7 @@ def test_a_judge_has_it_compiled_before_it_starts_the_process(monkeypatch: pytes
     monkeypatch.setattr(
         Kind, "compile_own_code", lambda kind, candidate: asked.append((kind.name, candidate.name))
     )
-    candidate = resolve_candidate(INNER)
+    candidate = resolve_candidate(CANDIDATE)
     with Judge(candidate) as judge:
         assert judge.once(Job(worker_jobs.drive, 2)) == judge.once(Job(worker_jobs.drive, 2))
-    assert asked == [("inner", candidate.name)], "once for all processes of a judge"
+    assert asked == [("python", candidate.name)], "once for all processes of a judge"
