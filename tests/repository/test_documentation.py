@@ -26,9 +26,6 @@ def test_the_pages_stay_short() -> None:
     counts = INSERTIONS["word_counts"]()
     by_hand = sum(written for written, _ in counts.values())
     assert by_hand <= 32_000, "python docs/insertions.py --words"
-    assert by_hand + sum(generated for _, generated in counts.values()) <= 45_000, (
-        "python docs/insertions.py --words"
-    )
 
 
 def test_a_stale_insertion_is_noticed() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import pi, radians
+from math import pi, radians, sqrt
 from typing import Any, Final
 
 from drivegate_models.contract.duty.signals import SPEED_REFERENCE, TORQUE_REFERENCE, DutyNameplate
@@ -501,6 +501,11 @@ DUTY_FAULTS: Final = {
         "ROB-4",
         "Turns its bridge off where the shaft leaves its reference half as fast again as it came to it.",
         perturbed=lambda _: {"breaking_away": 1.5},
+    ),
+    "torque-of-rms-currents": DutyFault(
+        "EST-1",
+        "Estimates the torque from rms currents by the formula for peak currents.",
+        perturbed=lambda _plate: {"estimate_factor": sqrt(0.5)},
     ),
     "lowering-refused": DutyFault(
         "ACC-1",

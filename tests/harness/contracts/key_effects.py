@@ -284,6 +284,7 @@ _DRIVE: Final[dict[str, Effect]] = {
         f"drive.requirements.{key}": Requires(value)
         for key, value in {
             "torque_tolerance_percent": 3.0,
+            "estimate_tolerance_percent": 3.0,
             "overshoot_percent": 33.0,
             "coupled_current_percent": 33.0,
             "rise_periods": 33.0,

@@ -62,7 +62,7 @@ LIKELY_CAUSES: Final = (
     ),
     _cause(
         "currents or torque are scaled wrong, by a sensor's gain or the magnet's flux",
-        "ACC-1 ACC-1:torque ROB-5 STP-1 STP-1:late",
+        "ACC-1 ACC-1:torque EST-1 ROB-5 STP-1 STP-1:late",
         "ACC-1 confirms it: the torque is off in proportion to its reference",
         "current-sensor-gain",
         "weak-magnets-assumed",
@@ -163,6 +163,12 @@ LIKELY_CAUSES: Final = (
         "DTM-1",
         "DTM-1 confirms it: torque ripple at low speed vanishes without dead time",
         "dead-time-times-ten",
+    ),
+    _cause(
+        "the estimate of the torque has a wrong factor, or lacks the reluctance torque",
+        "EST-1",
+        "EST-1 confirms it: the estimate is off while the torque is right",
+        "torque-of-rms-currents",
     ),
     _cause(
         "a failure is detected late, not at all, or where there is none",

@@ -45,6 +45,10 @@ class PmAcRequirements(Section):
     torque_tolerance_percent: Annotated[_Percent, Limit("torque_error_nm", _OF_TORQUE)] = Field(
         default=2.0, description="greatest error of the mean torque, in percent of rated torque"
     )
+    estimate_tolerance_percent: Annotated[_Percent, Limit("estimate_error_nm", _OF_TORQUE)] = Field(
+        default=5.0,
+        description="greatest error of the controller's estimate of the mean torque, in percent of rated torque",
+    )
     overshoot_percent: Annotated[_Percent, Limit("overshoot", _SHARE)] = Field(
         default=10.0, description="greatest overshoot of the torque, in percent of the reference's step"
     )

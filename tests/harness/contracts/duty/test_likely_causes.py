@@ -30,6 +30,7 @@ def test_signs_and_what_confirms_a_cause_name_checks_that_there_are() -> None:
         ),
         ({"STP-1": "overshoot 14.9 % from 0.5 to 1 N·m"}, "nervous-currents"),
         ({"OVC-1": "9.9323 A", "OVC-2": "9.89 A, the limit is 7.07 A"}, "generous-current-limit"),
+        ({"EST-1": "estimate 1.608 N·m of a torque of 2.274 N·m"}, "torque-of-rms-currents"),
         ({"DTM-1": "torque swings by 0.07 N·m, 20 times"}, "dead-time-times-ten"),
         ({"DEC-1": "d current moved by 0.2 A"}, "late-samples"),
         ({"FWK-3": "braking with 0.2978 N·m, 13.1 %"}, "delay-turned-back"),

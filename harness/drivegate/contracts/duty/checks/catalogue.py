@@ -10,6 +10,7 @@ from drivegate.contracts.duty.checks.accuracy import ACC_1, ROB_4, ROB_5
 from drivegate.contracts.duty.checks.commands import DUT_1
 from drivegate.contracts.duty.checks.current import EFF_1, MTP_1, OVC_1, OVC_2
 from drivegate.contracts.duty.checks.decoupling import DEC_1
+from drivegate.contracts.duty.checks.estimate import EST_1
 from drivegate.contracts.duty.checks.failures import SAF_1
 from drivegate.contracts.duty.checks.power import DUTY_PWR_1
 from drivegate.contracts.duty.checks.ripple import DTM_1, RIP_4
@@ -35,6 +36,7 @@ DUTY_CHECKS: Final[tuple[Check, ...]] = (
     OVC_2,
     STA_1,
     SYM_1,
+    EST_1,
     ROB_4,
     ROB_5,
     SAF_1,

@@ -160,6 +160,8 @@ PERTURBED_STATE: Final = np.dtype(
         ("clamps", np.int64),
         ("swaps_phases", np.int64),
         ("next_period", np.float64),
+        # Factor on the estimate of the torque (1).
+        ("estimate_factor", np.float64),
     ],
     align=True,
 )
@@ -185,6 +187,7 @@ def perturbed_state(step_address: int, state_address: int, changes: dict[str, fl
         "braking_supply_factor",
         "angle_factor",
         "stretch",
+        "estimate_factor",
     ):
         state[name] = 1.0
     for name in (
@@ -334,7 +337,7 @@ def _write_command(state: Any, command: Any) -> None:
     command.second_leg = controller_command.second_leg
     command.third_leg = controller_command.third_leg
     command.next_period = state.next_period
-    command.torque = controller_command.torque
+    command.torque = state.estimate_factor * controller_command.torque
     command.angle = controller_command.angle
     command.speed = controller_command.speed
     command.input_power = controller_command.input_power

@@ -110,12 +110,24 @@ def edge(run: Run, interior: PmAcDocument) -> DutyRecord:
 
 RUNS = {
     "edge": ("PWR-1", "DUT-1", "OVC-1", "SAF-1"),
-    "slow": ("PWR-1", "DUT-1", "ACC-1", "RIP-4", "DTM-1", "FWK-2", "MTP-1", "OVC-1", "OVC-2"),
+    "slow": ("PWR-1", "DUT-1", "ACC-1", "RIP-4", "DTM-1", "FWK-2", "MTP-1", "OVC-1", "OVC-2", "EST-1"),
     "stuck": ("PWR-1", "DUT-1", "OVC-1", "SAF-1"),
     "locked": ("PWR-1", "DUT-1", "OVC-1", "SAF-1"),
-    "steps": ("PWR-1", "DUT-1", "ACC-1", "STP-1", "DEC-1", "RIP-4", "FWK-2", "MTP-1", "OVC-1", "OVC-2"),
-    "weakened": ("PWR-1", "DUT-1", "ACC-1", "FWK-1", "FWK-3", "OVC-1", "OVC-2"),
-    "start": ("PWR-1", "DUT-1", "ACC-1", "RIP-4", "FWK-2", "MTP-1", "OVC-1", "OVC-2", "STA-1"),
+    "steps": (
+        "PWR-1",
+        "DUT-1",
+        "ACC-1",
+        "STP-1",
+        "DEC-1",
+        "RIP-4",
+        "FWK-2",
+        "MTP-1",
+        "OVC-1",
+        "OVC-2",
+        "EST-1",
+    ),
+    "weakened": ("PWR-1", "DUT-1", "ACC-1", "FWK-1", "FWK-3", "OVC-1", "OVC-2", "EST-1"),
+    "start": ("PWR-1", "DUT-1", "ACC-1", "RIP-4", "FWK-2", "MTP-1", "OVC-1", "OVC-2", "STA-1", "EST-1"),
     "sensed": ("PWR-1", "DUT-1", "OVC-1", "ROB-5"),
     "other_plant": ("PWR-1", "DUT-1", "OVC-1", "ROB-4"),
 }
@@ -246,6 +258,21 @@ def test_answers_outside_of_their_range_are_noticed(
     assert margin is not None
     assert not margin.met
     assert words in margin.measured
+
+
+def test_a_wrong_estimate_of_the_torque_is_noticed_on_both_sides_of_its_limit(steps: DutyRecord) -> None:
+    limit = steps.limits.estimate_error_nm
+    for added, is_met in ((0.9 * limit, True), (1.1 * limit, False), (-1.1 * limit, False)):
+        margin = judged("EST-1", with_command(steps, "torque", lambda torque, by=added: torque + by))
+        assert margin is not None
+        assert margin.met == is_met, margin.measured
+
+
+def test_a_controller_without_an_estimate_of_the_torque_is_not_judged_by_it(
+    steps: DutyRecord, sensed: DutyRecord
+) -> None:
+    assert judged("EST-1", with_command(steps, "torque", lambda torque: np.full_like(torque, np.nan))) is None
+    assert judged("EST-1", sensed) is None, "what sensors with errors show is not the controller's doing"
 
 
 @pytest.mark.parametrize(
