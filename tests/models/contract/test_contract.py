@@ -1,5 +1,6 @@
 """The binary records in Python and in C are the same ones."""
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -50,6 +51,16 @@ def layout_in_numpy() -> dict[str, int]:
 
 def test_records_have_the_layout_of_the_header(tmp_path):
     assert layout_in_c(tmp_path) == layout_in_numpy()
+
+
+def sizes_stated(header: Path) -> dict[str, int]:
+    stated = re.findall(r"sizeof\(drivegate_(\w+)\) == (\d+)", header.read_text(encoding="utf-8"))
+    return {record: int(size) for record, size in stated}
+
+
+def test_the_header_states_the_size_of_every_record():
+    """A wrong size compiles nowhere; this names the right one."""
+    assert sizes_stated(HEADER) == {record: dtype.itemsize for record, dtype in RECORDS.items()}
 
 
 def test_the_example_in_the_header_compiles(tmp_path):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import subprocess
 from pathlib import Path
 
-from tests.models.contract.test_contract import HEADER, compile_and_run
+from tests.models.contract.test_contract import HEADER, compile_and_run, sizes_stated
 
 from drivegate_models.contract.current.signals import PM_AC
 from drivegate_models.contract.duty import records, signals
@@ -45,6 +45,10 @@ def test_records_have_the_layout_of_the_header(tmp_path: Path) -> None:
         expected[record] = dtype.itemsize
         expected |= {f"{record}.{field}": place for field, (_, place) in (dtype.fields or {}).items()}
     assert printed == expected
+
+
+def test_the_header_states_the_size_of_every_record() -> None:
+    assert sizes_stated(DUTY_HEADER) == {record: dtype.itemsize for record, dtype in RECORDS.items()}
 
 
 def test_numbers_with_a_name_are_the_same(tmp_path: Path) -> None:
