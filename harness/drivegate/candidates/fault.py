@@ -99,6 +99,7 @@ def bounded_line(text: str) -> str:
 
     Memory addresses are left out, since they differ from run to run.
     """
+    # Cut first: the text is the candidate's and may have any length. One character more shows that it was longer.
     line = _without_addresses(one_line(text[: LONGEST_MESSAGE + 1]))
     return line if len(line) <= LONGEST_MESSAGE else line[: LONGEST_MESSAGE - 1] + "…"
 

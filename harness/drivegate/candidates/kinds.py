@@ -49,7 +49,7 @@ class Kind:
     name: str
     """Its name in manifests and results."""
     folder: str
-    """The folder beside this module that has its code."""
+    """The folder next to this module that has its code."""
     ways: tuple[str, ...] = ()
     """How a user writes such a candidate, as messages show it."""
     prefixes: tuple[str, ...] = ()
@@ -61,7 +61,7 @@ class Kind:
     is_included: bool = False
     """Whether all of its code is drivegate's own, and so needs no process to contain it."""
     compiles_own_code: bool = False
-    """Whether compiled code of drivegate stands between a candidate's code and the loop."""
+    """Whether compiled code of drivegate is between a candidate's code and the loop."""
     reports_output: bool = False
     """Whether a fault without a traceback is reported with what the candidate's process printed."""
     way_of_running: str = ""

@@ -15,6 +15,7 @@ from drivegate.isolation.system_calls import end_with_parent
 from drivegate_cases.documents.wording import one_line
 from drivegate_models.errors import HarnessFault, InputError
 
+# Attempts in a row that bring not one result; further ones would end in the same way.
 _ATTEMPTS: Final = 3
 _CONNECTION_SECONDS: Final = 10.0
 
@@ -63,6 +64,7 @@ def done_by(
                 jobs = -1
             else:
                 stack.callback(_end_local_workers)
+            # One task a batch: a result is stored as soon as it is there, and a killed worker costs no other one.
             parallel = Parallel(n_jobs=jobs, batch_size=1, return_as="generator_unordered")
             # Whoever kills the campaign means its workers too, which joblib would leave waiting for minutes.
             parent = None if backend.name == "dask" else os.getpid()

@@ -32,8 +32,11 @@ from drivegate.containment.shared_memory import SharedMemory, SharedProgress
 from drivegate.containment.watches import memory_of_descendants
 from drivegate.isolation.layers import Layer
 
+# One look reads 1 MiB at most: a candidate that prints without end must not keep its judge reading.
 _MOST_READS = 16
+# For exit handlers and the deletion of the instance. Nothing is lost if the process is killed after that.
 _PATIENCE = 2.0
+# `faulthandler` prints within milliseconds, also in an endless loop. Only a stopped process prints nothing.
 _STACK_PATIENCE = 0.5
 # Packets arrive whole or not at all, so that half of a reply keeps nobody waiting.
 _PACKETS = socket.SOCK_SEQPACKET if sys.platform.startswith("linux") else socket.SOCK_DGRAM
@@ -65,6 +68,7 @@ class CandidateHandle:
                 afresh=afresh,
             )
         finally:
+            # From here on only the process itself has its ends, so that its death closes them.
             theirs.close()
             os.close(writer)
             self.progress.close()
@@ -97,6 +101,7 @@ class CandidateHandle:
     def receive(self) -> Reply | None:
         """Take the next reply, without waiting for one."""
         try:
+            # One byte more than a reply can have: a longer packet, cut to the limit, would look like a valid one.
             message = self._channel.recv(LONGEST_REPLY + 1)
         except (BlockingIOError, ConnectionResetError):
             return None
@@ -169,6 +174,7 @@ class CandidateHandle:
         process.send_signal(STACK_SIGNAL)
         deadline = time.monotonic() + _STACK_PATIENCE
         quiet = 0
+        # Nothing marks the end of a stack: it is complete when three looks in a row bring nothing new.
         while quiet < 3 and time.monotonic() < deadline:
             time.sleep(0.02)
             before = self._tail

@@ -34,5 +34,6 @@ def _own_places(candidate: Candidate) -> list[Path]:
 def _installation_of(program: Path) -> Path:
     """Return the folder with a program's libraries, or with what a version manager's shim starts."""
     folder = program.parent
+    # The folder above /bin is the whole file system, which is no installation.
     is_part = folder.name in ("bin", "shims") and folder.parent != Path(folder.anchor)
     return folder.parent if is_part else program

@@ -55,7 +55,7 @@ class Answered:
     status: int
     """Status of the loop there, of `drivegate_models.loop.exchange` or `duty_command`."""
     check: bytes
-    """Digest of what the plant there came to."""
+    """Digest of the plant's results there."""
     fault: Fault | None
     """What ended the run, where it is known there."""
     costs: StepCosts = NO_COSTS
@@ -84,7 +84,7 @@ class CandidateProcess:
         self._has_instance = False
 
     def made_instance(self) -> Reply:
-        """Make a new instance of the candidate, and let go of the one before; start the process if there is none."""
+        """Make a new instance of the candidate, and delete the previous one; start the process if there is none."""
         self._has_instance = False
         if not self.is_running:
             self.kill()
@@ -119,6 +119,7 @@ class CandidateProcess:
         if fault is None and reply.status == COMPLETED and reply.steps != steps:
             fault = self._garbled(self._running)
         status = reply.status if fault is None else STOPPED
+        # A command that ended the run is not among the answered steps, but the fault shows it.
         count = reply.steps + (status not in (COMPLETED, STOPPED))
         commands = self._running.copied_commands(order.commands, min(count, steps))
         if fault is not None:
@@ -181,6 +182,7 @@ class CandidateProcess:
 
     def _look_at_pace(self, handle: CandidateHandle, pace: PaceWatch, steps: int) -> None:
         """Report once that a run will take long; orders without steps are none."""
+        # A process that prepares or compiles shows nothing of the pace of its steps.
         if self._on_slow is None or steps == 0 or handle.progress.activity is not Activity.RUNNING:
             return
         slow = pace.slow(int(handle.progress.steps[0]), time.monotonic())

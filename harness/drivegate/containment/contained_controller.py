@@ -42,7 +42,7 @@ class PlayedCommands(CommandPlayer):
         self._answered = answered
 
     def disturbed(self, records: Any) -> Fault | None:
-        """Compare the records of a finished run with what the plant in the candidate's process came to."""
+        """Compare the records of a finished run with the plant's results in the candidate's process."""
         if self._answered.status == COMPLETED and check_of(records) == self._answered.check:
             return None
         return Fault(

@@ -23,6 +23,7 @@ from drivegate.containment.keeper import import_role, keep
 from drivegate.isolation.layers import refuse_inspection
 from drivegate_models.compilation.cache_folder import NUMBA_VARIABLE
 
+# A worker gets two at most, after the folder and the three standard ones.
 FEW: Final = 16
 """Greatest number of descriptors that a copy gets."""
 _BLOCK: Final = 65536
@@ -101,6 +102,7 @@ def _become_keeper(connection: socket.socket, names: frozenset[str]) -> None:
 
     `names`: variables that the template was started with; those that its imports have set remain.
     """
+    # The keeper waits for its worker's status, which the template's handler would take away.
     signal.signal(signal.SIGCHLD, signal.SIG_DFL)
     os.setsid()
     own = os.pidfd_open(os.getpid())

@@ -27,6 +27,7 @@ from drivegate_models.errors import HarnessFault, InputError
 
 _KILLED = "a process of the harness that watched the candidate was killed"
 _STOPPED = "a process of the harness that watched the candidate was stopped"
+# A debugger that attaches also stops a process, for a moment.
 _STOPPED_SECONDS = 10.0
 
 
@@ -159,6 +160,7 @@ def judge_jobs(connection: int, temporary: str, parent: int) -> None:
     try:
         candidate, limits, layers, digests = channel.recv()
         if not KINDS[candidate.kind].is_included:
+            # The digests were taken before any code of the candidate ran, which could have changed the files since.
             kernels.trust_only(digests)
         if layers:
             refuse_inspection()

@@ -25,7 +25,9 @@ from drivegate.isolation.layers import Layer, isolate, read_order
 from drivegate.isolation.namespaces import enter_process_namespace
 from drivegate.isolation.system_calls import control_process
 
+# Number of the option in linux/prctl.h.
 _SET_CHILD_SUBREAPER = 36
+# A process that waits for a device cannot be killed, and must not delay the verdict for ever.
 _PATIENCE = 10.0
 _BLOCK = 4096
 
@@ -36,30 +38,37 @@ def keep(role: str, isolation: str, temporary: str, *descriptors: str) -> None:
     In the keeper this does not return; in the worker it returns when its parent has hung up. The keeper reports
     on its standard output the worker's process id, and at the end its exit status, negative for a signal.
     """
+    # Before the worker exists, so that no orphan of it goes past the keeper.
     _adopt_orphans()
     layers, places = read_order(isolation)
+    # The new table of processes holds only what is forked from now on: the worker. The keeper stays outside, where it
+    # survives the end of the table and reports the status.
     if Layer.NAMESPACES in layers:
         enter_process_namespace()
     keeper = os.getpid()
     worker = os.fork()
     if worker == 0:
+        # A process group for the worker, so that one signal kills all that has not left it.
         os.setsid()
         isolate(layers, places)
         _become_worker(role, temporary, [int(descriptor) for descriptor in descriptors], keeper)
         return
     status = None
     try:
+        # The judge notices the end of the worker by a closed connection, which the keeper must not hold open.
         for descriptor in descriptors:
             os.close(int(descriptor))
         _report(worker)
         while os.read(sys.stdin.fileno(), _BLOCK):
             continue
     finally:
+        # Whatever fails here, the folder has to go and the status has to be reported.
         with suppress(BaseException):
             status = _killed(worker)
         with suppress(BaseException):
             _remove(Path(temporary))
         _report(-signal.SIGKILL if status is None else status)
+        # Exit handlers of imported modules take time, and have nothing to clean up here.
         os._exit(0)
 
 
@@ -74,6 +83,8 @@ def _become_worker(role: str, temporary: str, descriptors: list[int], keeper: in
     os.dup2(nothing, 0)
     os.close(nothing)
     os.dup2(2, 1)
+    # At the end, the interpreter searches all that was imported for garbage. That took a good part of the processor
+    # time of a short process.
     atexit.register(gc.freeze)
     import_role(role)
     if role == "candidate":
@@ -126,6 +137,8 @@ def _killed(worker: int) -> int | None:
             with suppress(ProcessLookupError, PermissionError):
                 os.kill(process, signal.SIGKILL)
         with suppress(ChildProcessError):
+            # This raises ChildProcessError once no child is left, which leads to the `break`. Killed children need a
+            # moment to get there, hence the sleep.
             while (ended := os.waitpid(-1, os.WNOHANG))[0]:
                 if ended[0] == worker:
                     status = os.waitstatus_to_exitcode(ended[1])

@@ -8,6 +8,7 @@ import time
 from contextlib import suppress
 from typing import Final, Protocol
 
+# The template reaps at once; this only bounds the wait for a template that is stopped or dead.
 _PATIENCE: Final = 1.0
 
 
@@ -66,6 +67,7 @@ class CopiedKeeper:
         if self._descriptor >= 0:
             poll = select.poll()
             poll.register(self._descriptor, select.POLLIN)
+            # A descriptor of a process becomes readable when the process ends.
             if not poll.poll(seconds * 1000.0):
                 return False
             self._wait_for_template()
@@ -84,5 +86,6 @@ class CopiedKeeper:
         until = time.monotonic() + _PATIENCE
         with suppress(ProcessLookupError):
             while time.monotonic() < until:
+                # Signal 0 sends nothing, and fails once the process has been reaped.
                 signal.pidfd_send_signal(self._descriptor, 0)
                 time.sleep(0.0005)

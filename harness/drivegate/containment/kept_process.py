@@ -49,7 +49,9 @@ PASS_VARIABLE: Final = "DRIVEGATE_PASS"
 """Environment variable with further names to pass on, separated by commas."""
 TEMPORARY_VARIABLES: Final = ("TMPDIR", "TMP", "TEMP")
 """Variables that name the folder for temporary files."""
+# Longer than the keeper itself takes at most to kill everything, so that only a stopped or stuck one is killed.
 _KEEPER_PATIENCE = 20.0
+# A judge that ends waits for its candidate's process first (2 s at most, in `candidate_handle`).
 _PATIENCE = 3.0
 _BLOCK = 4096
 _STANDARD_ERROR = 2
@@ -74,14 +76,16 @@ def _lasting_environment(inherited: Mapping[str, str], kernels: Path | None) -> 
         if name in PASSED or name in further or name.startswith(PASSED_PREFIXES)
     }
     return {
+        # The order of a set of strings depends on it, so a candidate would differ from process to process (`DET-1`).
         "PYTHONHASHSEED": "0",
         **passed,
+        # A template imports numba before there is a temporary folder. Each copy sets its own in the end.
         NUMBA_VARIABLE: os.devnull,
         **({} if kernels is None else {KERNELS_VARIABLE: str(kernels)}),
     }
 
 
-def _telling_environment(inherited: Mapping[str, str]) -> dict[str, str]:
+def _environment_of_imports(inherited: Mapping[str, str]) -> dict[str, str]:
     """Choose what of a judge's environment its imports read, as far as it is set already."""
     return {
         name: value
@@ -93,7 +97,7 @@ def _telling_environment(inherited: Mapping[str, str]) -> dict[str, str]:
 def prepare_judges(preparation: Preparation, *, is_one_of_many: bool) -> None:
     """Prepare the judges that are started as copies from now on; true if several are."""
     if choose_cache_folder() is not None:
-        inherited = _telling_environment(os.environ)
+        inherited = _environment_of_imports(os.environ)
         TEMPLATES.prepare(Role.JUDGE, inherited, preparation, is_one_of_many=is_one_of_many)
 
 
@@ -131,7 +135,7 @@ class KeptProcess:
         temporary = str(self._temporary.path)
         kernels = choose_cache_folder()
         environment: Mapping[str, str] = os.environ
-        lasting = _telling_environment(os.environ)
+        lasting = _environment_of_imports(os.environ)
         if role is Role.CANDIDATE:
             environment = worker_environment(os.environ, self._temporary.path, kernels)
             lasting = _lasting_environment(os.environ, kernels)
@@ -139,6 +143,7 @@ class KeptProcess:
         order = written_order(layers, Places(readable, (temporary,)))
         words = (role.value, order, temporary)
         folder = folder if folder is not None and folder.is_dir() else None
+        # Only this process has the end for writing, which closes however it ends. That ends the keeper.
         reader, self._held = os.pipe()
         self._reports, writer = os.pipe()
         try:
@@ -163,6 +168,7 @@ class KeptProcess:
                         stdout=writer,
                         stderr=output,
                         pass_fds=descriptors,
+                        # Ctrl-C in a terminal reaches the harness alone, which ends its processes in order.
                         start_new_session=True,
                         cwd=folder,
                         env=environment,
@@ -242,6 +248,7 @@ class KeptProcess:
         """Kill what a keeper that does not answer keeps; all of it is below the keeper as long as that lives."""
         with suppress(psutil.NoSuchProcess):
             keeper = psutil.Process(self._keeper.pid)
+            # A process may start another one while it is killed.
             while kept := [
                 each for each in keeper.children(recursive=True) if each.status() != psutil.STATUS_ZOMBIE
             ]:

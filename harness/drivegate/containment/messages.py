@@ -1,4 +1,4 @@
-"""What is to be done with a candidate, and what comes of it."""
+"""Jobs with a candidate, and their outcomes."""
 
 from __future__ import annotations
 

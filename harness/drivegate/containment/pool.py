@@ -17,6 +17,7 @@ from drivegate.containment.templates import Preparation
 from drivegate.containment.watches import SlowRun, WorkerLimits
 from drivegate_models.compilation.kernels import kernel_digests
 
+# An outcome ends the wait at once. Only `is_ended` and a stopped judge have to be looked for.
 _LOOK_EVERY = 0.25
 
 
@@ -58,7 +59,7 @@ class WorkerPool:
         self._is_ended = is_ended
 
     def map(self, jobs: Iterable[Job[ResultT]]) -> Iterator[ResultT | Fault]:
-        """Do jobs side by side; one that hangs is tried once more with no other beside it.
+        """Do jobs side by side; one that hangs is tried once more while no other job runs.
 
         Leaving the iteration ends the jobs that are still under way. A fault while loading, and a hang in the second
         try, hold for every job that has not been started by then, also for those of later calls.
@@ -73,6 +74,7 @@ class WorkerPool:
 
     def close(self) -> None:
         """End all processes."""
+        # All end at the same time: one after the other, their times would add up.
         for worker in self._workers:
             worker.hang_up()
         for worker in self._workers:
@@ -90,7 +92,7 @@ class WorkerPool:
 
 
 class _Schedule(Generic[ResultT]):
-    """Who does which job, and what has come of it."""
+    """Which worker does which job, and the outcomes so far."""
 
     def __init__(
         self,

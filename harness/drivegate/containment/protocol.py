@@ -31,10 +31,11 @@ PACKET: Final = Struct("=8sqq")
 memory itself. A memory that is new is included as a file descriptor."""
 WORD: Final = b"drivegat"
 """First bytes of every packet, either way."""
+# A fault with a traceback of 20 000 characters fits, even if JSON escapes many of them with six bytes each.
 LONGEST_REPLY: Final = 2**17
 """Bytes of a reply at most."""
 CHECK_BYTES: Final = 16
-"""Bytes of the digest of what the plant in the candidate's process came to."""
+"""Bytes of the digest of the plant's results in the candidate's process."""
 
 _HEADER = Struct(f"=8sqqqqqqqq{CHECK_BYTES}s")
 _FIELDS = ("kind", "message", "phase", "error", "traceback", "step")
@@ -52,7 +53,7 @@ class Setup:
 
 @dataclass(frozen=True)
 class MakeInstance:
-    """Make a new instance of the candidate, and let go of the one before."""
+    """Make a new instance of the candidate, and delete the previous one."""
 
 
 @dataclass(frozen=True)
@@ -131,7 +132,7 @@ class Reply:
     costs: StepCosts = NO_COSTS
     """Greatest costs of a step on an emulated target."""
     check: bytes = bytes(CHECK_BYTES)
-    """Digest of what the plant came to, of `CHECK_BYTES` bytes."""
+    """Digest of the plant's results, of `CHECK_BYTES` bytes."""
     text: str = ""
     """A fault as `fault_text` writes it, a sentence for the user, or a traceback."""
 

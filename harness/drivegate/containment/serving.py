@@ -1,6 +1,6 @@
 """The inside of a candidate's process: it carries out orders, one after another, until its judge hangs up.
 
-It judges nothing: of a run it gives back the commands. Its plant is there to close the loop only.
+It judges nothing: of a run it returns the commands. Its plant is there to close the loop only.
 """
 
 import ctypes
@@ -53,10 +53,11 @@ LOST_CONNECTION: Final = 119
 def serve(connection: int, progress: int, parent: int) -> None:
     """Carry out orders from a connection."""
     end_with_parent(parent)
-    # A check leaves nothing beside the candidate's sources.
+    # A check leaves nothing next to the candidate's sources.
     sys.dont_write_bytecode = True
     faulthandler.enable()
     faulthandler.register(STACK_SIGNAL, all_threads=True)
+    # Programs that the candidate starts could otherwise write into the connection, or keep it open.
     for descriptor in (connection, progress):
         os.set_inheritable(descriptor, False)
     channel = socket.socket(fileno=connection)
@@ -136,6 +137,7 @@ class _Server:
     def _set_up(self, order: Order) -> Reply:
         if isinstance(order, Setup):
             _limit_memory(order.memory_limit)
+            # A crash is a verdict here, and must not fill the candidate's folder with images of its memory.
             resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
             self._candidate = order.candidate
         elif isinstance(order, MakeInstance):
@@ -148,6 +150,7 @@ class _Server:
         from drivegate.candidates.python.bridge import PythonController
 
         assert self._candidate is not None, "the first order names the candidate"
+        # Deleted before the next one is made: what goes wrong in the deletion is no fault of loading.
         with self._progress.letting_go():
             self._controller = None
         with self._progress.loading():
@@ -253,7 +256,7 @@ class _Server:
 
 
 def check_of(records: Any) -> bytes:
-    """Digest what the plant of a run came to: its totals, and the last speed."""
+    """Digest the results of a run's plant: its totals, and the last speed."""
     speed = float(records.run["speed_final"][0])
     digest = hashlib.blake2b(records.totals.tobytes(), digest_size=CHECK_BYTES)
     digest.update(speed.hex().encode())
@@ -326,6 +329,7 @@ def _limit_memory(allowance: int) -> None:
     """Let allocations beyond the allowance fail with a MemoryError, where the system can."""
     if not sys.platform.startswith("linux"):
         return
+    # Not RLIMIT_AS, which also counts addresses that libraries only reserve, and never use.
     _, hard = resource.getrlimit(resource.RLIMIT_DATA)
     limit = psutil.Process().memory_info().data + allowance
     resource.setrlimit(

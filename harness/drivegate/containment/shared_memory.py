@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from drivegate_models.contract.current.records import COMMAND
 
+# With this and powers of two above it, the runs of a candidate seldom need new memory.
 _SMALLEST: Final = 2**20
 _LAYOUT = np.dtype([("steps", np.int64), ("activity", np.int64), ("changes", np.int64)], align=True)
 
@@ -29,6 +30,8 @@ def anonymous_file(size: int) -> int:
     if hasattr(os, "memfd_create"):
         descriptor = os.memfd_create("drivegate", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
         os.ftruncate(descriptor, size)
+        # Linux ends a process that reads a page which its file no longer has (SIGBUS), so the candidate could end its
+        # judge by shrinking the file. The last seal protects the other two.
         fcntl.fcntl(
             descriptor, fcntl.F_ADD_SEALS, fcntl.F_SEAL_SHRINK | fcntl.F_SEAL_GROW | fcntl.F_SEAL_SEAL
         )
@@ -59,6 +62,7 @@ class SharedMemory:
     def take(self, length: int) -> bytes:
         """Read an order, and leave nothing of it."""
         order = self._memory[:length]
+        # An order describes what is to come in a run, and the candidate could read it here.
         self._memory[:length] = bytes(length)
         return order
 

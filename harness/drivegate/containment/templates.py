@@ -16,7 +16,10 @@ from typing import Final, NamedTuple
 from drivegate.containment.keeper_process import CopiedKeeper
 from drivegate.isolation.layers import python_command
 
+# The first copy waits for all imports of the template, which takes many seconds on a busy machine. After that time a
+# new process is started instead.
 _PATIENCE: Final = 60.0
+# By then its copies have been ended, so that it ends at once unless something holds it.
 _END_PATIENCE: Final = 5.0
 # What a process inherits, as far as Linux states it: a copy has it from its template, not from the harness.
 _INHERITED: Final = (
@@ -40,6 +43,7 @@ class Template:
     """One process that offers copies of itself, until this object hangs up or its process ends."""
 
     def __init__(self, role: str, environment: Mapping[str, str]) -> None:
+        # Packets keep each order together with the connection that comes with it.
         ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         ours.settimeout(_PATIENCE)
         self._requests = ours
@@ -52,6 +56,7 @@ class Template:
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.DEVNULL,
                 pass_fds=(theirs.fileno(),),
+                # Ctrl-C in a terminal reaches the harness alone, which ends its processes in order.
                 start_new_session=True,
                 env=environment,
             )
@@ -170,6 +175,7 @@ class Templates:
             finally:
                 os.close(place)
             if keeper is None:
+                # It is not tried again under these conditions: each try may take the whole patience.
                 self._templates[words[0]] = None
                 template.end()
             return keeper

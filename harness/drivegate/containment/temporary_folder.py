@@ -80,8 +80,10 @@ def _remove_abandoned(place: Path) -> None:
 
 
 def _remove_unlocked(folder: Path) -> None:
+    # Others can write into the folder above: a link with such a name must not lead the removal elsewhere.
     descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW)
     try:
+        # This raises OSError for a folder in use, which the caller ignores.
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
         shutil.rmtree(folder, ignore_errors=True)
     finally:

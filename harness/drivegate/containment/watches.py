@@ -53,6 +53,7 @@ def memory_of_descendants(ancestor: int) -> int:
     return sum(map(_proportional, processes))
 
 
+# A quarter of the usual limit. The sum is never too small, so below this there is no excess to be found.
 _LITTLE: Final = 2**30
 
 
@@ -92,7 +93,7 @@ class WorkerLimits:
     idle_seconds: float = 60.0
     """Time without progress in which hardly any processor time is used (s)."""
     order_seconds: float = 120.0
-    """Time of a whole order, such as one run, beside what is allowed for each of its steps (s)."""
+    """Time of a whole order, such as one run, in addition to what is allowed for each of its steps (s)."""
     order_step_seconds: float = 1e-3
     """Time that a run is allowed for each step, in the mean (s)."""
     memory_bytes: int = 4 * 2**30
@@ -122,12 +123,14 @@ class StallWatch:
         if state != self._state:
             self._state, self._processor, self._moved = state, processor, now
             return None
+        # The first step may compile, and so has the time of a start.
         stepping = activity is Activity.RUNNING and state[1] > 1
         brief = stepping or activity is Activity.LETTING_GO
         allowed = limits.step_processor_seconds if brief else limits.start_processor_seconds
         used, waited = processor - self._processor, now - self._moved
         if used > allowed:
             return f"no progress within {allowed:g} s of processor time"
+        # Less than a twentieth of a processor is waiting. More is work, which the limit on processor time bounds.
         if waited > limits.idle_seconds and used < limits.idle_seconds / 20:
             return f"no progress within {limits.idle_seconds:g} s of waiting"
         return None

@@ -77,7 +77,9 @@ class Layer(StrEnum):
     REFUSED_CALLS = "seccomp"
 
 
+# A try starts a new Python, which takes seconds on a busy machine.
 _PATIENCE: Final = 20.0
+# Number of the option in linux/prctl.h.
 _SET_DUMPABLE: Final = 4
 
 
@@ -231,6 +233,8 @@ def isolate(layers: Sequence[Layer], places: Places) -> None:
     """
     if not layers:
         return
+    # The order matters: mounting needs capabilities, which are dropped next. Landlock and seccomp require
+    # `no_new_privs`, which `drop_privileges` sets. Seccomp refuses calls that the others make, so it comes last.
     has_own_system = Layer.NAMESPACES in layers
     if has_own_system:
         enter_file_system(places.readable, places.writable)
@@ -240,6 +244,7 @@ def isolate(layers: Sequence[Layer], places: Places) -> None:
         restrict_to(
             (*places.readable, "/proc", "/dev"),
             (*places.writable, *DEVICES, *scratch),
+            # A network namespace has no way out already, and its loopback device is to stay usable.
             without_tcp=not has_own_system,
         )
     if Layer.REFUSED_CALLS in layers:

@@ -25,12 +25,14 @@ SCRATCH: Final = ("/tmp", "/dev/shm")
 # Every system has this folder.
 _ROOT: Final = Path("/tmp")
 
+# Numbers of flags and options in linux/sched.h, mount.h, prctl.h, capability.h and if.h.
 _MOUNTS, _IPC, _USER, _PROCESSES, _NETWORK = 0x00020000, 0x08000000, 0x10000000, 0x20000000, 0x40000000
 _NO_SET_UID, _NO_DEVICES, _NO_EXECUTION, _BIND, _RECURSIVE, _PRIVATE = 2, 4, 8, 4096, 16384, 1 << 18
 _DETACH: Final = 2
 _AT_WORKING_FOLDER, _AT_RECURSIVE = -100, 0x8000
 _SET_NO_NEW_PRIVILEGES, _DROP_BOUND = 38, 24
 _CAPABILITIES_VERSION: Final = 0x20080522
+# These folders are memory that belongs to no process, so that they need a limit of their own.
 _SCRATCH_SIZE: Final = "size=1g,mode=1777"
 _GET_FLAGS, _SET_FLAGS, _IS_UP = 0x8913, 0x8914, 1
 
@@ -55,7 +57,9 @@ def _enter_user_namespace() -> None:
         return
     user, group = os.getuid(), os.getgid()
     succeeded(SYSTEM.unshare(_USER), "unshare")
+    # Without privileges, the kernel accepts a map of groups only after this (user_namespaces(7)).
     Path("/proc/self/setgroups").write_text("deny", encoding="ascii")
+    # The same numbers inside: files keep their owner, and the process does not look like root.
     Path("/proc/self/uid_map").write_text(f"{user} {user} 1", encoding="ascii")
     Path("/proc/self/gid_map").write_text(f"{group} {group} 1", encoding="ascii")
 
@@ -63,7 +67,9 @@ def _enter_user_namespace() -> None:
 def _reap_for_ever() -> None:
     """Be the first process of a table: do nothing but reap what is left to it, and end with the keeper."""
     die_with_parent()
+    # An open end of a pipe here would hide from the harness that all others have been closed.
     os.closerange(0, os.sysconf("SC_OPEN_MAX"))
+    # Blocked, the signal stays pending while nobody waits for it, so that no end is missed.
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGCHLD})
     while True:
         signal.sigwait({signal.SIGCHLD})
@@ -80,10 +86,12 @@ def enter_file_system(readable: Iterable[str], writable: Iterable[str]) -> None:
     """
     here = Path.cwd()
     succeeded(SYSTEM.unshare(_MOUNTS | _IPC | _NETWORK), "unshare")
+    # Most systems share their mounts with new namespaces, where what follows would show as well.
     _mount(None, "/", None, _RECURSIVE | _PRIVATE)
     # A descriptor shows its file wherever something else is mounted later. A folder comes before what is inside it.
     readable = sorted(_existing(readable), key=lambda path: len(Path(path).parts))
     shown = [(path, os.open(path, os.O_PATH), False) for path in readable]
+    # Writable places come last, so that one inside a readable folder covers it.
     shown += [(path, os.open(path, os.O_PATH), True) for path in (*_existing(writable), *DEVICES)]
     _mount("tmpfs", str(_ROOT), "tmpfs", _NO_SET_UID | _NO_DEVICES, "mode=755")
     for place in SCRATCH:
@@ -96,8 +104,10 @@ def enter_file_system(readable: Iterable[str], writable: Iterable[str]) -> None:
         os.close(descriptor)
     for name, target in (("fd", "fd"), ("stdin", "fd/0"), ("stdout", "fd/1"), ("stderr", "fd/2")):
         _below_root(f"/dev/{name}").symlink_to(f"/proc/self/{target}")
+    # Only the root itself: the writable places below are mounts of their own, and stay writable.
     _make_read_only(_ROOT, recursive=False)
     os.chdir(_ROOT)
+    # This puts the old root on top of the new one, from where it is detached: "pivot_root(".", ".")" in pivot_root(2).
     system_call("pivot_root", b".", b".")
     succeeded(SYSTEM.umount2(b".", _DETACH), "umount2")
     os.chdir(here if here.is_dir() else "/")
@@ -107,10 +117,12 @@ def enter_file_system(readable: Iterable[str], writable: Iterable[str]) -> None:
 def drop_privileges() -> None:
     """Give up every capability of this process, and the means to get one back."""
     control_process(_SET_NO_NEW_PRIVILEGES, 1)
+    # More than any kernel has; the kernel refuses the numbers that it does not know.
     for capability in range(64):
         with suppress(OSError):
             control_process(_DROP_BOUND, capability)
     header = struct.pack("=Ii", _CAPABILITIES_VERSION, 0)
+    # Twice the three sets of 32 capabilities each that this version has.
     succeeded(SYSTEM.capset(header, bytes(24)), "capset")
 
 
@@ -134,6 +146,7 @@ def _show(path: str, descriptor: int, *, is_writable: bool) -> None:
         target.parent.mkdir(parents=True, exist_ok=True)
         target.touch()
     _mount(f"/proc/self/fd/{descriptor}", str(target), None, _BIND | _RECURSIVE)
+    # The kernel ignores this flag in the call that binds.
     if not is_writable:
         _make_read_only(target, recursive=True)
 

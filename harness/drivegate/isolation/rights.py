@@ -102,6 +102,7 @@ def restrict_to(readable: Iterable[str], writable: Iterable[str], *, without_tcp
         _TCP if without_tcp and version >= 4 else 0,
         _ABSTRACT_SOCKETS_AND_SIGNALS if version >= 6 else 0,
     )
+    # The structure's length in the kernel's version; versions 4 and 6 have added fields.
     size = 8 if version < 4 else 16 if version < 6 else 24
     rules = system_call("landlock_create_ruleset", attributes[:size], size, 0)
     try:
@@ -121,6 +122,7 @@ def _allow(rules: int, path: str, rights: int) -> None:
     except OSError:
         return
     try:
+        # The kernel refuses a rule that grants rights on folders for a file.
         allowed = rights if stat.S_ISDIR(os.fstat(place).st_mode) else rights & _OF_FILES
         system_call("landlock_add_rule", rules, _PATH_BENEATH, struct.pack("=Qi", allowed, place), 0)
     finally:
@@ -145,6 +147,7 @@ def _program(*, without_sockets: bool) -> bytes:
     """Return the filter as instructions of the classic BPF machine."""
     refused = [*REFUSED, *(["socket"] if without_sockets else [])]
     steps = [
+        # Numbers of calls differ by architecture, so that one of another table would pass for an allowed call.
         _step(_LOAD, _ARCHITECTURE),
         _step(_IS_EQUAL, _ARCHITECTURES[platform.machine()], 1, 0),
         _step(_ANSWER, _REFUSE),
@@ -159,6 +162,7 @@ def _program(*, without_sockets: bool) -> bytes:
     for name in refused:
         steps += [_step(_IS_EQUAL, NUMBERS[name], 0, 1), _step(_ANSWER, _REFUSE)]
     steps += [
+        # A process has every capability inside a user namespace that it makes.
         _step(_IS_EQUAL, NUMBERS["clone"], 0, 4),
         _step(_LOAD, _FIRST_ARGUMENT),
         _step(_HAS_BITS, _NEW_USER, 0, 1),

@@ -125,5 +125,6 @@ def end_with_parent(parent: int) -> None:
     if sys.platform.startswith("linux"):
         die_with_parent()
     # A parent outside of this process's table has the number 0.
+    # Looked at after the request: a parent that ended before it sends no signal.
     if os.getppid() not in (parent, 0):
         os._exit(1)

@@ -40,6 +40,7 @@ from drivegate_models.compilation.cache_folder import (
 from drivegate_models.compilation.target import adopt_target, choose_target, requested_target
 from drivegate_models.errors import InputError
 
+# Each version of drivegate, of its compilers and each target leaves a folder of tens of megabytes.
 _KEPT_SECONDS = 30 * 24 * 3600.0
 _OWN_PACKAGES = ("drivegate_models", "drivegate", "drivegate_lab")
 # These releases have the private interfaces that this module and `code_library` extend; a later one may have moved
@@ -185,6 +186,7 @@ def _is_own(function: Any) -> bool:
 
 
 # This also applies to functions called by address, which numba's own decorator caches.
+# numba takes the first locator that accepts a function, so this one comes first.
 caching.CacheImpl._locator_classes.insert(0, _LocatedByModule)
 
 
@@ -198,6 +200,7 @@ class _FilesNamedByContent(caching.IndexDataCacheFile):
         """Save compiled code, and enter it in the index, unless this process only reads."""
         digest = hashlib.sha256(repr(key).encode()).digest()
         name = self._data_name(int.from_bytes(digest[:8]))
+        # A process that only reads may compile for itself what is missing, but need not store it.
         with contextlib.suppress(OSError) if _ONLY_READS else contextlib.nullcontext():
             self._save_data(name, data)
             self._save_index({**self._load_index(), key: name})
@@ -368,12 +371,14 @@ def _alone(task: str) -> Iterator[None]:
         yield
         return
     # Each task locks a byte of the file, which need not have so many.
+    # Seven bytes, since the place of a lock in a file is a signed number of 64 bits.
     place = int.from_bytes(hashlib.sha256(task.encode()).digest()[:7])
     with contextlib.suppress(OSError):
         fcntl.lockf(descriptor, fcntl.LOCK_EX, 1, place)
     try:
         yield
     finally:
+        # Some network file systems have no locks. Then two processes may compile the same, which costs only time.
         with contextlib.suppress(OSError):
             fcntl.lockf(descriptor, fcntl.LOCK_UN, 1, place)
 

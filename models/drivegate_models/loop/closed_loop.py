@@ -197,6 +197,8 @@ def prepared_loop(
         np.zeros(ledger.ENTRIES),
     )
     phases = plant.kernels.make_phases(drive)
+    # Work space for the segments of a control period, in which the torque's extremes are found. The currents are shared
+    # with `phases`; the loop chooses one of both in each period.
     room = plant.kernels.make_phases(drive, control_period)
     arguments = (
         drive,

@@ -44,7 +44,7 @@ class GivenSenses(NamedTuple):
 
 
 def _steps_until(status_of: Callable[[Any], int]) -> Callable[[GivenSenses], tuple[int, int]]:
-    """Make the steps of a contract from what tells its commands from others."""
+    """Make the steps of a contract from the function that checks its commands."""
 
     @unallocating
     def make_steps(given: GivenSenses) -> tuple[int, int]:

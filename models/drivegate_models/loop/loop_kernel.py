@@ -143,6 +143,7 @@ def _mean_product(products: NDArray[np.float64], step: int, product: float) -> f
     if count == 1:
         return product
     known = min(step + 1, count)
+    # Added up again each time: a running sum would collect rounding errors, and never lose a NaN.
     total = 0.0
     for index in range(known):
         total += products[index]
@@ -294,10 +295,12 @@ def loop_of(kernels: PlantKernels) -> Any:
             for entry in range(ledger.ENTRIES):
                 period[entry] = 0.0
             watched = _watched_window(timing.windows, k)
+            # Segments are recorded only where the ripple is observed, since that takes time.
             moving = recorded if watched >= 0 else phases
             upper = conditions.supply * (1.0 + conditions.imbalance)
             lower = conditions.supply * (1.0 - conditions.imbalance)
             # The conduction windows use the sensors' angle; its error shifts them like an advance.
+            # The extrapolated speed may be negative just before standstill, but the shaft never turns backward.
             held = max(held_speed(speed, gained), 0.0)
             shifted = advance + turn_sensors(sensors, k, time, length, held)
             if advance_phases(plant, moving, angle, held, upper, lower, reference, shifted, length, period):

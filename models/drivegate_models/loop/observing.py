@@ -72,6 +72,7 @@ def observe_power_estimate(run: Any, estimate: float, product: float) -> None:
     `estimate`: the estimate (W); NaN for none. `product`: measured supply voltage times measured current sum, or its
     mean over the power window (W).
     """
+    # Only NaN, which stands for no estimate, differs from itself.
     if estimate == estimate:
         run.power_estimates += 1.0
         error = abs(estimate - product)

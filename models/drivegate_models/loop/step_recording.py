@@ -84,6 +84,7 @@ def recording_step() -> Any:
         currents = kept.rows_address + kept.count * (kept.sense_size + kept.currents_size + kept.command_size)
         copy_bytes(sensed.ctypes.data, currents, kept.sense_size)
         currents += kept.sense_size
+        # The Sense has only their address, at which the next step writes others.
         copy_bytes(sensed[kept.currents_place], currents, kept.currents_size)
         copy_bytes(answer.ctypes.data, currents + kept.currents_size, kept.command_size)
         kept.count += 1

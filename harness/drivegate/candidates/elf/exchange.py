@@ -224,6 +224,7 @@ def answering_function() -> Any:
         if registers == _R0_R1:
             write_register(engine, high, value + 4)
         words[_ROOM] = 0
+        # Return at once: execution goes on at the address in the link register.
         read_register(engine, link, value + 8)
         write_register(engine, counter, value + 8)
 
@@ -239,6 +240,7 @@ def _range(form: int, size: int) -> tuple[float, float]:
     if form == FLOAT:
         return -math.inf, math.inf
     bits = 8 * size - (form == SIGNED)
+    # From 54 bits on, the greatest integer is no double, and would be rounded up to one that is out of range.
     greatest = math.nextafter(2.0**bits, 0.0) if bits > 53 else 2.0**bits - 1.0
     return (0.0 if form == UNSIGNED else -(2.0**bits)), greatest
 

@@ -16,6 +16,7 @@ from drivegate_models.errors import InputError
 
 LONGEST: Final = 500
 """Greatest length of an expression."""
+# The compiled step has this many words for it in its state (`processor.WORDS`).
 DEEPEST: Final = 32
 """Greatest number of values on the stack."""
 

@@ -21,6 +21,7 @@ A count has the instructions in its lower 32 bits, and the cycles above them, so
 CYCLE: Final = 2**32
 _FIRST_PIECE: Final = 3
 _WORDS_PER_PIECE: Final = 3
+# The table has eight bytes for each halfword, so 16 MiB for this much code.
 _LARGEST_CODE: Final = 2**22
 
 
@@ -83,6 +84,7 @@ def counting_function() -> Any:
         words[BEHIND] = address + size
         for piece in range(words[PIECES]):
             place = _FIRST_PIECE + piece * _WORDS_PER_PIECE
+            # Blocks in code that the image does not have, such as code that is copied to RAM, are not counted.
             if words[place] <= address and address + size <= words[place + 1]:
                 # From each of its instructions on, the same ones follow up to the end of the piece.
                 halfword = words[place + 2] + (address - words[place]) // 2

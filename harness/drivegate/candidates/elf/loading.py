@@ -219,6 +219,7 @@ class TargetController:
             status = self._processor.call(reset, self._state_at, self._nameplate_at)
         except TargetFault as fault:
             return _crash(str(fault), "reset")
+        # The emulator returns the 32 bits of the register as an unsigned number.
         return None if status == 0 else refused_by_reset(self._contract, status - ((status >> 31) << 32))
 
 

@@ -94,6 +94,7 @@ class CortexM:
         self._engine = unicorn.Uc(unicorn.UC_ARCH_ARM, unicorn.UC_MODE_THUMB | unicorn.UC_MODE_MCLASS)
         self._engine.ctl_set_cpu_model(getattr(arm_const, f"UC_CPU_ARM_{image.core}"))
         self._engine.ctl_set_tcg_buffer_size(_TRANSLATIONS)
+        # Start-up code would enable the floating-point unit, but functions are also called without any.
         self._engine.reg_write(arm_const.UC_ARM_REG_FPEXC, _FLOATING_POINT_ON)
         self._pages: dict[int, NDArray[np.uint8]] = {}
         self._initial: list[tuple[NDArray[np.uint8], bytes]] = []
@@ -107,6 +108,7 @@ class CortexM:
         taken = list(self._pages)
         self._base = next(
             base
+            # Code, SRAM and peripherals of every Cortex-M are below this address.
             for base in range(0x6000_0000, 0xFFFF_FFFF, _REGION)
             if not any(base <= address < base + _REGION for address in taken)
         )
@@ -157,6 +159,7 @@ class CortexM:
             self._engine.reg_write(register, value)
         self._refused = None
         try:
+            # The lowest bit selects the Thumb instruction set, the only one that these processors have.
             self._engine.emu_start(function | 1, self._base + _RETURN)
         except unicorn.UcError as error:
             raise TargetFault(self.describe(error.errno)) from None
@@ -295,6 +298,8 @@ def step_function() -> Any:
         words = carray(state, WORDS)
         own = words[SELF]
         copy_bytes(sense, words[HOST_SENSE], words[SENSE_BYTES])
+        # The Sense points to the currents in this machine. Copy what is there too, and point the copy of the Sense to
+        # the copy of the currents, at its address in the target.
         copy_bytes(sense + words[CURRENTS_OFFSET], own + 8 * SCRATCH, 8)
         copy_bytes(words[SCRATCH], words[HOST_CURRENTS], words[CURRENTS_BYTES])
         copy_bytes(own + 8 * GUEST_CURRENTS, words[HOST_SENSE] + words[CURRENTS_OFFSET], 8)

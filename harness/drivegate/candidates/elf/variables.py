@@ -211,4 +211,5 @@ def _size(die: Any) -> int:
     """Return the size of a type (bytes)."""
     if die.tag == "DW_TAG_array_type":
         return _length(die) * _size(_plain(die.get_DIE_from_attribute("DW_AT_type")))
+    # Pointers may have no size of their own in DWARF; on these targets it is four bytes.
     return int(die.attributes["DW_AT_byte_size"].value) if "DW_AT_byte_size" in die.attributes else 4

@@ -302,6 +302,7 @@ class Fmi3Instance(FmuInstance):
         unused, reached = (ctypes.c_bool * 2)(), ctypes.c_double()
         event, early = ctypes.addressof(unused), ctypes.addressof(unused) + 1
         ends, until = ctypes.addressof(self._ends), ctypes.addressof(reached)
+        # Each step writes to their addresses, so they have to live as long as the instance.
         self._results = (unused, reached)
         self._do_step = lambda time, period: do_step(component, time, period, True, event, ends, early, until)
 

@@ -26,6 +26,7 @@ from drivegate.candidates.python.bridge import PythonController
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_models.errors import InputError
 
+# A small archive can unpack to any size. Both limits are far above what tools export.
 MOST_FILES: Final = 10_000
 """Entries that an FMU may have."""
 MOST_BYTES: Final = 512 * 2**20

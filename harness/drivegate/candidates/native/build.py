@@ -82,6 +82,7 @@ def _built(
         if warnings:
             write_atomically(complete_output, output)
             _log.warning("%s; the compiler's output is in %s", warnings, shown_path(complete_output))
+        # Renamed as a whole, so that another process finds either all of the library or none.
         compiled.replace(library)
     own = include_folder()
     return library, tuple(file for file in files if own not in file.parents)

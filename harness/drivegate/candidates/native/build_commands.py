@@ -81,6 +81,7 @@ def built_artefact(build: ProjectBuild) -> Path:
     try:
         if not kept.exists():
             with tempfile.TemporaryDirectory(prefix=".building-", dir=folder) as scratch:
+                # Renamed as a whole, so that another process finds either all of the file or none.
                 _made(build, commands, Path(scratch).resolve()).replace(kept)
     except OSError as error:
         raise InputError(

@@ -22,6 +22,8 @@ from drivegate_cases.documents.wording import one_line
 from drivegate_models import contract
 from drivegate_models.errors import InputError
 
+# Without fused multiplications and additions, results have the same bits on every processor. A candidate's own flags
+# may allow them.
 FLAGS: Final = ("-O2", "-ffp-contract=off", "-fPIC", "-Wall", "-Wextra")
 """Flags of every compilation, after those of the language; a candidate's own come after them."""
 
@@ -195,6 +197,7 @@ def compile_library(compilers: Compilers, plan: Compilation, scratch: Path) -> t
             ["-c", "-o", objects[-1], *_named(source)], language_of(source), compilers, left, scratch
         )
     libraries = [flag for flag in plan.flags if flag.startswith("-l")]
+    # Libraries come after the objects: a linker searches each once, for what is missing by then.
     linked = ["-shared", "-o", str(library), *objects, *libraries, "-lm"]
     return library, output + _run(linked, plan.languages[-1], compilers, plan, scratch)
 

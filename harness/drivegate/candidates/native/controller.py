@@ -127,6 +127,7 @@ def _whole_pages(address: int) -> int:
     return address - address % mmap.PAGESIZE
 
 
+# Saved here, before the library of a candidate is loaded, which may change it.
 _mathematics.fegetenv(_environment)
 
 
@@ -172,6 +173,7 @@ class NativeController:
         self.state_size = state_size
         self._fault: Fault | None = None
         self._reset = reset
+        # numpy does not align to as many bytes as the header promises, so there are some to spare.
         self._memory: NDArray[np.uint8] = np.zeros(state_size + STATE_ALIGNMENT, np.uint8)
         begin = self._memory.ctypes.data
         self.state_address = begin + -begin % STATE_ALIGNMENT if state_size else 0

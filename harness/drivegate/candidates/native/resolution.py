@@ -179,8 +179,10 @@ def _candidate(
 
 def contract_served(library: Path) -> ContractName | None:
     """Return the contract whose step a library names, without running it; None where it names both or neither."""
+    # An empty file cannot be mapped.
     if library.stat().st_size == 0:
         return None
+    # Mapped, since a library may be far larger than its table of names.
     with library.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
         served = [contract for contract, name in _STEP_NAMES.items() if name.search(content)]
     return served[0] if len(served) == 1 else None

@@ -32,6 +32,7 @@ from drivegate_models.contract.current.signals import Command, Sense
 from drivegate_models.contract.duty.signals import DutyCommand, DutySense
 from drivegate_models.errors import HarnessFault, InputError
 
+# For a program that ends by itself once its input is closed. It is killed after that time, so little is lost.
 _PATIENCE = 0.25
 # After a line too many each answer is that of the request before, and may come after every look that does not wait.
 _LOOKS_EVERY = 4096
@@ -80,6 +81,7 @@ class ProgramProcess:
         assert process.stdout is not None
         self._process = process
         self._to, self._from = process.stdin.fileno(), process.stdout.fileno()
+        # A program that does not read must not block the write; `request` reports it.
         os.set_blocking(self._to, False)
         os.set_blocking(self._from, False)
         self._requests = 0

@@ -110,6 +110,7 @@ class _Steps(BridgedSteps):
         """Step the candidate on what lies at an address, and write its answer to another."""
         sense = None
         try:
+            # The addresses stay the same during a run, and making views takes longer than reading them.
             if sense_address != self._sense_address or command_address != self._command_address:
                 self._look_at(sense_address, command_address)
             _, time, speed_reference, speed, phases, currents, magnitude_sum, voltage = _SENSE.unpack_from(

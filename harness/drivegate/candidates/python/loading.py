@@ -44,6 +44,7 @@ def _module_of(candidate: Candidate) -> ModuleType:
     source = candidate.entry.rpartition(":")[0]
     folder = str(candidate.folder)
     if folder not in sys.path:
+        # In front, so that the candidate's own modules are found before installed ones of the same name.
         sys.path.insert(0, folder)
     try:
         return _imported_file(Path(source)) if source.endswith(".py") else importlib.import_module(source)
@@ -67,6 +68,7 @@ def _imported_file(file: Path) -> ModuleType:
     if spec is None or spec.loader is None:
         raise ImportError(f"{shown_path(file)} is not a Python source file")
     module = importlib.util.module_from_spec(spec)
+    # Before its code runs: dataclasses and pickle look their module up there.
     sys.modules[name] = module
     try:
         spec.loader.exec_module(module)

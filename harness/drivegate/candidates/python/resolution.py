@@ -44,6 +44,7 @@ def module_sources(name: str, folder: Path, specification: str) -> tuple[Path, .
         )
     if spec.submodule_search_locations is not None:
         return tuple(
+            # The hash of the candidate depends on the order of its files.
             sorted(file for place in spec.submodule_search_locations for file in Path(place).rglob("*.py"))
         )
     return (Path(spec.origin),) if spec.has_location and spec.origin else ()

@@ -95,6 +95,7 @@ def real_converters(
         voltage_noise=voltage_noise,
         gains=gains * (1.0 + current_gain_spread * generator.uniform(-1.0, 1.0, phases)),
         offsets=offsets + current_offset * generator.uniform(-1.0, 1.0, phases),
+        # From 1 on, since the generator would stay at 0 for ever.
         random=generator.integers(1, _MODULUS, 1),
     )
 

@@ -76,6 +76,7 @@ def turning_encoder(
     elif initial_speed < 0.0:
         since = (positions - whole - 1.0) * edge_angle / initial_speed
     else:
+        # At rest there was no edge. One second ago is long ago: the first edges show a low speed.
         since = np.full(looks, 1.0)
     return Encoder(
         edge_angle=edge_angle,

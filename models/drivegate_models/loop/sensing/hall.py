@@ -34,6 +34,7 @@ SECTOR: Final = pi / 3.0
 FIRST_EDGE: Final = pi / 6.0
 """Electrical angle of the first edge, where the first phase's window of 120 degrees opens without advance (rad)."""
 
+# The same edge one cycle ago is six edges back, so both ends need a place.
 _RING = EDGES + 1
 _SINCE = 0
 _MEASURED = 1
