@@ -1,7 +1,7 @@
 """The result document: every key with its type and meaning, and the schema made from that.
 
 A result that is read is validated. The gate builds one with `model_construct`: its parts were checked as they were
-made, and margins that are infinite become null only when they are written.
+made, and numbers that JSON cannot write become null only when they are written.
 """
 
 from __future__ import annotations

@@ -2,7 +2,6 @@
 
 import json
 import xml.etree.ElementTree as ElementTree
-from dataclasses import replace
 
 import pytest
 
@@ -218,7 +217,9 @@ def test_markdown_shows_waivers_and_comparisons(shown):
 
 
 def test_a_number_that_depends_on_the_machine_is_shown_from_the_times(command, engine, tmp_path):
-    engine.outcomes = (replace(engine.outcomes[0], margin=None, measured="", scenario=None),)
+    engine.outcomes = (
+        engine.outcomes[0].model_copy(update={"margin": None, "measured": "", "scenario": None}),
+    )
     engine.timing = {"seconds": 1.0, "checks": {"CNV-1": {"margin": 0.875, "measured": "12 µs"}}}
     assert "+0.875" in command("check", "reference").out
     assert "+0.875" in (tmp_path / "drivegate-report" / "summary.md").read_text(encoding="utf-8")

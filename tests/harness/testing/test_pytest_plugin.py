@@ -75,12 +75,12 @@ class FakeEngine:
     faults: tuple[Fault, ...] = ()
     error: Exception | None = None
     calls: list[tuple[str, str, int]] = field(default_factory=list)
-    records: list[CheckOptions] = field(default_factory=list)
+    options: list[CheckOptions] = field(default_factory=list)
 
     def __call__(self, candidate: Candidate, options: CheckOptions) -> Iterator[Event]:
         yield CheckStarted(candidate.name, 1)
         self.calls.append((candidate.specification, options.effort, options.seed))
-        self.records.append(options)
+        self.options.append(options)
         if self.error is not None:
             raise self.error
         checks = tuple(outcome(check, self.verdicts.get(check.id, "pass")) for check in CHECKS)
@@ -187,7 +187,7 @@ def test_a_drive_is_taken_from_the_decorator_and_the_option_wins(
         (pytester.path / f"{name}.json").write_text(drive.to_json(), encoding="utf-8")
     suite(arguments='"reference", drive="mine.json"').assert_outcomes(passed=1 + len(CHECKS))
     suite("--drivegate-drive=other.json", arguments='"reference", drive="mine.json"')
-    assert [records["drive"].name for records in engine.records] == ["mine", "other"]
+    assert [options.drive and options.drive.name for options in engine.options] == ["mine", "other"]
     result = suite(arguments='"reference", drive="none.json"')
     result.stdout.fnmatch_lines(["*drivegate: *none.json does not exist*"])
 
@@ -280,9 +280,9 @@ def test_waivers_and_corpus_beside_the_test_reach_the_engine(
     lines = "\n".join(f"{key} = {value}" for key, value in waiver.items())
     pytester.path.joinpath("waivers.toml").write_text(f"schema = 1\n[[waiver]]\n{lines}\n", encoding="utf-8")
     suite(arguments='"reference", corpus="found", waivers="waivers.toml"')
-    (records,) = engine.records
-    assert records["corpus"] == ()
-    assert [(waiver.check, waiver.owner) for waiver in records["waivers"]] == [(check, "somebody")]
+    (options,) = engine.options
+    assert options.corpus == ()
+    assert [(waiver.check, waiver.owner) for waiver in options.waivers] == [(check, "somebody")]
 
 
 def test_a_fault_fails_the_item_of_the_candidate(suite: Any, engine: FakeEngine) -> None:

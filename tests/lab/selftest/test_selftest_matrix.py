@@ -2,6 +2,7 @@
 
 import io
 from dataclasses import replace
+from typing import Any
 
 import pytest
 from tests.harness.made import made_outcome, made_result
@@ -110,9 +111,9 @@ def test_the_accused_are_counted_apart_from_those_near_by_design() -> None:
 
 
 def test_the_least_margin_leaves_out_what_is_met_at_the_end_of_a_range() -> None:
-    ends = replace(outcome("CMD-1", "pass"), margin=0.0)
-    advice = replace(outcome("RIP-3", "fail", "advisory"), margin=-0.2)
-    judged = replace(outcome("CNV-1", "pass"), margin=0.4, measured="1 rpm")
+    ends = outcome("CMD-1", "pass", margin=0.0)
+    advice = outcome("RIP-3", "fail", "advisory", margin=-0.2)
+    judged = outcome("CNV-1", "pass", margin=0.4, measured="1 rpm")
     row = judged_design(CorrectDesign("reference"), result("pass", 0, ends, advice, judged))
     assert row.least == LeastMargin("CNV-1", 0.4, "1 rpm")
 
@@ -131,8 +132,9 @@ def test_the_document_tells_the_slowest_catch() -> None:
     assert [seed["seed"] for seed in fault["seeds"]] == [0, 1]
 
 
-def outcome(check: str, verdict: str, level: str = "required") -> CheckSection:
-    return made_outcome(check, verdict, level=level, margin=-1.0, message=f"{check} {verdict}")
+def outcome(check: str, verdict: str, level: str = "required", **changes: Any) -> CheckSection:
+    usual = {"margin": -1.0, "message": f"{check} {verdict}"}
+    return made_outcome(check, verdict, level=level, **usual | changes)
 
 
 def result(verdict: str, code: int, *checks: CheckSection) -> ResultDocument:
@@ -175,7 +177,7 @@ def test_an_advisory_failure_does_not_accuse() -> None:
 
 
 def test_a_plant_that_fails_says_nothing_of_a_design() -> None:
-    broken = replace(outcome("PWR-1", "fail"), subject="plant")
+    broken = outcome("PWR-1", "fail", subject="plant")
     with pytest.raises(HarnessFault, match=r"the plant failed while 'reference' .* seed 4: PWR-1"):
         judged_design(CorrectDesign("reference"), result("harness fault", 3, broken))
 
