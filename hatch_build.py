@@ -20,10 +20,10 @@ COMPILERS = ("numba", "llvmlite", "numpy")
 _COMPILE = f"""
 import importlib.metadata, json, sys
 from drivegate.drives.kinds import DRIVE_KINDS
-from drivegate.contracts.catalogue import CONTRACTS
+from drivegate.contracts.catalogue import contract_named
 from drivegate.gate.warm_up import compile_for_first_check
 compile_for_first_check()
-checks = [(CONTRACTS[kind.contract].usual_candidate, kind.default_drive) for kind in DRIVE_KINDS.values()]
+checks = [(contract_named(kind.contract).usual_candidate, kind.default_drive) for kind in DRIVE_KINDS.values()]
 versions = {{name: importlib.metadata.version(name) for name in {COMPILERS!r}}}
 print(json.dumps({{"python": "%d.%d" % sys.version_info[:2], "versions": versions, "checks": checks}}))
 """

@@ -28,7 +28,7 @@ def failed_checks(name: str, drive: DriveDocument) -> list[dict[str, Any]]:
     worst: dict[str, Any] = {}
     for scenario in contract.fixed_scenarios(drive, declaration):
         record = recorded(loaded, scenario, loaded.controller())
-        for check in contract.checks():
+        for check in contract.checks:
             margin = None
             if check.reason_not_applicable(declaration, drive) is None:
                 margin = check.evaluate(record)

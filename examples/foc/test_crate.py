@@ -38,6 +38,6 @@ def test_its_regulators_drive_the_current_away_unless_gains_are_negative(
     speed = 0.1 * drive.rating.base_speed_rpm
     run = torque_scenario(drive, speed, [torque_of(drive, speed, share) for share in (0.0, 0.3)])
     record = recorded(loaded, run, loaded.controller())
-    margins = {margin.check: margin for margin in judged(record, contract_of(drive).checks()).margins}
+    margins = {margin.check: margin for margin in judged(record, contract_of(drive).checks).margins}
     for check in ("STP-1", "RIP-4", "OVC-1"):
         assert margins[check].met is meets, margins[check].measured

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.check import judged
 from drivegate.containment.judge import own_candidate
+from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.duty.scenarios.building import torque_scenario
-from drivegate.drives.kinds import kind_of
 from drivegate.drives.running import recorded
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
@@ -120,7 +120,7 @@ def test_bandwidths_decide_whether_a_step_is_followed_in_time(candidate: str, is
     assert isinstance(drive, PmAcDocument)
     loaded = own_candidate(resolve_candidate(str(HERE / candidate)))
     step = torque_scenario(drive, 390.0, (0.0, 3.2))
-    margins = judged(recorded(loaded, step, loaded.controller()), kind_of(drive).checks()).margins
+    margins = judged(recorded(loaded, step, loaded.controller()), contract_of(drive).checks).margins
     found = {margin.check: margin for margin in margins}
     assert found["STP-1"].met is is_in_time, found["STP-1"].measured
     assert found["DEC-1"].met, found["DEC-1"].measured

@@ -1,4 +1,4 @@
-"""Only a contract's folder and the kinds of drives know which contract or kind they have; the rest asks a bundle."""
+"""Only a contract's folder and the kinds of drives know which contract or kind they have; the rest asks it."""
 
 import re
 from pathlib import Path

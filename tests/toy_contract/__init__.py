@@ -4,6 +4,6 @@ Importing it enters the contract, its kind of drive and its controllers into the
 knows it.
 """
 
-from tests.toy_contract import bundle
+from tests.toy_contract import contract
 
-__all__ = ["bundle"]
+__all__ = ["contract"]

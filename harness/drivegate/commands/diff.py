@@ -17,14 +17,16 @@ from drivegate.commands.options import (
     isolation_option,
     json_option,
 )
-from drivegate.contracts.catalogue import CONTRACTS, contract_of
+from drivegate.contracts.catalogue import contract_of
+from drivegate.contracts.current.columns import CurrentColumns
+from drivegate.contracts.duty.columns import DutyColumns
 
 if TYPE_CHECKING:
     from rich.console import Console
 
     from drivegate.contracts.contract import Contract
 
-_FIELDS = tuple(dict.fromkeys(name for contract in CONTRACTS.values() for name in contract.outputs))
+_FIELDS = tuple(dict.fromkeys((*CurrentColumns.outputs, *DutyColumns.outputs)))
 _AROUND_IN_FIGURE = 100
 
 

@@ -1,1 +1,1 @@
-"""What controllers answer with: one folder for each contract, behind the bundle in `contract`."""
+"""What controllers answer with: one folder for each contract, behind the class in `contract`."""

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Final
 
 from drivegate.candidates.declaration import NOTHING_DECLARED, Declaration
-from drivegate.contracts.current.bundle import CURRENT
-from drivegate.contracts.duty.bundle import DUTY
 from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
@@ -20,36 +18,58 @@ if TYPE_CHECKING:
 
 TEXTS: Final = ("requirement", "limit", "scenarios", "formula", "why")
 """Texts of a check that name a drive's numbers."""
-CONTRACTS: Final[Mapping[str, Contract]] = {contract.name: contract for contract in (CURRENT, DUTY)}
-"""Every contract by its name."""
-DEFAULT_CONTRACT: Final = CURRENT
-"""The contract of a candidate that states none."""
+
+
+def _current() -> Contract:
+    from drivegate.contracts.current.contract import CURRENT
+
+    return CURRENT
+
+
+def _duty() -> Contract:
+    from drivegate.contracts.duty.contract import DUTY
+
+    return DUTY
+
+
+CONTRACTS: Final[Mapping[str, Callable[[], Contract]]] = {"current": _current, "duty": _duty}
+"""What imports each contract, by its name."""
+
+
+def contract_named(name: str) -> Contract:
+    """Return a contract by its name."""
+    return CONTRACTS[name]()
 
 
 def contract_of(drive: DriveDocument) -> Contract:
     """Return the contract of the controllers that a drive takes."""
-    return CONTRACTS[drive.contract]
+    return contract_named(drive.contract)
+
+
+def all_contracts() -> tuple[Contract, ...]:
+    """Return every contract, in the order in which they are listed."""
+    return tuple(map(contract_named, CONTRACTS))
 
 
 @cache
 def all_checks() -> dict[str, Check]:
     """Return a check for each identifier; where several contracts have it, that of the first."""
     found: dict[str, Check] = {}
-    for contract in CONTRACTS.values():
-        for check in contract.checks():
+    for contract in all_contracts():
+        for check in contract.checks:
             found.setdefault(check.id, check)
     return found
 
 
 def check_of(contract: str, name: str) -> Check:
     """Return a contract's check by its identifier, or that of another contract where it has none."""
-    own = next((check for check in CONTRACTS[contract].checks() if check.id == name), None)
+    own = next((check for check in contract_named(contract).checks if check.id == name), None)
     return own or all_checks()[name]
 
 
 def comparison_of(kind: object) -> Comparison:
     """Return how the controllers of a comparison were compared, by the kind of its document."""
-    made = [contract.comparison() for contract in CONTRACTS.values()]
+    made = [contract.comparison() for contract in all_contracts()]
     found = next((comparison for comparison in made if comparison.kind == kind), None)
     if found is None:
         kinds = " or ".join(f"'{comparison.kind}'" for comparison in made)

@@ -42,7 +42,7 @@ class Parting:
 
 def room_for_commands(scenario: Scenario) -> NDArray[Any]:
     """Make room for the command of every step of a run."""
-    return np.zeros(scenario.control_periods, contract_of(scenario.drive).layout().command)
+    return np.zeros(scenario.control_periods, contract_of(scenario.drive).layout.command)
 
 
 def parting_of(scenario: Scenario, again: NDArray[Any], first: NDArray[Any]) -> Parting | None:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any, Final
 
 from drivegate.checks.check import Check
-from drivegate.contracts.catalogue import CONTRACTS, check_of, contract_of, on_drive
+from drivegate.contracts.catalogue import check_of, contract_named, contract_of, on_drive
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.publication import Fact, facts
 
@@ -28,7 +28,7 @@ def family_name(function_name: str) -> str:
 def families_of(check: str, contract: str = "current") -> tuple[str, ...]:
     """List the kinds of runs that exercise a check of a contract."""
     special = tuple(kind for kind, checks in SPECIAL.items() if check in checks)
-    found, drawn = check_of(contract, check), CONTRACTS[contract].families
+    found, drawn = check_of(contract, check), contract_named(contract).families
     return special or (FIXED, *(name for name in drawn if found.every_run or name in found.families))
 
 
@@ -47,7 +47,7 @@ def traced_checks(drive: DriveDocument) -> list[dict[str, Any]]:
             "families": list(families_of(check.id, drive.contract)),
             "facts": [{"id": fact.id, "title": fact.title, "where": fact.source} for fact in facts_of(check)],
         }
-        for check in (on_drive(listed, drive) for listed in contract_of(drive).checks())
+        for check in (on_drive(listed, drive) for listed in contract_of(drive).checks)
     ]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -26,28 +27,44 @@ class RunTime:
     """Share of the inertia with which the time would be short enough (1)."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Ability:
-    """What drives of a kind can do; each function takes the drive's document."""
+class Ability(ABC):
+    """What drives of a kind can do; each method takes the drive's document."""
 
-    run_time: Callable[[DriveDocument], RunTime]
-    """Return how long a drive takes for what its runs are measured by."""
-    reach: Callable[[DriveDocument], PowerReach]
-    """Return what a drive can deliver of its rated power."""
-    accepts: Callable[[DriveDocument], bool]
-    """Return True if rated power, and whatever follows from it, can be met."""
-    unmet: Callable[[DriveDocument], tuple[UnreachableRipple, ...]]
-    """Return the requirements besides rated power that no controller can meet."""
-    constant_power: Callable[[DriveDocument], ConstantPower]
-    """Return how far a drive keeps its rated power."""
-    speeds: Callable[[DriveDocument], Sequence[float]]
-    """Return the speeds at which a drive is looked at."""
-    envelope: Callable[[DriveDocument, Callable[[int], None]], dict[str, Any]]
-    """Return what a drive can do as plain data, after reporting the number of each speed that is finished."""
-    facts: Callable[[dict[str, Any]], Sequence[str]]
-    """Describe such an envelope in sentences."""
-    required: Callable[[DriveDocument], Sequence[str]]
-    """Return what is required of the controllers of a drive, in its own numbers."""
+    @abstractmethod
+    def run_time(self, drive: DriveDocument) -> RunTime:
+        """Return how long a drive takes for what its runs are measured by."""
+
+    @abstractmethod
+    def reach(self, drive: DriveDocument) -> PowerReach:
+        """Return what a drive can deliver of its rated power."""
+
+    def accepts(self, drive: DriveDocument) -> bool:
+        """Return True if rated power, and whatever follows from it, can be met."""
+        return self.reach(drive).is_met
+
+    def unmet(self, _drive: DriveDocument) -> tuple[UnreachableRipple, ...]:
+        """Return the requirements besides rated power that no controller can meet."""
+        return ()
+
+    @abstractmethod
+    def constant_power(self, drive: DriveDocument) -> ConstantPower:
+        """Return how far a drive keeps its rated power."""
+
+    @abstractmethod
+    def speeds(self, drive: DriveDocument) -> Sequence[float]:
+        """Return the speeds at which a drive is looked at."""
+
+    @abstractmethod
+    def envelope(self, drive: DriveDocument, report: Callable[[int], None]) -> dict[str, Any]:
+        """Return what a drive can do as plain data, after reporting the number of each speed that is finished."""
+
+    @abstractmethod
+    def facts(self, envelope: dict[str, Any], /) -> Sequence[str]:
+        """Describe such an envelope in sentences."""
+
+    @abstractmethod
+    def required(self, drive: DriveDocument) -> Sequence[str]:
+        """Return what is required of the controllers of a drive, in its own numbers."""
 
 
 def rating_document(drive: DriveDocument) -> dict[str, float]:

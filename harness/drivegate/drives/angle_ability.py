@@ -3,24 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from math import inf, isfinite
 from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drivegate.candidates.declaration import NOTHING_DECLARED
 from drivegate.contracts.current.numbers import numbers as drive_numbers
 from drivegate.drives.ability import Ability, RunTime
-from drivegate.drives.constant_power import constant_power
+from drivegate.drives.constant_power import ConstantPower, constant_power
 from drivegate.drives.envelope import envelope, recommended_line, speeds_of
 from drivegate.drives.envelope_document import envelope_document
-from drivegate.drives.kinds import FloatArray
 from drivegate.drives.power_reach import PowerReach
 from drivegate.drives.rating import RatedDrive, rated_drive
-from drivegate.drives.required_ripple import machine_torque, unreachable_ripple
+from drivegate.drives.required_ripple import UnreachableRipple, machine_torque, unreachable_ripple
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import ideal_time_unit, limits_of, time_unit
 from drivegate_cases.drive.requirements import points_of
+from drivegate_models.steady import oracle
 from drivegate_models.units import RADIANS_PER_RPM
 
 _NO_BAND: Final = (
@@ -150,64 +152,64 @@ def rating_is_met(drive: RatedDrive) -> bool:
     return all(_greatest(drive, speed) >= drive.demanded_torque(speed) for speed in _speeds(drive).tolist())
 
 
-def _run_time(document: DriveDocument) -> RunTime:
-    share = _LONGEST_STEP_S / ideal_time_unit(document)
-    return RunTime(time_unit(document), LONGEST_TIME_UNIT_S, "from change to change", share)
-
-
-def _speeds(drive: RatedDrive) -> FloatArray:
+def _speeds(drive: RatedDrive) -> NDArray[np.float64]:
     return np.linspace(drive.rating.lowest_speed, drive.rating.highest_speed, SPEEDS)
 
 
 def _greatest(drive: RatedDrive, speed: float) -> float:
-    return drive.oracle.greatest_torque_at_limit(drive.constants, speed).torque
+    return oracle.greatest_torque_at_limit(drive.constants, speed).torque
 
 
-def _reach(document: DriveDocument) -> PowerReach:
-    drive = rated_drive(document)
-    speeds = _speeds(drive)
-    return PowerReach(
-        speeds=speeds,
-        needed=np.array([drive.demanded_torque(speed) for speed in speeds.tolist()]),
-        greatest=np.array([_greatest(drive, speed) for speed in speeds.tolist()]),
-    )
+class _AngleAbility(Ability):
+    """What half-bridge and star drives can do."""
 
+    facts = staticmethod(facts)
+    required = staticmethod(required)
 
-def _accepts(document: DriveDocument) -> bool:
-    """Return True if rated power can be met, and the torque at a required point that follows from it."""
-    drive = rated_drive(document)
-    if not rating_is_met(drive):
-        return False
-    # A stated point is refused by itself.
-    points = () if document.requirements.point else points_of(document)
-    find = drive.oracle.least_current_sum
-    return all(
-        isfinite(
-            find(drive.constants, point.speed_rpm * RADIANS_PER_RPM, machine_torque(drive, point)).advance
+    def run_time(self, document: DriveDocument) -> RunTime:
+        share = _LONGEST_STEP_S / ideal_time_unit(document)
+        return RunTime(time_unit(document), LONGEST_TIME_UNIT_S, "from change to change", share)
+
+    def reach(self, document: DriveDocument) -> PowerReach:
+        drive = rated_drive(document)
+        speeds = _speeds(drive)
+        return PowerReach(
+            speeds=speeds,
+            needed=np.array([drive.demanded_torque(speed) for speed in speeds.tolist()]),
+            greatest=np.array([_greatest(drive, speed) for speed in speeds.tolist()]),
         )
-        for point in points
-    )
+
+    def accepts(self, document: DriveDocument) -> bool:
+        """Return True if rated power can be met, and the torque at a required point that follows from it."""
+        drive = rated_drive(document)
+        if not rating_is_met(drive):
+            return False
+        # A stated point is refused by itself.
+        points = () if document.requirements.point else points_of(document)
+        find = partial(oracle.least_current_sum, drive.constants)
+        return all(
+            isfinite(find(point.speed_rpm * RADIANS_PER_RPM, machine_torque(drive, point)).advance)
+            for point in points
+        )
+
+    def envelope(self, document: DriveDocument, report: Callable[[int], None]) -> dict[str, Any]:
+        drive = rated_drive(document)
+        line = recommended_line(drive)
+        points = []
+        for point in envelope(drive, line, speeds_of(drive.rating)):
+            points.append(point)
+            report(len(points))
+        return envelope_document(drive, line, points)
+
+    def unmet(self, document: DriveDocument) -> tuple[UnreachableRipple, ...]:
+        return unreachable_ripple(rated_drive(document))
+
+    def constant_power(self, document: DriveDocument) -> ConstantPower:
+        return constant_power(rated_drive(document))
+
+    def speeds(self, document: DriveDocument) -> tuple[float, ...]:
+        return speeds_of(rated_drive(document).rating)
 
 
-def _envelope(document: DriveDocument, report: Callable[[int], None]) -> dict[str, Any]:
-    drive = rated_drive(document)
-    line = recommended_line(drive)
-    points = []
-    for point in envelope(drive, line, speeds_of(drive.rating)):
-        points.append(point)
-        report(len(points))
-    return envelope_document(drive, line, points)
-
-
-ANGLE_ABILITY: Final = Ability(
-    run_time=_run_time,
-    reach=_reach,
-    accepts=_accepts,
-    unmet=lambda document: unreachable_ripple(rated_drive(document)),
-    constant_power=lambda document: constant_power(rated_drive(document)),
-    speeds=lambda document: speeds_of(rated_drive(document).rating),
-    envelope=_envelope,
-    facts=facts,
-    required=required,
-)
+ANGLE_ABILITY: Final = _AngleAbility()
 """Of half-bridge and star drives."""

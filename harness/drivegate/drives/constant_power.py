@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 
 from drivegate.drives.rating import RatedDrive
+from drivegate_models.steady import oracle
 
 SPEEDS: Final = 41
 """Speeds from the lowest loaded to overspeed at which the greatest power is found."""
@@ -61,7 +62,7 @@ def greatest_shaft_power(drive: RatedDrive, speed: float) -> float:
     The envelope's `greatest_power_w` is before friction: the electromagnetic torque times the speed. The core loss's
     drag is taken off neither.
     """
-    greatest = drive.oracle.greatest_torque_at_limit(drive.constants, speed).torque
+    greatest = oracle.greatest_torque_at_limit(drive.constants, speed).torque
     return float((greatest - drive.demanded_torque(speed)) * speed + drive.rating.power)
 
 

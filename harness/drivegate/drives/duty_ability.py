@@ -42,27 +42,6 @@ LONGEST_RUN_UP_S: Final = 60.0
 """Longest time of a free shaft to its highest speed (s): runs are longer than that several times."""
 
 
-def _run_time(drive: DriveDocument) -> RunTime:
-    time = run_up_s(duty_document(drive), drive.rating.highest_speed_rpm)
-    return RunTime(time, LONGEST_RUN_UP_S, "to its highest speed", LONGEST_RUN_UP_S / time)
-
-
-def _reach(drive: DriveDocument) -> PowerReach:
-    document, rating = duty_document(drive), drive.rating
-    plant = document.plant()
-    speeds = np.linspace(rating.base_speed_rpm, rating.highest_speed_rpm, REACH_SPEEDS) * RADIANS_PER_RPM
-    if document.weakens:
-        greatest = [IN_HAND * _greatest(document, float(speed)).torque for speed in speeds]
-    else:
-        greatest = [required_torque(document, plant, float(speed), plant.link_voltage) for speed in speeds]
-    return PowerReach(
-        speeds=speeds,
-        needed=rating.rated_power_w / speeds + friction_torque(plant, speeds),
-        greatest=np.array([max(torque, 0.0) if isfinite(torque) else 0.0 for torque in greatest]),
-        reserve=1.0 - IN_HAND,
-    )
-
-
 def _greatest(document: PmAcDocument, speed: float) -> SteadyState:
     """Find the steady state of greatest torque at a speed (rad/s), with the field weakening that the drive states."""
     plant = document.plant()
@@ -76,15 +55,6 @@ def _constant_power_end(document: PmAcDocument) -> float:
         return constant_power_end(plant, undistorted_limits(plant), rating.rated_power_w)
     base = rating.base_speed_rpm * RADIANS_PER_RPM
     return base if _greatest(document, base).torque * base >= rating.rated_power_w else 0.0
-
-
-def _constant_power(drive: DriveDocument) -> ConstantPower:
-    rating, document = drive.rating, duty_document(drive)
-    first, last = (speed * RADIANS_PER_RPM for speed in (rating.base_speed_rpm, rating.overspeed_rpm))
-    speeds = tuple(float(speed) for speed in np.linspace(first, last, SPEEDS))
-    powers = tuple(float(_greatest(document, speed).torque * speed) for speed in speeds)
-    end = _constant_power_end(document)
-    return ConstantPower(speeds, powers, min(end, last) if powers[0] >= rating.rated_power_w else None)
 
 
 def _speeds(drive: DriveDocument) -> list[float]:
@@ -183,29 +153,55 @@ def _most_efficient(charted: dict[str, Any]) -> str:
     )
 
 
-def _required(drive: DriveDocument) -> tuple[str, ...]:
-    weakening = (
-        "in weakening at least {weakening} of the greatest torque with {weakening_voltage} of the voltage, "
-        if duty_document(drive).weakens
-        else ""
-    )
-    return (
-        (
-            "required: speed within {k1} (k1) or torque within {torque_error}, steps with at most {overshoot} of "
-            f"overshoot and {{rise}}, {weakening}phase currents up to {{peak}}"
-        ).format_map(numbers(drive, NOTHING_DECLARED)),
-    )
+class _DutyAbility(Ability):
+    """What drives that take duty ratios can do."""
+
+    speeds = staticmethod(_speeds)
+    envelope = staticmethod(duty_envelope)
+    facts = staticmethod(_facts)
+
+    def run_time(self, drive: DriveDocument) -> RunTime:
+        time = run_up_s(duty_document(drive), drive.rating.highest_speed_rpm)
+        return RunTime(time, LONGEST_RUN_UP_S, "to its highest speed", LONGEST_RUN_UP_S / time)
+
+    def reach(self, drive: DriveDocument) -> PowerReach:
+        document, rating = duty_document(drive), drive.rating
+        plant = document.plant()
+        speeds = np.linspace(rating.base_speed_rpm, rating.highest_speed_rpm, REACH_SPEEDS) * RADIANS_PER_RPM
+        if document.weakens:
+            greatest = [IN_HAND * _greatest(document, float(speed)).torque for speed in speeds]
+        else:
+            greatest = [
+                required_torque(document, plant, float(speed), plant.link_voltage) for speed in speeds
+            ]
+        return PowerReach(
+            speeds=speeds,
+            needed=rating.rated_power_w / speeds + friction_torque(plant, speeds),
+            greatest=np.array([max(torque, 0.0) if isfinite(torque) else 0.0 for torque in greatest]),
+            reserve=1.0 - IN_HAND,
+        )
+
+    def constant_power(self, drive: DriveDocument) -> ConstantPower:
+        rating, document = drive.rating, duty_document(drive)
+        first, last = (speed * RADIANS_PER_RPM for speed in (rating.base_speed_rpm, rating.overspeed_rpm))
+        speeds = tuple(float(speed) for speed in np.linspace(first, last, SPEEDS))
+        powers = tuple(float(_greatest(document, speed).torque * speed) for speed in speeds)
+        end = _constant_power_end(document)
+        return ConstantPower(speeds, powers, min(end, last) if powers[0] >= rating.rated_power_w else None)
+
+    def required(self, drive: DriveDocument) -> tuple[str, ...]:
+        weakening = (
+            "in weakening at least {weakening} of the greatest torque with {weakening_voltage} of the voltage, "
+            if duty_document(drive).weakens
+            else ""
+        )
+        return (
+            (
+                "required: speed within {k1} (k1) or torque within {torque_error}, steps with at most {overshoot} of "
+                f"overshoot and {{rise}}, {weakening}phase currents up to {{peak}}"
+            ).format_map(numbers(drive, NOTHING_DECLARED)),
+        )
 
 
-DUTY_ABILITY: Final = Ability(
-    run_time=_run_time,
-    reach=_reach,
-    accepts=lambda drive: _reach(drive).is_met,
-    unmet=lambda _: (),
-    constant_power=_constant_power,
-    speeds=_speeds,
-    envelope=duty_envelope,
-    facts=_facts,
-    required=_required,
-)
+DUTY_ABILITY: Final = _DutyAbility()
 """Of drives that take duty ratios."""

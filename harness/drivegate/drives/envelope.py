@@ -5,16 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import isfinite, nan
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 
 from drivegate.drives.constant_power import last_met
 from drivegate.drives.rating import RatedDrive, Rating
 from drivegate.drives.required_ripple import ideal_ripple
-
-if TYPE_CHECKING:
-    from drivegate.drives.kinds import AdvanceLine
+from drivegate_models.steady import oracle
+from drivegate_models.steady.oracle import AdvanceLine
 
 BELOW_BASE: Final = 5
 """Speeds up to base speed, evenly spaced; at standstill itself there is no steady state."""
@@ -74,9 +73,7 @@ def few_speeds_of(rating: Rating) -> tuple[float, ...]:
 def recommended_line(drive: RatedDrive) -> AdvanceLine:
     """Find the line of initial angles over the range of constant power."""
     rating = drive.rating
-    return drive.oracle.recommended_line(
-        drive.constants, rating.base_speed, rating.highest_speed, rating.power
-    )
+    return oracle.recommended_line(drive.constants, rating.base_speed, rating.highest_speed, rating.power)
 
 
 def speed_without_advance(drive: RatedDrive) -> float | None:
@@ -92,7 +89,7 @@ def speed_without_advance(drive: RatedDrive) -> float | None:
 
 
 def _needs_no_advance(drive: RatedDrive, speed: float) -> bool:
-    (torque,) = drive.oracle.torques_at_limit(drive.constants, speed, [0.0])
+    (torque,) = oracle.torques_at_limit(drive.constants, speed, [0.0])
     return bool(torque >= drive.demanded_torque(speed))
 
 
@@ -104,7 +101,7 @@ def least_in_hand(drive: RatedDrive, line: AdvanceLine) -> tuple[float, float] |
         advance = line.angle(speed)
         if speed < drive.rating.lowest_speed - rounding or not isfinite(advance):
             continue
-        (torque,) = drive.oracle.torques_at_limit(drive.constants, speed, [advance])
+        (torque,) = oracle.torques_at_limit(drive.constants, speed, [advance])
         found.append((float(torque) / drive.demanded_torque(speed) - 1.0, speed))
     if not found:
         return None
@@ -120,7 +117,7 @@ def envelope(drive: RatedDrive, line: AdvanceLine, speeds: Sequence[float]) -> I
 
 def speed_point(drive: RatedDrive, line: AdvanceLine, speed: float) -> SpeedPoint:
     """Compute what a drive can do at one speed (rad/s)."""
-    oracle, constants = drive.oracle, drive.constants
+    constants = drive.constants
     torque = drive.demanded_torque(speed)
     greatest = oracle.greatest_torque_at_limit(constants, speed)
     advance = line.angle(speed)

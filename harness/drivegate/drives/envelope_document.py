@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import lru_cache
 from math import ceil, degrees, inf, isfinite, pi
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 from drivegate.drives.ability import rating_document
 from drivegate.drives.envelope import (
@@ -21,10 +21,8 @@ from drivegate.drives.kinds import kind_of
 from drivegate.drives.rating import RatedDrive, Rating, rated_drive
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import SPEED_TOLERANCE_SHARE
+from drivegate_models.steady.oracle import AdvanceLine
 from drivegate_models.units import RADIANS_PER_RPM
-
-if TYPE_CHECKING:
-    from drivegate.drives.kinds import AdvanceLine
 
 CYCLES_A_DECISION: Final = 5
 """Electrical cycles at base speed over which a search at least takes the mean of Σ|i|."""
@@ -109,7 +107,7 @@ def _decisions(drive: RatedDrive, points: Sequence[SpeedPoint]) -> float:
 @lru_cache(maxsize=_KEPT)
 def envelope_of(document: DriveDocument) -> dict[str, Any] | None:
     """Compute what a drive can do at a few speeds, as the results of its candidates show it; None without angles."""
-    if kind_of(document).angles is None:
+    if not kind_of(document).has_angles:
         return None
     drive = rated_drive(document)
     line = recommended_line(drive)

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.drives.constant_power import last_met
-from drivegate.drives.kinds import FloatArray
 from drivegate_cases.documents.wording import rounded_to_digits
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.errors import InputError
@@ -28,11 +27,11 @@ _LARGE_TORQUE: Final = 10.0
 class PowerReach:
     """Rated power over speed, and what a drive can deliver of it."""
 
-    speeds: FloatArray
+    speeds: NDArray[np.float64]
     """Speeds at which rated power is required, rising (rad/s)."""
-    needed: FloatArray
+    needed: NDArray[np.float64]
     """Torque that it needs at each (N·m)."""
-    greatest: FloatArray
+    greatest: NDArray[np.float64]
     """Greatest torque that the drive delivers at each, less what is reserved for the regulator (N·m)."""
     reserve: float = 0.0
     """Share of the torque that is reserved (1)."""

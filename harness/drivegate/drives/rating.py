@@ -7,10 +7,12 @@ from dataclasses import dataclass
 from math import pi
 from typing import Final
 
-from drivegate.drives.kinds import Drive, Oracle, kind_of
+from drivegate.drives.kinds import require_angles
 from drivegate.scenarios.drive_scale import scale_of
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import Limits, limits_of
+from drivegate_models.steady.oracle import demanded_torque
+from drivegate_models.steady.plant import AnyDrive
 from drivegate_models.units import RADIANS_PER_RPM
 
 MOST_CHOPS: Final = 500.0
@@ -39,12 +41,10 @@ class RatedDrive:
 
     document: DriveDocument
     """The drive as a document."""
-    oracle: Oracle
-    """What such a drive can do at best."""
-    constants: Drive
+    constants: AnyDrive
     """The plant's constants, its band none where it is so narrow that it chops more than `MOST_CHOPS` times.
     """
-    ideal: Drive
+    ideal: AnyDrive
     """The same with the ideal current regulator."""
     rating: Rating
     """What it is rated for."""
@@ -55,7 +55,7 @@ class RatedDrive:
 
     def demanded_torque(self, speed: float) -> float:
         """Return the torque of rated power at a speed (rad/s), constant below base speed (N·m)."""
-        return self.oracle.demanded_torque(self.constants, speed, self.rating.base_speed, self.rating.power)
+        return demanded_torque(self.constants, speed, self.rating.base_speed, self.rating.power)
 
     @property
     def name(self) -> str:
@@ -65,8 +65,7 @@ class RatedDrive:
 
 def rated_drive(document: DriveDocument) -> RatedDrive:
     """Take drive and rating from a document; one whose controllers answer with no angle is refused."""
-    oracle = kind_of(document).oracle()
-    given = document.rating
+    given = require_angles(document).rating
     base_speed = given.base_speed_rpm * RADIANS_PER_RPM
     rating = Rating(
         base_speed=base_speed,
@@ -80,7 +79,6 @@ def rated_drive(document: DriveDocument) -> RatedDrive:
     has_band = _chops(own, base_speed) <= MOST_CHOPS
     return RatedDrive(
         document=document,
-        oracle=oracle,
         constants=own if has_band else ideal,
         ideal=ideal,
         rating=rating,
@@ -97,13 +95,13 @@ def machine_constants(document: DriveDocument) -> dict[str, float]:
     return {key: float(document.value(key)) for key in keys}
 
 
-def drive_with(document: DriveDocument, constants: Mapping[str, float]) -> Drive:
+def drive_with(document: DriveDocument, constants: Mapping[str, float]) -> AnyDrive:
     """Make the plant of other constants, without the band, across which torque jumps, and without core loss."""
     changes: dict[str, float] = {**constants, "hysteresis_band_a": 0.0, "core_loss_conductance_s": 0.0}
     return document.replaced(**changes).plant()
 
 
-def _chops(constants: Drive, speed: float) -> float:
+def _chops(constants: AnyDrive, speed: float) -> float:
     """Count how often the current crosses its band, up and down, in half an electrical cycle without EMF."""
     if constants.hysteresis_band == 0.0:
         return 0.0

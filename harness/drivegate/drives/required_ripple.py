@@ -13,6 +13,7 @@ from drivegate_cases.documents.wording import rounded_to_digits
 from drivegate_cases.drive.limits import POINT_POWER_SHARE
 from drivegate_cases.drive.requirements import RequiredPoint, points_of
 from drivegate_models.machine.friction import friction_torque
+from drivegate_models.steady import oracle
 from drivegate_models.units import RADIANS_PER_RPM
 
 _STEP: Final = radians(0.25)
@@ -115,7 +116,7 @@ def unreachable_ripple(drive: RatedDrive) -> tuple[UnreachableRipple, ...]:
                     advance=advance,
                     greatest=greatest,
                     tolerance=limits.optimum_tolerance,
-                    greatest_torque=drive.oracle.greatest_torque_at_limit(drive.constants, speed).torque
+                    greatest_torque=oracle.greatest_torque_at_limit(drive.constants, speed).torque
                     - friction_torque(drive.constants, speed),
                     follows_rating=not drive.document.requirements.point,
                 )
@@ -146,11 +147,11 @@ def _percent_with_reserve(ripple: float) -> int:
 def _ripples(drive: RatedDrive, point: RequiredPoint) -> tuple[float, float, float]:
     """Find the least ripple, its angle and the greatest ripple at the angles with an allowed current sum."""
     speed, torque = point.speed_rpm * RADIANS_PER_RPM, machine_torque(drive, point)
-    best = drive.oracle.least_current_sum(drive.constants, speed, torque)
+    best = oracle.least_current_sum(drive.constants, speed, torque)
     if not isfinite(best.advance):
         return nan, nan, nan
     allowed = (1.0 + drive.limits.optimum_tolerance) * best.current_sum
-    edge = drive.oracle.feasible_edge(drive.ideal, speed, torque)
+    edge = oracle.feasible_edge(drive.ideal, speed, torque)
     # The optimum itself counts, whatever its last digits.
     found = [(_ripple_from_edge(drive, speed, torque, best.advance, edge), best.advance)]
     for direction in (_STEP, -_STEP):
@@ -158,7 +159,7 @@ def _ripples(drive: RatedDrive, point: RequiredPoint) -> tuple[float, float, flo
             advance = best.advance + step * direction
             if advance < 0.0:
                 break
-            there = drive.oracle.point_at_torque(drive.constants, speed, advance, torque)
+            there = oracle.point_at_torque(drive.constants, speed, advance, torque)
             if not there.current_sum <= allowed:
                 break
             found.append((_ripple_from_edge(drive, speed, torque, advance, edge), advance))
@@ -170,7 +171,7 @@ def ideal_ripple(drive: RatedDrive, speed: float, torque: float, advance: float)
     """Compute the ripple with the ideal regulator at an angle, or at its own feasible edge where that is higher."""
     if not isfinite(advance):
         return nan
-    edge = drive.oracle.feasible_edge(drive.ideal, speed, torque)
+    edge = oracle.feasible_edge(drive.ideal, speed, torque)
     return _ripple_from_edge(drive, speed, torque, advance, edge)
 
 
@@ -178,5 +179,5 @@ def _ripple_from_edge(drive: RatedDrive, speed: float, torque: float, advance: f
     if not isfinite(edge):
         return nan
     # An optimum on the edge may lie a little below that of the regulator without a band.
-    point = drive.oracle.point_at_torque(drive.ideal, speed, max(advance, edge), torque)
+    point = oracle.point_at_torque(drive.ideal, speed, max(advance, edge), torque)
     return (point.torque_highest - point.torque_lowest) / point.torque

@@ -13,34 +13,19 @@ from drivegate.checks.check import Record
 from drivegate.containment.contained_controller import ContainedController
 from drivegate.containment.messages import AnyController, JudgedCandidate
 from drivegate.contracts.catalogue import contract_of
-from drivegate.contracts.current.run import run_in_closed_loop
 from drivegate.contracts.parting import SEED_IN_RESET, Parting, parting_of, room_for_commands
 from drivegate.drives.kinds import kind_of, require_contract
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_models.loop.closed_loop import ClosedLoopRun
 
 _OUTSIDE: Final = (
     f"something outside of the instance is kept, or the answer goes by chance or a clock; {SEED_IN_RESET}"
 )
 
 
-def run_scenario(
-    scenario: Scenario,
-    controller: AnyController,
-    *,
-    power_window: float = 0.0,
-    trace_every: int = 0,
-    kept: NDArray[Any] | None = None,
-) -> ClosedLoopRun:
-    """Reset a controller and run it through a scenario."""
-    return run_in_closed_loop(
-        kind_of(scenario.drive).prepare_loop(),
-        scenario,
-        controller,
-        power_window=power_window,
-        trace_every=trace_every,
-        kept=kept,
-    )
+def run_scenario(scenario: Scenario, controller: AnyController, **options: Any) -> Any:
+    """Reset a controller and run it through a scenario, with options of its contract's `run`."""
+    prepare = kind_of(scenario.drive).prepare_loop()
+    return contract_of(scenario.drive).run(prepare, scenario, controller, **options)
 
 
 def recorded(

@@ -18,7 +18,7 @@ from drivegate.checks.check import JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin, margin_in_words
 from drivegate.containment.candidate_isolation import isolating_layers
 from drivegate.containment.pool import WorkEnded, WorkerPool
-from drivegate.contracts.catalogue import CONTRACTS, all_checks, contract_of
+from drivegate.contracts.catalogue import all_checks, all_contracts, contract_of
 from drivegate.drives.abilities import refuse_unreachable
 from drivegate.drives.kinds import drive_for
 from drivegate.gate.events import (
@@ -65,8 +65,8 @@ from drivegate_models.errors import InputError
 
 _TELLING: Final = frozenset(
     check.id
-    for checks in (bundle.checks() for bundle in CONTRACTS.values())
-    for check in checks
+    for contract in all_contracts()
+    for check in contract.checks
     if check.level == "required" and check.subject == "candidate" and not check.volatile
 )
 """Checks whose margins progress shows; one of 0 that is met is a clamped command's."""
@@ -119,7 +119,7 @@ def _planned(candidate: Candidate, options: CheckOptions) -> _Plan:
         counterexamples=(*options.focus.first, *options.corpus),
         waivers=[waiver for waiver in options.waivers if waiver.candidate == candidate.name],
     )
-    focus = options.focus.within(drive.contract, [check.id for check in contract_of(drive).checks()])
+    focus = options.focus.within(drive.contract, [check.id for check in contract_of(drive).checks])
     focus.require_judged(check_outcomes((), candidate.declaration, drive, complete=False))
     uncompiled = uncompiled_kinds([drive])
     if not uncompiled:
@@ -141,7 +141,7 @@ def _counting(plan: _Plan) -> frozenset[str]:
     options = plan.options
     levels = counted_levels(options.fail_on)
     waived = {waiver.check for waiver in options.waivers if waiver.candidate == plan.candidate.name}
-    own = contract_of(plan.how.drive).checks()
+    own = contract_of(plan.how.drive).checks
     return frozenset(check.id for check in own if check.level in levels) - waived
 
 
@@ -242,7 +242,7 @@ def _compared(plan: _Plan, runs: Sequence[JudgedRun]) -> tuple[ComparisonSection
     options = plan.options
     if options.baseline is None:
         return None
-    entries = compared(options.baseline, runs, contract_of(plan.how.drive).checks())
+    entries = compared(options.baseline, runs, contract_of(plan.how.drive).checks)
     return tuple(entry for entry in entries if options.focus.judges(entry.check))
 
 

@@ -18,8 +18,6 @@ from drivegate.checks.target_costs import counted_margin
 from drivegate.containment.contained_controller import ContainedController
 from drivegate.containment.messages import AnyController, Job, JudgedCandidate
 from drivegate.contracts.catalogue import contract_of
-from drivegate.contracts.current.flowchart.run import ScriptRuns, run_scripts, script_margin
-from drivegate.contracts.current.flowchart.scripts import fixed_scripts, usual_speed
 from drivegate.drives.kinds import DEFAULT_DRIVE
 from drivegate.drives.running import recorded, taken_costs
 from drivegate.gate.focus import WHOLE, Focus
@@ -148,19 +146,13 @@ def _stored(stored: Counterexample, origin: Origin, focus: Focus) -> Work:
 
 def run_stored_script(loaded: JudgedCandidate, script: Script) -> ShardOutcome:
     """Run a script of the corpus; this is what the worker process does."""
-    margin = script_margin(loaded, script)
+    margin = contract_of(script.drive).script_margin(loaded, script)
     return ShardOutcome(() if margin is None else (JudgedRun(script.to_mapping(), (margin,)),))
 
 
 def _scripts(drive: DriveDocument, declaration: Declaration, seed: int, examples: int) -> list[Work]:
-    if declaration.flowchart is None:
-        return []
-    speed = usual_speed(drive, declaration.speed_range_rpm)
-    if speed is None:
-        return []
-    count = len(fixed_scripts(drive, declaration.flowchart, speed)) + examples
-    job = Job(run_scripts, ScriptRuns(drive, seed, examples))
-    return [Work(job, count, "scripts", Origin.SCRIPTS)]
+    planned = contract_of(drive).scripted_runs(drive, declaration, seed, examples)
+    return [] if planned is None else [Work(*planned, "scripts", Origin.SCRIPTS)]
 
 
 def _joint(drive: DriveDocument, seed: int, times: int, focus: Focus) -> list[Work]:

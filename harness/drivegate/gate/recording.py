@@ -80,7 +80,7 @@ def run_recorded(loaded: JudgedCandidate, plan: RecordPlan) -> Recorded:
     record = recorded(loaded, scenario, loaded.controller(), trace_every=every)
     windows, closeups = {}, {}
     contract = contract_of(scenario.drive)
-    for check in contract.checks():
+    for check in contract.checks:
         if check.id in plan.checks:
             moment = deciding_moment(check, record, check.evaluate(record))
             windows[check.id] = (moment.start_s, moment.end_s)
@@ -125,7 +125,7 @@ def behaviour_job(
     drive: DriveDocument, declaration: Declaration, outcomes: Iterable[CheckSection]
 ) -> Job[dict[str, Any]] | None:
     """Plan the work; None where reports show nothing of the sort, or a candidate does not follow both references."""
-    if contract_of(drive).behaviour is None or len(declaration.references) == 1:
+    if not contract_of(drive).has_behaviour or len(declaration.references) == 1:
         return None
     step = next((shown_scenario(outcome) for outcome in outcomes if outcome.id == _OF_STEPS), None)
     return Job(run_behaviour, BehaviourPlan(drive, step))
@@ -133,8 +133,8 @@ def behaviour_job(
 
 def run_behaviour(loaded: JudgedCandidate, plan: BehaviourPlan) -> dict[str, Any]:
     """Run a candidate and measure how it behaves; this is what the worker process does."""
-    behaviour = contract_of(plan.drive).behaviour
-    assert behaviour is not None, "only such a kind is planned for"
     step = None if plan.step is None else parse_document(plan.step, Scenario, "the scenario of steps")
     controller = loaded.controller()
-    return behaviour(lambda scenario: recorded(loaded, scenario, controller), plan.drive, step)
+    return contract_of(plan.drive).behaviour(
+        lambda scenario: recorded(loaded, scenario, controller), plan.drive, step
+    )

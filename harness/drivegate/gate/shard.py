@@ -14,7 +14,7 @@ from drivegate.candidates.fault import CandidateFault
 from drivegate.checks.check import InfeasibleScenario, JudgedRun, NotRun, ShardOutcome, judged
 from drivegate.checks.margin import Margin
 from drivegate.containment.messages import JudgedCandidate
-from drivegate.contracts.catalogue import all_checks, contract_of
+from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.parting import room_for_commands
 from drivegate.drives.running import recorded, with_repetitions
 from drivegate_cases.drive.drive_document import DriveDocument
@@ -23,12 +23,6 @@ from drivegate_cases.scenario.scenario import Scenario
 if TYPE_CHECKING:
     from hypothesis.strategies import SearchStrategy
 
-_NEVER_SEARCHED: Final = frozenset(
-    check.id for check in all_checks().values() if check.subject != "candidate" or check.volatile
-)
-_SEARCHED: Final = (
-    frozenset(check.id for check in all_checks().values() if check.level == "required") - _NEVER_SEARCHED
-)
 _GREATEST_SCORE: Final = 1e6
 _SAFE: Final = 0.95
 _TICKETS: Final = 2**48
@@ -87,7 +81,7 @@ def run_fixed(loaded: JudgedCandidate, plan: FixedRuns) -> ShardOutcome:
     records = [first, *(recorded(loaded, scenario, controller) for scenario in scenarios[1:])]
     if kept is not None:
         records[0] = with_repetitions(loaded, first, kept, controller)
-    runs = tuple(judged(record, contract_of(record.scenario.drive).checks()) for record in records)
+    runs = tuple(judged(record, contract_of(record.scenario.drive).checks) for record in records)
     return ShardOutcome(runs, infeasible)
 
 
@@ -116,6 +110,11 @@ class _Collector:
         self._controller = loaded.controller()
         self._unrelated = unrelated
         self.contract = contract_of(drive)
+        self.searched = frozenset(
+            check.id
+            for check in self.contract.checks
+            if check.level == "required" and check.subject == "candidate" and not check.volatile
+        )
         fixed = self.contract.fixed_scenarios(drive, loaded.candidate.declaration)
         self._known = {content_key(scenario.to_mapping()) for scenario in fixed}
         self._tickets: set[int] = set()
@@ -148,7 +147,7 @@ class _Collector:
         except CandidateFault as fault:
             self.fault = fault
             return None
-        outcome = judged(record, self.contract.checks())
+        outcome = judged(record, self.contract.checks)
         self.runs.append(outcome)
         return outcome.margins
 
@@ -182,7 +181,7 @@ def run_drawn(loaded: JudgedCandidate, plan: DrawnRuns) -> ShardOutcome:
         margins = collector.margins(ticket, scenario) if collector.fault is None else ()
         # What shows nothing new does not count as an example.
         assume(margins is not None)
-        for label, score in _scores(margins or ()).items():
+        for label, score in _scores(margins or (), collector.searched).items():
             target(score, label=label)
 
     with from_the_seed_alone(), suppress(Unsatisfiable):
@@ -217,14 +216,14 @@ def _draws_needed(plan: DrawnRuns, drawn: SearchStrategy[Scenario], declaration:
     return False
 
 
-def _scores(margins: Iterable[Margin]) -> dict[str, float]:
+def _scores(margins: Iterable[Margin], searched: Collection[str]) -> dict[str, float]:
     """Return what the search climbs: by family of checks, such as CNV, the least required margin, upside down.
 
     What is nowhere near its limit is left out, or its small changes would be climbed as well.
     """
     scores: dict[str, float] = {}
     for margin in margins:
-        if margin.check in _SEARCHED and not margin.advisory and margin.value < _SAFE:
+        if margin.check in searched and not margin.advisory and margin.value < _SAFE:
             family = margin.check.partition("-")[0]
             score = -max(min(margin.value, _GREATEST_SCORE), -_GREATEST_SCORE)
             scores[family] = max(scores.get(family, score), score)
@@ -265,6 +264,6 @@ def is_needed(scenario: Scenario, declaration: Declaration, only: Collection[str
     contract = contract_of(scenario.drive)
     record = contract.unseen(declaration, scenario)
     try:
-        return any(check.evaluate(record) is not None for check in contract.checks() if check.id in only)
+        return any(check.evaluate(record) is not None for check in contract.checks if check.id in only)
     except NotRun:
         return True

@@ -121,7 +121,7 @@ def _simplest(scenario: Scenario, margin: Margin, trials: _Trials) -> tuple[Scen
     improved = True
     while improved and not trials.spent:
         improved = False
-        for simplification in contract_of(scenario.drive).simplifications():
+        for simplification in contract_of(scenario.drive).simplifications:
             simpler = _simpler(scenario, simplification, trials)
             while simpler is not None:
                 improved = True

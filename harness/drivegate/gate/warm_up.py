@@ -19,7 +19,7 @@ from drivegate.containment.judge import own_candidate
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.containment.pool import WorkerPool
 from drivegate.containment.templates import Preparation
-from drivegate.contracts.catalogue import CONTRACTS
+from drivegate.contracts.catalogue import contract_named
 from drivegate.contracts.contract import Contract
 from drivegate.drives.envelope_document import envelope_of
 from drivegate.drives.kinds import DEFAULT_KIND, DRIVE_KINDS
@@ -29,6 +29,8 @@ from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.compilation.kernels import refused_cache_folders, required_cache_folder
 from drivegate_models.errors import HarnessFault
+from drivegate_models.steady import oracle
+from drivegate_models.steady.steady_state import steady_state
 from drivegate_models.units import RADIANS_PER_RPM
 
 _log = logging.getLogger("drivegate")
@@ -116,12 +118,12 @@ def _compile_kind(kind: str, *, is_ended: Callable[[], bool]) -> None:
 
 
 def _use_oracle(_loaded: JudgedCandidate, kind: str) -> None:
-    drive_kind, scenario = DRIVE_KINDS[kind], _plain_scenario(kind)
+    scenario = _plain_scenario(kind)
     _contract(kind).unfair_because(scenario)
-    if drive_kind.angles is None:
+    if not DRIVE_KINDS[kind].has_angles:
         # Rules and checks use all of the oracle that there is.
         return
-    oracle, drive = drive_kind.oracle(), scenario.drive.plant()
+    drive = scenario.drive.plant()
     speed = scenario.speed_rpm[0][1] * RADIANS_PER_RPM
     torque = scenario.drive.rating.rated_power_w / speed
     optimum = oracle.least_current_sum(drive, speed, torque)
@@ -134,14 +136,14 @@ def _use_closed_loop(loaded: JudgedCandidate, kind: str) -> None:
 
 
 def _use_steady_state(_loaded: JudgedCandidate, kind: str) -> None:
-    if DRIVE_KINDS[kind].angles is None:
+    if not DRIVE_KINDS[kind].has_angles:
         return
     drive = _plain_scenario(kind).drive.plant()
-    DRIVE_KINDS[kind].steady_state()(drive, 100.0, 10.0, 0.5)
+    steady_state(drive, 100.0, 10.0, 0.5)
 
 
 def _judge_a_run(loaded: JudgedCandidate, kind: str) -> None:
-    judged(recorded(loaded, _plain_scenario(kind), loaded.controller()), _contract(kind).checks())
+    judged(recorded(loaded, _plain_scenario(kind), loaded.controller()), _contract(kind).checks)
 
 
 def _plain_scenario(kind: str) -> Scenario:
@@ -154,7 +156,7 @@ def _fixed_scenarios(kind: str) -> tuple[Scenario, ...]:
 
 
 def _contract(kind: str) -> Contract:
-    return CONTRACTS[DRIVE_KINDS[kind].contract]
+    return contract_named(DRIVE_KINDS[kind].contract)
 
 
 if __name__ == "__main__":

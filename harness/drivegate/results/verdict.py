@@ -35,7 +35,7 @@ def check_outcomes(
     complete: bool,
 ) -> tuple[CheckSection, ...]:
     """Judge every check of a drive's contract over all runs."""
-    own = contract_of(drive).checks()
+    own = contract_of(drive).checks
     return tuple(
         _outcome(on_drive(check, drive, declaration), runs, declaration, drive, complete) for check in own
     )

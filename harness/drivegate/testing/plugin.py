@@ -78,14 +78,14 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
         raise _refused(
             f"{metafunc.function.__name__} must take the argument '{FIXTURE}' and call its verify()"
         )
-    from drivegate.contracts.catalogue import CONTRACTS
+    from drivegate.contracts.catalogue import contract_named
     from drivegate.drives.kinds import drive_for
     from drivegate_models.errors import InputError
 
     try:
         requested = _requested(metafunc.config, marker, metafunc.definition.path.parent)
         candidate, _ = _planned(requested)
-        checks = CONTRACTS[drive_for(candidate, _named_drive(requested)).contract].checks()
+        checks = contract_named(drive_for(candidate, _named_drive(requested)).contract).checks
     except InputError as error:
         raise _refused(str(error)) from error
     metafunc.parametrize(FIXTURE, [CANDIDATE_ITEM, *(check.id for check in checks)], indirect=True)

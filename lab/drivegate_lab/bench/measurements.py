@@ -15,8 +15,8 @@ from statistics import median
 from typing import TYPE_CHECKING, Any, Final
 
 from drivegate.candidates.python.bridge import PythonController
-from drivegate.contracts.catalogue import CONTRACTS
-from drivegate.drives.kinds import DEFAULT_DRIVE, DEFAULT_KIND, DriveKind
+from drivegate.contracts.catalogue import contract_named
+from drivegate.drives.kinds import DEFAULT_DRIVE, DriveKind
 from drivegate.drives.running import run_scenario
 from drivegate_lab.bench.workbench import (
     Correctness,
@@ -202,9 +202,10 @@ def steady_rate(bench: Workbench, band: float, drive_name: str = DEFAULT_DRIVE) 
 def oracle_time(bench: Workbench, speed_rpm: float, torque: float) -> Value:
     """Measure how long the angle of least Σ|i| takes at one point."""
     from drivegate_cases.drive.drive_document import load_drive
+    from drivegate_models.steady import oracle
     from drivegate_models.units import RADIANS_PER_RPM
 
-    oracle, drive = DEFAULT_KIND.oracle(), load_drive(DEFAULT_DRIVE).plant()
+    drive = load_drive(DEFAULT_DRIVE).plant()
     speed = speed_rpm * RADIANS_PER_RPM
     best = oracle.least_current_sum(drive, speed, torque)
     there = oracle.point_at_torque(drive, speed, best.advance, torque)
@@ -240,7 +241,7 @@ def help_words() -> tuple[str, ...]:
 def gate_time(bench: Workbench, effort: str, *, kind: DriveKind, cold: bool) -> Value:
     """Measure ``drivegate check`` of the usual candidate on the default drive of a kind, with the report's pages."""
     output = bench.scratch / f"gate-{kind.name}-{'cold' if cold else 'warm'}"
-    check = ("check", CONTRACTS[kind.contract].usual_candidate, "--drive", kind.default_drive)
+    check = ("check", contract_named(kind.contract).usual_candidate, "--drive", kind.default_drive)
     environment = dict(os.environ)
     if cold:
         # Whatever names a folder of compiled code here must not lead there.

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, Final
 
-from drivegate.contracts.catalogue import CONTRACTS
+from drivegate.contracts.catalogue import contract_named
 from drivegate.drives.kinds import DEFAULT_KIND, DRIVE_KINDS
 from drivegate.drives.running import run_scenario
 from drivegate_cases.documents.wording import nearest, one_line
@@ -240,7 +240,7 @@ def _processes(quick: bool, cold: bool) -> list[Planned]:
     gates = [
         Planned(
             f"gate.{state}.{kind.name}",
-            f"check {CONTRACTS[kind.contract].usual_candidate} on {kind.default_drive}, {state}",
+            f"check {contract_named(kind.contract).usual_candidate} on {kind.default_drive}, {state}",
             f"{effort} effort",
             "s",
             "less",

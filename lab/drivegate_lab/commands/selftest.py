@@ -19,7 +19,7 @@ ALL_SEEDS = 1000
 MOST_DRIVES = 10_000
 OUTPUT = Path("drivegate-selftest")
 DRAWN = ("half-bridge", "star", "pm-ac")
-"""Kinds of drives that are drawn, the default one first; named here since their bundles take long to import."""
+"""Kinds of drives that are drawn, the default one first; named here since they take long to import."""
 
 
 @click.command("selftest")

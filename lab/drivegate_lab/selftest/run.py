@@ -208,7 +208,7 @@ def selftested(names: Sequence[str], effort: SelftestEffort, *, designs: bool) -
     drive = drive_for(None, effort.drive)
     rows = _tried(chosen_faults(names, drive), effort)
     judged = _judged(drive.contract, effort) if designs else ()
-    return Matrix(tuple(check.id for check in contract_of(drive).checks()), rows, judged)
+    return Matrix(tuple(check.id for check in contract_of(drive).checks), rows, judged)
 
 
 def _tried(faults: Sequence[SeededFault], effort: SelftestEffort) -> tuple[FaultRow, ...]:

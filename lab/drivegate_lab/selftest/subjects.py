@@ -117,7 +117,7 @@ def _mutation_on(mutation: Mutation, drive: DriveDocument) -> FaultOnDrive:
 
 def _duty_fault_on(fault: DutyFault, drive: DriveDocument) -> FaultOnDrive:
     plate = _nameplate(drive)
-    check = next(check for check in contract_of(drive).checks() if check.id == fault.check_on(plate))
+    check = next(check for check in contract_of(drive).checks if check.id == fault.check_on(plate))
     usual = resolve_candidate(contract_of(drive).usual_candidate)
     reason = check.reason_not_applicable(usual.declaration, drive)
     return FaultOnDrive(fault.sentence, "", _TRUE_HERE if fault.idles_on(plate) else reason)

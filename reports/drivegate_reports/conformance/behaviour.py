@@ -47,14 +47,14 @@ class ShownBehaviour:
 
 def prepare_behaviour(drive: DriveDocument) -> None:
     """Compute what the figures of every candidate on a drive show."""
-    if contract_of(drive).behaviour is not None:
+    if contract_of(drive).has_behaviour:
         _trajectories(duty_document(drive))
 
 
 def shown_behaviour(document: Mapping[str, Any], drive: DriveDocument) -> ShownBehaviour | None:
     """Draw how the candidate of a result behaves; None where that is not stated."""
     told = document.get("behaviour")
-    if not isinstance(told, Mapping) or contract_of(drive).behaviour is None:
+    if not isinstance(told, Mapping) or not contract_of(drive).has_behaviour:
         return None
     try:
         read = BehaviourSection.model_validate_json(json.dumps(told))

@@ -41,7 +41,7 @@ def drive_of(document: Mapping[str, Any]) -> DriveDocument:
 
 def evidence_of(check: str, drive: DriveDocument) -> Evidence | None:
     """Look a check up, with the numbers of a drive."""
-    listed = next((one for one in contract_of(drive).checks() if one.id == check), None)
+    listed = next((one for one in contract_of(drive).checks if one.id == check), None)
     if listed is None:
         return None
     known = on_drive(listed, drive)
@@ -53,7 +53,7 @@ def coverage_gaps(document: Mapping[str, Any]) -> tuple[str, ...]:
     """List what a result leaves unjudged."""
     judged = {str(check["id"]): check for check in document["checks"]}
     drive = drive_of(document)
-    names = [check.id for check in contract_of(drive).checks()]
+    names = [check.id for check in contract_of(drive).checks]
     gaps = [f"{name} is not in this result." for name in names if name not in judged]
     for name, check in judged.items():
         runs = int(check["runs"])

@@ -44,7 +44,7 @@ def shown_drive(document: Mapping[str, Any], drive: DriveDocument) -> ShownDrive
 def _drawn(envelope_text: str, drive: DriveDocument) -> ShownDrive | None:
     """Draw what a drive can do from its envelope in JSON."""
     ability, envelope = ability_of(drive), json.loads(envelope_text)
-    if not envelope and kind_of(drive).angles is None:
+    if not envelope and not kind_of(drive).has_angles:
         # Results of such drives leave it out.
         envelope = finite(ability.envelope(drive, lambda _: None))
     if not envelope:

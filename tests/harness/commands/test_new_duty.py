@@ -69,7 +69,7 @@ def test_it_follows_steps_into_weakening_on_every_packaged_drive(written, kind: 
         for scenario in plain_runs(drive):
             record = judge.run(Job(run_once, scenario))
             assert not isinstance(record, Fault), record
-            margins = {m.check: m for m in judged(record, contract_of(scenario.drive).checks()).margins}
+            margins = {m.check: m for m in judged(record, contract_of(scenario.drive).checks).margins}
             missed = {check: margins[check].measured for check in required if not margins[check].met}
             assert missed == {}, f"{kind} on {drive}: {missed}"
 

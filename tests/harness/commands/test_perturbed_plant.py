@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from drivegate.contracts.catalogue import CONTRACTS, contract_of
+from drivegate.contracts.catalogue import contract_named, contract_of
 from drivegate.drives.kinds import DRIVE_KINDS
 from drivegate.gate.plan import NOTHING_DECLARED
 from drivegate_cases.drive.drive_document import load_drive
@@ -29,7 +29,7 @@ def counterexample(kind: str) -> dict[str, Any]:
         "schema": 2,
         "kind": "counterexample",
         "check": "PWR-1",
-        "candidate": {"name": CONTRACTS[DRIVE_KINDS[kind].contract].usual_candidate},
+        "candidate": {"name": contract_named(DRIVE_KINDS[kind].contract).usual_candidate},
         "scenario": run.to_mapping(),
     }
 

@@ -64,7 +64,7 @@ def small(monkeypatch):
         )
         for speed in speeds
     )
-    monkeypatch.setattr("drivegate.contracts.current.scenarios.fixed.fixed_scenarios", lambda *_: scenarios)
+    monkeypatch.setattr("drivegate.contracts.current.contract.fixed_scenarios", lambda *_: scenarios)
     monkeypatch.setattr("drivegate.gate.plan.SHARDS", 1)
     monkeypatch.setattr("drivegate.gate.plan.EXAMPLES", {"quick": 1})
 

@@ -10,7 +10,7 @@ from typing import Any, Final, TypeAlias, get_args
 from drivegate import Command, DutyCommand
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.python.bridge import PythonController
-from drivegate.contracts.catalogue import CONTRACTS, TEXTS, contract_of, on_drive
+from drivegate.contracts.catalogue import TEXTS, contract_named, contract_of, on_drive
 from drivegate.contracts.duty.plant_run import duty_run
 from drivegate.drives.duty_ability import duty_envelope
 from drivegate.drives.kinds import DRIVE_KINDS
@@ -476,7 +476,7 @@ def seen(scenario: Scenario) -> Seen:
 
 def required(drive: DriveDocument) -> list[str]:
     """Return what the texts of all checks require of a drive."""
-    checks = (on_drive(check, drive) for check in CONTRACTS[drive.contract].checks())
+    checks = (on_drive(check, drive) for check in contract_named(drive.contract).checks)
     return [getattr(check, name) for check in checks for name in TEXTS]
 
 

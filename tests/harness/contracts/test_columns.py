@@ -2,12 +2,12 @@
 
 import pytest
 
-from drivegate.contracts.catalogue import CONTRACTS
+from drivegate.contracts.catalogue import all_contracts
 
 
-@pytest.mark.parametrize("contract", CONTRACTS.values(), ids=lambda contract: contract.name)
+@pytest.mark.parametrize("contract", all_contracts(), ids=lambda contract: contract.name)
 def test_declared_fields_are_those_of_the_records(contract):
-    layout = contract.layout()
+    layout = contract.layout
     assert tuple(contract.outputs) == layout.outputs
     assert set(contract.plotted) <= set(layout.outputs)
     assert {*contract.sensed, "time", "phase_currents"} <= set(layout.signals._fields)

@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, Phase, given, seed, settings
 from drivegate.candidates.builtin.candidates import BUILTIN_CANDIDATES
 from drivegate.candidates.builtin.loading import BuiltinController
 from drivegate.candidates.declaration import Declaration
-from drivegate.contracts.catalogue import CONTRACTS
+from drivegate.contracts.catalogue import all_contracts, contract_named
 from drivegate.contracts.contract import Contract
 from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.contracts.current.record import CurrentRecord
@@ -48,7 +48,7 @@ def judged() -> Judged:
 
 
 def test_every_family_has_its_row() -> None:
-    assert [family_name(family.__name__) for family in FAMILIES] == list(CONTRACTS["current"].families)
+    assert [family_name(family.__name__) for family in FAMILIES] == list(contract_named("current").families)
 
 
 def test_every_check_is_exercised() -> None:
@@ -57,11 +57,11 @@ def test_every_check_is_exercised() -> None:
     assert {check for checks in SPECIAL.values() for check in checks} <= known
 
 
-@pytest.mark.parametrize("contract", CONTRACTS.values(), ids=lambda contract: contract.name)
+@pytest.mark.parametrize("contract", all_contracts(), ids=lambda contract: contract.name)
 def test_a_check_judges_every_run_or_names_families_of_its_contract(
     contract: Contract,
 ) -> None:
-    for check in contract.checks():
+    for check in contract.checks:
         assert not (check.every_run and check.families), check.id
         assert set(check.families) <= set(contract.families), f"{check.id} names {check.families}"
 

@@ -20,6 +20,7 @@ from drivegate.drives.envelope import (
 from drivegate.drives.envelope_document import time_scales
 from drivegate.drives.rating import RatedDrive, rated_drive
 from drivegate_cases.drive.drive_document import load_drive
+from drivegate_models.steady import oracle
 from drivegate_models.steady.oracle import least_current_sum, point_at_torque
 from drivegate_models.steady.steady_state import steady_state
 
@@ -60,7 +61,7 @@ def test_a_point_is_the_oracles_and_the_plants(drive: RatedDrive, at_1500: Speed
 
 def test_at_the_published_point_edge_and_ripple_are_the_published_ones(drive: RatedDrive) -> None:
     speed, torque = 1500.0 * RPM, 9.8
-    edge = drive.oracle.feasible_edge(drive.ideal, speed, torque)
+    edge = oracle.feasible_edge(drive.ideal, speed, torque)
     assert degrees(edge) == pytest.approx(52.0, abs=0.5), "Fig. 6 has 52° as necessary"
     assert ideal_ripple(drive, speed, torque, radians(52.5)) == pytest.approx(0.122, abs=1e-3)
     assert ideal_ripple(drive, speed, torque, 0.0) < 0.13, "below the edge it is the ripple at the edge"
@@ -140,5 +141,5 @@ def test_a_band_too_narrow_to_be_seen_is_taken_as_none(drive: RatedDrive, at_150
     assert drive_with(hysteresis_band_a=0.0).has_band, "a drive without a band is taken as it is"
     exact = load_drive("paper-5-phase").replaced(hysteresis_band_a=0.01).plant()
     at_limit = steady_state(exact, 1500.0 * RPM, 26.0, at_1500.line_advance).torque
-    (taken,) = narrow.oracle.torques_at_limit(narrow.constants, 1500.0 * RPM, [at_1500.line_advance])
+    (taken,) = oracle.torques_at_limit(narrow.constants, 1500.0 * RPM, [at_1500.line_advance])
     assert taken == pytest.approx(at_limit, rel=1e-3)

@@ -1,4 +1,4 @@
-"""Each kind of drive: its bundle costs nothing until it is called, and holds all that is required of a drive."""
+"""Each kind of drive costs nothing until its loop is prepared, and has all that is required of a drive."""
 
 import math
 import subprocess
@@ -8,7 +8,14 @@ import pytest
 
 from drivegate.candidates.declaration import Declaration
 from drivegate.contracts.catalogue import contract_of
-from drivegate.drives.kinds import DEFAULT_DRIVE, DEFAULT_KIND, DRIVE_KINDS, DriveKind, kind_of
+from drivegate.drives.kinds import (
+    DEFAULT_DRIVE,
+    DEFAULT_KIND,
+    DRIVE_KINDS,
+    DriveKind,
+    kind_of,
+    require_angles,
+)
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_models.errors import InputError
 
@@ -21,8 +28,9 @@ def kind(request: pytest.FixtureRequest) -> DriveKind:
     return found
 
 
-def test_the_bundles_load_nothing_heavy() -> None:
-    code = f"import sys, drivegate.drives.kinds; print([name for name in {HEAVY} if name in sys.modules])"
+def test_kinds_and_the_list_of_contracts_load_nothing_heavy() -> None:
+    modules = "drivegate.drives.kinds, drivegate.contracts.catalogue, drivegate.contracts.duty.columns"
+    code = f"import sys, {modules}; print([name for name in {HEAVY} if name in sys.modules])"
     ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert ended.stdout.strip() == "[]"
 
@@ -46,18 +54,25 @@ def test_its_scenarios_are_fair_and_on_its_drive(kind: DriveKind) -> None:
 def test_its_oracle_and_its_steady_states_are_of_the_same_drive(kind: DriveKind) -> None:
     import numpy as np
 
+    from drivegate_models.steady import oracle
+    from drivegate_models.steady.grid import POINT_COLUMNS, solve_points
+    from drivegate_models.steady.plant import make_phases
+    from drivegate_models.steady.steady_state import KEPT_TIME
+
     drive = load_drive(kind.default_drive)
-    if kind.angles is None:
+    if not kind.has_angles:
         # There is no advance angle that its oracle could find.
         with pytest.raises(InputError, match="drivegate drive"):
-            kind.oracle()
+            require_angles(drive)
         return
-    plant, oracle, states = drive.plant(), kind.oracle(), kind.steady_states()
+    assert require_angles(drive) is drive
+    plant = drive.plant()
     speed, torque = 2.0 * drive.rating.base_speed_rpm * math.pi / 30.0, 5.0
     best = oracle.least_current_sum(plant, speed, torque)
-    values = np.empty((1, len(states.columns)))
-    states.solve(plant, np.array([speed]), np.array([best.advance]), np.array([best.reference]), values)
-    found = dict(zip(states.columns, values[0], strict=True))
+    values, phases = np.empty((1, len(POINT_COLUMNS))), (make_phases(plant, KEPT_TIME), make_phases(plant))
+    point = (np.array([speed]), np.array([best.advance]), np.array([best.reference]))
+    solve_points(plant, *phases, plant.half_supply_voltage, *point, values)
+    found = dict(zip(POINT_COLUMNS, values[0], strict=True))
     assert found["torque_mean_nm"] == pytest.approx(torque, rel=1e-3)
     assert oracle.feasible_edge(plant, speed, torque) <= best.advance + 1e-3
 

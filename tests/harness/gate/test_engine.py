@@ -50,7 +50,7 @@ def few_jobs(monkeypatch: pytest.MonkeyPatch) -> None:
             scenario.model_copy(update={"duration_s": 2.0}) for scenario in fixed_scenarios(*given)[:3]
         )
 
-    monkeypatch.setattr("drivegate.contracts.current.scenarios.fixed.fixed_scenarios", short)
+    monkeypatch.setattr("drivegate.contracts.current.contract.fixed_scenarios", short)
     monkeypatch.setattr("drivegate.gate.plan.SHARDS", 1)
     monkeypatch.setattr("drivegate.gate.plan.EXAMPLES", {"quick": 1})
 
@@ -59,7 +59,7 @@ def check_of_initial(workers: int) -> ResultDocument:
     """Check the line of angles alone in a third of the fixed scenarios and in two shards of drawn ones."""
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(
-            "drivegate.contracts.current.scenarios.fixed.fixed_scenarios",
+            "drivegate.contracts.current.contract.fixed_scenarios",
             lambda *given: fixed_scenarios(*given)[::3],
         )
         patched.setattr("drivegate.gate.plan.SHARDS", 2)

@@ -16,6 +16,7 @@ from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.check import Check, JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin
+from drivegate.contracts.current.contract import CURRENT
 from drivegate.contracts.current.scenarios.drawn.families import FAMILY_GROUPS
 from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
 from drivegate.gate.shard import DrawnRuns, FixedRuns, content_key, run_drawn, run_fixed
@@ -88,7 +89,7 @@ def test_what_no_angle_can_satisfy_is_counted_and_not_run(monkeypatch: pytest.Mo
     def slow(scenario: Scenario) -> str | None:
         return None if scenario.speed_rpm[0][1] > 1200.0 else "too slow"
 
-    monkeypatch.setattr("drivegate.contracts.current.scenarios.feasibility.unfair_because", slow)
+    monkeypatch.setattr(type(CURRENT), "unfair_because", staticmethod(slow))
     outcome = drawn(0, 20)
     assert outcome.infeasible
     assert {drawn.reason for drawn in outcome.infeasible} == {"too slow"}
@@ -98,9 +99,7 @@ def test_what_no_angle_can_satisfy_is_counted_and_not_run(monkeypatch: pytest.Mo
 
 @pytest.mark.usefixtures("judged_by_speed")
 def test_a_shard_without_a_fair_scenario_is_empty(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(
-        "drivegate.contracts.current.scenarios.feasibility.unfair_because", lambda _scenario: "unfair"
-    )
+    monkeypatch.setattr(type(CURRENT), "unfair_because", lambda _self, _scenario: "unfair")
     outcome = drawn(0, 3)
     assert not outcome.runs
     assert outcome.infeasible
@@ -130,7 +129,7 @@ def test_fixed_scenarios_that_a_drive_cannot_do_are_set_aside(monkeypatch: pytes
     def slow(scenario: Scenario) -> str | None:
         return None if scenario.speed_rpm[0][1] > 1200.0 else "too slow"
 
-    monkeypatch.setattr("drivegate.contracts.current.scenarios.feasibility.unfair_because", slow)
+    monkeypatch.setattr(type(CURRENT), "unfair_because", staticmethod(slow))
     monkeypatch.setattr(
         "drivegate.gate.shard.recorded",
         lambda _loaded, scenario, _controller, kept=None: SimpleNamespace(scenario=scenario),

@@ -12,7 +12,7 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.check import JudgedRun
 from drivegate.checks.margin import Margin
 from drivegate.containment.judge import own_candidate
-from drivegate.contracts.catalogue import CONTRACTS
+from drivegate.contracts.catalogue import contract_named
 from drivegate.contracts.contract import Witness
 from drivegate.drives.kinds import DRIVE_KINDS
 from drivegate.gate import witnesses
@@ -170,7 +170,7 @@ def test_the_informed_witness_of_duty_ratios_weakens_and_brakes_as_required(
     (informed,) = _informed(drive)
     monkeypatch.setattr(witnesses, "witnesses_for", lambda _drive: (informed,))
     accused = own_candidate(resolve_candidate("foc-mtpa"))
-    fixed = CONTRACTS["duty"].fixed_scenarios(drive, accused.candidate.declaration)
+    fixed = contract_named("duty").fixed_scenarios(drive, accused.candidate.declaration)
     (weakened,) = [run for run in fixed if run.name == "6000rpm-torque-0-2.387-0Nm"]
     for check in ("ACC-1", "FWK-1", "FWK-3", "OVC-1", "OVC-2"):
         ending = hear_witnesses(accused, Accusation(check, ((weakened.to_mapping(), MARGIN),)))
@@ -182,7 +182,9 @@ def test_the_informed_witness_of_duty_ratios_weakens_and_brakes_as_required(
 @pytest.mark.parametrize("kind", DRIVE_KINDS.values(), ids=lambda kind: kind.name)
 def test_every_kind_of_drive_has_a_witness_that_knows_no_more_than_its_nameplate(kind: Any) -> None:
     heard = witnesses.witnesses_for(load_drive(kind.default_drive))
-    assert heard[0].candidate == CONTRACTS[kind.contract].usual_candidate, "its code is compiled in any case"
+    assert heard[0].candidate == contract_named(kind.contract).usual_candidate, (
+        "its code is compiled in any case"
+    )
     assert not heard[0].knows_plant
     assert len(heard) > 1
     for witness in heard:

@@ -7,7 +7,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from drivegate.checks.margin import Mark, Moment, Point
-from drivegate.contracts.duty.columns import PANELS
+from drivegate.contracts.duty.columns import DutyColumns
 from drivegate.output.panels import draw_moment
 
 TIME = np.arange(20_000) * 1e-4
@@ -25,7 +25,7 @@ def test_limit_time_and_measured_value_are_named() -> None:
         point=Point(words="0.95 ms", time_s=1.00095, value=0.95),
     )
     axes = Figure().subplots()
-    draw_moment(axes, moment, COLUMNS, PANELS)
+    draw_moment(axes, moment, COLUMNS, DutyColumns.panels)
     words = {text.get_text() for text in axes.texts}
     assert words == {"reference", "90 %: measured 0.95 ms", "0.61 ms allowed"}
     assert axes.get_xlabel() == "time after 1 s (ms)"

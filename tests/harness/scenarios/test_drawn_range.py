@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from varied_keys import draws
 
-from drivegate.contracts.catalogue import CONTRACTS, contract_of
+from drivegate.contracts.catalogue import contract_named, contract_of
 from drivegate.contracts.current.scenarios.building import steady_scenario
 from drivegate.contracts.current.scenarios.drawn import families
 from drivegate.contracts.duty.scenarios.building import failing, speed_scenario, torque_of, torque_scenario
@@ -68,7 +68,7 @@ def simplifications(scenario: Scenario) -> Iterator[Scenario]:
     for _ in range(2):
         made = [
             simpler
-            for simplification in contract.simplifications()
+            for simplification in contract.simplifications
             for fields in islice(simplification(scenario), 6)
             if (simpler := simplified(scenario, fields)) is not None and contract.is_as_fair(simpler, start)
         ]
@@ -89,10 +89,12 @@ def corners(scenario: Scenario) -> Iterator[tuple[float, float]]:
 
 
 def test_every_family_is_tried() -> None:
-    assert {family_name(family.__name__) for family in OUTER_FAMILIES} == set(CONTRACTS["current"].families)
+    assert {family_name(family.__name__) for family in OUTER_FAMILIES} == set(
+        contract_named("current").families
+    )
     assert (
         {family_name(family.__name__) for family in DUTY_FAMILIES}
-        == set(CONTRACTS["duty"].families)
+        == set(contract_named("duty").families)
         == set(DUTY_RANGES)
     )
 

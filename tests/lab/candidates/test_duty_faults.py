@@ -143,7 +143,7 @@ def failed_checks(name: str, runs: tuple[Scenario, ...]) -> frozenset[str]:
     margins = [
         margin
         for scenario in runs
-        for margin in judged(recorded(loaded, scenario, controller), CONTRACT.checks()).margins
+        for margin in judged(recorded(loaded, scenario, controller), CONTRACT.checks).margins
     ]
     return frozenset(margin.check for margin in margins if not margin.met)
 
@@ -209,7 +209,7 @@ def test_a_faulty_controller_is_caught_through_hall_switches_alone(name: str) ->
     margins = [
         margin
         for scenario in revealing_runs(BY_HALL)
-        for margin in judged(recorded(loaded, scenario, controller), CONTRACT.checks()).margins
+        for margin in judged(recorded(loaded, scenario, controller), CONTRACT.checks).margins
     ]
     assert DUTY_FAULTS[name].check in {margin.check for margin in margins if not margin.met}
 

@@ -4,7 +4,7 @@ import pytest
 
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import own_candidate
-from drivegate.contracts.catalogue import CONTRACTS
+from drivegate.contracts.catalogue import contract_named
 from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios
 from drivegate.drives.running import recorded
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
@@ -30,7 +30,7 @@ SERVO = load_drive("pm-ac-surface").with_overrides(
     ]
 )
 """A servo whose ripple exceeds its currents, so that they change sign within a carrier period."""
-CHECKS = {check.id: check for check in CONTRACTS["duty"].checks()}
+CHECKS = {check.id: check for check in contract_named("duty").checks}
 
 
 @pytest.mark.parametrize(

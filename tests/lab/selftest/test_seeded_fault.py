@@ -2,7 +2,7 @@
 
 import pytest
 
-from drivegate.contracts.catalogue import CONTRACTS
+from drivegate.contracts.catalogue import contract_named
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_lab.candidates.duty_faults import DUTY_FAULTS
 from drivegate_lab.candidates.faults.catalogue import MUTATIONS
@@ -20,7 +20,7 @@ def test_without_names_all_of_the_contract_are_chosen() -> None:
 
 def test_each_names_a_check_of_its_contract_and_a_kind() -> None:
     chosen = chosen_faults((), INTERIOR)
-    assert {fault.check for fault in chosen} <= {check.id for check in CONTRACTS["duty"].checks()}
+    assert {fault.check for fault in chosen} <= {check.id for check in contract_named("duty").checks}
     assert {fault.base for fault in chosen} == {"foc"}
     assert {fault.kind for fault in chosen} == {
         "Wrong numbers of the drive",

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import io
 import json
-from dataclasses import replace
 from typing import Any
 
 import pytest
 
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.contracts.catalogue import CONTRACTS
 from drivegate.contracts.comparison import (
     POINTS,
     RANKING,
@@ -29,6 +27,7 @@ from drivegate.contracts.comparison import (
     name_of,
 )
 from drivegate.contracts.drawings import MarkPanel, RowMarks
+from drivegate.contracts.duty.contract import DUTY
 from drivegate.contracts.duty.scenarios.building import torque_scenario
 from drivegate.output.console import console_for
 from drivegate.studies.compare.compared_drive import ComparedDrive
@@ -123,7 +122,7 @@ def compared(name: str) -> ComparedDrive:
 @pytest.fixture(autouse=True)
 def toy(monkeypatch: pytest.MonkeyPatch) -> None:
     """Have the drives of duty ratios take controllers that are compared by their noise."""
-    monkeypatch.setitem(CONTRACTS, "duty", replace(CONTRACTS["duty"], comparison=lambda: TOY))  # type: ignore[misc]
+    monkeypatch.setattr(type(DUTY), "comparison", lambda _self: TOY)
 
 
 def test_it_is_ranked_and_shown_by_its_own_figures() -> None:

@@ -3,42 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Final
+from typing import ClassVar, Final
 
+from drivegate.contracts.contract import Contract
 from drivegate.contracts.drawings import Line, Panel
 from drivegate_models.units import RADIANS_PER_RPM
 
-SENSED: Final[Mapping[str, str]] = {
-    "reference": "rad/s or N·m",
-    "speed": "rad/s",
-    "angle": "rad",
-    "supply_voltage": "V",
-    "supply_current": "A",
-    "phase_currents": "A",
-    "phase_voltages": "V",
-}
-"""What is sensed, with its unit."""
-OUTPUTS: Final[Mapping[str, tuple[str, str]]] = {
-    "first_duty": ("first duty ratio", ""),
-    "second_duty": ("second duty ratio", ""),
-    "third_duty": ("third duty ratio", ""),
-    "first_leg": ("first leg", ""),
-    "second_leg": ("second leg", ""),
-    "third_leg": ("third leg", ""),
-    "next_period": ("next control period", "s"),
-    "torque": ("torque", "N·m"),
-    "angle": ("angle", "rad"),
-    "speed": ("speed", "rad/s"),
-    "input_power": ("input power", "W"),
-    "fault": ("fault", ""),
-}
-"""Fields of a command, each with its name and unit."""
-PLOTTED: Final[Mapping[str, tuple[str, float]]] = {
-    "first_duty": ("1", 1.0),
-    "second_duty": ("1", 1.0),
-    "third_duty": ("1", 1.0),
-}
-"""Fields of a command that figures show, each with the unit there and a factor for it."""
 COLUMNS: Final[Mapping[str, tuple[str, float]]] = {
     "time_s": ("time", 1.0),
     "speed_reference_rpm": ("speed_reference", 1.0 / RADIANS_PER_RPM),
@@ -55,47 +25,79 @@ COLUMNS: Final[Mapping[str, tuple[str, float]]] = {
 """Columns that a result keeps, each with its source in the trace and a factor on it."""
 VOLTAGE: Final = "voltage_v"
 """One more column: the peak phase voltage that the duty ratios request."""
-PANELS: Final = (
-    Panel("torque (N·m)", (Line("torque_reference_nm", "reference", True), Line("torque_nm", "torque"))),
-    Panel("speed (rpm)", (Line("speed_reference_rpm", "reference", True), Line("speed_rpm", "speed"))),
-    Panel(
-        "current (A)",
-        (Line("direct_current_a", "d"), Line("quadrature_current_a", "q"), Line("peak_current_a", "peak")),
-    ),
-    Panel("voltage (V)", (Line("link_voltage_v", "link", True), Line(VOLTAGE, "used"))),
-)
-"""How figures show these columns."""
-RECORDED_NAMES: Final = (*COLUMNS, VOLTAGE)
-"""Those without which a run cannot be described."""
-SUMMARY_ROWS: Final = (
-    ("speed_final_rpm", "speed at the end", "rpm"),
-    ("torque_mean_nm", "torque, mean", "N·m"),
-    ("torque_final_nm", "torque at the end", "N·m"),
-    ("direct_current_final_a", "d current at the end", "A"),
-    ("quadrature_current_final_a", "q current at the end", "A"),
-    ("current_peak_a", "phase current, peak", "A"),
-    ("voltage_highest_v", "phase voltage, highest", "V"),
-    ("input_power_mean_w", "input power, mean", "W"),
-)
-"""Keys of a summary to print, each with its name and unit."""
-WINDOW_COLUMNS: Final = (
-    ("speed_mean_rpm", "speed (rpm)"),
-    ("torque_mean_nm", "torque (N·m)"),
-    ("direct_current_mean_a", "d (A)"),
-    ("quadrature_current_mean_a", "q (A)"),
-    ("voltage_mean_v", "voltage (V)"),
-)
-"""Keys of a steady window to print, each with its heading."""
-OBSERVATIONS: Final = (
-    "speed_final_rpm",
-    "speed_error_worst_rpm",
-    "torque_mean_nm",
-    "torque_error_worst_nm",
-    "direct_current_mean_a",
-    "quadrature_current_mean_a",
-    "current_peak_a",
-    "voltage_highest_v",
-    "input_power_mean_w",
-    "energy_residual",
-)
-"""Names of what is observed; errors are of the reference that there is, and means without a unit of the last window."""
+
+
+class DutyColumns(Contract):
+    """What the contract declares of its signals, apart from all that imports compiled code."""
+
+    sensed: ClassVar[Mapping[str, str]] = {
+        "reference": "rad/s or N·m",
+        "speed": "rad/s",
+        "angle": "rad",
+        "supply_voltage": "V",
+        "supply_current": "A",
+        "phase_currents": "A",
+        "phase_voltages": "V",
+    }
+    outputs: ClassVar[Mapping[str, tuple[str, str]]] = {
+        "first_duty": ("first duty ratio", ""),
+        "second_duty": ("second duty ratio", ""),
+        "third_duty": ("third duty ratio", ""),
+        "first_leg": ("first leg", ""),
+        "second_leg": ("second leg", ""),
+        "third_leg": ("third leg", ""),
+        "next_period": ("next control period", "s"),
+        "torque": ("torque", "N·m"),
+        "angle": ("angle", "rad"),
+        "speed": ("speed", "rad/s"),
+        "input_power": ("input power", "W"),
+        "fault": ("fault", ""),
+    }
+    plotted: ClassVar[Mapping[str, tuple[str, float]]] = {
+        "first_duty": ("1", 1.0),
+        "second_duty": ("1", 1.0),
+        "third_duty": ("1", 1.0),
+    }
+    panels = (
+        Panel("torque (N·m)", (Line("torque_reference_nm", "reference", True), Line("torque_nm", "torque"))),
+        Panel("speed (rpm)", (Line("speed_reference_rpm", "reference", True), Line("speed_rpm", "speed"))),
+        Panel(
+            "current (A)",
+            (
+                Line("direct_current_a", "d"),
+                Line("quadrature_current_a", "q"),
+                Line("peak_current_a", "peak"),
+            ),
+        ),
+        Panel("voltage (V)", (Line("link_voltage_v", "link", True), Line(VOLTAGE, "used"))),
+    )
+    recorded_names = (*COLUMNS, VOLTAGE)
+    summary_rows = (
+        ("speed_final_rpm", "speed at the end", "rpm"),
+        ("torque_mean_nm", "torque, mean", "N·m"),
+        ("torque_final_nm", "torque at the end", "N·m"),
+        ("direct_current_final_a", "d current at the end", "A"),
+        ("quadrature_current_final_a", "q current at the end", "A"),
+        ("current_peak_a", "phase current, peak", "A"),
+        ("voltage_highest_v", "phase voltage, highest", "V"),
+        ("input_power_mean_w", "input power, mean", "W"),
+    )
+    window_columns = (
+        ("speed_mean_rpm", "speed (rpm)"),
+        ("torque_mean_nm", "torque (N·m)"),
+        ("direct_current_mean_a", "d (A)"),
+        ("quadrature_current_mean_a", "q (A)"),
+        ("voltage_mean_v", "voltage (V)"),
+    )
+    observations = (
+        "speed_final_rpm",
+        "speed_error_worst_rpm",
+        "torque_mean_nm",
+        "torque_error_worst_nm",
+        "direct_current_mean_a",
+        "quadrature_current_mean_a",
+        "current_peak_a",
+        "voltage_highest_v",
+        "input_power_mean_w",
+        "energy_residual",
+    )

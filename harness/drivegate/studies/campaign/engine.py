@@ -19,7 +19,7 @@ from drivegate.containment.backend import Backend, done_by
 from drivegate.containment.judge import Judge, contained_runs
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.containment.pool import WorkerPool
-from drivegate.contracts.catalogue import CONTRACTS
+from drivegate.contracts.catalogue import contract_named
 from drivegate.gate.warm_up import compile_missing
 from drivegate.output.report_writers import CAMPAIGN_GROUP, report_points, write_reports
 from drivegate.output.resumed_folder import failures_refused
@@ -75,7 +75,7 @@ def rehearse(plan: CampaignPlan) -> None:
     """
     step = plan.campaign.runs_per_candidate // len(plan.cases)
     requests = [RowRequest(plan.run(place * step).scenario, plan.checks) for place in range(len(plan.cases))]
-    with WorkerPool(resolve_candidate(CONTRACTS[plan.contract].rehearsed), workers=1) as pool:
+    with WorkerPool(resolve_candidate(contract_named(plan.contract).rehearsed), workers=1) as pool:
         deque(pool.map([Job(_rehearsed, requests)]), maxlen=0)
 
 

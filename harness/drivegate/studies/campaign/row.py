@@ -12,7 +12,7 @@ from drivegate.checks.check import Check, Record, judged_elsewhere
 from drivegate.checks.every_contract import DET_1
 from drivegate.checks.margin import Margin
 from drivegate.containment.messages import JudgedCandidate
-from drivegate.contracts.catalogue import CONTRACTS, check_of, contract_of
+from drivegate.contracts.catalogue import all_contracts, check_of, contract_of
 from drivegate.drives.running import recorded
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import HarnessFault
@@ -30,13 +30,12 @@ UNCOUNTED: Final = (SET_ASIDE, NOT_JUDGED, HARNESS_FAULT)
 
 JUDGED_CHECKS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
     {
-        contract: tuple(
+        contract.name: tuple(
             check.id
-            for check in checks
+            for check in contract.checks
             if check.evaluate is not judged_elsewhere and not check.volatile and check is not DET_1
         )
-        for contract, bundle in CONTRACTS.items()
-        for checks in (bundle.checks(),)
+        for contract in all_contracts()
     }
 )
 """Checks of each contract that judge a run by itself, whatever the machine."""

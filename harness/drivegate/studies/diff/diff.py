@@ -22,7 +22,7 @@ from drivegate.containment.temporary_folder import temporary_folder
 from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.given_steps import RecordingController
 from drivegate.drives.kinds import kind_of
-from drivegate.drives.running import taken_costs
+from drivegate.drives.running import run_scenario, taken_costs
 from drivegate.output.waiting import with_compiled_kernels
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_cases.scenario.reference import reference_of
@@ -166,7 +166,7 @@ def follow_run(loaded: JudgedCandidate, plan: FollowRequest) -> Followed:
     steps = contract.given_steps(controller, nameplate)
     restarts = {round(time / plan.scenario.control_period_s) for time in plan.scenario.restarts_s}
     differs: int | None = None
-    answers = np.empty(0, contract.layout().command)
+    answers = np.empty(0, contract.layout.command)
     for begin, end in _blocks(len(rows), restarts):
         if differs is not None and begin > differs + plan.after:
             break
@@ -217,17 +217,11 @@ def _run_once(
     def recording(inner: Controller) -> Controller:
         return inner if rows is None else RecordingController(inner, rows)
 
-    contract_of(scenario.drive).run(
-        kind_of(scenario.drive).prepare_loop(),
-        scenario,
-        controller,
-        wrap=recording,
-        **_reference_options(loaded.candidate, scenario),
-    )
+    run_scenario(scenario, controller, wrap=recording, **_reference_options(loaded.candidate, scenario))
 
 
 def _row_of(scenario: Scenario) -> np.dtype[Any]:
-    return row_layout(contract_of(scenario.drive).layout(), scenario.drive.machine.phases)
+    return row_layout(contract_of(scenario.drive).layout, scenario.drive.machine.phases)
 
 
 @dataclass(frozen=True)

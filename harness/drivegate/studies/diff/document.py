@@ -78,7 +78,7 @@ def _difference(found: Difference, contract: Contract, rule: Rule) -> dict[str, 
 
 def _sense(found: Difference, index: int, contract: Contract) -> dict[str, Any]:
     row = found.rows[index]
-    sense: dict[str, Any] = contract.layout().sensed(row["sense"], row["currents"])._asdict()
+    sense: dict[str, Any] = contract.layout.sensed(row["sense"], row["currents"])._asdict()
     return sense
 
 

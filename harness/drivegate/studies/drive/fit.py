@@ -11,13 +11,15 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.drives.kinds import Drive, Oracle, kind_of
+from drivegate.drives.kinds import require_angles
 from drivegate.drives.rating import drive_with, machine_constants
 from drivegate_cases.documents.csv_file import read_columns
 from drivegate_cases.documents.wording import counted, nearest, one_line, shown_path
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.errors import InputError
 from drivegate_models.machine.constants_fit import ConstantsFit, fit_constants
+from drivegate_models.steady import oracle
+from drivegate_models.steady.plant import AnyDrive
 from drivegate_models.units import RADIANS_PER_RPM
 
 REQUIRED: Final = ("speed_rpm", "torque_nm")
@@ -53,7 +55,7 @@ class MeasuredTorque:
     uncertainty: float = nan
     """Standard uncertainty of the torque (N·m); NaN where it is not known."""
 
-    def torque_of(self, oracle: Oracle, constants: Drive) -> float:
+    def torque_of(self, constants: AnyDrive) -> float:
         """Return the torque that a drive has there (N·m)."""
         # A current reference gives what it would as the limit.
         at = constants if isnan(self.current) else constants._replace(current_limit=self.current)
@@ -204,10 +206,10 @@ def _lies_within(start: Sequence[float], lowest: Sequence[float], highest: Seque
 
 
 def _torques(
-    document: DriveDocument, constants: Drive, points: Sequence[MeasuredTorque]
+    document: DriveDocument, constants: AnyDrive, points: Sequence[MeasuredTorque]
 ) -> NDArray[np.float64]:
-    oracle = kind_of(document).oracle()
-    return np.array([point.torque_of(oracle, constants) for point in points])
+    require_angles(document)
+    return np.array([point.torque_of(constants) for point in points])
 
 
 def _variance(found: ConstantsFit, points: Sequence[MeasuredTorque]) -> float:

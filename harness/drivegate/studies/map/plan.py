@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.candidates.candidate import Candidate
-from drivegate.drives.kinds import kind_of
 from drivegate.scenarios.parameters import DRIVE_KEYS, SCALES
 from drivegate_cases.documents.wording import nearest, one_line, shown
 from drivegate_cases.drive.drive_document import DriveDocument
@@ -170,7 +169,9 @@ class MapPlan:
     def columns(self) -> tuple[str, ...]:
         """Names of the computed columns."""
         if self.kind == "points":
-            return kind_of(self.drive).steady_states().columns
+            from drivegate_models.steady.grid import POINT_COLUMNS
+
+            return POINT_COLUMNS
         return {"best": BEST_COLUMNS, "loop": LOOP_COLUMNS}[self.kind]
 
     def pieces(self) -> list[tuple[int, int]]:

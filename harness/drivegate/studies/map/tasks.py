@@ -18,7 +18,6 @@ from drivegate.containment.pool import WorkerPool
 from drivegate.contracts.current.checks.convergence import window_convergence
 from drivegate.contracts.current.record import CurrentRecord, SteadyWindow
 from drivegate.contracts.current.scenarios.building import coming_on
-from drivegate.drives.kinds import Drive, kind_of
 from drivegate.drives.running import recorded
 from drivegate.scenarios.drive_scale import scale_of, tidy
 from drivegate.studies.map.plan import (
@@ -42,6 +41,10 @@ from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.compilation.kernels import required_cache_folder
 from drivegate_models.errors import HarnessFault
 from drivegate_models.machine.friction import friction_torque
+from drivegate_models.steady import oracle
+from drivegate_models.steady.grid import POINT_COLUMNS, solve_points
+from drivegate_models.steady.plant import AnyDrive, make_phases
+from drivegate_models.steady.steady_state import KEPT_TIME
 from drivegate_models.units import RADIANS_PER_RPM
 
 SOLVER_MARKER: Final = "map-solver"
@@ -86,11 +89,14 @@ def _first_point(_loaded: JudgedCandidate, package: bytes) -> None:
 
 def _points(plan: MapPlan, first: int, last: int) -> MapPart:
     at = plan.axes.coordinates(first, last)
-    states = kind_of(plan.drive).steady_states()
-    values = np.full((last - first, len(states.columns)), nan)
+    values = np.full((last - first, len(POINT_COLUMNS)), nan)
     for piece, drive, scales in drives_of(plan, at):
-        states.solve(
-            drive.plant(scales),
+        plant = drive.plant(scales)
+        solve_points(
+            plant,
+            make_phases(plant, KEPT_TIME),
+            make_phases(plant),
+            plant.half_supply_voltage,
             at[SPEED][piece] * RADIANS_PER_RPM,
             np.radians(at[ADVANCE][piece]),
             at[CURRENT][piece],
@@ -106,7 +112,7 @@ def _best(plan: MapPlan, first: int, last: int) -> MapPart:
     at = plan.axes.coordinates(first, last)
     values = np.full((last - first, len(BEST_COLUMNS)), nan)
     for piece, drive, scales in drives_of(plan, at):
-        oracle, plant = kind_of(drive).oracle(), drive.plant(scales)
+        plant = drive.plant(scales)
         for place in range(piece.start, piece.stop):
             speed, torque = float(at[SPEED][place]) * RADIANS_PER_RPM, float(at[TORQUE][place])
             edge = oracle.feasible_edge(plant, speed, torque)
@@ -173,19 +179,18 @@ def _run_point(loaded: JudgedCandidate, point: _LoopPoint) -> tuple[str, tuple[f
     return _measured(record, drive)
 
 
-def _is_feasible(scenario: Scenario, drive: Drive) -> bool:
+def _is_feasible(scenario: Scenario, drive: AnyDrive) -> bool:
     speed_rpm, load = scenario.initial_speed_rpm, scenario.load
     assert isinstance(load, ConstantTorqueLoad), "points of a map have a load of constant torque"
     speed = speed_rpm * RADIANS_PER_RPM
     torque = load.torque_nm + friction_torque(drive, speed)
-    oracle = kind_of(scenario.drive).oracle()
     if speed_rpm <= scenario.drive.rating.base_speed_rpm:
         # There is no advance below base speed.
         return oracle.point_at_torque(drive, speed, 0.0, torque).robust
     return isfinite(oracle.feasible_edge(drive, speed, torque))
 
 
-def _measured(record: CurrentRecord, drive: Drive) -> tuple[str, tuple[float, ...]]:
+def _measured(record: CurrentRecord, drive: AnyDrive) -> tuple[str, tuple[float, ...]]:
     scenario = record.scenario
     window = SteadyWindow(scenario, dwells(scenario)[-1], record.run.windows[-1])
     margin, _ = window_convergence(window)
@@ -197,7 +202,7 @@ def _measured(record: CurrentRecord, drive: Drive) -> tuple[str, tuple[float, ..
     )
     least = nan
     if scenario.initial_speed_rpm > scenario.drive.rating.base_speed_rpm and torque > 0.0 < speed:
-        least = kind_of(scenario.drive).oracle().least_current_sum(drive, speed, torque).current_sum
+        least = oracle.least_current_sum(drive, speed, torque).current_sum
     shaft = window.torque_required * speed
     values = (
         margin,

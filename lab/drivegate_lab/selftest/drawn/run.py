@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from drivegate.containment.backend import Backend, done_by
-from drivegate.contracts.catalogue import CONTRACTS
+from drivegate.contracts.catalogue import contract_named
 from drivegate.drives.kinds import DRIVE_KINDS
 from drivegate.gate.warm_up import compile_missing
 from drivegate.output.progress import Display, with_rate
@@ -55,7 +55,7 @@ def selftest_on_drives(request: DrivesRequest, display: Display) -> dict[str, An
         package = packed(request.effort, {number: drive.document for number, drive in drawn.items()})
         backend = Backend(workers=request.effort.workers)
         made = _judge_usual(
-            CONTRACTS[kind.contract].usual_candidate, list(drawn), package, backend, folder, display
+            contract_named(kind.contract).usual_candidate, list(drawn), package, backend, folder, display
         )
         judged = [
             JudgedDrive(

@@ -8,7 +8,7 @@ from math import inf
 from pathlib import Path
 from typing import Any
 
-from drivegate.contracts.catalogue import CONTRACTS
+from drivegate.contracts.catalogue import contract_named
 from drivegate.drives.kinds import DRIVE_KINDS
 from drivegate.results.proportion import CONFIDENCE, proportion
 from drivegate_cases.drive.drive_document import DriveDocument
@@ -54,7 +54,7 @@ def summarised(
         "schema": SCHEMA,
         "kind": KIND,
         "drive_kind": kind,
-        "candidate": CONTRACTS[DRIVE_KINDS[kind].contract].usual_candidate,
+        "candidate": contract_named(DRIVE_KINDS[kind].contract).usual_candidate,
         "passed": passed == len(drives),
         "exit_code": 0 if passed == len(drives) else 1,
         "effort": effort.name,

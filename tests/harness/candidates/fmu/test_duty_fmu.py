@@ -15,7 +15,7 @@ from drivegate.candidates.fault import CandidateFault, FaultKind
 from drivegate.candidates.fmu.loading import FmuController
 from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.contracts.duty.bundle import DUTY
+from drivegate.contracts.duty.contract import DUTY
 from drivegate.contracts.duty.scenarios.building import torque_scenario
 from drivegate.drives.kinds import drive_for
 from drivegate_cases.drive.drive_document import load_drive

@@ -85,7 +85,7 @@ def test_it_is_repeated_judged_and_timed(written, tmp_path: Path, short: Scenari
 
 def test_a_duty_ratio_beyond_its_range_fails_its_check(ended) -> None:
     record = ended(fifth_step="command->duty_ratios[1] = 1.2;")
-    margins = {margin.check: margin for margin in judged(record, contract_of(INTERIOR).checks()).margins}
+    margins = {margin.check: margin for margin in judged(record, contract_of(INTERIOR).checks).margins}
     assert not margins["DUT-1"].met
     assert "to 1.2" in margins["DUT-1"].measured
 

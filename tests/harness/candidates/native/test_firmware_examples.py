@@ -100,7 +100,7 @@ def margins_of(seeded: Seeded, folder: Path, line: str) -> dict[str, Margin]:
     candidate = resolve_candidate(str(folder / MANIFESTS.get(seeded.style, "candidate.toml")))
     loaded = own_candidate(candidate)
     record = recorded(loaded, SCENARIOS[seeded.scenario], loaded.controller())
-    return {margin.check: margin for margin in judged(record, CONTRACT.checks()).margins}
+    return {margin.check: margin for margin in judged(record, CONTRACT.checks).margins}
 
 
 @pytest.mark.parametrize(

@@ -50,7 +50,7 @@ def interior() -> PmAcDocument:
 
 DRIVE = interior()
 CONTRACT = contract_of(DRIVE)
-CHECKS = {check.id: check for check in CONTRACT.checks()}
+CHECKS = {check.id: check for check in CONTRACT.checks}
 SPEED = 0.5 * DRIVE.rating.base_speed_rpm
 TORQUES = tuple(torque_of(DRIVE, SPEED, share) for share in (0.0, 0.6, 0.3, -0.2))
 RUN = torque_scenario(DRIVE, SPEED, TORQUES)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from drivegate.contracts.catalogue import CONTRACTS
+from drivegate.contracts.catalogue import contract_named
 from drivegate.contracts.duty.likely_causes import (
     LIKELY_CAUSES,
     MOST_NAMED,
@@ -12,7 +12,7 @@ from drivegate.contracts.duty.likely_causes import (
     likely_causes_in_words,
 )
 
-CHECKS = {check.id for check in CONTRACTS["duty"].checks()}
+CHECKS = {check.id for check in contract_named("duty").checks}
 
 
 def test_signs_and_what_confirms_a_cause_name_checks_that_there_are() -> None:

@@ -11,7 +11,7 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.check import judged
 from drivegate.containment.judge import Judge, own_candidate
 from drivegate.containment.messages import Job
-from drivegate.contracts.catalogue import CONTRACTS, contract_of
+from drivegate.contracts.catalogue import contract_named, contract_of
 from drivegate.contracts.duty.scenarios.building import (
     failing,
     speed_scenario,
@@ -95,7 +95,7 @@ def test_what_stops_the_edges_is_noticed_through_hall_switches_alone(
     loaded = own_candidate(resolve_candidate("foc"))
     record = recorded(loaded, failing(plain, kind, 0.535), loaded.controller())
     found = [
-        margin for margin in judged(record, CONTRACT.checks()).margins if margin.check in ("SAF-1", "OVC-1")
+        margin for margin in judged(record, CONTRACT.checks).margins if margin.check in ("SAF-1", "OVC-1")
     ]
     assert len(found) == 2
     assert all(margin.met for margin in found), found
@@ -106,7 +106,7 @@ def test_a_correct_controller_passes_the_same_runs_and_repeats_itself(name: str)
     with Judge(resolve_candidate(name)) as judge:
         outcome = judge.run(Job(run_fixed, FixedRuns(revealing_runs(), repeat=True)))
     margins = [margin for run in outcome.runs for margin in run.margins]
-    required = {check.id for check in CONTRACTS["duty"].checks() if check.level == "required"}
+    required = {check.id for check in contract_named("duty").checks if check.level == "required"}
     assert [margin for margin in margins if not margin.met and margin.check in required] == []
     assert [margin.measured for margin in margins if margin.check == "DET-1"] == [
         "2 repetitions are the same"
@@ -117,7 +117,7 @@ def test_a_correct_controller_passes_the_same_runs_and_repeats_itself(name: str)
 def test_controllers_of_least_loss_give_all_torque_that_the_limits_leave(name: str) -> None:
     loaded = own_candidate(resolve_candidate(name))
     weakened = revealing_runs()[1]
-    margins = judged(recorded(loaded, weakened, loaded.controller()), CONTRACT.checks()).margins
+    margins = judged(recorded(loaded, weakened, loaded.controller()), CONTRACT.checks).margins
     assert "FWK-1" in {margin.check for margin in margins}
     failed = [margin for margin in margins if not margin.met]
     assert not failed, ", ".join(f"{margin.check}: {margin.measured}" for margin in failed)
@@ -130,7 +130,7 @@ def test_the_search_for_least_loss_is_not_led_by_a_speed_that_settles(
     document = load_drive("pm-ac-interior")
     loaded = own_candidate(resolve_candidate("foc-loss-search"))
     record = recorded(loaded, speed_scenario(document, speeds, torque_nm=torque), loaded.controller())
-    margins = judged(record, contract_of(document).checks()).margins
+    margins = judged(record, contract_of(document).checks).margins
     assert {"FWK-2", "MTP-1"} <= {margin.check for margin in margins}
     failed = [margin for margin in margins if not margin.met]
     assert not failed, ", ".join(f"{margin.check}: {margin.measured}" for margin in failed)
@@ -141,7 +141,7 @@ def test_the_search_for_least_loss_is_not_led_by_the_ripple_of_dead_time() -> No
     loaded = own_candidate(resolve_candidate("foc-loss-search"))
     record = recorded(loaded, torque_scenario(document, 1420.0, (0.0, 30.0, 0.0)), loaded.controller())
     margins = [
-        margin for margin in judged(record, contract_of(document).checks()).margins if margin.check == "FWK-2"
+        margin for margin in judged(record, contract_of(document).checks).margins if margin.check == "FWK-2"
     ]
     assert margins
     assert all(margin.met for margin in margins), margins
@@ -151,7 +151,7 @@ def test_the_search_for_least_loss_does_not_drift_by_what_the_torque_changes_by(
     document = load_drive("pm-ac-msl")
     loaded = own_candidate(resolve_candidate("foc-loss-search"))
     steps = torque_scenario(document, 1080.0, (31.83, 95.49, 151.2))
-    margins = judged(recorded(loaded, steps, loaded.controller()), contract_of(document).checks()).margins
+    margins = judged(recorded(loaded, steps, loaded.controller()), contract_of(document).checks).margins
     found = [margin for margin in margins if margin.check == "FWK-2"]
     assert found
     assert all(margin.met for margin in found), found
@@ -160,7 +160,7 @@ def test_the_search_for_least_loss_does_not_drift_by_what_the_torque_changes_by(
 def test_the_controller_without_weakening_fails_for_it_and_names_the_speed() -> None:
     loaded = own_candidate(resolve_candidate("foc-mtpa"))
     weakened = revealing_runs()[1]
-    margins = judged(recorded(loaded, weakened, loaded.controller()), CONTRACT.checks()).margins
+    margins = judged(recorded(loaded, weakened, loaded.controller()), CONTRACT.checks).margins
     failed = {margin.check: margin for margin in margins if not margin.met}
     assert "FWK-1" in failed
     assert "at 6000 rpm" in failed["FWK-1"].measured
@@ -202,7 +202,7 @@ def test_the_voltage_limit_locks_no_current_up(
     failed = [
         margin
         for margin in judged(
-            recorded(loaded, scenario, loaded.controller()), contract_of(document).checks()
+            recorded(loaded, scenario, loaded.controller()), contract_of(document).checks
         ).margins
         if not margin.met
     ]
@@ -221,7 +221,7 @@ def test_a_shaft_starts_under_load_by_hall_switches_alone(drive: str) -> None:
     assert not record.run.commands["fault"].any(), (
         "a shaft that begins to turn is not locked, nor a phase missing"
     )
-    margins = {margin.check: margin for margin in judged(record, contract_of(document).checks()).margins}
+    margins = {margin.check: margin for margin in judged(record, contract_of(document).checks).margins}
     assert margins["ROB-5"].met, margins["ROB-5"].measured
 
 
@@ -261,4 +261,4 @@ def test_a_rating_out_of_reach_is_refused_in_one_sentence() -> None:
     with pytest.raises(InputError, match="too slow to be checked"):
         refuse_unreachable(INTERIOR.replaced(inertia_kg_m2=1e3))
     refuse_unreachable(INTERIOR)
-    assert {check.id for check in CONTRACTS["duty"].checks()} >= {"FWK-1", "FWK-2", "FWK-3"}
+    assert {check.id for check in contract_named("duty").checks} >= {"FWK-1", "FWK-2", "FWK-3"}

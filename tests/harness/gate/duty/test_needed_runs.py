@@ -57,15 +57,15 @@ def test_no_check_judges_a_run_that_it_does_not_need() -> None:
     controller = FOC.controller()
     skipped = 0
     for scenario in short_runs():
-        margins = judged(recorded(FOC, scenario, controller), CONTRACT.checks()).margins
+        margins = judged(recorded(FOC, scenario, controller), CONTRACT.checks).margins
         seen = {margin.check for margin in margins}
         needed = {
             check.id
-            for check in CONTRACT.checks()
+            for check in CONTRACT.checks
             if is_needed(scenario, FOC.candidate.declaration, (check.id,))
         }
         assert seen <= needed, f"{seen - needed} judge {scenario.name}"
-        skipped += len(CONTRACT.checks()) - len(needed)
+        skipped += len(CONTRACT.checks) - len(needed)
     assert skipped > 8 * len(short_runs()), "most checks look at few kinds of runs"
 
 

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from paper_calibration import calibrate
 
-from drivegate.drives.kinds import kind_of
 from drivegate.drives.rating import drive_with
 from drivegate.studies.drive.fit import MeasuredTorque, fit_document, read_measured
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
@@ -35,7 +34,7 @@ def measured(
     """Measure the drive of the true constants at twenty points, with noise where there is a seed."""
     is_flat = document.machine.emf_shape == "trapezoid"
     constants = {key: value for key, value in TRUE.items() if is_flat or key != "emf_flat_deg"}
-    drive, oracle = drive_with(document, constants), kind_of(document).oracle()
+    drive = drive_with(document, constants)
     errors = np.zeros(20) if seed is None else NOISE * np.random.default_rng(seed).standard_normal(20)
     places = [
         (speed, advance, current)
@@ -44,7 +43,7 @@ def measured(
     ]
     points = []
     for (speed, advance, current), error in zip(places, errors, strict=True):
-        torque = MeasuredTorque(speed, 0.0, advance, current).torque_of(oracle, drive)
+        torque = MeasuredTorque(speed, 0.0, advance, current).torque_of(drive)
         points.append(MeasuredTorque(speed, torque + float(error), advance, current, uncertainty))
     return points
 

@@ -8,10 +8,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from drivegate.candidates.declaration import FlowchartProfile
+from drivegate.candidates.declaration import Declaration, FlowchartProfile
 from drivegate.checks.check import JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin
-from drivegate.containment.messages import AnyController, JudgedCandidate
+from drivegate.containment.messages import AnyController, Job, JudgedCandidate
 from drivegate.contracts.current.flowchart.judging import judge_script
 from drivegate.contracts.current.flowchart.scripts import Event, fixed_scripts, script_of, usual_speed
 from drivegate.scenarios.drive_scale import scale_of, tidy
@@ -32,6 +32,17 @@ class ScriptRuns:
     """Seed of the drawn scripts."""
     examples: int
     """Number of scripts to draw, besides the fixed ones."""
+
+
+def scripted_runs(
+    drive: DriveDocument, declaration: Declaration, seed: int, examples: int
+) -> tuple[Job[ShardOutcome], int] | None:
+    """Plan the scripts of a candidate, and count them; None for one of another profile."""
+    speed = usual_speed(drive, declaration.speed_range_rpm)
+    if declaration.flowchart is None or speed is None:
+        return None
+    count = len(fixed_scripts(drive, declaration.flowchart, speed)) + examples
+    return Job(run_scripts, ScriptRuns(drive, seed, examples)), count
 
 
 SHORTENING_RUNS: Final = 60

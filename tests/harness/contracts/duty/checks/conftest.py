@@ -13,7 +13,7 @@ import pytest
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.margin import Margin
 from drivegate.containment.judge import own_candidate
-from drivegate.contracts.catalogue import CONTRACTS
+from drivegate.contracts.catalogue import contract_named
 from drivegate.contracts.duty.record import DutyRecord
 from drivegate.drives.running import recorded
 from drivegate_cases.drive.drive_document import load_drive
@@ -21,7 +21,7 @@ from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.scenario import Scenario
 
 Run = Callable[[Scenario], DutyRecord]
-CHECKS = {check.id: check for check in CONTRACTS["duty"].checks()}
+CHECKS = {check.id: check for check in contract_named("duty").checks}
 
 
 @pytest.fixture(scope="session")

@@ -9,7 +9,7 @@ from itertools import pairwise
 import pytest
 from hypothesis import HealthCheck, Phase, find, given, seed, settings
 
-from drivegate.contracts.catalogue import CONTRACTS
+from drivegate.contracts.catalogue import contract_named
 from drivegate.contracts.duty.scenarios.building import (
     failing,
     load_step_scenario,
@@ -78,8 +78,8 @@ def test_what_a_family_draws_is_judged_somewhere(family: object) -> None:
 
 
 def test_every_family_and_every_check_has_its_row() -> None:
-    assert {family_name(family.__name__) for family in FAMILIES} == set(CONTRACTS["duty"].families)
-    known = {check.id for check in CONTRACTS["duty"].checks()}
+    assert {family_name(family.__name__) for family in FAMILIES} == set(contract_named("duty").families)
+    known = {check.id for check in contract_named("duty").checks}
     assert all(row["families"] for row in traced_checks(INTERIOR))
     assert {row["id"] for row in traced_checks(INTERIOR)} == known
     assert {*SPECIAL["repetition"], *SPECIAL["timing"]} <= known

@@ -7,8 +7,8 @@ import pandas
 import pytest
 
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.contracts.catalogue import CONTRACTS
-from drivegate.contracts.duty.columns import OBSERVATIONS
+from drivegate.contracts.catalogue import all_contracts
+from drivegate.contracts.duty.columns import DutyColumns
 from drivegate.studies.campaign.engine import packed, run_chunk
 from drivegate.studies.campaign.file import read_campaign
 from drivegate.studies.campaign.folder import CampaignFolder, table_bytes
@@ -68,7 +68,7 @@ def test_rows_have_the_margins_and_observations_of_the_contract(plan, folder):
     frame = pandas.read_parquet(folder / "out" / "runs").sort_values("run")
     margins = [column.removeprefix("margin_") for column in frame.columns if column.startswith("margin_")]
     assert tuple(margins) == JUDGED_CHECKS["duty"]
-    assert set(OBSERVATIONS) <= set(frame.columns)
+    assert set(DutyColumns.observations) <= set(frame.columns)
     assert "advance_mean_deg" not in frame.columns
     half, full = frame["torque_mean_nm"].to_numpy()[:2]
     assert full == pytest.approx(2.0 * half, rel=0.1), "the share of the load is that of the torque reference"
@@ -79,7 +79,7 @@ def test_rows_have_the_margins_and_observations_of_the_contract(plan, folder):
 
 
 def test_the_first_runs_are_made_by_a_candidate_of_the_contract(plan):
-    for contract in CONTRACTS.values():
+    for contract in all_contracts():
         assert resolve_candidate(contract.rehearsed).contract == contract.name
 
 
