@@ -25,7 +25,7 @@ def test_a_page_is_plain_and_says_what_is_true_today(page: Path) -> None:
 def test_the_pages_stay_short() -> None:
     counts = INSERTIONS["word_counts"]()
     by_hand = sum(written for written, _ in counts.values())
-    assert by_hand <= 32_000, "python docs/insertions.py --words"
+    assert by_hand <= 36_000, "python docs/insertions.py --words"
 
 
 def test_a_stale_insertion_is_noticed() -> None:
