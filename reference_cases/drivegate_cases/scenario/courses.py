@@ -106,7 +106,7 @@ class Quantity:
 
     def stated(self, scenario: Content) -> Profile | None:
         """Return its course over time (s, in the unit of the key) in a scenario that states it."""
-        return None if (key := self.key(scenario)) is None else _stated(scenario, key)
+        return next((profile for key in self.keys if (profile := _stated(scenario, key)) is not None), None)
 
     def profile(self, scenario: Section) -> Profile:
         """Return its course over time, the nominal value where it is not stated."""

@@ -72,6 +72,9 @@ def dwells(scenario: Scenario, *, seen_throughout: bool = False) -> tuple[Dwell,
     a signal, at its end; without, it is in none.
     """
     profiles = profiles_of(scenario)
+    # Most stay as they begin, and need no second look.
+    begin = {name: points[0][1] for name, points in profiles.items()}
+    moving = {name: points for name, points in profiles.items() if len(points) > 1}
     failures = [
         (dropout.end_s if seen_throughout else dropout.start_s, dropout.end_s)
         for dropout in scenario.dropouts
@@ -82,9 +85,9 @@ def dwells(scenario: Scenario, *, seen_throughout: bool = False) -> tuple[Dwell,
     events: tuple[Profile, ...] = tuple(((start, 0.0), (end, 0.0)) for start, end in failures)
     interruptions = {end for _, end in failures}
     found: list[tuple[float, float, dict[str, float]]] = []
-    for start, end in pairwise(breakpoints((*profiles.values(), *events), scenario.duration_s)):
-        constant = {name: value_from(points, start) for name, points in profiles.items()}
-        if constant != {name: value_until(points, end) for name, points in profiles.items()}:
+    for start, end in pairwise(breakpoints((*moving.values(), *events), scenario.duration_s)):
+        constant = {name: value_from(points, start) for name, points in moving.items()}
+        if constant != {name: value_until(points, end) for name, points in moving.items()}:
             continue
         if any(failed <= start and end <= back for failed, back in failures):
             continue
@@ -92,7 +95,7 @@ def dwells(scenario: Scenario, *, seen_throughout: bool = False) -> tuple[Dwell,
             found[-1] = (found[-1][0], end, constant)
         else:
             found.append((start, end, constant))
-    return tuple(dwell_of(scenario, values, start, end) for start, end, values in found)
+    return tuple(dwell_of(scenario, begin | values, start, end) for start, end, values in found)
 
 
 def dwell_torque(scenario: Scenario, dwell: Dwell) -> float:

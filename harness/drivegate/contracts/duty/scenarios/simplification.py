@@ -9,12 +9,12 @@ from typing import Any, Final
 from drivegate.contracts.duty.document import duty_document
 from drivegate.contracts.duty.scenarios.building import TORQUE_DIGITS, speed_scenario, torque_scenario
 from drivegate.contracts.duty.scenarios.fixed import speed_of
+from drivegate.scenarios.course_words import levels
 from drivegate.scenarios.rotation import is_mirrored, mirrored, sense_of
 from drivegate.scenarios.simplification import Fields, Simplification
 from drivegate_cases.drive.limits import nearest_step, rounded
 from drivegate_cases.drive.plant import NOMINAL
 from drivegate_cases.scenario.load import ConstantTorqueLoad, DynamometerLoad, FanLoad, HoistLoad
-from drivegate_cases.scenario.piecewise import Profile
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import IDEAL, SHUNTS, ShuntSensors
 
@@ -29,11 +29,6 @@ _KEPT: Final = (
 )
 _SPEED_SHARES: Final = (0.5, 0.2, 0.1, 0.05)
 _TORQUE_SHARES: Final = (0.5, 0.2, 0.1, 0.05)
-
-
-def _levels(profile: Profile) -> list[float]:
-    values = [value for _, value in profile]
-    return [value for place, value in enumerate(values) if place == 0 or value != values[place - 1]]
 
 
 def _fields_of(made: Scenario) -> Fields:
@@ -84,12 +79,12 @@ def _fewer_torques(scenario: Scenario) -> Iterator[Fields]:
     if not isinstance(scenario.load, DynamometerLoad):
         return
     drive, speed = duty_document(scenario.drive), scenario.speed_rpm[0][1]
-    torques = _levels(scenario.load.torque_reference_nm)
+    torques = levels(scenario.load.torque_reference_nm)
     shorter: list[tuple[float, ...]] = [(torque,) for torque in dict.fromkeys(torques)]
     shorter += [pair for pair in pairwise(torques) if len(torques) > 2]
-    for levels in shorter:
-        if len(levels) < len(torques):
-            yield _with_own(scenario, torque_scenario(drive, speed, levels))
+    for steps in shorter:
+        if len(steps) < len(torques):
+            yield _with_own(scenario, torque_scenario(drive, speed, steps))
 
 
 def _fewer_speeds(scenario: Scenario) -> Iterator[Fields]:
@@ -97,13 +92,13 @@ def _fewer_speeds(scenario: Scenario) -> Iterator[Fields]:
     load = scenario.load
     if not isinstance(load, ConstantTorqueLoad):
         return
-    drive, speeds = duty_document(scenario.drive), _levels(scenario.speed_rpm)
+    drive, speeds = duty_document(scenario.drive), levels(scenario.speed_rpm)
     torque = rounded(load.torque_nm * load.factor[-1][1], TORQUE_DIGITS)
     shorter: list[tuple[float, ...]] = [(speed,) for speed in dict.fromkeys(speeds)]
     shorter += [pair for pair in pairwise(speeds) if len(speeds) > 2]
-    for levels in shorter:
+    for steps in shorter:
         for size in (torque, 0.0):
-            yield _with_own(scenario, speed_scenario(drive, levels, torque_nm=size))
+            yield _with_own(scenario, speed_scenario(drive, steps, torque_nm=size))
 
 
 def _with_own(scenario: Scenario, made: Scenario) -> Fields:
