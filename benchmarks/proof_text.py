@@ -30,6 +30,8 @@ _VARYING: Final = tuple(
         (r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d(:\d\d)?(\.\d+)?( ?UTC|Z|[+-]\d\d:\d\d)?", "<time>"),
         (r"\b20\d\d-\d\d-\d\d\b", "<day>"),
         (r'(<testcase [^>]*|<testsuite [^>]*)\btime="[\d.]+"', r'\1time="<seconds>"'),
+        (r'(<th scope="row">seconds</th><td><code>)[\d.]+', r"\1<seconds>"),
+        (r"SHA256:[\w+/]{43}", "SHA256:<key>"),
         (r"[\d.]+ [nµm]?s a step( \([^)]*\))?(, [\d.e-]+ %)?", "<time of a step>"),
         (r"\b\d+(\.\d+)? (s|min|h), report", "<duration>, report"),
         (r"\b(process|pid)([ =:]+)\d+", r"\1\2<process>"),
