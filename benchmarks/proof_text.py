@@ -26,18 +26,24 @@ _HEXADECIMAL: Final = r"(?<![\w.])(?=[0-9]*[a-f])[0-9a-f]{16}(?:[0-9a-f]{24}|[0-
 _VARYING: Final = tuple(
     (re.compile(pattern), shown)
     for pattern, shown in (
-        (_HEXADECIMAL, "<hash>"),
-        (r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d(:\d\d)?(\.\d+)?( ?UTC|Z|[+-]\d\d:\d\d)?", "<time>"),
-        (r"\b20\d\d-\d\d-\d\d\b", "<day>"),
-        (r'(<testcase [^>]*|<testsuite [^>]*)\btime="[\d.]+"', r'\1time="<seconds>"'),
-        (r'(<th scope="row">seconds</th><td><code>)[\d.]+', r"\1<seconds>"),
-        (r"SHA256:[\w+/]{43}", "SHA256:<key>"),
-        (r"[\d.]+ [nµm]?s a step( \([^)]*\))?(, [\d.e-]+ %)?", "<time of a step>"),
-        (r"\b\d+(\.\d+)? (s|min|h), report", "<duration>, report"),
-        (r"\b(process|pid)([ =:]+)\d+", r"\1\2<process>"),
-        (r'File "[^"]*", line \d+', "File <line>"),
+        (_HEXADECIMAL, "{hash}"),
+        (r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d(:\d\d)?(\.\d+)?( ?UTC|Z|[+-]\d\d:\d\d)?", "{time}"),
+        (r"\b20\d\d-\d\d-\d\d\b", "{day}"),
+        (r'(<testcase [^>]*|<testsuite [^>]*)\btime="[\d.]+"', r'\1time="{seconds}"'),
+        (r'(<th scope="row">seconds</th><td><code>)[\d.]+', r"\1{seconds}"),
+        (r"SHA256:[\w+/]{43}", "SHA256:{key}"),
+        (r"[\d.]+ [nµm]?s a step( \([^)]*\))?(, [\d.e-]+ %)?", "{time of a step}"),
+        (r"\b\d+(\.\d+)? (s|min|h), report", "{duration}, report"),
+        (r"\b(process|pid)([ =:]+)\d+", r"\1\2{process}"),
+        (r'File "[^"]*", line \d+', "File {line}"),
     )
 )
+
+# What a page and a summary have of the check that measures time; its text in documents has no numbers.
+_TIMED: Final = re.compile(
+    r'<tr id="check-TIM-1">(?s:.*?)</tr>|<th scope="row">TIM-1</th>(?s:.*?)</tr>|\| TIM-1 \|.*'
+)
+_MEASURED: Final = re.compile(r"(?<![\w.])([+-]?\d+\.\d+|[+-]\d+)")
 
 
 @dataclass(frozen=True)
@@ -50,9 +56,9 @@ class Places:
     def of(cls, scratch: Path, *code: Path) -> Places:
         """Name a scratch folder, the folders of code, and the environment."""
         named = [
-            (scratch, "<scratch>"),
-            *((folder, "<code>") for folder in code),
-            (Path(sys.prefix), "<python>"),
+            (scratch, "{scratch}"),
+            *((folder, "{code}") for folder in code),
+            (Path(sys.prefix), "{python}"),
         ]
         return cls(tuple((str(folder), shown) for folder, shown in named))
 
@@ -63,7 +69,7 @@ def normal(text: str, places: Places) -> str:
         text = text.replace(folder, shown)
     for pattern, shown in _VARYING:
         text = pattern.sub(shown, text)
-    return text
+    return _TIMED.sub(lambda found: _MEASURED.sub("{number}", found[0]), text)
 
 
 def stripped(value: Any, places: Places | None, key: str = "") -> Any:

@@ -100,7 +100,8 @@ def _run(words: tuple[str, ...], where: Path) -> subprocess.CompletedProcess[str
 def _places(scratch: Path) -> Places:
     """Ask the environment where its code is: this script may be another clone's."""
     headers = Path(_run(("drivegate", "include-dir"), scratch).stdout.strip())
-    code = headers.parents[3] if "site-packages" not in headers.parts else headers.parents[2]
+    clones = (folder for folder in headers.parents if (folder / "pyproject.toml").is_file())
+    code = next(clones, headers.parents[2])
     return Places.of(scratch, _ROOT, code)
 
 

@@ -12,23 +12,25 @@ from drivegate_lab.selftest.subjects import FAULTS_OF, chosen_faults
 from proof_text import Places, normal, parts_of, stripped, words_of
 from unchanged_results import Listing
 
-PLACES = Places((("/scratch", "<scratch>"), ("/clone", "<code>")))
+PLACES = Places((("/scratch", "{scratch}"), ("/clone", "{code}")))
 HASH = "6ea88350f05a5789"
 
 
 @pytest.mark.parametrize(
     ("text", "shown"),
     [
-        (f"sources {HASH}, report: /scratch/a.json", "sources <hash>, report: <scratch>/a.json"),
-        ("91 runs, 69 s, report: a", "91 runs, <duration>, report: a"),
-        ("at 2026-11-28T12:16:09+00:00 until 2026-12-01", "at <time> until <day>"),
-        ('File "/clone/a.py", line 12, in step', "File <line>, in step"),
-        (f"signed by SHA256:{'b+/C' * 10}abc", "signed by SHA256:<key>"),
+        (f"sources {HASH}, report: /scratch/a.json", "sources {hash}, report: {scratch}/a.json"),
+        ("91 runs, 69 s, report: a", "91 runs, {duration}, report: a"),
+        ("at 2026-11-28T12:16:09+00:00 until 2026-12-01", "at {time} until {day}"),
+        ('File "/clone/a.py", line 12, in step', "File {line}, in step"),
+        (f"signed by SHA256:{'b+/C' * 10}abc", "signed by SHA256:{key}"),
         (
             '<th scope="row">seconds</th><td><code>42.8</code>',
-            '<th scope="row">seconds</th><td><code><seconds></code>',
+            '<th scope="row">seconds</th><td><code>{seconds}</code>',
         ),
-        ("0.131 µs a step (native), 0.131 % of the control period", "<time of a step> of the control period"),
+        ("0.131 µs a step (native), 0.131 % of the control period", "{time of a step} of the control period"),
+        ("| TIM-1 | pass | +0.97 | met | ", "| TIM-1 | pass | {number} | met | "),
+        ("| DTM-1 | pass | +0.97 | met | ", None),
         ("torque 0.1234567890123456 N·m after 2 s, 1234567890123456 steps", None),
         ("stalled for 12 s, and 1.5 min of 3 min", None),
     ],
@@ -48,7 +50,7 @@ def test_texts_and_the_order_of_keys_count_with_the_wording():
         {
             "verdict": "fails at 5 rpm",
             "drive": {"name": "mine", "hash": HASH},
-            "candidate": {"hash": "<hash>"},
+            "candidate": {"hash": "{hash}"},
             "timing": {"seconds": None, "checks": []},
         }
     )
