@@ -45,6 +45,17 @@ speed_rpm,advance_deg,torque_nm,uncertainty_nm
 1200,40,11.88,0.03
 500,,28.648,0.5
 """
+_WAIVERS: Final = """\
+schema = 1
+
+[[waiver]]
+candidate = "published"
+check = "CPW-2"
+reason = "known"
+owner = "control"
+margin = -100.0
+expires = 2099-01-01
+"""
 _RAISING: Final = """\
 class Controller:
     def reset(self, nameplate):
@@ -192,9 +203,8 @@ def _options_of_checks() -> Iterator[Row]:
     yield Row("check of advisories", (*published, "--fail-on", "advisory", "--contested", "fail", "--json"))
     before = ("drivegate", "check", "reference", *_FEW, "--output", "before")
     yield Row("check with baseline", (*published, "--baseline", "before/result.json", "--json"), (before,))
-    waivers = '[[waiver]]\ncandidate = "published"\ncheck = "CPW-2"\nreason = "known"\nexpires = 2099-01-01\n'
-    words = (*published, "--waivers", "w.toml", "--json")
-    yield Row("check with waivers", words, given={"w.toml": f"schema = 1\n{waivers}"})
+    words = (*published, "--fail-on", "advisory", "--waivers", "w.toml", "--json")
+    yield Row("check with waivers", words, given={"w.toml": _WAIVERS})
     yield Row("check of last failed", (*published, "--last-failed", "--json"), (("drivegate", *published),))
     corpus = (*published, "--no-search", "--seed", "1", "--corpus", f"{_REPORT}/counterexamples")
     yield Row("check with corpus", (*corpus, "--output", "again"), (("drivegate", *published),))

@@ -13,8 +13,9 @@ from typing import Any, Final
 
 # Left out without the wording.
 _CHANGING: Final = frozenset({"provenance", "timing", "signature", "traceback", "output", "report", "folder"})
-# With the wording, their keys are compared and their values are not: sources, machine, times, a random key.
-_KEYS_ALONE: Final = frozenset({"provenance", "timing", "signature"})
+# With the wording, their keys are compared and their values are not: machine, times, a random key. So are those of the
+# provenance of a result, which names drivegate; that of a drive has the sources of its values.
+_KEYS_ALONE: Final = frozenset({"timing", "signature"})
 _NUMBERS: Final = frozenset({".json", ".csv", ".parquet"})
 _SHOWN: Final = _NUMBERS | {
     *(".html", ".xml", ".md", ".txt", ".svg", ".toml", ".yml"),
@@ -39,9 +40,10 @@ _VARYING: Final = tuple(
     )
 )
 
-# What a page and a summary have of the check that measures time; its text in documents has no numbers.
+# What pages, tables and a summary have of measured times: of a check, and of steps in a comparison.
 _TIMED: Final = re.compile(
     r'<tr id="check-TIM-1">(?s:.*?)</tr>|<th scope="row">TIM-1</th>(?s:.*?)</tr>|\| TIM-1 \|.*'
+    r"|<th [^>]*>time of a step(?s:.*?)</table>|(?<=,)step_us,(?s:.*)"
 )
 _MEASURED: Final = re.compile(r"(?<![\w.])([+-]?\d+\.\d+|[+-]\d+)")
 
@@ -69,6 +71,10 @@ def normal(text: str, places: Places) -> str:
         text = text.replace(folder, shown)
     for pattern, shown in _VARYING:
         text = pattern.sub(shown, text)
+    return _without_times(text)
+
+
+def _without_times(text: str) -> str:
     return _TIMED.sub(lambda found: _MEASURED.sub("{number}", found[0]), text)
 
 
@@ -80,7 +86,7 @@ def stripped(value: Any, places: Places | None, key: str = "") -> Any:
     if isinstance(value, dict):
         if places is not None:
             return {
-                name: _keys_alone(part) if name in _KEYS_ALONE else stripped(part, places, f"{key} {name}")
+                name: _keys_alone(part) if _varies(name, part) else stripped(part, places, f"{key} {name}")
                 for name, part in value.items()
             }
         kept = {
@@ -96,6 +102,10 @@ def stripped(value: Any, places: Places | None, key: str = "") -> Any:
     if places is not None:
         return normal(value, places)
     return "" if " " in value or "/" in value else value
+
+
+def _varies(name: str, part: Any) -> bool:
+    return name in _KEYS_ALONE or (name == "provenance" and "drivegate" in (part or ()))
 
 
 def _keys_alone(value: Any) -> Any:
@@ -135,7 +145,7 @@ def parts_of(path: Path, places: Places | None) -> dict[str, str]:
     if path.suffix == ".json":
         return {"": as_text(answered(text, places))}
     if places is None:
-        return {"": text}
+        return {"": _without_times(text)}
     text = normal(text, places)
     if path.suffix != ".html":
         return {"": text}

@@ -30,6 +30,11 @@ HASH = "6ea88350f05a5789"
         ),
         ("0.131 µs a step (native), 0.131 % of the control period", "{time of a step} of the control period"),
         ("| TIM-1 | pass | +0.97 | met | ", "| TIM-1 | pass | {number} | met | "),
+        (
+            '<th scope="col">time of a step (µs)</th><td>0.23</td></table>0.5',
+            '<th scope="col">time of a step (µs)</th><td>{number}</td></table>0.5',
+        ),
+        ("candidate,step_us,bytes\nfoc,0.23,1048\n", "candidate,step_us,bytes\nfoc,{number},1048\n"),
         ("| DTM-1 | pass | +0.97 | met | ", None),
         ("torque 0.1234567890123456 N·m after 2 s, 1234567890123456 steps", None),
         ("stalled for 12 s, and 1.5 min of 3 min", None),
@@ -42,15 +47,17 @@ def test_only_what_has_to_vary_is_replaced(text, shown):
 def test_texts_and_the_order_of_keys_count_with_the_wording():
     document = {
         "verdict": "fails at 5 rpm",
-        "drive": {"name": "mine", "hash": HASH},
+        "drive": {"name": "mine", "hash": HASH, "provenance": {"phases": "sheet 3"}},
         "candidate": {"hash": HASH},
+        "provenance": {"drivegate": "0.1.0"},
         "timing": {"seconds": 1.5, "checks": []},
     }
     assert json.dumps(stripped(document, PLACES)) == json.dumps(
         {
             "verdict": "fails at 5 rpm",
-            "drive": {"name": "mine", "hash": HASH},
+            "drive": {"name": "mine", "hash": HASH, "provenance": {"phases": "sheet 3"}},
             "candidate": {"hash": "{hash}"},
+            "provenance": {"drivegate": None},
             "timing": {"seconds": None, "checks": []},
         }
     )
