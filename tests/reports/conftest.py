@@ -34,10 +34,10 @@ from drivegate.results.result import finite
 from drivegate.studies.campaign.folder import MANIFEST
 from drivegate.studies.campaign.row import JUDGED_CHECKS
 from drivegate.studies.campaign.summary import SUMMARY
-from drivegate.studies.compare.compare import COMPARISON_FILE, write_comparison, write_tables
+from drivegate.studies.compare.compare import COMPARISON_FILE, drive_labels, write_comparison, write_tables
 from drivegate.studies.compare.compared_drive import ComparedDrive
 from drivegate.studies.compare.document import comparison_document
-from drivegate.studies.compare.drive_comparison import drive_comparison_document, drive_labels
+from drivegate.studies.compare.drive_comparison import drive_comparison_document
 from drivegate.studies.compare.engine import Compared, labelled
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument

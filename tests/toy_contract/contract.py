@@ -16,18 +16,17 @@ from drivegate.checks.check import Check, Record, Unseen
 from drivegate.checks.margin import Margin, at_most
 from drivegate.contracts.catalogue import CONTRACTS
 from drivegate.contracts.comparison import (
+    DRIVE_POINT,
+    HELD,
     POINTS,
     RANKING,
     Comparison,
-    DrivePoint,
     Figure,
     PlannedRun,
     Ranking,
     RunTable,
     Section,
-    Summary,
-    held_column,
-    mean,
+    mean_of,
     name_of,
 )
 from drivegate.contracts.contract import Contract, RecordedTrace, Witness
@@ -101,7 +100,8 @@ def figures(planned: PlannedRun, finished: Record) -> dict[str, Any]:
 def drive_points(_request: Any, _plan: Any, measured: Mapping[int, dict[str, Any]]) -> Any:
     for row in measured.values():
         speed = row["speed_rpm"]
-        yield DrivePoint(1.0, 50.0, speed, 1.0, row["held"], speed, 1.0, 100.0, 5.0, 2.0)
+        values = (1.0, 50.0, speed, 1.0, row["held"], speed, 1.0, 100.0, 5.0, 2.0)
+        yield dict(zip(DRIVE_POINT, values, strict=True))
 
 
 ERROR = Figure("error_rpm", "speed error", "rpm", 3)
@@ -117,7 +117,7 @@ COMPARISON = Comparison(
             name=POINTS,
             groups=("points",),
             rows=lambda planned, measured, best: [measured],
-            columns=(name_of("candidate"), Figure("speed_rpm", "speed", "rpm", 0), held_column(), ERROR),
+            columns=(name_of("candidate"), Figure("speed_rpm", "speed", "rpm", 0), HELD, ERROR),
         ),
     ),
     curves={},
@@ -126,16 +126,15 @@ COMPARISON = Comparison(
         decides="error_rpm",
         place=("speed_rpm", "load_nm"),
         count="points",
-        summaries=(Summary("error_mean_rpm", mean("error_rpm")),),
+        summaries={POINTS: {"error_mean_rpm": ("error_rpm", mean_of)}},
         columns=(Figure("error_mean_rpm", "mean error", "rpm", 3),),
-        printed=("error_mean_rpm",),
         caption=lambda first: f"Errors next to those of {first}.",
         standing=lambda row: [],
     ),
     facts=lambda request, plan: {"drive": request.drive.identity(), "size": {}},
     supply_voltage_v=lambda drive: drive.inverter.supply_voltage_v,
     drive_points=drive_points,
-    sections=(RANKING, Section(name="points", title="Points", link="Points", table=POINTS)),
+    sections=(RANKING, Section(name="points", title="Points", table=POINTS)),
     method=lambda document: (),
     shown_facts=lambda document: (),
 )

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias
 
 if TYPE_CHECKING:
+    from pandas import DataFrame, Series
+
     from drivegate.checks.check import Record
     from drivegate.containment.messages import Job
-    from drivegate.contracts.drawings import Drawing
+    from drivegate.contracts.drawings import Drawing, Values
     from drivegate_cases.drive.drive_document import DriveDocument
     from drivegate_cases.scenario.drive_cycle import DriveCycle
     from drivegate_cases.scenario.reference import Reference
@@ -20,6 +22,8 @@ Row: TypeAlias = dict[str, Any]
 """A row of a table, or what was measured in one run: plain data."""
 Document: TypeAlias = Mapping[str, Any]
 """The document of a comparison."""
+Aggregate: TypeAlias = "str | Callable[[Series[Any]], float]"
+"""What makes one number of many: a function, or its name in pandas."""
 Tone: TypeAlias = Literal["", "pass", "caution", "fail"]
 """How a cell is marked."""
 
@@ -76,6 +80,8 @@ class Figure:
     """Digits after the point; None for four significant digits."""
     signed: bool = False
     """Whether a plus sign is written."""
+    above: str = ""
+    """Key of the difference from the mean of another candidate; ``{}`` stands for ``first`` or ``best``."""
 
     @property
     def heading(self) -> str:
@@ -106,11 +112,10 @@ def name_of(key: str) -> Words:
     return Words(key, lambda row: str(row[key]), longest=80)
 
 
-def held_column() -> Words:
-    """Return the column that says whether a point is held."""
-    return Words(
-        "held", lambda row: "yes" if row["held"] else "no", lambda row: "" if row["held"] else "fail"
-    )
+HELD: Final = Words(
+    "held", lambda row: "yes" if row["held"] else "no", lambda row: "" if row["held"] else "fail"
+)
+"""The column that says whether a point is held."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -131,28 +136,6 @@ class RunTable:
     """Return the rows that the page shows."""
 
 
-@dataclass(frozen=True)
-class Summary:
-    """A figure of a candidate over many rows."""
-
-    name: str
-    """Its key in the ranking."""
-    value: Callable[[Sequence[Row]], float | None]
-    """Return it; None where it is not known."""
-    table: str = POINTS
-    """The table of the rows; of operating points, those that are held."""
-
-
-@dataclass(frozen=True)
-class Excess:
-    """A figure of an operating point, whose mean is compared with that of the best candidate."""
-
-    figure: Figure
-    """The figure; less is better."""
-    above: str
-    """Key of what a mean is above that of the best."""
-
-
 @dataclass(frozen=True, kw_only=True)
 class Ranking:
     """Who is first: fewest required checks failed, most operating points held, then the least mean of a figure."""
@@ -170,30 +153,22 @@ class Ranking:
     same_share: float = 0.0
     same_amount: float = 0.0
     """How far means may be apart that share a place, over the mean (1) and absolute."""
-    summaries: tuple[Summary, ...]
-    """What is known of each candidate."""
-    against_first: tuple[Excess, ...] = ()
-    """What is compared with the first candidate, over the points that both hold."""
+    summaries: Mapping[str, Mapping[str, tuple[Values, Aggregate]]]
+    """For each table, the figures of a candidate over all its rows: key, values and what makes one number of them;
+    of operating points, those that are held."""
+    costs: tuple[Figure, ...] = ()
+    """Figures of operating points, less being better, that are compared with those of the first candidate over the
+    points that both hold, and with the least in each region; the first decides."""
     columns: tuple[Figure, ...]
     """What the page shows."""
-    printed: tuple[str, ...]
-    """Which of these the console shows."""
+    printed: tuple[str, ...] = ()
+    """Which of these the console shows; empty for all."""
     caption: Callable[[str], str]
     """From the name of the first candidate, return what the page says about the ranking."""
     standing: Callable[[Row], Iterable[str]]
     """Return what is said of a candidate by itself, in clauses."""
     remark: str = ""
     """A remark for the console."""
-
-
-@dataclass(frozen=True)
-class Regions:
-    """Bands of speed and of load, in each of which somebody wins."""
-
-    ends_rpm: Callable[[DriveDocument], Sequence[float]]
-    """Return the ends of the bands of speed (rpm)."""
-    excesses: tuple[Excess, ...]
-    """What is compared; the first decides."""
 
 
 @dataclass(frozen=True)
@@ -204,35 +179,21 @@ class Population:
     """Which runs these are; empty for each scenario by itself."""
     table: str
     """Their table."""
-    contains: Callable[[Row], bool]
-    """Return True for a row that belongs to them."""
+    contains: Callable[[DataFrame], Series[bool]]
+    """From the table, return which rows belong to them."""
     counts: str
     """Key of whether a run counts."""
     figures: tuple[Figure, ...]
     """What is compared."""
 
 
-@dataclass(frozen=True)
-class DrivePoint:
-    """One operating point of a candidate on a drive, by which drives are compared."""
-
-    speed_share: float
-    """Share of the drive's range by which drives are compared (1)."""
-    load_percent: float
-    """Load over that of rated power, constant torque below base speed (%)."""
-    speed_rpm: float
-    torque_nm: float
-    """Speed and load (rpm, N·m)."""
-    held: bool
-    """Whether the candidate holds it."""
-    speed_mean_rpm: float
-    torque_mean_nm: float
-    """Means of the steady stretch (rpm, N·m)."""
-    input_power_w: float
-    current_sum_a: float
-    """Means of input power and Σ|i| (W, A)."""
-    ripple_percent: float
-    """Torque ripple, peak to peak over mean (%)."""
+DRIVE_POINT: Final = (
+    *("speed_share", "load_percent", "speed_rpm", "torque_nm", "held"),
+    *("speed_mean_rpm", "torque_mean_nm", "input_power_w", "current_sum_a", "ripple_percent"),
+)
+"""Keys of an operating point by which drives are compared: its share of the drive's range of speeds and its load, of
+rated power at constant torque below base speed; speed and load themselves; whether it is held, and means of the steady
+stretch. Ripple is peak to peak over mean torque."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -241,8 +202,8 @@ class Section:
 
     name: str
     title: str
-    link: str
-    """Its anchor, its heading, and what links to it."""
+    link: str = ""
+    """Its anchor, its heading, and what links to it, where that is not the heading."""
     table: str
     """The table that it shows."""
     drawings: tuple[Drawing, ...] = ()
@@ -278,15 +239,17 @@ class Comparison:
     curves: Mapping[str, tuple[str, str]]
     """For each key of the document with curves, their group of runs and their key among the figures."""
     ranking: Ranking
-    regions: Regions | None = None
+    region_ends_rpm: Callable[[DriveDocument], Sequence[float]] | None = None
+    """Return the ends of the bands of speed, in each of which somebody wins (rpm); None for no regions."""
     populations: tuple[Population, ...] = ()
-    """How candidates are compared."""
+    """How candidates are ranked, and compared with uncertainty."""
     facts: Callable[[ComparisonRequest, Sequence[PlannedRun]], Row]
     """Return what the document says about the comparison, among it `drive` and `size`."""
     supply_voltage_v: Callable[[DriveDocument], float]
     """Return a drive's nominal supply, as its kind states it (V)."""
-    drive_points: Callable[[ComparisonRequest, Sequence[PlannedRun], Mapping[int, Row]], Iterator[DrivePoint]]
-    """From the figures of a candidate, by the index of the run, return its points for a comparison of drives."""
+    drive_points: Callable[[ComparisonRequest, Sequence[PlannedRun], Mapping[int, Row]], Iterable[Row]]
+    """From the figures of a candidate, by the index of the run, return its points for a comparison of drives, with
+    the keys of `DRIVE_POINT`."""
     sections: tuple[Section, ...]
     """Sections of the page."""
     method: Callable[[Document], Sequence[str]]
@@ -295,23 +258,13 @@ class Comparison:
     """Return names and values about the comparison."""
 
 
-def mean_of(values: Iterable[float]) -> float | None:
-    """Return the mean of values; None where there are none."""
-    known = list(values)
-    return math.fsum(known) / len(known) if known else None
+def mean_of(values: Series[Any]) -> float:
+    """Return the mean of the known values, whose order does not matter; NaN where none is known."""
+    known = values.dropna()
+    return math.fsum(known) / len(known) if len(known) else math.nan
 
 
-def mean(key: str) -> Callable[[Sequence[Row]], float | None]:
-    """Return the function of the mean of what is known of a figure."""
-    return lambda rows: mean_of(row[key] for row in rows if row[key] is not None)
-
-
-def worst(key: str) -> Callable[[Sequence[Row]], float | None]:
-    """Return the function of the greatest value of a figure."""
-    return lambda rows: max((row[key] for row in rows if row[key] is not None), default=None)
-
-
-RANKING: Final = Section(name="ranking", title="Ranking", link="Ranking", table="ranking")
+RANKING: Final = Section(name="ranking", title="Ranking", table="ranking")
 CHECKS: Final = Section(name="checks", title="Margins of the checks", link="Checks", table="checks")
 TIMING: Final = Section(
     name="timing", title="Computing time and state", link="Computing time", table="timing"

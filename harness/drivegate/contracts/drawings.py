@@ -4,7 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any, Final, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeAlias
+
+if TYPE_CHECKING:
+    from pandas import DataFrame, Series
+
+Values: TypeAlias = "str | Callable[[DataFrame], Series[float]]"
+"""A column of a table, or what is computed from its columns."""
+
+
+def column_of(table: DataFrame, values: Values) -> Series[float]:
+    """Return the values for each row of a table; NaN where one is not known."""
+    found: Series[float] = table[values] if isinstance(values, str) else values(table)
+    return found.astype(float)
 
 
 class Line(NamedTuple):
@@ -101,8 +113,8 @@ class MarkPanel:
 
     label: str
     """Its axis."""
-    value: Callable[[Mapping[str, Any]], float | None]
-    """From a row, return what is drawn."""
+    values: Values
+    """What is drawn."""
     limit: Callable[[Mapping[str, Any]], float] | None = None
     """From the document, return a limit to be drawn."""
 

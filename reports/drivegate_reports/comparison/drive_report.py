@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, Final
 
-from drivegate.contracts.comparison import POINTS, Column, Figure, Words, held_column, name_of
+from drivegate.contracts.comparison import HELD, POINTS, Column, Figure, Words, name_of
 from drivegate.studies.compare.drive_comparison import KIND, SCHEMA
 from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_reports.comparison.cells import name, sheet_of, written
@@ -79,7 +79,7 @@ _POINTS: Final[tuple[Column, ...]] = (
     Figure("load_percent", "of rated power", "%", 0),
     Figure("torque_nm", "load", "N·m", None),
     Figure("torque_pu", "load", "pu", 3),
-    held_column(),
+    HELD,
     Figure("ripple_percent", "ripple", "%", 1),
     *_CURRENT,
     *_POWER,
@@ -153,7 +153,6 @@ def _sections(document: Mapping[str, Any], drives: list[str]) -> Iterator[PageSe
     yield PageSection(
         name="summary",
         title="Side by side",
-        link="Side by side",
         sheet=sheet_of("summary", summary, SUMMARY, tables["summary"]),
     )
     yield PageSection(

@@ -147,7 +147,7 @@ def _cycle(document: Document, drawing: CycleCurves, inks: Inks) -> Iterator[Pag
 
 
 def _marks(document: Document, drawing: RowMarks, inks: Inks) -> Iterator[PageFigure]:
-    if marked_rows(document, drawing):
+    if len(marked_rows(document, drawing)):
         yield placed_figure(
             drawing.name,
             drawing.title,

@@ -7,9 +7,10 @@ from itertools import groupby
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
+import pandas as pd
 
 from drivegate.contracts.comparison import POINTS
-from drivegate.contracts.drawings import RowMarks
+from drivegate.contracts.drawings import RowMarks, column_of
 from drivegate_reports.comparison.cells import written
 from drivegate_reports.comparison.inks import Ink
 from drivegate_reports.page.style import GREY, VERMILION, new_figure
@@ -17,8 +18,6 @@ from drivegate_reports.page.style import GREY, VERMILION, new_figure
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-Row = Mapping[str, Any]
 
 _DASHED: Final = (0, (4, 3))
 _APART: Final = 0.7
@@ -29,29 +28,26 @@ _MOST_LEVEL: Final = 6
 """Speeds that have room above the panels without being turned."""
 
 
-def marked_rows(document: Row, drawing: RowMarks) -> list[Row]:
-    """Return the rows that are drawn: of operating points, those that are held."""
-    return [row for row in document["tables"][drawing.table] if drawing.table != POINTS or row["held"]]
+def marked_rows(document: Mapping[str, Any], drawing: RowMarks) -> pd.DataFrame:
+    """Return the rows that are drawn, of operating points those that are held, by candidate, speed and load."""
+    rows = [row for row in document["tables"][drawing.table] if drawing.table != POINTS or row["held"]]
+    table = pd.DataFrame(rows)
+    return table.set_index(["candidate", "speed_rpm", drawing.load], drop=False) if rows else table
 
 
-def _places(rows: Sequence[Row], key: str) -> list[tuple[float, float]]:
-    return sorted({(row["speed_rpm"], row[key]) for row in rows})
-
-
-def draw_marks(document: Row, drawing: RowMarks, inks: Mapping[str, Ink]) -> Figure:
+def draw_marks(document: Mapping[str, Any], drawing: RowMarks, inks: Mapping[str, Ink]) -> Figure:
     """Draw a mark for each candidate at each place, in a panel for each quantity."""
-    rows, key, panels = marked_rows(document, drawing), drawing.load, drawing.panels
-    places = _places(document["tables"][drawing.table], key)
+    rows, panels = marked_rows(document, drawing), drawing.panels
+    places = sorted({(row["speed_rpm"], row[drawing.load]) for row in document["tables"][drawing.table]})
     figure, axes = new_figure(1.1 + 1.25 * len(panels), len(panels))
-    known = {(row["candidate"], row["speed_rpm"], row[key]): row for row in rows}
     shifts = np.linspace(-0.5, 0.5, len(inks) + 2)[1:-1] * _APART
     for axis, panel in zip(axes, panels, strict=True):
+        known = column_of(rows, panel.values).dropna().to_dict()
         for (candidate, ink), shift in zip(inks.items(), shifts, strict=True):
             marks = [
-                (x + shift, value)
+                (x + shift, known[candidate, *place])
                 for x, place in enumerate(places)
-                if (row := known.get((candidate, *place))) is not None
-                and (value := panel.value(row)) is not None
+                if (candidate, *place) in known
             ]
             if marks:
                 axis.plot(
@@ -110,15 +106,15 @@ def _name_speeds(axis: Axes, places: Sequence[tuple[float, float]]) -> None:
         )
 
 
-def marks_in_words(document: Row, drawing: RowMarks, inks: Mapping[str, Ink]) -> str:
+def marks_in_words(document: Mapping[str, Any], drawing: RowMarks, inks: Mapping[str, Ink]) -> str:
     """Describe a figure in words, for who cannot see it."""
     rows, described = marked_rows(document, drawing), []
     for candidate, ink in inks.items():
-        own, ranges = [row for row in rows if row["candidate"] == candidate], []
+        own, ranges = rows[rows["candidate"] == candidate], []
         for panel in drawing.panels:
-            values = [value for row in own if (value := panel.value(row)) is not None]
-            if values:
+            values = column_of(own, panel.values).dropna()
+            if len(values):
                 name = panel.label.replace("\n", " ")
-                ranges.append(f"{name} from {written(min(values), 2)} to {written(max(values), 2)}")
+                ranges.append(f"{name} from {written(values.min(), 2)} to {written(values.max(), 2)}")
         described.append(f"{ink.label}: {'; '.join(ranges) or 'nothing'}.")
     return " ".join(described)

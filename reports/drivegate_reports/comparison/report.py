@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from drivegate.contracts.catalogue import comparison_of
-from drivegate.contracts.comparison import Comparison, Excess
+from drivegate.contracts.comparison import Comparison, Figure
 from drivegate.studies.compare.document import SCHEMA
 from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.documents.wording import counted
@@ -59,8 +59,8 @@ class PageSection:
 
     name: str
     title: str
-    link: str
-    """Its anchor, its heading, and what links to it."""
+    link: str = ""
+    """Its anchor, its heading, and what links to it, where that is not the heading."""
     words: tuple[str, ...] = ()
     figures: tuple[PageFigure, ...] = ()
     sheet: Sheet | None = None
@@ -165,7 +165,7 @@ def _sentences(document: Mapping[str, Any], comparison: Comparison) -> Iterator[
     """Describe the first candidate by itself, and every other one by the first, as far as the ranking does."""
     ranked = [row for row in document["tables"]["ranking"] if row["rank"] is not None]
     for place, row in enumerate(ranked):
-        against = place > 0 and comparison.ranking.against_first
+        against = place > 0 and comparison.ranking.costs
         words = _against(document, comparison, ranked[0], row) if against else _standing(comparison, row)
         yield name(row["candidate"]), words
 
@@ -188,24 +188,24 @@ def _standing(comparison: Comparison, row: Mapping[str, Any]) -> str:
 def _against(
     document: Mapping[str, Any], comparison: Comparison, first: Mapping[str, Any], row: Mapping[str, Any]
 ) -> str:
-    excesses, count = comparison.ranking.against_first, comparison.ranking.count
-    if row[excesses[0].above] is None:
+    costs, count = comparison.ranking.costs, comparison.ranking.count
+    if row[costs[0].above.format("first")] is None:
         words = f"holds no operating point that {name(first['candidate'])} holds"
     else:
-        more = " and ".join(_more(row, excess) for excess in excesses)
+        more = " and ".join(_more(row, figure) for figure in costs)
         words = f"takes {more} over the {row['points_shared']} points that both hold"
     lost = row[count] - row["points_held"]
     if lost:
         words += f", but loses {lost} of {row[count]} points"
     if row["required_failed"]:
         words += f", and fails {counted(row['required_failed'], 'required check')}"
-    certainty = _certainty(document, excesses[0], first["candidate"], row["candidate"])
+    certainty = _certainty(document, costs[0], first["candidate"], row["candidate"])
     return words + (f"; {certainty}." if certainty else ".")
 
 
-def _more(row: Mapping[str, Any], excess: Excess) -> str:
+def _more(row: Mapping[str, Any], figure: Figure) -> str:
     """Write how much more a candidate takes than the first, with its share."""
-    figure, change = excess.figure, row[excess.above]
+    change = row[figure.above.format("first")]
     digits, level = figure.digits or 0, row[figure.name] - change
     share = f" ({written(100.0 * change / level, 1, signed=True)} %)" if level else ""
     if round(abs(change), digits) == 0.0:
@@ -214,17 +214,17 @@ def _more(row: Mapping[str, Any], excess: Excess) -> str:
     return f"{written(abs(change), digits)} {figure.unit} {more} {figure.label}{share}"
 
 
-def _certainty(document: Mapping[str, Any], excess: Excess, first: str, second: str) -> str:
-    unit = excess.figure.unit
+def _certainty(document: Mapping[str, Any], figure: Figure, first: str, second: str) -> str:
+    unit = figure.unit
     for row in document["tables"].get("differences", ()):
-        known = row["where"].startswith("drawn") and row["quantity"] == excess.figure.name
+        known = row["where"].startswith("drawn") and row["quantity"] == figure.name
         if known and (row["first"], row["second"]) == (first, second) and row["low"] is not None:
             interval = (
                 f"{written(-row['high'], 1, signed=True)} to {written(-row['low'], 1, signed=True)} {unit}"
             )
             where = f"over {row['pairs']} drawn plants with noise that both hold"
             if row["verdict"] == "no real difference":
-                return f"{where} there is no real difference in {excess.figure.label} ({interval})"
+                return f"{where} there is no real difference in {figure.label} ({interval})"
             return f"{where} the difference is real ({interval})"
     return ""
 

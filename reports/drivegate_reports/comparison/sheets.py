@@ -7,7 +7,7 @@ from types import MappingProxyType
 from typing import Any, Final, TypeAlias
 
 from drivegate.contracts.catalogue import comparison_of
-from drivegate.contracts.comparison import Column, Comparison, Excess, Figure, Words, name_of
+from drivegate.contracts.comparison import Column, Comparison, Figure, Words, name_of
 from drivegate_reports.comparison.cells import Cell, Sheet, name, sheet_of, written
 from drivegate_reports.page.page import clean
 
@@ -63,8 +63,7 @@ def _ranking(document: Row, comparison: Comparison) -> Sheet:
 
 
 def _regions(document: Row, comparison: Comparison) -> Sheet:
-    assert comparison.regions is not None, "a page with regions is of a comparison that has them"
-    excesses = comparison.regions.excesses
+    costs = comparison.ranking.costs
     regions = document["tables"]["regions"]
     labels = list(dict.fromkeys(row["candidate"] for row in regions))
     by_region: dict[str, dict[str, Row]] = {}
@@ -73,28 +72,29 @@ def _regions(document: Row, comparison: Comparison) -> Sheet:
     rows = [
         (
             Cell(region),
-            Cell(_winner(of, excesses[0])),
-            *(_region_cell(of[label], excesses) for label in labels if label in of),
+            Cell(_winner(of, costs[0])),
+            *(_region_cell(of[label], costs) for label in labels if label in of),
         )
         for region, of in by_region.items()
     ]
-    quantities = " and ".join(f"{made.figure.label} ({made.figure.unit})" for made in excesses)
+    quantities = " and ".join(f"{made.label} ({made.unit})" for made in costs)
     caption = (
         f"Each cell: {quantities} above the least of the region, mean over its operating points. Only who holds all "
         "points of a region can win it; less than 0.1 % apart is no real difference."
     )
-    heads = ("where", f"least {excesses[0].figure.label}", *map(name, labels))
+    heads = ("where", f"least {costs[0].label}", *map(name, labels))
     return Sheet("regions", caption, heads, tuple(rows))
 
 
-def _winner(of: Mapping[str, Row], excess: Excess) -> str:
-    key, unit, digits = excess.figure.name, excess.figure.unit, excess.figure.digits or 0
+def _winner(of: Mapping[str, Row], figure: Figure) -> str:
+    key, unit, digits = figure.name, figure.unit, figure.digits or 0
+    above = figure.above.format("best")
     known = {label: row for label, row in of.items() if row[key] is not None}
     if not known:
         return "nobody holds all points"
     same = _SAME * min(row[key] for row in known.values())
-    best = [name(label) for label, row in known.items() if row[excess.above] <= same]
-    others = [row[excess.above] for row in known.values() if row[excess.above] > same]
+    best = [name(label) for label, row in known.items() if row[above] <= same]
+    others = [row[above] for row in known.values() if row[above] > same]
     if len(best) == 1:
         return (
             f"{best[0]}, by {written(min(others), digits)} {unit}"
@@ -111,16 +111,17 @@ def joined(names: Sequence[str]) -> str:
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
 
 
-def _region_cell(row: Row, excesses: Sequence[Excess]) -> Cell:
-    if row[excesses[0].figure.name] is None:
+def _region_cell(row: Row, costs: Sequence[Figure]) -> Cell:
+    if row[costs[0].name] is None:
         lost = row["points"] - row["points_held"]
         return Cell(f"loses {lost} of {row['points']}", "fail", sort="1e9")
-    above = row[excesses[0].above]
+    above = row[costs[0].above.format("best")]
     # Numbers stay on one line with their units.
     text = ", ".join(
-        f"{written(row[made.above], 1, signed=True)}\N{NO-BREAK SPACE}{made.figure.unit}" for made in excesses
+        f"{written(row[made.above.format('best')], 1, signed=True)}\N{NO-BREAK SPACE}{made.unit}"
+        for made in costs
     )
-    best = above <= _SAME * row[excesses[0].figure.name]
+    best = above <= _SAME * row[costs[0].name]
     return Cell(text, "pass" if best else "", sort=f"{above:.6f}")
 
 

@@ -10,20 +10,18 @@ import pytest
 
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.contracts.comparison import (
+    DRIVE_POINT,
+    HELD,
     POINTS,
     RANKING,
     Comparison,
     ComparisonRequest,
-    DrivePoint,
-    Excess,
     Figure,
     PlannedRun,
     Ranking,
     RunTable,
     Section,
-    Summary,
-    held_column,
-    mean,
+    mean_of,
     name_of,
 )
 from drivegate.contracts.drawings import MarkPanel, RowMarks
@@ -41,11 +39,12 @@ from drivegate_cases.scenario.drive_cycle import load_drive_cycle
 from drivegate_reports.comparison import drive_report
 from drivegate_reports.comparison.report import page
 
-NOISE = Figure("noise_db", "noise", "dB", 1)
+NOISE = Figure("noise_db", "noise", "dB", 1, above="noise_above_{}_db")
 
 
-def point_of(row: dict[str, Any], speed_rpm: float) -> DrivePoint:
-    return DrivePoint(1.0, 50.0, speed_rpm, 1.0, row["held"], speed_rpm, 1.0, 100.0, 5.0, 2.0)
+def point_of(row: dict[str, Any], speed_rpm: float) -> dict[str, Any]:
+    values = (1.0, 50.0, speed_rpm, 1.0, row["held"], speed_rpm, 1.0, 100.0, 5.0, 2.0)
+    return dict(zip(DRIVE_POINT, values, strict=True))
 
 
 TOY = Comparison(
@@ -57,7 +56,7 @@ TOY = Comparison(
             name=POINTS,
             groups=("points",),
             rows=lambda planned, figures, best: [{"speed_rpm": planned.speed_rpm, "load_nm": 1.0} | figures],
-            columns=(name_of("candidate"), Figure("speed_rpm", "speed", "rpm", 0), held_column(), NOISE),
+            columns=(name_of("candidate"), Figure("speed_rpm", "speed", "rpm", 0), HELD, NOISE),
         ),
     ),
     curves={},
@@ -66,10 +65,9 @@ TOY = Comparison(
         decides="noise_db",
         place=("speed_rpm", "load_nm"),
         count="points",
-        summaries=(Summary("noise_mean_db", mean("noise_db")),),
-        against_first=(Excess(NOISE, "noise_above_first_db"),),
+        summaries={POINTS: {"noise_mean_db": ("noise_db", mean_of)}},
+        costs=(NOISE,),
         columns=(Figure("noise_mean_db", "mean noise", "dB", 1),),
-        printed=("noise_mean_db",),
         caption=lambda first: f"Noise next to that of {first}.",
         standing=lambda row: [f"makes {row['noise_mean_db']:.0f} dB"],
     ),
@@ -83,7 +81,6 @@ TOY = Comparison(
         Section(
             name="noise",
             title="Noise",
-            link="Noise",
             table=POINTS,
             drawings=(
                 RowMarks(
@@ -93,7 +90,7 @@ TOY = Comparison(
                     table=POINTS,
                     load="load_nm",
                     load_label="load (N·m)",
-                    panels=(MarkPanel("noise (dB)", lambda row: row["noise_db"]),),
+                    panels=(MarkPanel("noise (dB)", "noise_db"),),
                 ),
             ),
         ),

@@ -29,7 +29,6 @@ from drivegate.output.report_writers import (
 )
 from drivegate.output.result_file import as_json
 from drivegate.studies.compare.compared_drive import DEFAULT_CYCLE, ComparisonOptions
-from drivegate.studies.compare.drive_comparison import drive_labels
 from drivegate_cases.documents.wording import one_line
 from drivegate_models.errors import InputError
 
@@ -40,6 +39,7 @@ if TYPE_CHECKING:
 COMPARISON_FILE: Final = "comparison.json"
 DRIVE_COMPARISON_FILE: Final = "drive-comparison.json"
 TABLES: Final = "tables"
+_SHOWN_OF_HASH: Final = 8
 
 Refused: TypeAlias = tuple[tuple[str, Exception], ...]
 """Specification and error of each candidate that could not be compared."""
@@ -122,6 +122,22 @@ def _compared(
         return made[0].document, made
     timing = {"started_utc": present_day().isoformat(), "seconds": round(time.monotonic() - began, 3)}
     return drive_comparison_document(labels, made, timing=timing), made
+
+
+def drive_labels(drives: Sequence[DriveDocument]) -> tuple[str, ...]:
+    """Label every drive by its name, and by its hash where another has the same name."""
+    names = [drive.name for drive in drives]
+    for place, drive in enumerate(drives):
+        same = next((other for other in drives[:place] if other.values_hash == drive.values_hash), None)
+        if same is not None:
+            raise InputError(
+                f"the drives '{same.name}' and '{drive.name}' have the same values, so there is nothing to compare "
+                "between them; name each drive once"
+            )
+    return tuple(
+        drive.name if names.count(drive.name) == 1 else f"{drive.name} ({drive.values_hash[:_SHOWN_OF_HASH]})"
+        for drive in drives
+    )
 
 
 def _resolved(specification: str) -> Candidate | Exception:

@@ -15,7 +15,6 @@ from drivegate.gate.events import CheckStarted, Event
 from drivegate.output.event_loop import followed
 from drivegate.output.progress import Display
 from drivegate.results.waivers import present_day
-from drivegate.studies.compare.document import comparison_document
 from drivegate.studies.compare.engine import Compared, find_best, named_candidates, run_plan
 from drivegate_cases.documents.wording import one_line
 from drivegate_cases.scenario.reference import Reference
@@ -86,6 +85,9 @@ def compared_on(
     place: str = "",
 ) -> ComparedDrive:
     """Compare candidates on a drive; `place` is added to the titles of its progress."""
+    # It brings pandas, which candidates that are refused do not need.
+    from drivegate.studies.compare.document import comparison_document
+
     started, began = present_day().isoformat(), time.monotonic()
     all_compared = named_candidates(specifications, resolved)
     request = replace(request, reference=_common_reference(all_compared))

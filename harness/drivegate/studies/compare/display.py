@@ -49,7 +49,7 @@ def show_comparison(console: Console, document: dict[str, Any], pages: Sequence[
 
 def _show_ranking(console: Console, document: dict[str, Any]) -> None:
     ranking = comparison_of(document["kind"]).ranking
-    figures = [made for made in ranking.columns if made.name in ranking.printed]
+    figures = [made for made in ranking.columns if not ranking.printed or made.name in ranking.printed]
     heads = ("required failed", "points held", *(made.heading.format(first="first") for made in figures))
     listed = table("place", "candidate", *heads, right=("place", *heads))
     for row in document["tables"]["ranking"]:

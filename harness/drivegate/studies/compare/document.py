@@ -92,12 +92,13 @@ def _tables(
     """Make every table, the ones that decide first."""
     runs = {table.name: _run_rows(table, all_compared, plan, best) for table in comparison.tables}
     ranking = ranking_rows(all_compared, comparison.ranking, runs)
-    ranked = [row["candidate"] for row in ranking if row["status"] == COMPARED]
     tables = {"ranking": ranking}
-    if comparison.regions is not None:
-        ends = comparison.regions.ends_rpm(drive)
-        tables["regions"] = region_rows(all_compared, runs[POINTS], ends, comparison.regions.excesses)
+    if comparison.region_ends_rpm is not None:
+        labels = [compared.label for compared in all_compared if compared.status == COMPARED]
+        ends = comparison.region_ends_rpm(drive)
+        tables["regions"] = region_rows(labels, runs[POINTS], ends, comparison.ranking.costs)
     if comparison.populations:
+        ranked = [row["candidate"] for row in ranking if row["status"] == COMPARED]
         tables["differences"] = difference_rows(ranked, comparison.populations, runs)
     return (
         tables | runs | comparison.best_tables(plan, best, runs[POINTS]) | {"checks": _checks(all_compared)}

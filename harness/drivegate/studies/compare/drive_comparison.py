@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
+
+import pandas as pd
 
 from drivegate.contracts.catalogue import contract_of
-from drivegate.contracts.comparison import DrivePoint, Row, mean_of
+from drivegate.contracts.comparison import DRIVE_POINT, Row, mean_of
 from drivegate.drives.abilities import ability_of
 from drivegate.drives.constant_power import ConstantPower
 from drivegate.scenarios.drive_scale import scale_of
 from drivegate.studies.compare.compared_drive import ComparedDrive
 from drivegate.studies.compare.document import sealed
+from drivegate.studies.compare.ranking import frame_of, held_by_all, rows_of
 from drivegate_cases.drive.drive_document import DriveDocument
-from drivegate_models.errors import InputError
 from drivegate_models.units import RADIANS_PER_RPM
 
 BASES_IN_WORDS: Final = (
@@ -22,7 +23,6 @@ BASES_IN_WORDS: Final = (
     "the current limit, powers and losses over rated power."
 )
 """The bases in words."""
-_SHOWN_OF_HASH: Final = 8
 LOSSES_IN_WORDS: Final = (
     "Losses are input power less the load's. Electrical ones lie between the supply and the torque: windings, bridge, "
     "and the core of connected phases; mechanical ones between the torque and the load: friction, the core of phases "
@@ -43,8 +43,7 @@ KIND: Final = "drive-comparison"
 """Kind of the document."""
 
 
-@dataclass(frozen=True)
-class Bases:
+class Bases(NamedTuple):
     """What one per unit is on a drive."""
 
     speed_rpm: float
@@ -56,10 +55,6 @@ class Bases:
     power_w: float
     """Rated power (W)."""
 
-    def document(self) -> dict[str, float]:
-        """Return the bases as plain data."""
-        return asdict(self)
-
 
 def bases_of(drive: DriveDocument) -> Bases:
     """Return the per-unit bases of a drive."""
@@ -69,22 +64,6 @@ def bases_of(drive: DriveDocument) -> Bases:
         torque_nm=scale_of(drive).rated_torque_nm,
         current_sum_a=drive.machine.phases * rating.current_limit_a,
         power_w=rating.rated_power_w,
-    )
-
-
-def drive_labels(drives: Sequence[DriveDocument]) -> tuple[str, ...]:
-    """Label every drive by its name, and by its hash where another has the same name."""
-    names = [drive.name for drive in drives]
-    for place, drive in enumerate(drives):
-        same = next((other for other in drives[:place] if other.values_hash == drive.values_hash), None)
-        if same is not None:
-            raise InputError(
-                f"the drives '{same.name}' and '{drive.name}' have the same values, so there is nothing to compare "
-                "between them; name each drive once"
-            )
-    return tuple(
-        drive.name if names.count(drive.name) == 1 else f"{drive.name} ({drive.values_hash[:_SHOWN_OF_HASH]})"
-        for drive in drives
     )
 
 
@@ -136,119 +115,90 @@ def power_rows(
     return rows
 
 
-def operating_rows(labels: Sequence[str], made: Sequence[ComparedDrive]) -> list[Row]:
-    """List the points of each candidate on each drive, at the same shares of range and rating."""
-    rows: list[Row] = []
-    for label, one in zip(labels, made, strict=True):
-        bases = bases_of(one.request.drive)
-        points_of = contract_of(one.request.drive).comparison().drive_points
-        for compared in one.all_compared:
-            for point in points_of(one.request, one.plan, compared.figures):
-                where = {"candidate": compared.label, "drive": label, "speed_share": point.speed_share}
-                rows.append(where | _operating_row(point, bases))
-    return rows
+def operating_points(labels: Sequence[str], made: Sequence[ComparedDrive]) -> pd.DataFrame:
+    """Return the points of each candidate on each drive, at the same shares of range and rating.
 
-
-def _operating_row(point: DrivePoint, bases: Bases) -> Row:
-    row: Row = {
-        "load_percent": point.load_percent,
-        "speed_rpm": point.speed_rpm,
-        "speed_pu": point.speed_rpm / bases.speed_rpm,
-        "torque_nm": point.torque_nm,
-        "torque_pu": point.torque_nm / bases.torque_nm,
-        "held": point.held,
-        "ripple_percent": point.ripple_percent,
-        "current_sum_a": point.current_sum_a,
-        "current_sum_pu": point.current_sum_a / bases.current_sum_a,
-        "input_power_w": point.input_power_w,
-        "input_power_pu": point.input_power_w / bases.power_w,
-    }
-    return row | _losses(point, bases)
-
-
-def _losses(point: DrivePoint, bases: Bases) -> Row:
-    """Split the losses of a steady run; a speed that is not held takes or gives kinetic energy besides."""
-    watts: Row = dict.fromkeys(("shaft_power", "losses", "electrical_losses", "mechanical_losses"))
-    efficiency = None
-    if point.held:
-        speed, power = point.speed_mean_rpm * RADIANS_PER_RPM, point.input_power_w
-        shaft, at_gap = point.torque_nm * speed, point.torque_mean_nm * speed
-        watts = {
-            "shaft_power": shaft,
-            "losses": power - shaft,
-            "electrical_losses": power - at_gap,
-            "mechanical_losses": at_gap - shaft,
+    Losses are those of a speed that is held; any other takes or gives kinetic energy besides.
+    """
+    rows = [
+        {"candidate": compared.label, "drive": label, **point}
+        for label, one in zip(labels, made, strict=True)
+        for compared in one.all_compared
+        for point in contract_of(one.request.drive)
+        .comparison()
+        .drive_points(one.request, one.plan, compared.figures)
+    ]
+    points = frame_of(rows, "candidate", "drive", *DRIVE_POINT)
+    points["held"] = points["held"].astype(bool)
+    bases = pd.DataFrame([bases_of(one.request.drive)._asdict() for one in made], list(labels))
+    bases = bases.loc[points["drive"]]
+    bases.index = points.index
+    speed, power = points["speed_mean_rpm"] * RADIANS_PER_RPM, points["input_power_w"]
+    shaft, at_gap = points["torque_nm"] * speed, points["torque_mean_nm"] * speed
+    watts = pd.DataFrame(
+        {
+            "shaft_power_w": shaft,
+            "losses_w": power - shaft,
+            "electrical_losses_w": power - at_gap,
+            "mechanical_losses_w": at_gap - shaft,
         }
-        efficiency = 100.0 * shaft / power if power > 0.0 else None
-    return {
-        "efficiency_percent": efficiency,
-        **{f"{key}_w": value for key, value in watts.items()},
-        **{f"{key}_pu": None if value is None else value / bases.power_w for key, value in watts.items()},
-    }
+    ).where(points["held"])
+    points["speed_pu"] = points["speed_rpm"] / bases["speed_rpm"]
+    points["torque_pu"] = points["torque_nm"] / bases["torque_nm"]
+    points["current_sum_pu"] = points["current_sum_a"] / bases["current_sum_a"]
+    points["input_power_pu"] = power / bases["power_w"]
+    points["efficiency_percent"] = (100.0 * shaft / power).where(points["held"] & (power > 0.0))
+    per_unit = watts.div(bases["power_w"], axis=0).rename(columns=lambda key: f"{key.removesuffix('_w')}_pu")
+    return pd.concat((points, watts, per_unit), axis=1)[[*_OPERATING_POINT, *watts, *per_unit]]
 
 
-def summary_rows(labels: Sequence[str], made: Sequence[ComparedDrive], points: Sequence[Row]) -> list[Row]:
+_OPERATING_POINT: Final = (
+    *("candidate", "drive", "speed_share", "load_percent", "speed_rpm", "speed_pu", "torque_nm", "torque_pu"),
+    *("held", "ripple_percent", "current_sum_a", "current_sum_pu", "input_power_w", "input_power_pu"),
+    "efficiency_percent",
+)
+"""Columns of the operating points, before their losses."""
+
+
+def summary_rows(labels: Sequence[str], made: Sequence[ComparedDrive], points: pd.DataFrame) -> list[Row]:
     """Put the drives side by side for each candidate, over the points that it holds on all of them."""
     rows: list[Row] = []
     for place, compared in enumerate(made[0].all_compared):
-        own = [row for row in points if row["candidate"] == compared.label]
-        shared = _held_on_all(own, labels)
+        own = points[points["candidate"] == compared.label]
+        shared = held_by_all(own, "drive", labels, ("speed_share", "load_percent"))
         for label, one in zip(labels, made, strict=True):
-            here = [row for row in own if row["drive"] == label]
-            rows.append(_summary_row(label, one, place, here, shared))
-    return rows
+            here, over = (frame[frame["drive"] == label] for frame in (own, shared))
+            status = one.all_compared[place]
+            failed = status.failed_checks
+            rows.append(
+                {
+                    "candidate": compared.label,
+                    "drive": label,
+                    "status": status.status,
+                    "required_failed": None if failed is None else len(failed),
+                    "points_held": int(here["held"].sum()),
+                    "points": len(here),
+                    "points_shared": len(over),
+                    **_means(here, over),
+                }
+            )
+    return rows_of(pd.DataFrame(rows, dtype=object))
 
 
-_Place = tuple[float, float]
-
-
-def _place(row: Row) -> _Place:
-    return row["speed_share"], row["load_percent"]
-
-
-def _held_on_all(rows: Sequence[Row], labels: Sequence[str]) -> set[_Place]:
-    held = [{_place(row) for row in rows if row["drive"] == label and row["held"]} for label in labels]
-    return set.intersection(*held)
-
-
-def _summary_row(
-    label: str, made: ComparedDrive, place: int, points: Sequence[Row], shared: set[_Place]
-) -> Row:
-    compared = made.all_compared[place]
-    over = [row for row in points if _place(row) in shared]
+def _means(here: pd.DataFrame, over: pd.DataFrame) -> Row:
+    """Summarize the points of a candidate on a drive: those that it holds on all drives, and all at full load."""
     # That of most torque a controller of duty ratios is given is a little less than rated power takes.
-    heaviest = max((row["load_percent"] for row in points), default=None)
-    full = [row for row in points if row["load_percent"] == heaviest]
-    shaft, power = (mean_of(row[key] for row in over) for key in ("shaft_power_w", "input_power_w"))
-    failed = compared.failed_checks
+    heaviest = here["load_percent"].max()
+    full = here[here["load_percent"] == heaviest].sort_values("speed_rpm", kind="stable")
+    without_gap = full[full["held"].cummin().astype(bool)]
+    reached = without_gap[["speed_rpm", "speed_pu"]].iloc[-1].tolist() if len(without_gap) else (None, None)
+    shaft, power = mean_of(over["shaft_power_w"]), mean_of(over["input_power_w"])
     return {
-        "candidate": compared.label,
-        "drive": label,
-        "status": compared.status,
-        "required_failed": None if failed is None else len(failed),
-        "points_held": sum(row["held"] for row in points),
-        "points": len(points),
-        "points_shared": len(over),
-        **{key: mean_of(row[key] for row in over) for key in _MEANS},
-        "efficiency_percent": 100.0 * shaft / power if shaft is not None and power else None,
-        "ripple_full_load_percent": max(
-            (row["ripple_percent"] for row in over if row["load_percent"] == heaviest), default=None
-        ),
-        **_held_up_to(full),
+        **{key: mean_of(over[key]) for key in _MEANS},
+        "efficiency_percent": 100.0 * shaft / power if power else None,
+        "ripple_full_load_percent": over.loc[over["load_percent"] == heaviest, "ripple_percent"].max(),
+        **dict(zip(("rated_power_held_up_to_rpm", "rated_power_held_up_to_pu"), reached, strict=True)),
     }
-
-
-def _held_up_to(full: Sequence[Row]) -> Row:
-    """Return up to which of the run speeds rated power was held without a gap."""
-    reached: Row = {"rated_power_held_up_to_rpm": None, "rated_power_held_up_to_pu": None}
-    for row in sorted(full, key=lambda row: float(row["speed_rpm"])):
-        if not row["held"]:
-            break
-        reached = {
-            "rated_power_held_up_to_rpm": row["speed_rpm"],
-            "rated_power_held_up_to_pu": row["speed_pu"],
-        }
-    return reached
 
 
 def drive_comparison_document(
@@ -258,7 +208,7 @@ def drive_comparison_document(
 
     Each drive has a different label; `timing` is left out of the content hash.
     """
-    points = operating_rows(labels, made)
+    points = operating_points(labels, made)
     drives = [one.request.drive for one in made]
     ranges = [ability_of(drive).constant_power(drive) for drive in drives]
     parts = [one.document for one in made if one.document is not None]
@@ -273,7 +223,7 @@ def drive_comparison_document(
             {
                 "label": label,
                 **drive.identity(),
-                "per_unit": bases_of(drive).document(),
+                "per_unit": bases_of(drive)._asdict(),
                 # A name is anybody's text.
                 "folder": f"drive-{number}",
             }
@@ -286,7 +236,7 @@ def drive_comparison_document(
         "tables": {
             "summary": summary_rows(labels, made, points),
             "drives": drive_rows(labels, drives, ranges),
-            "operating_points": points,
+            "operating_points": rows_of(points),
             "greatest_power": power_rows(labels, drives, ranges),
         },
         "parts": parts,

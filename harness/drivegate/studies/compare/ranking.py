@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from itertools import pairwise
-from typing import Final, TypeAlias
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import combinations, groupby
+from typing import Any, Final
 
-from drivegate.contracts.comparison import POINTS, Excess, Population, Ranking, Row, mean_of
+import pandas as pd
+
+from drivegate.contracts.comparison import POINTS, Figure, Population, Ranking, Row, mean_of
+from drivegate.contracts.drawings import column_of
 from drivegate.studies.compare.engine import COMPARED, FAULTED, REFUSED, Compared
 
 CONFIDENCE: Final = 0.95
@@ -18,6 +20,8 @@ LEAST_EFFECT: Final = 0.001
 FEWEST_PAIRS: Final = 3
 """Pairs below which no interval is reported."""
 NO_DIFFERENCE: Final = "no real difference"
+TOO_FEW: Final = "too few pairs"
+"""Verdicts on what is not known to differ."""
 METHOD: Final = (
     "Differences are paired: both candidates ran the same scenario with the same noise, and only pairs in which both "
     "held the speed count. The interval is Student's t interval of the mean difference (scipy.special.stdtrit), "
@@ -25,51 +29,30 @@ METHOD: Final = (
     "difference is called real where its interval does not hold zero and its mean exceeds 0.1 % of the quantity."
 )
 """The method in words."""
-Place: TypeAlias = tuple[float, float]
-"""Speed (rpm) and load of an operating point."""
-Held: TypeAlias = Mapping[str, Mapping[Place, Row]]
-"""For each candidate, the operating points that it holds."""
 
 _ORDER: Final = {COMPARED: 0, FAULTED: 1, REFUSED: 2}
 _HEAVY_PERCENT: Final = 50.0
+_LOADS: Final = {False: "below half load", True: "half load and more"}
 
 
-@dataclass(frozen=True)
-class PairedDifference:
-    """How the second candidate differs from the first."""
-
-    pairs: int
-    """Number of pairs."""
-    mean: float | None
-    """Mean of first less second; None without pairs."""
-    low: float | None
-    high: float | None
-    """Interval of the mean; None with too few pairs."""
-    relative_percent: float | None
-    """Mean difference over the second's mean (%)."""
-    verdict: str
-    """``first lower``, ``first higher``, ``no real difference`` or ``too few pairs``."""
-
-
-def paired_difference(
-    first: Sequence[float], second: Sequence[float], *, intervals: int = 1
-) -> PairedDifference:
-    """Compare paired values."""
+def paired_difference(first: Sequence[float], second: Sequence[float], *, intervals: int = 1) -> Row:
+    """Compare paired values: the mean of first less second with its interval, None where it is not known."""
     changes = [a - b for a, b in zip(first, second, strict=True)]
     pairs = len(changes)
+    made: Row = {"pairs": pairs, **dict.fromkeys(("mean_difference", "low", "high", "relative_percent"))}
     if not pairs:
-        return PairedDifference(0, None, None, None, None, "too few pairs")
+        return made | {"verdict": TOO_FEW}
     mean = math.fsum(changes) / pairs
     level = math.fsum([*map(abs, first), *map(abs, second)]) / (2 * pairs)
     base = math.fsum(second) / pairs
-    relative = 100.0 * mean / base if base else None
+    made |= {"mean_difference": mean, "relative_percent": 100.0 * mean / base if base else None}
     if pairs < FEWEST_PAIRS:
-        return PairedDifference(pairs, mean, None, None, relative, "too few pairs")
+        return made | {"verdict": TOO_FEW}
     half = _half_width(changes, mean, intervals)
     low, high = mean - half, mean + half
     real = (low > 0.0 or high < 0.0) and abs(mean) > LEAST_EFFECT * level
     verdict = NO_DIFFERENCE if not real else ("first lower" if mean < 0.0 else "first higher")
-    return PairedDifference(pairs, mean, low, high, relative, verdict)
+    return made | {"low": low, "high": high, "verdict": verdict}
 
 
 def _half_width(changes: Sequence[float], mean: float, intervals: int) -> float:
@@ -85,14 +68,19 @@ def _half_width(changes: Sequence[float], mean: float, intervals: int) -> float:
 def difference_rows(
     labels: Sequence[str], populations: Sequence[Population], tables: Mapping[str, Sequence[Row]]
 ) -> list[Row]:
-    """Compare every two candidates over the repeated runs."""
-    pairs = [(first, second) for place, first in enumerate(labels) for second in labels[place + 1 :]]
+    """Compare every two candidates over the repeated runs, paired by seed."""
+    pairs = list(combinations(labels, 2))
     rows = []
     for where, runs, population in _all_runs(populations, tables):
         for figure in population.figures:
+            counted = runs.assign(value=runs[figure.name].where(runs[population.counts].astype(bool)))
+            # Two points of a narrow range of speeds may be one, so that a run is there twice.
+            values = counted.pivot_table("value", "seed", "candidate", aggfunc="last", dropna=False)
             for first, second in pairs:
-                values = _paired(runs, first, second, figure.name, population.counts)
-                made = paired_difference(*values[:2], intervals=len(pairs))
+                both = values.reindex(columns=[first, second])
+                known = both.dropna()
+                made = paired_difference(*known.T.to_numpy(float).tolist(), intervals=len(pairs))
+                verdict = {"first lower": f"{first} is lower", "first higher": f"{second} is lower"}
                 rows.append(
                     {
                         "where": where,
@@ -100,13 +88,10 @@ def difference_rows(
                         "unit": figure.unit,
                         "first": first,
                         "second": second,
-                        "pairs": made.pairs,
-                        "left_out": values[2],
-                        "mean_difference": made.mean,
-                        "low": made.low,
-                        "high": made.high,
-                        "relative_percent": made.relative_percent,
-                        "verdict": _in_words(made.verdict, first, second),
+                        "pairs": len(known),
+                        "left_out": len(both) - len(known),
+                        **made,
+                        "verdict": verdict.get(made["verdict"], made["verdict"]),
                     }
                 )
     return rows
@@ -114,40 +99,31 @@ def difference_rows(
 
 def _all_runs(
     populations: Sequence[Population], tables: Mapping[str, Sequence[Row]]
-) -> Iterator[tuple[str, list[Row], Population]]:
+) -> Iterator[tuple[str, pd.DataFrame, Population]]:
     """Go through the populations: where, its runs, and what it is."""
     for population in populations:
-        runs = [row for row in tables[population.table] if population.contains(row)]
+        names = [figure.name for figure in population.figures]
+        table = frame_of(
+            tables[population.table], "candidate", "group", "scenario", "seed", population.counts, *names
+        )
+        runs = table[population.contains(table)]
         if population.where:
             yield population.where, runs, population
             continue
-        for scenario in dict.fromkeys(row["scenario"] for row in runs):
-            yield scenario, [row for row in runs if row["scenario"] == scenario], population
+        for scenario, own in runs.groupby("scenario", sort=False):
+            yield str(scenario), own, population
 
 
-def _paired(
-    runs: Sequence[Row], first: str, second: str, key: str, counts: str
-) -> tuple[list[float], list[float], int]:
-    """Pair the runs by seed; one that either candidate lost is left out and counted."""
-    by_seed = {
-        label: {row["seed"]: row for row in runs if row["candidate"] == label} for label in (first, second)
-    }
-    seeds = sorted(set(by_seed[first]) & set(by_seed[second]))
-    good = [
-        seed
-        for seed in seeds
-        if all(by_seed[label][seed][counts] and by_seed[label][seed][key] is not None for label in by_seed)
-    ]
-    values = [[float(by_seed[label][seed][key]) for seed in good] for label in (first, second)]
-    return values[0], values[1], len(seeds) - len(good)
+def frame_of(rows: Sequence[Row], *columns: str) -> pd.DataFrame:
+    """Return rows as a frame that has some columns even where there are no rows."""
+    frame = pd.DataFrame(rows)
+    return frame.reindex(columns=list(dict.fromkeys((*frame.columns, *columns))))
 
 
-def _in_words(verdict: str, first: str, second: str) -> str:
-    return {
-        "first lower": f"{first} is lower",
-        "first higher": f"{second} is lower",
-        NO_DIFFERENCE: NO_DIFFERENCE,
-    }.get(verdict, verdict)
+def rows_of(frame: pd.DataFrame) -> list[Row]:
+    """Return a frame as rows of plain data, with None for what is not known."""
+    rows: list[Any] = frame.astype(object).where(frame.notna(), None).to_dict("records")
+    return rows
 
 
 def rule_of(ranking: Ranking, *, checks: bool) -> str:
@@ -160,132 +136,115 @@ def ranking_rows(
     all_compared: Sequence[Compared], ranking: Ranking, tables: Mapping[str, Sequence[Row]]
 ) -> list[Row]:
     """Rank the candidates."""
-    held = {
-        compared.label: {
-            (row[ranking.place[0]], row[ranking.place[1]]): row
-            for row in tables[POINTS]
-            if row["candidate"] == compared.label and row["held"] and row.get("feasible", True)
-        }
-        for compared in all_compared
-    }
+    decisive = (ranking.decides, *(figure.name for figure in ranking.costs))
+    points = frame_of(tables[POINTS], "candidate", "held", *ranking.place, *decisive)
+    could = points[points["feasible"]] if "feasible" in points else points
+    held = could[could["held"].astype(bool)]
+    standings = sorted(_standings(all_compared, ranking, could, held, tables), key=_merit)
     rows: list[Row] = []
-    for equals in _equals(_standing(compared, ranking, held, tables) for compared in all_compared):
-        rows += _placed(equals, ranking, held, len(rows))
-    for row in rows if ranking.against_first else ():
-        row.update(_against(row["candidate"], rows[0]["candidate"], ranking.against_first, held))
-    return rows
+    for _, equals in groupby(standings, key=_merit):
+        rows += _placed(list(equals), ranking, held, len(rows))
+    for row in rows if ranking.costs else ():
+        row.update(_against(row["candidate"], rows[0]["candidate"], ranking, held))
+    return rows_of(pd.DataFrame(rows, dtype=object))
 
 
-def _standing(compared: Compared, ranking: Ranking, held: Held, tables: Mapping[str, Sequence[Row]]) -> Row:
-    """Begin the row of a candidate: who it is, what has become of it, what it fails and holds."""
-    label, failed = compared.label, compared.failed_checks
-    own = {name: [row for row in rows if row["candidate"] == label] for name, rows in tables.items()}
-    could = sum(row.get("feasible", True) for row in own[POINTS])
-    own[POINTS] = list(held[label].values())
-    return {
-        "rank": None,
-        "candidate": label,
-        "status": compared.status,
-        "required_failed": None if failed is None else len(failed),
-        "failed_checks": "" if failed is None else " ".join(failed),
-        "points_held": len(held[label]),
-        ranking.count: could,
-        **{summary.name: summary.value(own[summary.table]) for summary in ranking.summaries},
-    }
+def _standings(
+    all_compared: Sequence[Compared],
+    ranking: Ranking,
+    could: pd.DataFrame,
+    held: pd.DataFrame,
+    tables: Mapping[str, Sequence[Row]],
+) -> Iterator[Row]:
+    """Begin the row of each candidate: who it is, what has become of it, what it fails and holds, and its figures."""
+    labels = [compared.label for compared in all_compared]
+    counted = {"points_held": held, ranking.count: could}
+    found = pd.DataFrame({key: frame.groupby("candidate").size() for key, frame in counted.items()})
+    found = found.reindex(labels).fillna(0).astype(int)
+    for table, summaries in ranking.summaries.items():
+        frame = held if table == POINTS else frame_of(tables[table], "candidate")
+        for key, (values, how) in summaries.items():
+            found[key] = math.nan
+            if len(frame):
+                found[key] = column_of(frame, values).groupby(frame["candidate"]).agg(how)
+    for compared, figures in zip(all_compared, rows_of(found), strict=True):
+        failed = compared.failed_checks
+        yield {
+            "rank": None,
+            "candidate": compared.label,
+            "status": compared.status,
+            "required_failed": None if failed is None else len(failed),
+            "failed_checks": "" if failed is None else " ".join(failed),
+            **figures,
+        }
 
 
-def _equals(standings: Iterable[Row]) -> Iterator[list[Row]]:
-    """Group candidates that fail and hold equally many, the best first."""
-    by_merit: dict[tuple[int, int, int], list[Row]] = {}
-    for row in standings:
-        merit = (_ORDER[row["status"]], row["required_failed"] or 0, -row["points_held"])
-        by_merit.setdefault(merit, []).append(row)
-    for _, equals in sorted(by_merit.items()):
-        yield equals
+def _merit(row: Row) -> tuple[int, int, int]:
+    return _ORDER[row["status"]], row["required_failed"] or 0, -row["points_held"]
 
 
-def _placed(equals: list[Row], ranking: Ranking, held: Held, before: int) -> list[Row]:
+def held_by_all(points: pd.DataFrame, key: str, labels: Iterable[str], place: Sequence[str]) -> pd.DataFrame:
+    """Return the points that all of some candidates, or of some drives, hold."""
+    names = set(labels)
+    held = points[points["held"].astype(bool) & points[key].isin(names)]
+    return held[held.groupby([*place])[key].transform("nunique") == len(names)]
+
+
+def _placed(equals: list[Row], ranking: Ranking, held: pd.DataFrame, before: int) -> list[Row]:
     """Order candidates of equal merit, and assign places to those that can be compared."""
-    common = set.intersection(*(set(held[row["candidate"]]) for row in equals))
-    means: dict[str, float] = {}
-    for row in equals:
-        points = (held[row["candidate"]][place][ranking.decides] for place in common)
-        mean = mean_of(value for value in points if value is not None)
-        means[row["candidate"]] = mean or 0.0
-        if ranking.at_shared:
-            row[ranking.at_shared] = mean
-    equals.sort(key=lambda row: means[row["candidate"]])
-    best = means[equals[0]["candidate"]]
+    shared = held_by_all(held, "candidate", (row["candidate"] for row in equals), ranking.place)
+    means = shared.groupby("candidate")[ranking.decides].agg(mean_of).dropna().to_dict()
+    for row in equals if ranking.at_shared else ():
+        row[ranking.at_shared] = means.get(row["candidate"])
+    equals.sort(key=lambda row: means.get(row["candidate"], 0.0))
+    best = means.get(equals[0]["candidate"], 0.0)
     for place, row in enumerate(equals):
         if row["status"] == COMPARED:
-            above = means[row["candidate"]] - best
+            above = means.get(row["candidate"], 0.0) - best
             shares = above <= ranking.same_share * best + ranking.same_amount
             row["rank"] = before + 1 if shares else before + place + 1
     return equals
 
 
-def _against(label: str, first: str, excesses: Sequence[Excess], held: Held) -> Row:
+def _against(label: str, first: str, ranking: Ranking, held: pd.DataFrame) -> Row:
     """Compare a candidate with the first over the points that both hold."""
-    both = sorted(set(held[label]) & set(held[first]))
-    own, others = (
-        {made.figure.name: mean_of(held[who][place][made.figure.name] for place in both) for made in excesses}
-        for who in (label, first)
-    )
-    above = {made.above: _difference(own[made.figure.name], others[made.figure.name]) for made in excesses}
-    return {"points_shared": len(both), **own, **above}
-
-
-def _difference(own: float | None, other: float | None) -> float | None:
-    return None if own is None or other is None else own - other
+    shared = held_by_all(held, "candidate", (label, first), ranking.place)
+    names = [figure.name for figure in ranking.costs]
+    means = shared.groupby("candidate")[names].agg(mean_of).reindex([*{label, first}])
+    own, other = (means.loc[who].to_dict() for who in (label, first))
+    return {
+        "points_shared": int((shared["candidate"] == label).sum()),
+        **{name: own[name] for name in names},
+        **{made.above.format("first"): own[made.name] - other[made.name] for made in ranking.costs},
+    }
 
 
 def region_rows(
-    all_compared: Sequence[Compared],
-    points: Sequence[Row],
-    ends_rpm: Sequence[float],
-    excesses: Sequence[Excess],
+    labels: Sequence[str], points: Sequence[Row], ends_rpm: Sequence[float], costs: Sequence[Figure]
 ) -> list[Row]:
     """List who wins where: in bands of the drive's speeds, at light and at heavy load."""
-    labels = [compared.label for compared in all_compared if compared.status == COMPARED]
-    rows: list[Row] = []
-    for name, inside in _regions(ends_rpm):
-        here = [row for row in points if row["feasible"] and inside(row)]
-        if here:
-            rows += _region(
-                name,
-                {label: [row for row in here if row["candidate"] == label] for label in labels},
-                excesses,
-            )
-    return rows
+    names = [figure.name for figure in costs]
+    table = frame_of(points, "candidate", "feasible", "speed_rpm", "load_percent", "held", *names)
+    here = table[table["feasible"].astype(bool) & table["candidate"].isin(labels)]
+    ends = sorted(set(ends_rpm))
+    band = pd.cut(here["speed_rpm"].astype(float), ends, labels=False)
+    heavy = here["load_percent"] >= _HEAVY_PERCENT
+    of = here.groupby(
+        [band, heavy, here["candidate"].astype(pd.CategoricalDtype(list(labels)))], observed=True
+    )
+    found = of.agg(points=("held", "size"), points_held=("held", "sum"))
+    # Only who holds all points of a region can win it.
+    found[names] = of[names].agg(mean_of).where(found["points"] == found["points_held"])
+    least = found.groupby(level=[0, 1], observed=True)[names].transform("min")
+    for figure in costs:
+        found[figure.above.format("best")] = found[figure.name] - least[figure.name]
+    found.insert(0, "candidate", found.index.get_level_values(2))
+    where = [f"{_band(*ends[number : number + 2])}, {_LOADS[heavy]}" for number, heavy, _ in found.index]
+    found.insert(0, "region", where)
+    return rows_of(found)
 
 
-def _region(name: str, runs: dict[str, list[Row]], excesses: Sequence[Excess]) -> list[Row]:
-    rows: list[Row] = []
-    for label, own in runs.items():
-        held = [row for row in own if row["held"]]
-        whole = bool(own) and len(held) == len(own)
-        means = {
-            made.figure.name: mean_of(row[made.figure.name] for row in held) if whole else None
-            for made in excesses
-        }
-        counts = {"points": len(own), "points_held": len(held)}
-        rows.append({"region": name, "candidate": label, **counts, **means})
-    for made in excesses:
-        key = made.figure.name
-        least = min((row[key] for row in rows if row[key] is not None), default=0.0)
-        for row in rows:
-            row[made.above] = _difference(row[key], least)
-    return rows
-
-
-def _regions(ends_rpm: Sequence[float]) -> Iterable[tuple[str, Callable[[Row], bool]]]:
-    for low, high in pairwise(ends_rpm):
-        speeds = f"up to {high:g} rpm" if low == 0.0 else f"{low:g} to {high:g} rpm"
-        speeds = f"above {low:g} rpm" if high == math.inf else speeds
-        for heavy in (False, True):
-            load = "half load and more" if heavy else "below half load"
-            yield f"{speeds}, {load}", _within(low, high, heavy)
-
-
-def _within(low: float, high: float, heavy: bool) -> Callable[[Row], bool]:
-    return lambda row: low < row["speed_rpm"] <= high and (row["load_percent"] >= _HEAVY_PERCENT) == heavy
+def _band(low: float, high: float) -> str:
+    if high == math.inf:
+        return f"above {low:g} rpm"
+    return f"up to {high:g} rpm" if low == 0.0 else f"{low:g} to {high:g} rpm"

@@ -50,7 +50,8 @@ def ranked(everybody, rows):
 
 
 def regions(everybody, rows, drive):
-    return region_rows(everybody, rows, COMPARISON.regions.ends_rpm(drive), COMPARISON.regions.excesses)
+    labels = [made.label for made in everybody]
+    return region_rows(labels, rows, COMPARISON.region_ends_rpm(drive), COMPARISON.ranking.costs)
 
 
 def places(rows):
@@ -98,6 +99,16 @@ def test_faults_and_refusals_have_no_place():
     assert places(rows) == [(1, "fine"), (None, "faulted"), (None, "refused")]
     assert [row["status"] for row in rows] == ["compared", "faulted", "refused"]
     assert rows[2]["input_power_w"] is None
+
+
+def test_where_nothing_ran_there_are_no_figures():
+    fault = Fault(FaultKind.CRASH, "died", "step")
+    rows = ranked([compared("one", faults=[fault]), compared("other", faults=[fault])], [])
+    assert places(rows) == [(None, "one"), (None, "other")]
+    assert [(row["points_held"], row["points_feasible"], row["points_shared"]) for row in rows] == [
+        (0, 0, 0)
+    ] * 2
+    assert {row["gap_power_w"] for row in rows} == {row["power_above_first_w"] for row in rows} == {None}
 
 
 def test_only_who_holds_a_region_can_win_it():
@@ -154,3 +165,14 @@ def test_pairs_are_matched_by_seed_and_lost_runs_are_counted():
     assert (power["pairs"], power["left_out"]) == (3, 1)
     assert power["mean_difference"] == pytest.approx(-11.0)
     assert power["verdict"] == "a is lower"
+
+
+def test_a_noisy_point_that_is_there_twice_is_paired_once():
+    def noisy(label, watts):
+        row = {"candidate": label, "group": "noise", "scenario": "same", "held": True, "current_sum_a": 1.0}
+        return [row | {"seed": seed, "input_power_w": watts + seed} for seed in (0, 1, 2, 0, 1, 2)]
+
+    runs = {"repetitions": noisy("a", 100.0) + noisy("b", 90.0), "drive_cycle": []}
+    rows = difference_rows(["a", "b"], COMPARISON.populations, runs)
+    (power,) = (row for row in rows if (row["where"], row["quantity"]) == ("same", "input_power_w"))
+    assert (power["pairs"], power["left_out"], power["mean_difference"]) == (3, 0, 10.0)

@@ -8,8 +8,9 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.contracts.comparison import ComparisonRequest
 from drivegate.contracts.current.comparison.plan import EFFORTS, planned_runs
 from drivegate.studies.compare.compared_drive import ComparedDrive
-from drivegate.studies.compare.drive_comparison import operating_rows, summary_rows
+from drivegate.studies.compare.drive_comparison import operating_points, summary_rows
 from drivegate.studies.compare.engine import Compared
+from drivegate.studies.compare.ranking import rows_of
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.drive_cycle import load_drive_cycle
 
@@ -48,8 +49,13 @@ def made():
 
 
 @pytest.fixture(scope="module")
-def points(made):
-    return operating_rows(LABELS, made)
+def table(made):
+    return operating_points(LABELS, made)
+
+
+@pytest.fixture(scope="module")
+def points(table):
+    return rows_of(table)
 
 
 def test_losses_are_split_at_the_torque(points):
@@ -71,8 +77,8 @@ def test_what_is_not_held_has_no_losses(points):
     assert {row["efficiency_percent"] for row in lost} == {None}
 
 
-def test_means_are_over_the_points_held_on_every_drive(made, points):
-    paper, fan = summary_rows(LABELS, made, points)
+def test_means_are_over_the_points_held_on_every_drive(made, table):
+    paper, fan = summary_rows(LABELS, made, table)
     assert (paper["points_held"], fan["points_held"]) == (15, 15)
     assert paper["points_shared"] == fan["points_shared"] == 14
     # 16 points of 62.5 % of rated power in the mean, less one of 100 % and one of 25 %.
@@ -81,15 +87,23 @@ def test_means_are_over_the_points_held_on_every_drive(made, points):
     assert paper["efficiency_percent"] == pytest.approx(100.0 / 1.1)
 
 
-def test_rated_power_is_held_up_to_the_first_gap(made, points):
-    paper, fan = summary_rows(LABELS, made, points)
+def test_rated_power_is_held_up_to_the_first_gap(made, table):
+    paper, fan = summary_rows(LABELS, made, table)
     assert (paper["rated_power_held_up_to_rpm"], paper["rated_power_held_up_to_pu"]) == (1500.0, 3.0)
     assert fan["rated_power_held_up_to_rpm"] == 8000.0
 
 
 def test_points_of_a_narrow_range_that_are_one_speed_stand_for_every_share():
     narrow = PAPER.replaced(overspeed_rpm=PAPER.rating.highest_speed_rpm)
-    rows = operating_rows(("narrow",), [compared_on(narrow)])
+    rows = rows_of(operating_points(("narrow",), [compared_on(narrow)]))
     size = EFFORTS["quick"]
     assert len(rows) == len(size.speeds) * len(size.shares)
     assert {row["speed_rpm"] for row in rows if row["speed_share"] >= 1.0} == {1500.0}
+
+
+def test_where_nothing_ran_the_drives_are_still_put_side_by_side():
+    made = [compared_on(drive) for drive in (PAPER, FAN)]
+    for one in made:
+        one.all_compared[0].figures.clear()
+    rows = summary_rows(LABELS, made, operating_points(LABELS, made))
+    assert [(row["points"], row["points_shared"], row["losses_pu"]) for row in rows] == [(0, 0, None)] * 2

@@ -2,7 +2,8 @@
 
 import pytest
 
-from drivegate.studies.compare.drive_comparison import bases_of, drive_labels
+from drivegate.studies.compare.compare import drive_labels
+from drivegate.studies.compare.drive_comparison import bases_of
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_models.errors import InputError
 

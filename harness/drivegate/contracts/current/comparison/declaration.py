@@ -12,19 +12,15 @@ from drivegate.contracts.comparison import (
     Column,
     Comparison,
     ComparisonRequest,
-    Excess,
     Figure,
     PlannedRun,
     Population,
     Ranking,
-    Regions,
     Row,
     RunTable,
-    Summary,
     Words,
-    mean,
+    mean_of,
     name_of,
-    worst,
 )
 from drivegate.contracts.current.comparison.best import best_jobs, best_tables
 from drivegate.contracts.current.comparison.drive_cycle import TOLERANCE_KM_H, cycle_vehicle
@@ -44,8 +40,8 @@ from drivegate.scenarios.drive_scale import scale_of
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import limits_of
 
-_POWER: Final = Figure("input_power_w", "input power", "W", 1)
-_CURRENT: Final = Figure("current_sum_a", "Σ|i|", "A")
+_POWER: Final = Figure("input_power_w", "input power", "W", 1, above="power_above_{}_w")
+_CURRENT: Final = Figure("current_sum_a", "Σ|i|", "A", above="current_above_{}_a")
 _POWER_GAP: Final = Figure("gap_power_w", "power above best possible", "W", 1, signed=True)
 _CURRENT_GAP: Final = Figure("gap_current_percent", "Σ|i| above best possible", "%", signed=True)
 _CONVERGED: Final = Figure("converged_after_s", "converged after", "s")
@@ -181,13 +177,15 @@ _RANKING: Final = Ranking(
     place=("speed_rpm", "load_percent"),
     count="points_feasible",
     same_share=0.001,
-    summaries=(
-        Summary("gap_power_w", mean("gap_power_w")),
-        Summary("gap_current_percent", mean("gap_current_percent")),
-        Summary("ripple_worst_percent", worst("ripple_percent")),
-        Summary("converged_after_s", mean("converged_after_s")),
-    ),
-    against_first=(Excess(_POWER, "power_above_first_w"), Excess(_CURRENT, "current_above_first_a")),
+    summaries={
+        POINTS: {
+            "gap_power_w": ("gap_power_w", mean_of),
+            "gap_current_percent": ("gap_current_percent", mean_of),
+            "ripple_worst_percent": ("ripple_percent", "max"),
+            "converged_after_s": ("converged_after_s", mean_of),
+        }
+    },
+    costs=(_POWER, _CURRENT),
     columns=(
         _POWER,
         Figure("power_above_first_w", "above {first}", "W", 1, signed=True),
@@ -213,15 +211,15 @@ _POPULATIONS: Final = (
     Population(
         "drawn plants and noise",
         "repetitions",
-        lambda row: bool(row["group"] == "drawn"),
+        lambda runs: runs["group"] == "drawn",
         "held",
         (_POWER, _CURRENT),
     ),
-    Population("", "repetitions", lambda row: bool(row["group"] == "noise"), "held", (_POWER, _CURRENT)),
+    Population("", "repetitions", lambda runs: runs["group"] == "noise", "held", (_POWER, _CURRENT)),
     Population(
         "drive cycle, noisy sensors",
         "drive_cycle",
-        lambda row: row["seed"] is not None,
+        lambda runs: runs["seed"].notna(),
         "follows",
         (_ENERGY, Figure("current_sum_mean_a", "Σ|i|, mean of the cycle", "A")),
     ),
@@ -270,9 +268,7 @@ COMPARISON: Final = Comparison(
     best_tables=best_tables,
     curves={"trajectories": ("disturbances", "trajectory"), "cycle_samples": ("cycle", "samples")},
     ranking=_RANKING,
-    regions=Regions(
-        _ends_rpm, (Excess(_POWER, "power_above_best_w"), Excess(_CURRENT, "current_above_best_a"))
-    ),
+    region_ends_rpm=_ends_rpm,
     populations=_POPULATIONS,
     facts=_facts,
     supply_voltage_v=_supply_voltage_v,

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.checks.check import Record
-from drivegate.contracts.comparison import ComparisonRequest, DrivePoint, PlannedRun, Row
+from drivegate.contracts.comparison import ComparisonRequest, PlannedRun, Row
 from drivegate.contracts.current.comparison.best import least_at, where_of
 from drivegate.contracts.current.comparison.drive_cycle import cycle_figures
 from drivegate.contracts.current.comparison.plan import EFFORTS, operating_speed
@@ -202,7 +202,7 @@ def cycle_rows(planned: PlannedRun, figures: Row, _best: Row | None) -> Iterator
 
 def drive_points(
     request: ComparisonRequest, plan: Sequence[PlannedRun], all_figures: Mapping[int, Row]
-) -> Iterator[DrivePoint]:
+) -> Iterator[Row]:
     """Return a candidate's points on a drive; two shares of a narrow range may be one speed."""
     points = [(index, planned) for index, planned in enumerate(plan) if planned.group == "points"]
     for share in EFFORTS[request.effort].speeds:
@@ -212,21 +212,4 @@ def drive_points(
                 continue
             load, figures = planned.scenario.load, all_figures[index]
             assert isinstance(load, ConstantTorqueLoad), "the load of an operating point is a torque"
-            yield DrivePoint(
-                speed_share=share,
-                load_percent=where_of(planned)["load_percent"],
-                speed_rpm=speed,
-                torque_nm=load.torque_nm,
-                **{key: figures[key] for key in _DRIVE_FIGURES},
-            )
-
-
-_DRIVE_FIGURES: Final = (
-    "held",
-    "speed_mean_rpm",
-    "torque_mean_nm",
-    "input_power_w",
-    "current_sum_a",
-    "ripple_percent",
-)
-"""Figures of a run by which drives are compared."""
+            yield {**figures, **where_of(planned), "torque_nm": load.torque_nm, "speed_share": share}

@@ -109,7 +109,7 @@ def _words_of_cycle(document: Document) -> Sequence[str]:
 
 
 SECTIONS: Final = (
-    Section(name="where", title="Who wins where", link="Who wins where", table="regions"),
+    Section(name="where", title="Who wins where", table="regions"),
     RANKING,
     Section(
         name="differences",
@@ -131,7 +131,6 @@ SECTIONS: Final = (
     Section(
         name="disturbances",
         title="Disturbances",
-        link="Disturbances",
         table="disturbances",
         drawings=(AFTER_CHANGE,),
     ),

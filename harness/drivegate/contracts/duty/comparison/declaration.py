@@ -9,21 +9,18 @@ from typing import Any, Final
 
 from drivegate.checks.check import Record
 from drivegate.contracts.comparison import (
+    HELD,
     POINTS,
     Column,
     Comparison,
     ComparisonRequest,
-    DrivePoint,
     Figure,
     PlannedRun,
     Ranking,
     Row,
     RunTable,
-    Summary,
-    held_column,
-    mean,
+    mean_of,
     name_of,
-    worst,
 )
 from drivegate.contracts.duty.checks.judged import duty_record
 from drivegate.contracts.duty.comparison.page import SECTIONS, method, rise_percent, shown_facts
@@ -123,7 +120,7 @@ _POINT_COLUMNS: Final[tuple[Column, ...]] = (
     _SPEED,
     Figure("reference_nm", "asked", "N·m", None),
     Figure("torque_nm", "torque", "N·m", None),
-    held_column(),
+    HELD,
     Figure("direct_current_a", "d", "A", None),
     Figure("quadrature_current_a", "q", "A", None),
     _CURRENT,
@@ -164,12 +161,6 @@ _TABLES: Final = (
 )
 
 
-def _worst_rise(rows: Sequence[Row]) -> float | None:
-    """Return the longest rise time over what is allowed (%); None where one is not known."""
-    known = [rise for row in rows if (rise := rise_percent(row)) is not None]
-    return max(known) if known and len(known) == len(rows) else None
-
-
 def _standing(row: Row) -> Iterator[str]:
     if row["loss_above_least_percent"] is not None:
         yield (
@@ -188,27 +179,25 @@ _RANKING: Final = Ranking(
     place=("speed_rpm", "reference_nm"),
     count="points",
     same_amount=0.1,
-    summaries=(
-        Summary("loss_above_least_percent", mean("loss_above_least_percent")),
-        Summary("loss_worst_percent", worst("loss_above_least_percent")),
-        Summary("current_above_least_percent", mean("current_above_least_percent")),
-        Summary("ripple_worst_percent", worst("ripple_percent")),
-        Summary("overshoot_worst_percent", worst("overshoot_percent"), "steps"),
-        Summary("rise_worst_percent_of_allowed", _worst_rise, "steps"),
-    ),
+    summaries={
+        POINTS: {
+            "loss_above_least_percent": ("loss_above_least_percent", mean_of),
+            "loss_worst_percent": ("loss_above_least_percent", "max"),
+            "current_above_least_percent": ("current_above_least_percent", mean_of),
+            "ripple_worst_percent": ("ripple_percent", "max"),
+        },
+        "steps": {
+            "overshoot_worst_percent": ("overshoot_percent", "max"),
+            # Where one is not known, the worst is not known either.
+            "rise_worst_percent_of_allowed": (rise_percent, lambda rise: rise.max(skipna=False)),
+        },
+    },
     columns=(
         _LOSS,
         _CURRENT,
         Figure("ripple_worst_percent", "worst ripple", "%"),
         Figure("overshoot_worst_percent", "worst overshoot", "%"),
         Figure("rise_worst_percent_of_allowed", "worst rise of allowed", "%", 0),
-    ),
-    printed=(
-        "loss_above_least_percent",
-        "current_above_least_percent",
-        "ripple_worst_percent",
-        "overshoot_worst_percent",
-        "rise_worst_percent_of_allowed",
     ),
     caption=lambda _: (
         "How many required checks are failed and how many operating points held; then means and worst values over the "
@@ -238,7 +227,7 @@ def _place(speed_rpm: float, torque_nm: float) -> tuple[float, float]:
 
 def _drive_points(
     request: ComparisonRequest, _plan: Sequence[PlannedRun], all_figures: Mapping[int, Row]
-) -> Iterator[DrivePoint]:
+) -> Iterator[Row]:
     drive, size = duty_document(request.drive), EFFORTS[request.effort]
     rated_torque = drive.rating.rated_torque_nm
     rows = [row for figures in all_figures.values() for row in figures.get("points", ())]
@@ -251,21 +240,21 @@ def _drive_points(
                 yield _drive_point(share, load, rated_torque, row)
 
 
-def _drive_point(share: float, load: float, rated_torque_nm: float, row: Row) -> DrivePoint:
+def _drive_point(share: float, load: float, rated_torque_nm: float, row: Row) -> Row:
     swing = row["ripple_percent"] * rated_torque_nm
-    return DrivePoint(
-        speed_share=share,
-        load_percent=round(100.0 * load, _DIGITS),
-        speed_rpm=row["speed_rpm"],
-        torque_nm=row["reference_nm"],
-        held=row["held"],
+    return {
+        "speed_share": share,
+        "load_percent": round(100.0 * load, _DIGITS),
+        "speed_rpm": row["speed_rpm"],
+        "torque_nm": row["reference_nm"],
+        "held": row["held"],
         # The shaft is held at its speed, or follows it within the tolerance of what is held.
-        speed_mean_rpm=row["speed_rpm"],
-        torque_mean_nm=row["torque_nm"],
-        input_power_w=row["input_power_w"],
-        current_sum_a=SUM_OVER_PEAK * hypot(row["direct_current_a"], row["quadrature_current_a"]),
-        ripple_percent=swing / abs(row["torque_nm"]) if row["torque_nm"] else 0.0,
-    )
+        "speed_mean_rpm": row["speed_rpm"],
+        "torque_mean_nm": row["torque_nm"],
+        "input_power_w": row["input_power_w"],
+        "current_sum_a": SUM_OVER_PEAK * hypot(row["direct_current_a"], row["quadrature_current_a"]),
+        "ripple_percent": swing / abs(row["torque_nm"]) if row["torque_nm"] else 0.0,
+    }
 
 
 def _supply_voltage_v(drive: Any) -> float:

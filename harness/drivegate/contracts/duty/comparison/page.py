@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any, Final
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Final
 
 from drivegate.contracts.comparison import CHECKS, POINTS, RANKING, TIMING, Document, Section
 from drivegate.contracts.drawings import MarkPanel, RowMarks
 
-
-def rise_percent(row: Mapping[str, Any]) -> float | None:
-    """Return a rise time over what is allowed (%); None where it is not known."""
-    return None if row["rise_ms"] is None else 100.0 * float(row["rise_ms"]) / float(row["allowed_ms"])
+if TYPE_CHECKING:
+    from pandas import DataFrame, Series
 
 
-def _value(key: str) -> Any:
-    return lambda row: row[key]
+def rise_percent(steps: DataFrame) -> Series[float]:
+    """Return the rise times over what is allowed (%)."""
+    return 100.0 * steps["rise_ms"].astype(float) / steps["allowed_ms"]
 
 
 STEADY_MARKS: Final = RowMarks(
@@ -25,9 +24,9 @@ STEADY_MARKS: Final = RowMarks(
     load="reference_nm",
     load_label="torque asked for, or of the load (N·m), by speed",
     panels=(
-        MarkPanel("loss above\nleast (%)", _value("loss_above_least_percent")),
-        MarkPanel("current above\nleast (%)", _value("current_above_least_percent")),
-        MarkPanel("ripple (% of\nrated torque)", _value("ripple_percent")),
+        MarkPanel("loss above\nleast (%)", "loss_above_least_percent"),
+        MarkPanel("current above\nleast (%)", "current_above_least_percent"),
+        MarkPanel("ripple (% of\nrated torque)", "ripple_percent"),
     ),
     caption=(
         "Each column is an operating point, from the least speed to the highest and from light to heavy load; points "
@@ -45,7 +44,7 @@ STEP_MARKS: Final = RowMarks(
         MarkPanel("rise time (%\nof allowed)", rise_percent, lambda _: 100.0),
         MarkPanel(
             "overshoot (%)",
-            _value("overshoot_percent"),
+            "overshoot_percent",
             lambda document: float(document["drive"]["overshoot_limit_percent"]),
         ),
     ),
@@ -57,7 +56,6 @@ SECTIONS: Final = (
     Section(
         name="steady",
         title="Steady states",
-        link="Steady states",
         table=POINTS,
         drawings=(STEADY_MARKS,),
         folded="Every operating point",

@@ -10,8 +10,9 @@ from drivegate.contracts.duty.comparison.declaration import EFFORTS, planned_dut
 from drivegate.contracts.duty.scenarios.building import torque_of
 from drivegate.contracts.duty.scenarios.fixed import speed_of
 from drivegate.studies.compare.compared_drive import ComparedDrive
-from drivegate.studies.compare.drive_comparison import drive_rows, operating_rows, summary_rows
+from drivegate.studies.compare.drive_comparison import drive_rows, operating_points, summary_rows
 from drivegate.studies.compare.engine import Compared
+from drivegate.studies.compare.ranking import rows_of
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.drive_cycle import load_drive_cycle
@@ -49,14 +50,15 @@ def compared_on(name: str, lost: int | None = None) -> ComparedDrive:
 
 def test_points_are_matched_by_their_shares_and_written_alike() -> None:
     made = [compared_on("pm-ac-surface"), compared_on("pm-ac-interior", lost=0)]
-    rows = operating_rows(("surface", "interior"), made)
+    points = operating_points(("surface", "interior"), made)
+    rows = rows_of(points)
     assert len(rows) == 2 * len(SIZE.speeds) * TORQUES
     for row in rows:
         assert row["current_sum_a"] == pytest.approx(30.0 / pi), "three sines of 5 A"
         assert row["ripple_percent"] == pytest.approx(5.0, rel=1e-3), "over the mean, not over rated torque"
         if row["held"]:
             assert row["efficiency_percent"] == pytest.approx(100.0 / 1.1)
-    surface, interior = summary_rows(("surface", "interior"), made, rows)
+    surface, interior = summary_rows(("surface", "interior"), made, points)
     assert (surface["points_held"], interior["points_held"]) == (15, 14)
     assert surface["points_shared"] == interior["points_shared"] == 14
     assert surface["rated_power_held_up_to_pu"] == pytest.approx(3.0)
