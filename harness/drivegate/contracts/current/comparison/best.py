@@ -3,59 +3,45 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from math import degrees, isfinite
 from typing import Any
 
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.contracts.comparison import PlannedRun, Row
-from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.machine.friction import friction_torque
 from drivegate_models.steady import oracle
+from drivegate_models.steady.plant import AnyDrive
 from drivegate_models.units import RADIANS_PER_RPM
 
 
-@dataclass(frozen=True)
-class OraclePoint:
-    """An operating point to be solved."""
+def solved(_loaded: JudgedCandidate, planned: PlannedRun) -> Row:
+    """Solve an operating point at two torques, between which every candidate's mean torque lies.
 
-    drive: DriveDocument
-    """The drive."""
-    speed_rpm: float
-    """Speed (rpm)."""
-    torques_nm: tuple[float, float]
-    """Two torques, without and with the most that core loss can take at the shaft, between which every
-    candidate's mean torque lies (N·m)."""
-
-
-def oracle_point(planned: PlannedRun) -> OraclePoint:
-    """Return the operating point of a planned run."""
-    assert planned.speed_rpm is not None, "an operating point has a speed"
+    They are without and with the most that core loss can take at the shaft. This is what a worker process does.
+    """
+    drive, speed = _plant_and_speed(planned)
     assert planned.share is not None, "an operating point has a load"
-    drive = planned.scenario.drive
-    plant = drive.plant()
-    speed = planned.speed_rpm * RADIANS_PER_RPM
-    load = drive.rating.rated_power_w * planned.share / speed
-    own = friction_torque(plant, speed)
-    core = plant.phases * plant.core_loss_conductance * plant.emf_constant * plant.emf_constant * speed
-    return OraclePoint(drive, planned.speed_rpm, (load + own, load + own + core))
-
-
-def solved(_loaded: JudgedCandidate, point: OraclePoint) -> dict[str, Any]:
-    """Solve an operating point; this is what a worker process does."""
-    drive = point.drive.plant()
-    speed = point.speed_rpm * RADIANS_PER_RPM
-    edges = [oracle.feasible_edge(drive, speed, torque) for torque in point.torques_nm]
-    sums = [oracle.least_current_sum(drive, speed, torque).current_sum for torque in point.torques_nm]
-    powers = [oracle.least_input_power(drive, speed, torque).input_power for torque in point.torques_nm]
+    load = planned.scenario.drive.rating.rated_power_w * planned.share / speed
+    own = friction_torque(drive, speed)
+    core = drive.phases * drive.core_loss_conductance * drive.emf_constant * drive.emf_constant * speed
+    torques = [load + own, load + own + core]
+    edges = [oracle.feasible_edge(drive, speed, torque) for torque in torques]
+    sums = [oracle.least_current_sum(drive, speed, torque).current_sum for torque in torques]
+    powers = [oracle.least_input_power(drive, speed, torque).input_power for torque in torques]
     reachable = all(map(isfinite, (*edges, *sums, *powers)))
     return {
         "feasible": reachable,
-        "torques_nm": list(point.torques_nm),
+        "torques_nm": torques,
         "edges_deg": [*map(degrees, edges)] if reachable else None,
         "least_current_sums_a": sums if reachable else None,
         "least_input_powers_w": powers if reachable else None,
     }
+
+
+def _plant_and_speed(planned: PlannedRun) -> tuple[AnyDrive, float]:
+    """Return plant and speed of an operating point (rad/s)."""
+    assert planned.speed_rpm is not None, "an operating point has a speed"
+    return planned.scenario.drive.plant(), planned.speed_rpm * RADIANS_PER_RPM
 
 
 def least_at(best: Row, key: str, torque_nm: float) -> float | None:
@@ -68,19 +54,18 @@ def least_at(best: Row, key: str, torque_nm: float) -> float | None:
     return float(values[0] + share * (values[1] - values[0]))
 
 
-def greatest_torque(_loaded: JudgedCandidate, point: OraclePoint) -> float:
+def greatest_torque(_loaded: JudgedCandidate, planned: PlannedRun) -> float:
     """Find the greatest torque that some advance angle gives at a speed; this is what a worker process does."""
-    drive = point.drive.plant()
-    return oracle.greatest_torque_at_limit(drive, point.speed_rpm * RADIANS_PER_RPM).torque
+    return oracle.greatest_torque_at_limit(*_plant_and_speed(planned)).torque
 
 
 def best_jobs(plan: Sequence[PlannedRun]) -> dict[tuple[str, float], Job[Any]]:
     """List the jobs that solve every operating point, and the greatest torque at each of their speeds."""
-    points = {index: oracle_point(run) for index, run in enumerate(plan) if run.group == "points"}
-    by_speed = {point.speed_rpm: point for point in points.values()}
+    points = {index: run for index, run in enumerate(plan) if run.group == "points"}
+    by_speed = {run.speed_rpm: run for run in points.values() if run.speed_rpm is not None}
     return {
-        **{("point", index): Job(solved, point) for index, point in points.items()},
-        **{("envelope", speed): Job(greatest_torque, point) for speed, point in by_speed.items()},
+        **{("point", index): Job(solved, run) for index, run in points.items()},
+        **{("envelope", speed): Job(greatest_torque, run) for speed, run in by_speed.items()},
     }
 
 
