@@ -123,7 +123,7 @@ def main() -> int:
         return 0
     found = set()
 
-    def tell(name: str, compute: Callable[[], str]) -> None:
+    def report(name: str, compute: Callable[[], str]) -> None:
         began = time.perf_counter()
         answer = compute()
         found.add(answer.partition(" ")[0])
@@ -132,12 +132,12 @@ def main() -> int:
 
     for name, restricted in restrictions().items():
         if options.shards is None:
-            tell(name, partial(checked, words, restricted))
+            report(name, partial(checked, words, restricted))
         else:
-            tell(name, partial(here, options.shards, restricted))
+            report(name, partial(here, options.shards, restricted))
     for processor in options.emulate:
         emulator = (shutil.which("qemu-x86_64") or "qemu-x86_64", "-cpu", processor)
-        tell(f"qemu {processor}", partial(here, options.shards or 0, {}, emulator))
+        report(f"qemu {processor}", partial(here, options.shards or 0, {}, emulator))
     return int(len(found) != 1)
 
 

@@ -117,5 +117,5 @@ def _in_turns(ours: Callable[[], float], peer: Any, turns: int, dead_time: float
         others.append(seconds / peer.SIMULATED_S)
         own.append(ours())
     rates = f"{1.0 / median(own):.3g} against {1.0 / median(others):.3g} × real time"
-    told = f"{rates}, which ends at {speed:.2f} of {peer.SPEED:g} rad/s"
-    return ratio(others, own, Correctness(abs(speed - peer.SPEED) < 1.0, told))
+    measured = f"{rates}, which ends at {speed:.2f} of {peer.SPEED:g} rad/s"
+    return ratio(others, own, Correctness(abs(speed - peer.SPEED) < 1.0, measured))

@@ -68,7 +68,7 @@ def main() -> None:
     parser.add_argument("--again", action="store_true", help="forget the trials that the result file holds")
     parser.add_argument("--result", type=Path, default=RESULT)
     parser.add_argument("--figure", type=Path, default=FIGURE)
-    parser.add_argument("--page", type=Path, default=PAGE, help="page whose tables are written anew")
+    parser.add_argument("--page", type=Path, default=PAGE, help="page whose tables are written again")
     options = parser.parse_args()
     document: dict[str, Any] = {"cells": {}, "processor_seconds": 0.0}
     if options.result.exists() and not options.again:

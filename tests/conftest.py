@@ -43,7 +43,7 @@ def pytest_collection() -> Iterator[object]:
 
 @pytest.fixture(autouse=True, scope="session")
 def unattended() -> Iterator[None]:
-    """Take away a terminal's width, which pytest-xdist tells its workers, and answer Ctrl-C.
+    """Take away a terminal's width, which pytest-xdist passes to its workers, and answer Ctrl-C.
 
     A shell that starts the tests in the background has them ignore Ctrl-C, and all that they start with them.
     """

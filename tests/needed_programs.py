@@ -10,7 +10,7 @@ from tests.working_programs import works
 
 # The first one is the same engine without a desktop, and tests of pages take two thirds of the time in it.
 BROWSERS = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
-TOLD = {
+IN_WORDS = {
     "browser": f"a browser ({', '.join(BROWSERS)}, or the one that `playwright install --with-deps chromium` brings)",
     "c++": "a C++ compiler (c++)",
     "rustc": "the Rust compiler (rustc)",
@@ -48,7 +48,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_configure(config: pytest.Config) -> None:
     """Tell what the marker is for."""
     config.addinivalue_line(
-        "markers", f"needs(program): needs what no Python package brings: {', '.join(TOLD)}"
+        "markers", f"needs(program): needs what no Python package brings: {', '.join(IN_WORDS)}"
     )
 
 
@@ -72,16 +72,16 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
     """Fail in one sentence what has been requested and cannot run."""
     for mark in item.iter_markers("needs"):
         if found(mark.args[0]) is None:
-            pytest.fail(f"this test needs {TOLD[mark.args[0]]}", pytrace=False)
+            pytest.fail(f"this test needs {IN_WORDS[mark.args[0]]}", pytrace=False)
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
     """Say what was left out, and how to run it."""
-    missing = [told for program, told in TOLD.items() if found(program) is None]
+    missing = [words for program, words in IN_WORDS.items() if found(program) is None]
     if missing and not config.getoption("--require-programs"):
-        for told in missing:
+        for words in missing:
             terminalreporter.write_line(
-                f"left out: every test that needs {told}, which is missing or does not work", yellow=True
+                f"left out: every test that needs {words}, which is missing or does not work", yellow=True
             )
         terminalreporter.write_line(
             "with it installed, `tox -e programs` runs these tests alone", yellow=True

@@ -276,7 +276,7 @@ static inline void integrate(const task *k, const rates *r, segments *s, int sho
     }
 }
 
-/* Pass a whole period, if no current may turn near zero in it, and add it to the ledger; tell whether it has been passed. */
+/* Pass a whole period, if no current may turn near zero in it, and add it to the ledger; return whether it has been passed. */
 static int pass_period(const task *k, const rates *r, frame *f, const double edge[3][2], double *totals) {
     segments s;
     lay_out(k, edge, &s);

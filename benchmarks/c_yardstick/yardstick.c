@@ -125,7 +125,7 @@ int yardstick_run(const drive *d, const task *t, result *done, record *rows) {
             answer(&own, &sense, &command);
         if (!isfinite(command.current_reference) || !isfinite(command.advance_angle)) return 1;
 
-        /* The speed of the middle of the period, as far as the last one tells. */
+        /* The speed of the middle of the period, as far as the last one shows. */
         const double held = most(speed + 0.5 * gained, 0.0);
         const period_inputs inputs = {
             .speed = held,

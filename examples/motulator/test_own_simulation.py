@@ -106,9 +106,9 @@ def test_trajectories_agree(
     ours, theirs = on_our_plant(candidate, run), by_its_own_simulation(candidate, run)
     assert ours.speed[-1] == pytest.approx(SPEED, rel=0.05), "the machine runs far above its base speed"
     worst = [float(np.max(np.abs(mine - other))) for mine, other in zip(ours, theirs, strict=True)]
-    told = "{:.4f} rad/s, {:.4f} A, {:.4f} N·m".format(*worst)
-    assert all(error < bar for error, bar in zip(worst, (speed, current, torque), strict=True)), told
-    print(f"{candidate}, dead time {dead_time_s:g} s: at most {told}")
+    differences = "{:.4f} rad/s, {:.4f} A, {:.4f} N·m".format(*worst)
+    assert all(error < bar for error, bar in zip(worst, (speed, current, torque), strict=True)), differences
+    print(f"{candidate}, dead time {dead_time_s:g} s: at most {differences}")
 
 
 @pytest.mark.parametrize(

@@ -24,14 +24,14 @@ def test_pages_and_checks_match() -> None:
 
 
 @pytest.mark.parametrize("check", DUTY_CHECKS, ids=lambda check: check.id)
-def test_a_page_tells_of_a_check_of_duty_ratios(check: Check) -> None:
+def test_a_page_states_of_a_check_of_duty_ratios(check: Check) -> None:
     text = (DOCS / "checks" / f"{check.id}.md").read_text(encoding="utf-8")
     assert f"<!-- inserted: check duty:{check.id} -->\n" in text
     assert [head for head in re.findall(r"^## (.+)$", text, re.MULTILINE) if head in SECTIONS] == SECTIONS
 
 
 @pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.id)
-def test_a_page_inserts_what_the_catalogue_knows_and_tells_the_rest(check: Check) -> None:
+def test_a_page_inserts_what_the_catalogue_knows_and_states_the_rest(check: Check) -> None:
     text = (DOCS / "checks" / f"{check.id}.md").read_text(encoding="utf-8")
     assert text.startswith(f"# {check.id}: ")
     assert f"<!-- inserted: check {check.id} -->\n" in text

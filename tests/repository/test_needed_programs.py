@@ -35,7 +35,7 @@ def suite(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def told(suite: Path, *words: str, path: Path) -> tuple[int, str]:
+def stated(suite: Path, *words: str, path: Path) -> tuple[int, str]:
     ended = subprocess.run(
         [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-p", "no:xdist", *words],
         cwd=suite,
@@ -48,8 +48,8 @@ def told(suite: Path, *words: str, path: Path) -> tuple[int, str]:
     return ended.returncode, ended.stdout
 
 
-def test_what_cannot_run_is_left_out_and_told(suite: Path) -> None:
-    code, shown = told(suite, path=suite)
+def test_what_cannot_run_is_left_out_and_reported(suite: Path) -> None:
+    code, shown = stated(suite, path=suite)
     assert code == 0, shown
     assert "1 passed, 4 deselected" in shown
     assert [line.split(" (")[0] for line in shown.splitlines() if line.startswith("left out")] == [
@@ -80,18 +80,18 @@ def programs(tmp_path: Path, content: str) -> Path:
 
 def test_nothing_is_left_out_where_everything_is_there(suite: Path, tmp_path: Path) -> None:
     path = programs(tmp_path, WORKING)
-    code, shown = told(suite, path=path)
+    code, shown = stated(suite, path=path)
     assert (code, "5 passed in" in shown, "left out" in shown) == (0, True, False), shown
-    code, shown = told(suite, "--require-programs", path=path)
+    code, shown = stated(suite, "--require-programs", path=path)
     assert (code, "4 passed, 1 deselected" in shown) == (0, True), shown
 
 
 def test_a_program_that_does_not_work_counts_as_missing(suite: Path, tmp_path: Path) -> None:
     path = programs(tmp_path, BROKEN)
-    code, shown = told(suite, path=path)
+    code, shown = stated(suite, path=path)
     assert (code, "1 passed, 4 deselected" in shown) == (0, True), shown
     assert shown.count("which is missing or does not work") == 5
-    code, shown = told(suite, "--require-programs", path=path)
+    code, shown = stated(suite, "--require-programs", path=path)
     assert (code, "this test needs the Rust compiler (rustc)" in shown) == (1, True), shown
 
 
@@ -111,7 +111,7 @@ def test_continuous_integration_installs_what_does_not_work(tmp_path: Path) -> N
 
 
 def test_what_is_requested_by_name_fails_in_one_sentence(suite: Path) -> None:
-    code, shown = told(suite, "--require-programs", path=suite)
+    code, shown = stated(suite, "--require-programs", path=suite)
     assert code == 1
     assert "this test needs a browser (" in shown
     assert "this test needs the Rust compiler (rustc)" in shown

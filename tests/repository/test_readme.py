@@ -104,9 +104,9 @@ def test_the_numbers_of_what_to_trust_are_those_of_the_tests() -> None:
         )
         for folder in ("pm_ac", "half_bridge", "star")
     }
-    told = re.search(r"within\s+(\S+) \(PM AC\), (\S+) \(decoupled phases\) and (\S+) \(star\)", TEXT)
-    assert told is not None
-    assert list(told.groups()) == [found[1] for found in agreements.values() if found]
+    stated = re.search(r"within\s+(\S+) \(PM AC\), (\S+) \(decoupled phases\) and (\S+) \(star\)", TEXT)
+    assert stated is not None
+    assert list(stated.groups()) == [found[1] for found in agreements.values() if found]
 
 
 @pytest.mark.parametrize("words", OWN, ids=" ".join)

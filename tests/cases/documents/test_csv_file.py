@@ -47,7 +47,7 @@ def test_an_optional_cell_or_column_may_have_nothing(tmp_path):
         ("speed,torque,angle\n1,2,steep\n", "'angle' is \"steep\" in line 2"),
     ],
 )
-def test_what_is_wrong_is_told_with_its_place(tmp_path, text, reason):
+def test_what_is_wrong_is_reported_with_its_place(tmp_path, text, reason):
     with pytest.raises(InputError) as refused:
         rows(tmp_path, text)
     assert reason in str(refused.value)

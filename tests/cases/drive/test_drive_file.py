@@ -60,7 +60,7 @@ def test_a_left_out_table_is_a_comment_as_a_whole() -> None:
 
 def test_the_published_schema_is_that_of_the_document() -> None:
     assert json.loads(SCHEMA_FILE.read_text(encoding="utf-8")) == drive_schema(), (
-        "docs/schemas/drive.schema.json is out of date; write it anew from drivegate_cases.drive.drive_file"
+        "docs/schemas/drive.schema.json is out of date; write it again from drivegate_cases.drive.drive_file"
     )
 
 

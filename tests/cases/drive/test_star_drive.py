@@ -21,13 +21,13 @@ STARS = [name for name in drive_names() if load_drive(name).kind == "star"]
 @pytest.mark.parametrize("name", STARS)
 def test_a_packaged_star_has_a_source_for_each_value(name: str) -> None:
     drive = load_drive(name)
-    told = {f"{table}.{key}" for table, sentences in drive.provenance.items() for key in sentences}
+    reported = {f"{table}.{key}" for table, sentences in drive.provenance.items() for key in sentences}
     stated = {
         f"{table}.{key}"
         for table in ("machine", "inverter", "rating", "advance", "requirements")
         for key in getattr(drive, table).model_fields_set
     }
-    assert stated - told == set(), f"{name} does not say where these are from"
+    assert stated - reported == set(), f"{name} does not say where these are from"
 
 
 def test_the_star_has_the_iron_and_copper_of_the_paper_drive() -> None:

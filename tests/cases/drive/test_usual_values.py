@@ -1,4 +1,4 @@
-"""Values of a drive that only a wrong unit explains: told in one sentence, and no others."""
+"""Values of a drive that only a wrong unit explains: reported in one sentence, and no others."""
 
 import pytest
 
@@ -42,7 +42,7 @@ def changed(start=PAPER, /, **values):
         ("core_loss_conductance_s", 3.0, "is it in millisiemens?"),
     ],
 )
-def test_a_wrong_unit_is_told_with_value_range_and_unit(key, value, asked):
+def test_a_wrong_unit_is_reported_with_value_range_and_unit(key, value, asked):
     (sentence,) = unusual_values(changed(**{key: value}))
     assert sentence.startswith(f"the drive's {key} is {value:g}, but usual for "), sentence
     assert "; it is expected in " in sentence

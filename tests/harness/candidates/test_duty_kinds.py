@@ -304,10 +304,10 @@ def test_a_python_file_is_of_the_contract_whose_command_it_imports(
 
 
 def test_a_python_class_is_judged_on_the_drive_that_is_named_and_on_the_manifests(tmp_path: Path) -> None:
-    told = resolve_candidate(python_source(tmp_path))
-    assert drive_for(told).name == "pm-ac-interior"
+    reported = resolve_candidate(python_source(tmp_path))
+    assert drive_for(reported).name == "pm-ac-interior"
     with pytest.raises(InputError, match="answers with duty ratios, but the drive 'paper-5-phase'"):
-        drive_for(told, load_drive("paper-5-phase"))
+        drive_for(reported, load_drive("paper-5-phase"))
     (tmp_path / "mine.py").write_text("import drivegate\n", encoding="utf-8")
     manifest = tmp_path / "candidate.toml"
     text = 'schema = 1\nname = "mine"\nkind = "python"\nentry = "mine.py:Mine"\n'

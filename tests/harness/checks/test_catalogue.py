@@ -48,7 +48,7 @@ def test_only_the_check_of_time_depends_on_the_machine():
 
 
 @pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.id)
-def test_every_check_tells_what_it_is_about(check):
+def test_every_check_states_what_it_is_about(check):
     for attribute in ("requirement", "source", "limit", "scenarios", "formula", "why"):
         assert getattr(check, attribute), f"{check.id} has no {attribute}"
     assert check.requirement.endswith(".")

@@ -71,7 +71,7 @@ def test_drives_are_put_side_by_side_the_same_on_any_number_of_workers(
     ended = compare("initial", "nonsense", *drives, "--workers", 2, "--output", "two", "--json")
     assert ended.code == 2, ended.err
     assert ended.err.count("the candidate 'nonsense' is unknown") == 1, "it has nothing to do with a drive"
-    assert "initial on fan-3-phase" in ended.err, "progress tells the drive"
+    assert "initial on fan-3-phase" in ended.err, "progress states the drive"
     document = ended.document
     assert document["kind"] == "drive-comparison"
     assert [entry["label"] for entry in document["drives"]] == ["paper-5-phase", "fan-3-phase"]

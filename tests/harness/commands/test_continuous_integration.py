@@ -126,9 +126,9 @@ def test_only_the_gate_fails_and_every_other_step_runs(github: Job) -> None:
         for step in ACTION["runs"]["steps"]
         if "run" in step and not INSTALLS.match(step["run"]) and "cache-hit" not in step.get("if", "")
     ]
-    told = {name: (github.folder / f"{name}.out").read_text(encoding="utf-8") for name in github.codes}
+    stated = {name: (github.folder / f"{name}.out").read_text(encoding="utf-8") for name in github.codes}
     assert list(github.codes) == shell
-    assert github.codes == {name: int(name == "Check the controller") for name in shell}, told
+    assert github.codes == {name: int(name == "Check the controller") for name in shell}, stated
     assert (github.folder / "built").exists()
 
 

@@ -21,7 +21,7 @@ def test_a_full_disk_takes_the_report_and_not_the_verdict(command, failing, full
     assert ended.code == 2, "a full disk is neither the candidate's fault nor drivegate's"
     assert "drivegate-report cannot be written: No space left on device" in ended.err
     assert "make room or name a folder on another disk" in ended.err
-    assert "CNV-1 fails (required)" in ended.out, "the table is told although nothing was written"
+    assert "CNV-1 fails (required)" in ended.out, "the table is reported although nothing was written"
     assert ended.out.splitlines()[-1].endswith("report: none")
     assert "counterexamples/CNV-1.json" not in ended.out, "a file that is not there must not be named"
     assert command("check", "reference", "--json").document["checks"], "nor is the document lost"

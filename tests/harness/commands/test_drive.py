@@ -67,7 +67,7 @@ def test_as_json_it_is_the_same_every_time(command, document):
 def test_people_get_a_table_the_line_the_times_and_what_to_do_next(command):
     ended = command("drive")
     assert ended.code == 0
-    told = (
+    stated = (
         "paper-5-phase: 1500 W from 500 to 1500 rpm, 26 A",
         "line of initial angles: 0° below 500 rpm, then 32.9° + 0.02° per rpm above",
         "rated torque without advance: up to 340 rpm",
@@ -75,7 +75,7 @@ def test_people_get_a_table_the_line_the_times_and_what_to_do_next(command):
         "275 Hz at highest speed, so at most 0.914 ms",
         "next: the same with --plot drive.svg",
     )
-    assert [words for words in told if words not in ended.out] == []
+    assert [words for words in stated if words not in ended.out] == []
     assert "35 of 35 speeds" in ended.err
 
 
@@ -109,9 +109,9 @@ def test_torques_of_a_small_drive_keep_their_digits(command):
     small = ("drive", "fan-3-phase")
     document = command(*small, "--json").document
     at_highest = row_at(document, 6000.0)
-    told = command(*small).out
-    assert f" {at_highest['rated_torque_nm']:.3f} " in told
-    assert f" {at_highest['greatest_torque_nm']:.3f} " in told
+    stated = command(*small).out
+    assert f" {at_highest['rated_torque_nm']:.3f} " in stated
+    assert f" {at_highest['greatest_torque_nm']:.3f} " in stated
     weak = command(*small, "--set", "current_limit_a=4").out
     assert (
         "100 W needs 0.434 N·m at 2200 rpm, but at the current limit of 4 A this drive delivers at most 0.301 N·m"
@@ -119,7 +119,7 @@ def test_torques_of_a_small_drive_keep_their_digits(command):
     )
 
 
-def test_a_band_that_chops_too_often_is_told_with_what_it_costs(command):
+def test_a_band_that_chops_too_often_is_reported_with_what_it_costs(command):
     shown = command("drive", "paper-5-phase", "--set", "hysteresis_band_a=0.001")
     assert "a check computes each chop, and takes long" in shown.out
 
@@ -208,12 +208,12 @@ def test_constants_are_fitted_to_published_points_and_can_be_set_as_printed(comm
     assert again["points"][0]["fitted_torque_nm"] == pytest.approx(9.8)
 
 
-def test_what_a_fit_cannot_tell_is_said(command, tmp_path):
+def test_what_a_fit_cannot_show_is_stated(command, tmp_path):
     rows = "".join(f"5,0,{1.2 * current},{current}\n" for current in (1, 2, 3, 4, 5))
     (tmp_path / "slow.csv").write_text(f"speed_rpm,advance_deg,torque_nm,current_a\n{rows}", encoding="utf-8")
-    told = command("drive", *QUICK, "--fit", "slow.csv").out
-    assert "the points do not show resistance_ohm; keep it with --keep resistance_ohm" in told
-    assert "next: the same with more points" in told
+    stated = command("drive", *QUICK, "--fit", "slow.csv").out
+    assert "the points do not show resistance_ohm; keep it with --keep resistance_ohm" in stated
+    assert "next: the same with more points" in stated
 
 
 @pytest.mark.parametrize(
@@ -228,7 +228,7 @@ def test_a_fit_that_cannot_be_is_refused_in_one_sentence(refused, words, reason)
     assert reason in refused("drive", *words)
 
 
-def test_a_pm_ac_drive_is_told_by_its_limits_of_current_and_voltage(command, tmp_path):
+def test_a_pm_ac_drive_is_reported_by_its_limits_of_current_and_voltage(command, tmp_path):
     plot = tmp_path / "drive.svg"
     document = command("drive", "pm-ac-interior", "--plot", str(plot), "--json").document
     assert document["unreachable"] == []

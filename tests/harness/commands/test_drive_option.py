@@ -38,9 +38,11 @@ def test_a_drive_that_there_is_not_is_refused(refused, name, drive, reason):
 def test_a_rating_that_no_controller_can_meet_is_refused_before_any_run(refused, tmp_path, name):
     weak = load_drive("paper-5-phase").replaced(name="weak", current_limit_a=20.0)
     (tmp_path / "weak.json").write_text(weak.to_json(), encoding="utf-8")
-    told = refused(name, "initial", "--drive", "weak.json", "--effort", "quick")
-    assert "no controller can meet what the drive 'weak' requires: 1.5 kW needs 26.0 N·m at 550 rpm" in told
-    assert "a check accepts rated_power_w = 1320" in told
+    reported = refused(name, "initial", "--drive", "weak.json", "--effort", "quick")
+    assert (
+        "no controller can meet what the drive 'weak' requires: 1.5 kW needs 26.0 N·m at 550 rpm" in reported
+    )
+    assert "a check accepts rated_power_w = 1320" in reported
 
 
 def test_a_drive_of_one_s_own_is_what_a_candidate_is_made_for(command, tmp_path):

@@ -19,9 +19,9 @@ DRIVE = ("--drive", "pm-ac-surface")
     ],
 )
 def test_a_command_that_asks_for_an_advance_angle_refuses_them(arguments: tuple[str, ...], refused) -> None:
-    told = refused(*arguments)
-    assert "a drive of the kind 'pm-ac' has no steady states of an advance angle" in told
-    assert "drivegate drive shows what it can do" in told
+    stated = refused(*arguments)
+    assert "a drive of the kind 'pm-ac' has no steady states of an advance angle" in stated
+    assert "drivegate drive shows what it can do" in stated
 
 
 def test_a_new_drive_begins_as_one_of_them(command, tmp_path) -> None:
@@ -63,9 +63,9 @@ def test_controllers_of_duty_ratios_are_compared_across_drives(command, undrawn,
 
 
 def test_drives_that_no_one_controller_runs_on_are_not_compared(refused) -> None:
-    told = refused("compare", "foc", *DRIVE, "--drive", "star-3-phase")
-    assert "no one controller runs on both" in told
-    assert "drivegate reproduce" in told
+    stated = refused("compare", "foc", *DRIVE, "--drive", "star-3-phase")
+    assert "no one controller runs on both" in stated
+    assert "drivegate reproduce" in stated
 
 
 @pytest.mark.parametrize("several", [(), ("--drive", "pm-ac-interior")])

@@ -45,7 +45,7 @@ RISING = load_scenario("lock-up").replaced(
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_every_kind_is_written_whole_and_tells_the_next_step(command, tmp_path, kind):
+def test_every_kind_is_written_whole_and_states_the_next_step(command, tmp_path, kind):
     ended = command("new", kind, "my-own", "--json")
     document, folder = ended.document, tmp_path / "my-own"
     assert ended.code == 0

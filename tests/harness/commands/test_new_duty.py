@@ -131,7 +131,7 @@ def test_a_template_of_one_contract_is_not_written_for_a_drive_of_the_other(writ
         ("model/controller.h", r".* PeriodCounts;\n", "has no member named 'PeriodCounts'"),
     ],
 )
-def test_what_the_models_structures_do_not_have_is_told_by_its_name(
+def test_what_the_models_structures_do_not_have_is_reported_by_its_name(
     written,
     file: str,
     line: str,

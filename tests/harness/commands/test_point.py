@@ -83,10 +83,10 @@ def test_out_of_reach_it_gives_the_values_at_the_limit(command):
     assert "not feasible" in ended.out
 
 
-def test_a_torque_that_only_less_than_the_limit_gives_is_told_in_plain_words(command):
+def test_a_torque_that_only_less_than_the_limit_gives_is_reported_in_plain_words(command):
     words = ("point", "--speed-rpm", 1000, "--advance-deg", 32, "--torque-nm", 14.324)
-    told = "13.9 A gives the torque, but a regulator at its limit may lose it"
-    assert told in command(*words).out
+    stated = "13.9 A gives the torque, but a regulator at its limit may lose it"
+    assert stated in command(*words).out
     document = command(*words, "--json").document
     assert document["reference_below_limit_a"] == pytest.approx(13.934, abs=1e-3)
     out_of_reach = command("point", "--speed-rpm", 1500, "--advance-deg", 45, "--torque-nm", 9.8)
@@ -236,8 +236,8 @@ OFFSET_PERSISTS = (
 def test_a_periodic_state_that_is_not_unique_is_said_to_be_so(command, changes, unique):
     words = ("point", *OFFSET_PERSISTS, *changes)
     assert command(*words, "--json").document["unique"] is unique
-    told = "the periodic state is not unique: without resistance" in command(*words).out
-    assert told is not unique
+    stated = "the periodic state is not unique: without resistance" in command(*words).out
+    assert stated is not unique
 
 
 def test_a_star_without_resistance_and_drops_retains_an_offset_too(command):

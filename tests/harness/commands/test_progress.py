@@ -180,14 +180,14 @@ def test_the_time_left_is_reported_as_people_say_it(seconds, time_left):
     assert kept.last.endswith(time_left)
 
 
-def test_a_check_that_takes_hours_is_told_once_with_what_makes_it_shorter():
+def test_a_check_that_takes_hours_is_reported_once_with_what_makes_it_shorter():
     now = [0.0]
     pace = CheckPace(clock=lambda: now[0])
-    told = []
+    stated = []
     for now[0], done in ((30.0, 2), (34.0, 4), (130.0, 6), (230.0, 8)):
-        told.append(pace.slow_in_words(done, 302))
+        stated.append(pace.slow_in_words(done, 302))
     # From 30 s on it made 4 runs in 100 s.
-    assert told == [
+    assert stated == [
         "",
         "",
         "at this pace this check takes about 2 h 3 min more; --effort quick or --only makes it shorter, and "

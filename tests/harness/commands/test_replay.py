@@ -188,7 +188,7 @@ def test_what_does_not_show_again_with_nothing_changed_is_not_called_fixed(comma
     assert ended.code == 1, "nothing was mended"
 
 
-def test_a_folder_tells_it_too(command, by_chance):
+def test_a_folder_reports_it_too(command, by_chance):
     path, candidate = by_chance(seeded=False, check="CMD-1")
     ended = command("replay", path.parent, "--candidate", candidate)
     assert "1 counterexample: 1 not reproduced" in ended.out
@@ -196,7 +196,7 @@ def test_a_folder_tells_it_too(command, by_chance):
     assert ended.code == 1, "nothing was mended"
 
 
-def test_another_margin_of_the_same_failure_is_told(command, by_chance):
+def test_another_margin_of_the_same_failure_is_reported(command, by_chance):
     path, candidate = by_chance(seeded=False, check="CMD-1", current=80.0)
     ended = command("replay", path, "--candidate", candidate, "--json").document
     assert ended["verdict"] == "still fails"
@@ -236,7 +236,7 @@ def report(tmp_path):
     return write
 
 
-def test_every_counterexample_of_a_report_is_told_on_one_line(command, report, controllers):
+def test_every_counterexample_of_a_report_is_reported_on_one_line(command, report, controllers):
     folder = report(CMD_1="published", PWR_2="published", DET_1="published")
     ended = command("replay", folder, "--candidate", f"{controllers}:Steady")
     assert ended.code == 0, ended.err

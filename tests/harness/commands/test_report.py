@@ -25,7 +25,7 @@ def result(command: Any, engine: Any, tmp_path: Path) -> Path:
     return tmp_path / "first" / "result.json"
 
 
-def test_reports_are_made_anew(command: Any, result: Path, tmp_path: Path) -> None:
+def test_reports_are_made_again(command: Any, result: Path, tmp_path: Path) -> None:
     ended = command("report", str(result), "--output", str(tmp_path / "again"), "--json")
     assert ended.code == 0, ended.err
     document = ended.document

@@ -43,7 +43,7 @@ def test_people_get_tables_and_the_way_to_a_plot(command, short):
     assert "--plot" in ended.out
 
 
-def test_commands_out_of_range_and_a_wrong_unit_are_told(command, short, tmp_path):
+def test_commands_out_of_range_and_a_wrong_unit_are_reported(command, short, tmp_path):
     (tmp_path / "mine.py").write_text(
         "from drivegate import Command\n"
         "class Degrees:\n def reset(self, nameplate): pass\n def step(self, sense): return Command(5000.0, 57.0)\n"
@@ -200,7 +200,7 @@ class Slow:
 """
 
 
-def test_a_run_that_will_take_long_is_told_while_it_runs(command, tmp_path, monkeypatch):
+def test_a_run_that_will_take_long_is_reported_while_it_runs(command, tmp_path, monkeypatch):
     monkeypatch.setattr("drivegate.containment.watches.KNOWN_AFTER", 0.3)
     monkeypatch.setattr("drivegate.containment.watches.LONG", 1.0)
     case = tmp_path / "half.json"
@@ -208,13 +208,13 @@ def test_a_run_that_will_take_long_is_told_while_it_runs(command, tmp_path, monk
     (tmp_path / "slow.py").write_text(SLOW, encoding="utf-8")
     ended = command("simulate", "slow.py:Slow", "--case", case, "--json")
     assert ended.code == 0
-    assert ended.document["summary"]["steps"] == 500, "what is told changes nothing"
+    assert ended.document["summary"]["steps"] == 500, "what is reported changes nothing"
     (line,) = [line for line in ended.err.splitlines() if "at this pace" in line]
     assert line.startswith("at this pace this run takes about "), line
-    told = re.search(r": 500 steps of ([0-9.]+) s each", line)
-    assert told, line
+    stated = re.search(r": 500 steps of ([0-9.]+) s each", line)
+    assert stated, line
     # Steps are counted in whole ones, and a busy machine adds to the 5 ms of each.
-    assert float(told[1]) > 0.004, line
+    assert float(stated[1]) > 0.004, line
     fast = command("simulate", "initial", "--case", case)
     assert "at this pace" not in fast.err
 
@@ -254,8 +254,8 @@ def test_the_next_command_is_of_the_same_drive(command, tmp_path, run):
     file = tmp_path / "brief.json"
     file.write_text(brief.to_json(), encoding="utf-8")
     chosen = ("--case", file, "--drive", "star-3-phase", "--set", "window_deg=150")
-    told = " ".join(command(*run, *chosen).out.split())
-    assert f"next: drivegate {' '.join(run)} {' '.join(map(str, chosen))} --plot" in told
+    stated = " ".join(command(*run, *chosen).out.split())
+    assert f"next: drivegate {' '.join(run)} {' '.join(map(str, chosen))} --plot" in stated
 
 
 def test_hall_switches_are_refused_in_a_sentence_on_another_drive(command, tmp_path):

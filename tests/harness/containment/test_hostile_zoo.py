@@ -555,8 +555,8 @@ def test_an_answer_that_depends_on_anything_else_is_non_deterministic(tmp_path, 
         (run,) = repeated_elsewhere(pool, outcome.runs)
     (margin,) = [margin for margin in run.margins if margin.check == REPEATED]
     assert not margin.met, f"what depends on {source} was taken for deterministic: {margin.measured}"
-    told = r"differs from step 1 on, at 0\.0005 s: current reference \S+ against \S+ A"
-    assert re.search(told, margin.measured), margin.measured
+    stated = r"differs from step 1 on, at 0\.0005 s: current reference \S+ against \S+ A"
+    assert re.search(stated, margin.measured), margin.measured
 
 
 def test_a_steady_answer_is_deterministic_in_another_process_too():

@@ -343,15 +343,15 @@ def test_a_pool_without_jobs_starts_nothing(candidate):
         assert list(pool.map([])) == []
 
 
-def test_a_slow_run_is_told_while_it_runs(candidate):
+def test_a_slow_run_is_reported_while_it_runs(candidate):
     # Its steps take 50 ms, and the 150th raises, which no wait for a hang comes after.
     slow = candidate(answer="1.0 / (self.count < 150) + (time.sleep(0.05) or 0.0)")
     limits = WorkerLimits(order_seconds=100.0, order_step_seconds=0.0)
-    told = []
-    with WorkerPool(slow, workers=2, limits=limits, on_slow=told.append) as pool:
+    stated = []
+    with WorkerPool(slow, workers=2, limits=limits, on_slow=stated.append) as pool:
         endings = list(pool.map([Job(worker_jobs.drive, 4000), Job(worker_jobs.drive, 4000)]))
     assert [ending.error for ending in endings] == ["ZeroDivisionError"] * 2
-    (run,) = told
+    (run,) = stated
     assert (run.steps, run.allowed_seconds) == (4000, 100.0)
     # Steps are counted in whole ones between two looks, so the pace is known to one step in some.
     assert run.seconds > 150.0, "a step takes 50 ms and what a busy machine adds"

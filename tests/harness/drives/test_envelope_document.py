@@ -1,4 +1,4 @@
-"""What a result tells of its drive: at few speeds, and nothing else than `drivegate drive` tells at many."""
+"""What a result states of its drive: at few speeds, and nothing else than `drivegate drive` states at many."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def test_rated_torque_out_of_reach_at_base_speed_is_said() -> None:
     assert not any("out of reach" in fact for fact in facts(envelope_of(load_drive("star-3-phase-150-emf"))))
 
 
-def test_requirements_are_told_in_the_numbers_of_the_drive() -> None:
+def test_requirements_are_reported_in_the_numbers_of_the_drive() -> None:
     of_search, of_torque = required(
         load_drive("paper-5-phase").replaced(speed_tolerance_rpm=4.0, settling_s=8.0)
     )

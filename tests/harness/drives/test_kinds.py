@@ -117,19 +117,19 @@ def test_a_judged_run_compiles_and_imports_nothing_of_another_kind(
     ended = subprocess.run(
         [sys.executable, "-c", RUN_OF_A_KIND, kind], capture_output=True, text=True, check=True
     )
-    told: dict[str, set[str]] = {"compiled": set(), "imported": set()}
+    stated: dict[str, set[str]] = {"compiled": set(), "imported": set()}
     for line in ended.stdout.splitlines():
         what, name, *_ = line.split()
-        told[what].add(name)
+        stated[what].add(name)
     package = f"drivegate_models.{kind.replace('-', '_')}"
-    assert any(name.startswith(package) for name in told["compiled"]), "the kernels tell no plant"
+    assert any(name.startswith(package) for name in stated["compiled"]), "the kernels tell no plant"
     for other in others:
         foreign = f"drivegate_models.{other}"
-        assert not [name for name in told["compiled"] if name.startswith(foreign)], (
+        assert not [name for name in stated["compiled"] if name.startswith(foreign)], (
             "compiled for another kind"
         )
         # An index of numba's cache names the constants and states of both plants, and so imports them; their loops
         # and periodic states, which callers would be compiled with, it does not.
         known = {f"{foreign}.{module}" for module in ("closed_loop", "periodic", "oracle", "fundamental")}
-        assert not known & told["imported"], "imported for another kind"
-    assert not [name for name in told["imported"] if name.startswith("drivegate_models.pm_ac")]
+        assert not known & stated["imported"], "imported for another kind"
+    assert not [name for name in stated["imported"] if name.startswith("drivegate_models.pm_ac")]

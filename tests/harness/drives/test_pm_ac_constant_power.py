@@ -16,12 +16,12 @@ def document(**changes: float) -> PmAcDocument:
 
 def test_it_is_that_of_the_envelope() -> None:
     drive = document()
-    found, told = DUTY_ABILITY.constant_power(drive), duty_envelope(drive)
+    found, stated = DUTY_ABILITY.constant_power(drive), duty_envelope(drive)
     assert found.speeds[0] == pytest.approx(drive.rating.base_speed_rpm * RADIANS_PER_RPM)
-    last = told["points"][-1]
+    last = stated["points"][-1]
     assert last["speed_rpm"] == drive.rating.overspeed_rpm
     assert found.powers[-1] == pytest.approx(last["greatest_power_w"])
-    upto = told["rated_power_up_to_rpm"] or drive.rating.overspeed_rpm
+    upto = stated["rated_power_up_to_rpm"] or drive.rating.overspeed_rpm
     assert found.reached == pytest.approx(min(upto, drive.rating.overspeed_rpm) * RADIANS_PER_RPM)
 
 

@@ -35,7 +35,7 @@ def test_the_papers_rating_can_be_met() -> None:
     assert unreachable_rating(load_drive("paper-5-phase")) is None
 
 
-def test_too_little_current_is_told_with_every_way_out() -> None:
+def test_too_little_current_is_reported_with_every_way_out() -> None:
     found = unreachable(current_limit_a=20.0)
     assert found.speed == pytest.approx(550.0 * RADIANS_PER_RPM)
     assert found.sentence() == (
@@ -74,7 +74,7 @@ def test_where_the_supply_is_what_lacks_more_current_is_said_not_to_help() -> No
     assert found.sentence().endswith("; more current alone would not help")
 
 
-def test_a_drive_that_cannot_even_turn_itself_is_told_so() -> None:
+def test_a_drive_that_cannot_even_turn_itself_is_reported_so() -> None:
     found = unreachable(friction_n_m=100.0)
     assert found.nearest_power == 0.0
     assert "no power can be met" in found.sentence()

@@ -38,7 +38,7 @@ def test_the_limit_that_is_offered_can_be_met_and_a_little_less_cannot() -> None
     assert unreachable_ripple(rated_drive(strict.replaced(ripple_percent=100.0 * found.least))) != ()
 
 
-def test_a_point_whose_torque_is_out_of_reach_is_told_with_what_there_is() -> None:
+def test_a_point_whose_torque_is_out_of_reach_is_reported_with_what_there_is() -> None:
     heavy = FAN.replaced(point=({"speed_rpm": 6000.0, "torque_n_m": 0.3},))
     (found,) = unreachable_ripple(rated_drive(heavy))
     assert found.sentence() == (
@@ -54,7 +54,7 @@ def test_the_friction_of_a_shaft_adds_to_the_torque_of_a_point() -> None:
     heavier = FAN.replaced(
         ripple_percent=13.0, point=({"speed_rpm": 6000.0, "torque_n_m": without.torque_nm + 0.02},)
     )
-    (told,) = unreachable_ripple(rated_drive(heavier))
-    assert with_friction.least == pytest.approx(told.least, rel=1e-9)
+    (stated,) = unreachable_ripple(rated_drive(heavier))
+    assert with_friction.least == pytest.approx(stated.least, rel=1e-9)
     assert abs(with_friction.least - without.least) > 1e-3
     assert with_friction.greatest_torque == pytest.approx(without.greatest_torque - 0.02, rel=1e-9)

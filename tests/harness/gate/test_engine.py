@@ -36,8 +36,10 @@ def check(text: str, **options: Any) -> ResultDocument:
     final = events[-1]
     assert isinstance(final, CheckFinished)
     if final.result.verdict in ("pass", "fail"):
-        told = [event for event in events if isinstance(event, RunDone)][-1]
-        assert told.done == told.planned == final.result.runs, "progress must end with the runs of the result"
+        stated = [event for event in events if isinstance(event, RunDone)][-1]
+        assert stated.done == stated.planned == final.result.runs, (
+            "progress must end with the runs of the result"
+        )
     return final.result
 
 

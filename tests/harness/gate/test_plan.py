@@ -46,7 +46,7 @@ def test_a_check_is_planned_on_the_drive_that_is_named(monkeypatch: Any) -> None
     monkeypatch.setattr(engine, "planned_work", lambda *_, **options: planned.append(options["drive"]) or [])
     for count, drive in enumerate((None, MINE), start=1):
         events = iter(engine.check_candidate(resolve_candidate("reference"), CheckOptions(drive=drive)))
-        # A check first tells that it has started and, with a cold cache, that it compiles.
+        # A check first reports that it has started and, with a cold cache, that it compiles.
         while len(planned) < count:
             next(events)
     assert planned == [PAPER, MINE]

@@ -62,8 +62,8 @@ def test_what_a_crash_kept_from_being_judged_is_listed(crashed: dict[str, Any]) 
 
 def test_the_first_of_several_faults_stands_for_all(crashed: dict[str, Any]) -> None:
     crashed["faults"] += [CRASH | {"message": "died later"}, CRASH | {"message": "died at last"}]
-    told = "not judged, because of crash: the process was killed and 2 more faults"
-    assert explanations(crashed)["CNV-1"] == told
+    stated = "not judged, because of crash: the process was killed and 2 more faults"
+    assert explanations(crashed)["CNV-1"] == stated
 
 
 def test_a_check_that_ended_early_without_a_fault_is_explained_by_none(crashed: dict[str, Any]) -> None:

@@ -1,4 +1,4 @@
-"""What a result tells of its origin, and what of that its content hash covers."""
+"""What a result states of its origin, and what of that its content hash covers."""
 
 from __future__ import annotations
 
@@ -30,18 +30,18 @@ def test_a_result_names_its_target(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.parametrize("key", ["commit", "target"])
 def test_where_it_was_computed_is_outside_of_the_hash(key: str) -> None:
-    told = provenance()
-    elsewhere = {**told, key: "another"}
-    assert hash_of_content({"runs": 1, "provenance": told}) == hash_of_content(
+    stated = provenance()
+    elsewhere = {**stated, key: "another"}
+    assert hash_of_content({"runs": 1, "provenance": stated}) == hash_of_content(
         {"runs": 1, "provenance": elsewhere}
     )
 
 
 @pytest.mark.parametrize("key", ["drivegate", "sources", "python", "machine", "packages"])
 def test_versions_are_inside_of_the_hash(key: str) -> None:
-    told: dict[str, Any] = versions()
-    assert hash_of_content({"provenance": told}) != hash_of_content(
-        {"provenance": {**told, key: "another"}}
+    stated: dict[str, Any] = versions()
+    assert hash_of_content({"provenance": stated}) != hash_of_content(
+        {"provenance": {**stated, key: "another"}}
     ), f"two results of different versions ({key}) would have one hash"
 
 

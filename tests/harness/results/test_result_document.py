@@ -51,7 +51,7 @@ def document() -> dict[str, Any]:
 def test_the_published_schema_is_that_of_the_code(schema: dict[str, Any]) -> None:
     jsonschema.Draft202012Validator.check_schema(schema)
     assert schema == result_schema(), (
-        "docs/schemas/result.schema.json is out of date; write it anew from drivegate.results.document.result_schema()"
+        "docs/schemas/result.schema.json is out of date; write it again from drivegate.results.document.result_schema()"
     )
 
 

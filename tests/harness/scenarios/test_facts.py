@@ -67,19 +67,19 @@ def test_each_key_that_is_not_as_in_the_plain_run_is_a_fact(
 
 def test_a_key_without_words_of_its_own_is_a_fact_too() -> None:
     """A key that the scenario gets one day must not go uncounted."""
-    told = facts_of(
+    stated = facts_of(
         {**PLAIN.to_mapping(), "magnet_age_years": 12.0, "restarts": [3.0, 4.0], "none_at_all": []}
     )
-    assert told == ("magnet age years 12", "restarts 3", "restarts 4")
+    assert stated == ("magnet age years 12", "restarts 3", "restarts 4")
 
 
-def test_facts_are_told_in_one_line() -> None:
+def test_facts_are_reported_in_one_line() -> None:
     assert facts_in_short(PLAIN.to_mapping()) == "the plain run"
     assert facts_in_short(steady(700.0).to_mapping()) == "700 rpm, constant torque 20.463 N·m"
     assert facts_in_short({"kind": "script", "rows": [{}, {}]}) == "a script of 2 rows"
 
 
-def test_hall_switches_are_told_counted_and_made_plainer_like_other_sensors() -> None:
+def test_hall_switches_are_reported_counted_and_made_plainer_like_other_sensors() -> None:
     star = steady_scenario(load_drive("star-3-phase"), 1000.0, power_share=0.5, constant_power=False)
     seen = with_real_sensors(star, 3)
     far_off = seen.replaced(sensors={"kind": "hall", "placement_error_deg": 4.0, "current_noise_a": 1.0})

@@ -44,7 +44,7 @@ def dragging(run: Scenario, share: float) -> Scenario:
 
 
 @pytest.mark.parametrize("name", DRIVES)
-def test_it_ends_a_stretch_and_is_told(name: str) -> None:
+def test_it_ends_a_stretch_and_is_reported(name: str) -> None:
     run = dragging(plain(name), 0.1)
     torque = run.drift.friction_n_m[-1][1] if run.drift and run.drift.friction_n_m else 0.0
     added = [dwell.scales.friction_added_n_m for dwell in dwells(run)]

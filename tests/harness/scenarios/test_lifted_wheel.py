@@ -67,7 +67,7 @@ def test_the_shaft_gains_speed_by_the_inertia_that_it_has_at_that_time(name: str
 
 
 @pytest.mark.parametrize("name", DRIVES)
-def test_it_is_a_stretch_of_its_own_and_is_told(name: str) -> None:
+def test_it_is_a_stretch_of_its_own_and_is_reported(name: str) -> None:
     scenario = lifted(name)
     factor = min(value for _, value in COURSES["inertia"].profile(scenario))
     own = scenario.scales.inertia

@@ -198,7 +198,7 @@ def test_options_win_over_the_decorator(suite: Any, engine: FakeEngine) -> None:
     assert engine.calls == [("initial", "nightly", 9)]
 
 
-def test_a_required_check_that_fails_tells_its_margin_and_how_to_replay(
+def test_a_required_check_that_fails_states_its_margin_and_how_to_replay(
     suite: Any, engine: FakeEngine, pytester: pytest.Pytester
 ) -> None:
     check = of_level("required")
@@ -296,7 +296,7 @@ def test_a_fault_fails_the_item_of_the_candidate(suite: Any, engine: FakeEngine)
 @pytest.mark.parametrize(
     "error", [InputError("there is no method 'step'"), HarnessFault("it broke"), KeyError("x")]
 )
-def test_without_a_result_no_item_passes_and_one_tells_why(
+def test_without_a_result_no_item_passes_and_one_states_why(
     suite: Any, engine: FakeEngine, error: Exception
 ) -> None:
     engine.error = error
@@ -306,7 +306,7 @@ def test_without_a_result_no_item_passes_and_one_tells_why(
     assert len(engine.calls) == 1, "what failed once must not be tried again for every item"
 
 
-def test_an_output_folder_is_used_and_written_anew(
+def test_an_output_folder_is_used_and_written_again(
     suite: Any, engine: FakeEngine, pytester: pytest.Pytester
 ) -> None:
     check = of_level("required")

@@ -33,7 +33,7 @@ def test_short_work_is_repeated_within_a_round():
     clock, calls = Clock(), []
     work = clock.works(1e-3)
     timed(lambda: calls.append(work()), clock, 2)
-    assert len(calls) == 1 + 2 * 20, "20 ms a round, after a first call that tells how long one takes"
+    assert len(calls) == 1 + 2 * 20, "20 ms a round, after a first call that states how long one takes"
 
 
 def test_works_take_turns():

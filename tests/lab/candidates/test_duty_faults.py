@@ -214,7 +214,7 @@ def test_a_faulty_controller_is_caught_through_hall_switches_alone(name: str) ->
     assert DUTY_FAULTS[name].check in {margin.check for margin in margins if not margin.met}
 
 
-def test_a_fault_is_made_simple_recorded_and_told_on_the_page() -> None:
+def test_a_fault_is_made_simple_recorded_and_reported_on_the_page() -> None:
     focus = Focus(only=("FWK-2",), stop_at_first=True)
     events = check_candidate(
         resolve_candidate("faulty:stuck-weakening"),
@@ -230,4 +230,4 @@ def test_a_fault_is_made_simple_recorded_and_told_on_the_page() -> None:
     assert document["behaviour"] is None, "a check that was confined shows nothing beside it"
     text = page(document)
     assert "Run " in text
-    assert "along the magnet" in text, "the account of the run is told"
+    assert "along the magnet" in text, "the account of the run is reported"

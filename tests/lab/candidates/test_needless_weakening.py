@@ -29,8 +29,8 @@ def run(scenario: Scenario, candidate: str = "foc") -> DutyRecord:
 
 def test_needless_weakening_shows_in_the_losses() -> None:
     drive = drive_of("pm-ac-interior")
-    told, other = (
+    stated, other = (
         behaviour(lambda scenario, name=name: run(scenario, name), drive, None)["points"]
         for name in ("foc", "faulty:stuck-weakening")
     )
-    assert told[0]["above_least_percent"] < 1.0 < other[0]["above_least_percent"]
+    assert stated[0]["above_least_percent"] < 1.0 < other[0]["above_least_percent"]

@@ -8,7 +8,7 @@ from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_lab.candidates.duty_faults import DUTY_FAULTS
 
 
-def test_duty_ratios_beyond_their_range_are_told(command, tmp_path) -> None:
+def test_duty_ratios_beyond_their_range_are_reported(command, tmp_path) -> None:
     drive = load_drive("pm-ac-interior").replaced(settling_s=0.3)
     assert isinstance(drive, PmAcDocument)
     case = tmp_path / "case.json"

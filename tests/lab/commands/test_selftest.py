@@ -70,7 +70,7 @@ def test_the_kinds_of_drives_that_can_be_drawn_are_those_of_the_option() -> None
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "stated"),
     [
         (("--output", "somewhere"), "--output goes with --drives N only"),
         (("--faults",), "--faults goes with --drives N only"),
@@ -83,8 +83,8 @@ def test_the_kinds_of_drives_that_can_be_drawn_are_those_of_the_option() -> None
         (("--drives", "1", "--faults", "--fault", "drifts"), "--fault does not go with --faults"),
     ],
 )
-def test_options_that_do_not_fit_are_refused(words, told, refused) -> None:
-    assert told in refused("selftest", *words)
+def test_options_that_do_not_fit_are_refused(words, stated, refused) -> None:
+    assert stated in refused("selftest", *words)
 
 
 def test_faults_of_duty_ratios_are_tried_on_a_drive_that_takes_them(command, refused, tmp_path) -> None:

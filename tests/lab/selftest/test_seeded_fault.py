@@ -1,4 +1,4 @@
-"""Faulty controllers of either contract: those of the drive's are chosen, and told what they are on it."""
+"""Faulty controllers of either contract: those of the drive's are chosen, and described for it."""
 
 import pytest
 
@@ -64,17 +64,17 @@ def test_what_shows_by_reluctance_torque_shows_elsewhere_without(name: str, name
 
 
 @pytest.mark.parametrize(
-    ("name", "drive", "told"),
+    ("name", "drive", "stated"),
     [
         ("drifts", INTERIOR, "takes duty ratios; name a drive such as paper-5-phase with --drive"),
         ("swapped-phases", PAPER, "answers with duty ratios"),
         ("swaped-phases", INTERIOR, "is unknown, the nearest known one is 'swapped-phases'"),
     ],
 )
-def test_one_that_the_drive_cannot_have_is_refused(name, drive, told) -> None:
+def test_one_that_the_drive_cannot_have_is_refused(name, drive, stated) -> None:
     with pytest.raises(InputError) as refused:
         chosen_faults((name,), drive)
-    assert told in str(refused.value)
+    assert stated in str(refused.value)
 
 
 def test_a_trial_is_planned_from_the_runs_of_the_drive() -> None:

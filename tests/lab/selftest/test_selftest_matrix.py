@@ -124,7 +124,7 @@ def test_a_correct_design_accused_is_a_problem() -> None:
     ]
 
 
-def test_the_document_tells_the_slowest_catch() -> None:
+def test_the_document_states_the_slowest_catch() -> None:
     fault = matrix(CAUGHT).document()["faults"][0]
     assert fault["named_check"] == "CNV-2"
     assert (fault["runs_to_first"], fault["size"], fault["also_failing"]) == (7, 8, ["CNV-1"])
@@ -188,7 +188,7 @@ def test_every_correct_design_is_a_candidate() -> None:
     assert len(set(names)) == len(names)
 
 
-def test_the_console_tells_facts_kinds_and_least_margins() -> None:
+def test_the_console_states_facts_kinds_and_least_margins() -> None:
     least = LeastMargin("CNV-1", 0.04, "speed error 4.8 rpm")
     near = replace(ACQUITTED, name="near:one", near=True, least=least)
     ordinary = replace(ACQUITTED, least=least)

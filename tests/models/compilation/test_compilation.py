@@ -80,7 +80,7 @@ def test_an_installation_at_another_place_compiles_nothing_again(tmp_path: Path)
     assert len(folders) == 1, f"the place of the sources is in the folder's name: {folders}"
 
 
-def test_changed_sources_are_compiled_anew(tmp_path: Path) -> None:
+def test_changed_sources_are_compiled_again(tmp_path: Path) -> None:
     package = Path(drivegate_models.__file__).parent
     shutil.copytree(package, tmp_path / "one" / package.name, ignore=shutil.ignore_patterns("__pycache__"))
     _compiled_at(tmp_path / "one", tmp_path / "cache")
@@ -89,7 +89,7 @@ def test_changed_sources_are_compiled_anew(tmp_path: Path) -> None:
     assert _compiled_at(tmp_path / "one", tmp_path / "cache") == [1, 0, 0, 1]
 
 
-def test_code_outside_the_models_is_compiled_anew_with_any_file_of_its_folder(tmp_path: Path) -> None:
+def test_code_outside_the_models_is_compiled_again_with_any_file_of_its_folder(tmp_path: Path) -> None:
     # Its functions call one another across the files of their folder, as those of the emulator do.
     stamps = []
     for text in ("ONE = 1", "ONE = 2", "ONE = 1"):

@@ -174,9 +174,9 @@ def opens_the_windows_earlier() -> None:
 
 def is_an_estimate() -> None:
     assert np.isnan(run_of().run.last_command["input_power"][0])
-    told = run_of(input_power=123.0)
-    assert told.run.last_command["input_power"][0] == 123.0
-    assert told.run.trace.tobytes() == run_of().run.trace.tobytes()
+    stated = run_of(input_power=123.0)
+    assert stated.run.last_command["input_power"][0] == 123.0
+    assert stated.run.trace.tobytes() == run_of().run.trace.tobytes()
 
 
 ANSWERED: Final[dict[str, Callable[[], None]]] = {

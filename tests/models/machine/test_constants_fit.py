@@ -38,11 +38,11 @@ def test_the_uncertainty_is_what_repeating_the_measurement_shows() -> None:
     repeated = np.array(
         [fitted(decay(TRUE) + NOISE * random.standard_normal(len(TIMES))).values for _ in range(200)]
     )
-    told = fitted(decay(TRUE)).relative_spread(NOISE**2)
-    assert told == pytest.approx(repeated.std(axis=0) / TRUE, rel=0.15)
+    stated = fitted(decay(TRUE)).relative_spread(NOISE**2)
+    assert stated == pytest.approx(repeated.std(axis=0) / TRUE, rel=0.15)
 
 
-def test_what_the_figures_do_not_tell_has_no_end_of_uncertainty() -> None:
+def test_what_the_figures_do_not_state_has_no_end_of_uncertainty() -> None:
     found = fit_constants(lambda c: c[0] * TIMES - 2.0 * TIMES, [1.0, 5.0], [0.1, 0.1], [10.0, 10.0])
     spread = found.relative_spread(1.0)
     assert np.isfinite(spread[0])

@@ -70,7 +70,7 @@ def test_a_known_motor_is_found_again(constants: tuple[float, float, float]) -> 
     assert found.emf_flat == pytest.approx(known.emf_flat, rel=1e-4)
 
 
-def test_sensitivities_tell_what_is_firm(calibration: Calibration) -> None:
+def test_sensitivities_state_what_is_firm(calibration: Calibration) -> None:
     assert [row.cause for row in calibration.sensitivities] == [*ROUNDING, "resistance"]
     assert 5.0 < calibration.condition < 50.0
     # The flat top's width is the least firm: a half digit of each figure moves it by some 18 degrees in all.

@@ -87,7 +87,7 @@ def test_the_curve_is_the_share_of_runs_with_at_most_that_margin() -> None:
     assert "ROB-1: least −inf, median −0.5" in alternative([row])
 
 
-def test_a_check_that_never_decides_and_a_candidate_without_runs_are_told(
+def test_a_check_that_never_decides_and_a_candidate_without_runs_are_reported(
     campaign_document: Document,
 ) -> None:
     nothing = {"violations": 0, "runs": 0, "probability": None, "interval": [0.0, 1.0]}

@@ -68,7 +68,7 @@ def test_labels_of_many_speeds_and_loads_do_not_overlap() -> None:
             assert other.x0 - one.x0 >= 0.9 * width, "labels overlap"
 
 
-def test_points_that_are_not_held_are_told_and_not_drawn(duty_comparison: Document) -> None:
+def test_points_that_are_not_held_are_reported_and_not_drawn(duty_comparison: Document) -> None:
     view = view_of(duty_comparison)
     assert view.sentences[1][1].startswith("holds 6 of 10 operating points")
     points, steps = _figures(duty_comparison)
@@ -107,7 +107,7 @@ def test_another_kind_or_a_newer_one_is_refused(duty_comparison: Document) -> No
         view_of(duty_comparison | {"kind": "drive-comparison"})
 
 
-def test_what_was_followed_is_told(duty_comparison: Document) -> None:
+def test_what_was_followed_is_reported(duty_comparison: Document) -> None:
     assert "torque, at held speeds" in page(duty_comparison)
     drive = duty_comparison["drive"] | {"speed_tolerance_rpm": 2.5}
     text = page({**duty_comparison, "reference": "speed", "drive": drive})

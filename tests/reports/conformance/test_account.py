@@ -52,12 +52,14 @@ def test_a_dropout_after_the_loss_is_not_blamed(locked: RunSignals, start: float
     words = f"The speed was lost before the first disturbance of the sensors, at {start:g} s, which is not the cause."
     sentences = account(disturbed)
     assert (words in sentences) is acquitted, sentences
-    told = [sentence for sentence in account(locked) if "left its band" in sentence]
-    assert set(told) <= set(sentences), "the speed left its band when it did, whatever came later"
+    stated = [sentence for sentence in account(locked) if "left its band" in sentence]
+    assert set(stated) <= set(sentences), "the speed left its band when it did, whatever came later"
 
 
 @pytest.mark.parametrize("output", ["terminal", "Markdown", "JUnit"])
-def test_what_happened_is_told_on_every_output(recorded: dict[str, Any], output: str, tmp_path: Path) -> None:
+def test_what_happened_is_reported_on_every_output(
+    recorded: dict[str, Any], output: str, tmp_path: Path
+) -> None:
     if output == "terminal":
         stream = io.StringIO()
         show_checked(console_for(stream), Checked("mine.py:Mine", None, recorded, tmp_path))

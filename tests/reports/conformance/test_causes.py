@@ -81,7 +81,7 @@ def test_failed_rows_come_first_in_the_order_of_the_catalogue(three_failed: dict
     ]
 
 
-def test_a_stall_is_told_as_one(three_failed: dict[str, Any]) -> None:
+def test_a_stall_is_reported_as_one(three_failed: dict[str, Any]) -> None:
     for trace in three_failed["traces"]:
         trace["speed_rpm"] = [*trace["speed_rpm"][:-20], *[0.0] * 20]
     assert causes_of(three_failed)[0].words == "the motor stalls"

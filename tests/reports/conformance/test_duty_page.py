@@ -40,12 +40,12 @@ def test_each_figure_stands_with_its_words(duty_result: Document, text: str) -> 
         "drive-plane",
     ):
         assert text.count(f'<figure class="card" id="{name}"') == 1, name
-    told = section_of(duty_result)
-    assert told.step is not None
-    assert told.torque is not None
-    assert f"overshoots by {figure(told.step.overshoot_percent)} % of the step" in text
-    assert f"90 % is reached after {told.step.rise_ms:.4g} ms" in text
-    assert f"a ripple of {figure(told.torque.peak_to_peak_percent)} % of rated torque" in text
+    stated = section_of(duty_result)
+    assert stated.step is not None
+    assert stated.torque is not None
+    assert f"overshoots by {figure(stated.step.overshoot_percent)} % of the step" in text
+    assert f"90 % is reached after {stated.step.rise_ms:.4g} ms" in text
+    assert f"a ripple of {figure(stated.torque.peak_to_peak_percent)} % of rated torque" in text
     assert text.count(" % speed, ") >= 16, "eight operating points in the figure's words and in the table"
     assert "uses up the undistorted 55.43 V of a phase at 585.42 rpm" in text
     assert len(text) < 1_000_000
@@ -113,7 +113,7 @@ def test_losses_far_above_the_least_stand_out(duty_result: Document) -> None:
 
 
 @pytest.mark.parametrize(
-    "told",
+    "stated",
     [
         None,
         "<script>alert(1)</script>",
@@ -121,8 +121,8 @@ def test_losses_far_above_the_least_stand_out(duty_result: Document) -> None:
         {"range": {}, "release": {}, "points": [{"loss_w": "<script>alert(1)</script>"}]},
     ],
 )
-def test_whatever_else_stands_there_is_not_shown(duty_result: Document, told: object) -> None:
-    text = page(duty_result | {"behaviour": told})
+def test_whatever_else_stands_there_is_not_shown(duty_result: Document, stated: object) -> None:
+    text = page(duty_result | {"behaviour": stated})
     assert 'id="behaviour"' not in text
     assert "alert(1)" not in text
 
@@ -133,7 +133,7 @@ def test_a_name_of_a_scenario_is_escaped(duty_result: Document) -> None:
     assert "<script>alert(1)" not in page(changed)
 
 
-def test_a_drive_without_any_torque_in_reach_is_told_so() -> None:
+def test_a_drive_without_any_torque_in_reach_is_reported_so() -> None:
     point = {"speed_rpm": 0.0, "greatest_torque_nm": None, "greatest_power_w": None}
     empty = {"rating": {}, "points": [point, point | {"speed_rpm": 10.0}], "efficiency_map": {}}
     assert "No torque is within the limits" in duty_envelope.alternative(empty)

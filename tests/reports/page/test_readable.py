@@ -12,7 +12,7 @@ def test_a_document_of_the_kind_and_an_earlier_or_this_schema_is_taken(schema: i
 
 
 @pytest.mark.parametrize(
-    ("document", "told"),
+    ("document", "stated"),
     [
         ({}, "the document is of kind None, but must be of kind 'comparison'"),
         ({"kind": "check", "schema": 1}, "the document is of kind 'check', but must be of kind 'comparison'"),
@@ -24,7 +24,7 @@ def test_a_document_of_the_kind_and_an_earlier_or_this_schema_is_taken(schema: i
         ),
     ],
 )
-def test_any_other_is_refused_in_a_sentence(document: dict[str, object], told: str) -> None:
+def test_any_other_is_refused_in_a_sentence(document: dict[str, object], stated: str) -> None:
     with pytest.raises(InputError) as refused:
         require_document(document, "comparison", 2, "the comparison")
-    assert told in str(refused.value)
+    assert stated in str(refused.value)

@@ -1,4 +1,4 @@
-"""The reference controller beyond the steady runs of the gate: it starts its search anew after a change."""
+"""The reference controller beyond the steady runs of the gate: it starts its search again after a change."""
 
 from typing import Any
 

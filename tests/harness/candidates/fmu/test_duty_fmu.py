@@ -1,4 +1,4 @@
-"""FMUs that answer with duty ratios: told by their outputs, and given what the contract has."""
+"""FMUs that answer with duty ratios: known by their outputs, and given what the contract has."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ NAMEPLATE: DutyNameplate = INTERIOR.duty_nameplate(1e-4, torque_reference=True)
 SENSE = DutySense(0.0, 1.5, (1.0, -3.0, 2.0), 120.0, 4.0, 0.25, 60.0, 5, 1234, 2, (3.5, -0.5, 60.0), 0)
 VERSIONS = (2, 3)
 
-# The command tells what was sensed, one number a step, and the nameplate's numbers after them.
-TOLD = """
+# The command shows what was sensed, one number a step, and the nameplate's numbers after them.
+STATED = """
     double sensed[] = {sense->reference, sense->phase_currents[0], sense->phase_currents[1], sense->phase_currents[2],
         sense->supply_voltage, sense->supply_current, sense->angle, sense->speed, (double)sense->hall,
         (double)sense->encoder_count, (double)sense->trip, sense->phase_voltages[0], sense->phase_voltages[1],
@@ -54,7 +54,7 @@ def made(tmp_path: Path, build_fmu: Callable[..., Path]) -> Callable[..., Path]:
         source = tmp_path / "mine.c"
         text = duty_source(**parts)
         if parts.get("top"):
-            text = text.replace("    if (self->steps == 5)", TOLD)
+            text = text.replace("    if (self->steps == 5)", STATED)
         source.write_text(text, encoding="utf-8")
         return build_fmu([source], tmp_path / "mine.fmu", fmi=version, contract="duty")
 

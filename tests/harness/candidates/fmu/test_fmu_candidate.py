@@ -285,7 +285,7 @@ def test_a_manifest_names_an_fmu_and_declares_for_it(workshop, tmp_path):
         resolve_candidate(str(manifest))
 
 
-def test_the_builder_works_from_the_command_line_and_tells_what_fails(tmp_path):
+def test_the_builder_works_from_the_command_line_and_states_what_fails(tmp_path):
     (tmp_path / "mine.c").write_text(
         SOURCE.format(declarations="", size="sizeof(controller)", self="state", reset="", fifth="", step="")
     )
@@ -665,7 +665,7 @@ def test_without_fmpy_one_sentence_says_what_to_install(workshop, monkeypatch):
     assert refusal_of(workshop(2)).endswith("is an FMU, which needs the package fmpy; pip install fmpy")
 
 
-def test_a_changed_file_is_unpacked_anew(workshop, tmp_path):
+def test_a_changed_file_is_unpacked_again(workshop, tmp_path):
     file = tmp_path / "mine.fmu"
     for version in VERSIONS:
         file.write_bytes(workshop(version).read_bytes())

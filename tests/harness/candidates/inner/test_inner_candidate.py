@@ -26,7 +26,7 @@ from drivegate import Command
 
 class Mine:
     def reset(self, nameplate):
-        self.told = nameplate
+        self.given = nameplate
 
     def step(self, sense):
         {answer}

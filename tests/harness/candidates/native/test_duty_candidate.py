@@ -1,4 +1,4 @@
-"""Controllers of duty ratios in C: the contract is told from what they export, and what they do wrong is a verdict."""
+"""Controllers of duty ratios in C: the contract follows from what they export, and what they do wrong is a verdict."""
 
 from __future__ import annotations
 
@@ -153,7 +153,7 @@ def test_a_library_that_cannot_be_used_is_refused(ended, parts, sentence: str) -
     assert str(caught.value).isprintable()
 
 
-def test_the_contract_is_told_from_what_a_source_or_a_library_exports(
+def test_the_contract_follows_from_what_a_source_or_a_library_exports(
     tmp_path: Path, written: Callable[..., Path], controller_source: Callable[..., str]
 ) -> None:
     source = written(tmp_path, duty_source())

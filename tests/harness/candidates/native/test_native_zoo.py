@@ -317,7 +317,7 @@ def test_what_a_library_does_to_the_rounding_is_undone(loaded, monkeypatch):
     assert math.fsum([0.1] * 10) == 1.0
 
 
-def test_the_command_line_tells_where_the_header_is(capsys):
+def test_the_command_line_states_where_the_header_is(capsys):
     from drivegate.candidates.native.compiler import include_folder
     from drivegate.commands.command_line import main
 

@@ -1,4 +1,4 @@
-"""A Python controller of duty ratios behind its C function: what it senses, what it may answer, how faults are told."""
+"""A Python controller of duty ratios behind its C function: what it senses, what it may answer, how faults read."""
 
 from __future__ import annotations
 

@@ -35,10 +35,10 @@ NUMBERS_OF_THE_PAPER = re.compile(
 
 
 @pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.id)
-def test_no_number_of_the_paper_is_told_of_another_drive(check) -> None:
-    told = on_drive(check, OTHER)
+def test_no_number_of_the_paper_is_reported_of_another_drive(check) -> None:
+    reported = on_drive(check, OTHER)
     for name in set(TEXTS) - {"why"}:
-        text = getattr(told, name)
+        text = getattr(reported, name)
         assert "{" not in text, f"{check.id}: {name} has a number that was not written: {text}"
         assert not NUMBERS_OF_THE_PAPER.search(text), f"{check.id}: {name} is the paper's: {text}"
 
@@ -65,13 +65,13 @@ def test_the_paper_s_texts_are_as_published() -> None:
 
 
 def test_the_sensors_are_those_that_the_drive_has() -> None:
-    for drive, told in (
+    for drive, reported in (
         (PAPER, "the sensors of the published implementation: encoder, Hall sensors, converter."),
         (load_drive("star-3-phase"), "three Hall switches, current sensors, converter."),
     ):
         (row,) = [row for row in traced_checks(drive) if row["id"] == "ROB-2"]
         assert row["requirement"].startswith("CNV-1 and CNV-3 hold through the sensors of")
-        assert row["requirement"].endswith(told)
+        assert row["requirement"].endswith(reported)
 
 
 def test_a_star_is_said_to_have_neither_an_encoder_nor_halves_to_be_unequal() -> None:
@@ -83,9 +83,9 @@ def test_a_star_is_said_to_have_neither_an_encoder_nor_halves_to_be_unequal() ->
         ),
         (load_drive("star-3-phase"), "sensor dropouts, and with drifting parameters", "Hall switches"),
     ):
-        told = on_drive(BY_ID["ROB-3"], drive)
-        assert told.requirement == f"CNV-1 and CNV-3 hold after {requirement}."
-        assert f"(through {sensor} as ROB-2)" in told.limit
+        reported = on_drive(BY_ID["ROB-3"], drive)
+        assert reported.requirement == f"CNV-1 and CNV-3 hold after {requirement}."
+        assert f"(through {sensor} as ROB-2)" in reported.limit
 
 
 def test_a_candidate_s_speeds_are_compared_with_the_drive_s() -> None:

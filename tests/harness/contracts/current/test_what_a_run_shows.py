@@ -153,7 +153,7 @@ def test_an_instance_goes_with_its_run_and_not_when_python_collects(raises: bool
     assert gone() is None, "the deletion of a candidate's instance comes at a moment that nobody has chosen"
 
 
-def test_an_estimate_over_time_begins_anew_with_the_candidate() -> None:
+def test_an_estimate_over_time_begins_again_with_the_candidate() -> None:
     declaration = Declaration(estimates_power=True, power_window_s=0.02)
     scenario = with_restarts(PLAIN, 0.1, 0.105).replaced(duration_s=0.5)
     run = run_scenario(scenario, PythonController(Noting()), power_window=0.02)

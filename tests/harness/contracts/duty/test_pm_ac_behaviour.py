@@ -1,4 +1,4 @@
-"""How controllers of duty ratios behave: the torque within control periods, and what a report tells."""
+"""How controllers of duty ratios behave: the torque within control periods, and what a report states."""
 
 from __future__ import annotations
 
@@ -55,23 +55,23 @@ def test_the_recorded_commands_give_the_recorded_run_again(name: str) -> None:
     assert np.all(course.greatest > mean), "there is ripple within each control period"
 
 
-def test_what_is_told_agrees_with_the_checks() -> None:
+def test_what_is_reported_agrees_with_the_checks() -> None:
     drive = drive_of("pm-ac-surface")
-    told = BehaviourSection.model_validate_json(json.dumps(behaviour(run, drive, steps_of(drive))))
+    stated = BehaviourSection.model_validate_json(json.dumps(behaviour(run, drive, steps_of(drive))))
     margin = step_response(run(steps_of(drive)))
     assert margin is not None
-    assert told.step is not None
+    assert stated.step is not None
     shares = (
-        told.step.overshoot_percent / told.step.overshoot_limit_percent,
-        ((told.step.rise_ms or np.inf) / told.step.allowed_ms),
+        stated.step.overshoot_percent / stated.step.overshoot_limit_percent,
+        ((stated.step.rise_ms or np.inf) / stated.step.allowed_ms),
     )
     assert margin.value == pytest.approx(1.0 - max(shares), abs=1e-4)
-    assert len(told.points) == 8, "every efficiency point was held"
+    assert len(stated.points) == 8, "every efficiency point was held"
     worst = min(
         (margin for scenario in efficiency_scenarios(drive) if (margin := least_loss(run(scenario)))),
         key=lambda margin: margin.value,
     )
-    excess = max(point.above_least_percent or 0.0 for point in told.points)
+    excess = max(point.above_least_percent or 0.0 for point in stated.points)
     assert f"{excess:.3g} % above the least loss" in worst.measured
 
 

@@ -36,16 +36,16 @@ def test_the_ellipses_take_the_voltage_and_weakening_stays_within(name: str) -> 
     drive = drive_of(name)
     plant = drive.plant()
     limits = undistorted_limits(plant)
-    told = trajectories(drive)
-    assert [row["speed_rpm"] for row in told["voltage_limits"]] == [
+    stated = trajectories(drive)
+    assert [row["speed_rpm"] for row in stated["voltage_limits"]] == [
         drive.rating.base_speed_rpm,
         drive.rating.highest_speed_rpm,
     ]
-    for row in told["voltage_limits"]:
+    for row in stated["voltage_limits"]:
         for direct, quadrature in zip(row["direct_a"], row["quadrature_a"], strict=True):
             state = steady_state(plant, row["speed_rpm"] * RADIANS_PER_RPM, direct, quadrature)
             assert state.voltage == pytest.approx(limits.voltage, rel=1e-9)
-    for row in told["greatest_torque"]:
+    for row in stated["greatest_torque"]:
         state = steady_state(plant, row["speed_rpm"] * RADIANS_PER_RPM, row["direct_a"], row["quadrature_a"])
         assert state.current <= limits.current * (1.0 + 1e-9)
         assert state.voltage <= limits.voltage * (1.0 + 1e-9)

@@ -1,4 +1,4 @@
-"""The gate of a controller of duty ratios: faults are caught, made simple, recorded, and told on the page."""
+"""The gate of a controller of duty ratios: faults are caught, made simple, recorded, and reported on the page."""
 
 from __future__ import annotations
 
@@ -247,9 +247,9 @@ def test_how_a_candidate_behaves_is_measured_where_it_is_judged() -> None:
     job = behaviour_job(INTERIOR, NOTHING_DECLARED, [step])
     assert job is not None
     with Judge(resolve_candidate("foc")) as judge:
-        told = judge.run(job)
-    assert told["step"]["speed_rpm"] == 1200.0
-    assert len(told["points"]) == 8
+        stated = judge.run(job)
+    assert stated["step"]["speed_rpm"] == 1200.0
+    assert len(stated["points"]) == 8
     assert behaviour_job(load_drive("paper-5-phase"), NOTHING_DECLARED, [step]) is None
     assert behaviour_job(INTERIOR, replace(NOTHING_DECLARED, references=("speed",)), [step]) is None
 

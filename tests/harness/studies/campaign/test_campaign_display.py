@@ -84,7 +84,7 @@ def test_a_probability_is_not_written_in_powers_of_ten(value, text):
     assert probability_text(value) == text
 
 
-def test_the_margins_that_are_told_are_found_by_their_shares_of_the_runs():
+def test_the_margins_that_are_reported_are_found_by_their_shares_of_the_runs():
     shares = [0.0, 0.01, 0.05, 0.5, 1.0]
     assert shown_margins(shares, {"margin_quantiles": [-4.0, -3.0, -2.0, 1.0, 9.0]}) == (-4.0, -2.0, 1.0)
     assert shown_margins(shares, {"margin_quantiles": []}) == (None, None, None), "a check without runs"

@@ -14,7 +14,7 @@ from drivegate.studies.campaign.plan import planned
 from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.errors import InputError
 
-# So many that on a busy machine, too, some are left when this process is told of the first ones.
+# So many that on a busy machine, too, some are left when this process is notified of the first ones.
 DRAWS = 20
 
 

@@ -20,7 +20,7 @@ def test_drives_go_by_their_names():
     assert drive_labels((PAPER, FAN)) == ("paper-5-phase", "fan-3-phase")
 
 
-def test_drives_of_one_name_are_told_apart_by_their_hashes():
+def test_drives_of_one_name_are_reported_apart_by_their_hashes():
     other = PAPER.replaced(resistance_ohm=0.1)
     labels = drive_labels((PAPER, FAN, other))
     assert labels == (

@@ -76,9 +76,9 @@ def test_the_uncertainty_is_what_repeating_the_measurement_shows() -> None:
     fits = [fit_document(PAPER, measured(PAPER, seed)) for seed in range(25)]
     for key, true in TRUE.items():
         values = np.array([by_key(fit, "fitted")[key] for fit in fits])
-        told = np.mean([by_key(fit, "uncertainty")[key] for fit in fits])
-        assert values.std() == pytest.approx(told, rel=0.45), f"{key} scatters otherwise than told"
-        assert abs(values.mean() - true) < 4.0 * told / 5.0
+        reported = np.mean([by_key(fit, "uncertainty")[key] for fit in fits])
+        assert values.std() == pytest.approx(reported, rel=0.45), f"{key} scatters otherwise than reported"
+        assert abs(values.mean() - true) < 4.0 * reported / 5.0
 
 
 def test_a_stated_uncertainty_counts_and_more_scatter_than_stated_counts_more() -> None:
@@ -91,7 +91,7 @@ def test_a_stated_uncertainty_counts_and_more_scatter_than_stated_counts_more() 
     assert too_small == pytest.approx(scattered, rel=1e-3)
 
 
-def test_what_the_points_do_not_tell_is_uncertain_without_end() -> None:
+def test_what_the_points_do_not_show_is_uncertain_without_end() -> None:
     # At so low a speed and current, and an angle of zero, neither inductance nor resistance are felt.
     slow = [
         MeasuredTorque(1.0, torque, 0.0, 1.0 + k) for k, torque in enumerate((1.2, 2.4, 3.7, 4.9, 6.0, 7.3))

@@ -66,7 +66,7 @@ def shown(document: dict[str, Any]) -> str:
     return stream.getvalue()
 
 
-def test_all_drives_passed_is_told_with_what_that_leaves_open(judge, tmp_path: Path) -> None:
+def test_all_drives_passed_is_reported_with_what_that_leaves_open(judge, tmp_path: Path) -> None:
     judge({})
     document = selftest_on_drives(request(tmp_path), Display())
     assert (document["passed"], document["exit_code"], document["reference"]["count"]) == (True, 0, 3)
@@ -76,7 +76,7 @@ def test_all_drives_passed_is_told_with_what_that_leaves_open(judge, tmp_path: P
     assert f"next: drivegate drive {tmp_path}/out/drives/001.toml" in text
 
 
-def test_a_failed_check_is_told_with_its_worst_drive(judge, tmp_path: Path) -> None:
+def test_a_failed_check_is_reported_with_its_worst_drive(judge, tmp_path: Path) -> None:
     judge({1: GateRow(0, "fail", False, 40, (FAILED,)), 3: GateRow(0, "fail", False, 40, (WORSE,))})
     document = selftest_on_drives(request(tmp_path), Display())
     (failure,) = document["failures"]
@@ -175,8 +175,8 @@ def test_a_trial_that_breaks_ends_no_other(monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setattr(tasks, "try_faults", tried)
     package = tasks.packed(SelftestEffort("quick"), {7: load_drive("paper-5-phase")})
     outcomes = tasks.run_faults(package, (7, (FAULT, "drifts", "slow-step")))
-    told = [(outcome["fault"], outcome["runs"], outcome["message"]) for outcome in outcomes]
-    assert told == [(FAULT, 4, ""), ("drifts", 0, "the plant is lost"), ("slow-step", 4, "")]
+    stated = [(outcome["fault"], outcome["runs"], outcome["message"]) for outcome in outcomes]
+    assert stated == [(FAULT, 4, ""), ("drifts", 0, "the plant is lost"), ("slow-step", 4, "")]
 
 
 def test_it_goes_on_where_it_stopped_and_comes_to_the_same(
@@ -218,17 +218,17 @@ def test_more_drives_and_faults_can_be_asked_for_later(judge, tmp_path: Path) ->
 
 
 @pytest.mark.parametrize(
-    ("changes", "told"),
+    ("changes", "stated"),
     [
         ({"drawing_seed": 1}, "was begun with drawing seed 0, not 1"),
         ({"effort": SelftestEffort("default", workers=1)}, "was begun with effort quick, not default"),
         ({"effort": SelftestEffort("quick", 2, workers=1)}, "was begun with seeds 1, not 2"),
     ],
 )
-def test_other_results_are_not_mixed_in(changes: dict[str, Any], told: str, judge, tmp_path: Path) -> None:
+def test_other_results_are_not_mixed_in(changes: dict[str, Any], stated: str, judge, tmp_path: Path) -> None:
     judge({})
     selftest_on_drives(request(tmp_path, 1), Display())
-    with pytest.raises(InputError, match=told):
+    with pytest.raises(InputError, match=stated):
         selftest_on_drives(request(tmp_path, 1, **changes), Display())
 
 

@@ -90,15 +90,15 @@ def test_the_search_improves_on_the_initial_line() -> None:
     assert ends[1] < 0.9 * ends[0], f"{ends[1]:.3f} A with the search, {ends[0]:.3f} A without"
 
 
-def test_the_nameplate_tells_the_line_of_least_current() -> None:
+def test_the_nameplate_states_the_line_of_least_current() -> None:
     drive = make_pm_ac_drive(**INTERIOR)
     base, power = rating(drive)
-    told = outer_nameplate(nameplate_of(drive)._replace(rated_power=0.7 * power), 5)
-    assert told.control_period == pytest.approx(5e-4)
+    stated = outer_nameplate(nameplate_of(drive)._replace(rated_power=0.7 * power), 5)
+    assert stated.control_period == pytest.approx(5e-4)
     limits = Limits(drive.current_limit, 0.95 * limits_of(drive).voltage)
     for speed in (base, 3.0 * base):
         least = least_at(drive, limits, speed, 0.7 * power / speed, CURRENT)
-        angle = told.advance_start + told.advance_slope * (speed - base)
+        angle = stated.advance_start + stated.advance_slope * (speed - base)
         assert angle == pytest.approx(math.atan2(-least.direct, least.quadrature), rel=1e-12)
 
 
@@ -116,9 +116,9 @@ def answering(
         record["advance_angle"] = angle
         if size is not None:
             record["struct_size"] = size
-        told = np.frombuffer((ctypes.c_char * SENSE.itemsize).from_address(sense), SENSE)[0]
+        stated = np.frombuffer((ctypes.c_char * SENSE.itemsize).from_address(sense), SENSE)[0]
         seen.append(
-            tuple(float(told[name]) for name in ("time", "current_magnitude_sum", "half_supply_voltage"))
+            tuple(float(stated[name]) for name in ("time", "current_magnitude_sum", "half_supply_voltage"))
         )
 
     kept = _STEP(step)

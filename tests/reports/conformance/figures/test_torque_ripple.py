@@ -50,7 +50,7 @@ def test_it_is_the_torque_of_the_published_figure_at_the_same_point(signals: Run
     assert f"from {low:.2f} to {high:.2f} N·m around its mean of 9.80 N·m" in alternative(ripple)
 
 
-def test_a_torque_out_of_reach_is_told_and_drawn_at_the_current_limit(signals: RunSignals) -> None:
+def test_a_torque_out_of_reach_is_reported_and_drawn_at_the_current_limit(signals: RunSignals) -> None:
     ripple = ripple_of("RIP-1", at_angle(signals, 40.0))
     assert ripple is not None
     assert ripple.is_short

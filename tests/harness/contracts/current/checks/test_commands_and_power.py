@@ -54,7 +54,7 @@ def test_the_peak_current_may_reach_the_band_but_for_rounding(record, assert_lim
     )
 
 
-def test_the_power_balance_tells_what_flows_back(record, checks):
+def test_the_power_balance_shows_what_flows_back(record, checks):
     margin = checks["PWR-1"].evaluate(record(totals={"EXCHANGED": 100.0, "RETURNED": 10.0}))
     assert margin.measured == "exact; net power 20 % below the exchanged one"
 

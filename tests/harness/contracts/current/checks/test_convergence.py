@@ -201,7 +201,7 @@ BELOW_THE_EDGE = {"SPEED": 700.0 * RPM, "TORQUE": 20.46, "ANGLE": math.radians(2
 """At 700 rpm and 1.5 kW the smallest angle that gives the torque at the current limit too is 32.6°."""
 
 
-def test_less_than_the_least_is_told_with_what_is_lost_for_it(record, scenario, checks):
+def test_less_than_the_least_is_reported_with_what_is_lost_for_it(record, scenario, checks):
     slow = scenario(speed_rpm=[[0.0, 700.0]])
     measured = checks["CNV-2"].evaluate(record(slow, window=BELOW_THE_EDGE)).measured
     assert "% below the least 68.23 A at 700 rpm, 20.5 N·m: at 27.9°, " in measured, measured
@@ -216,7 +216,7 @@ def test_less_than_the_least_at_a_feasible_angle_is_no_number(record, scenario, 
     assert "%" not in measured
 
 
-def test_a_torque_that_no_angle_gives_at_the_limit_is_told_so(record, scenario, checks):
+def test_a_torque_that_no_angle_gives_at_the_limit_is_reported_so(record, scenario, checks):
     slow = scenario(speed_rpm=[[0.0, 700.0]])
     margin = checks["CNV-2"].evaluate(record(slow, window=BELOW_THE_EDGE | {"TORQUE": 30.0}))
     assert not margin.met
@@ -322,7 +322,7 @@ def test_a_vehicle_on_a_level_road_is_a_load(record, scenario, checks):
 
 
 @pytest.mark.parametrize("current_sum", [0.0, 5e-324, 1e-300, 40.0])
-def test_a_load_that_gets_no_torque_fails_and_is_told_so(record, scenario, checks, current_sum):
+def test_a_load_that_gets_no_torque_fails_and_is_reported_so(record, scenario, checks, current_sum):
     slow = scenario(speed_rpm=[[0.0, 600.0]])
     sums = dict.fromkeys(("CURRENT_SUM", "MEAN_LOWEST", "MEAN_HIGHEST"), current_sum)
     run = record(slow, window={**sums, "TORQUE": 0.0, "SPEED_ERROR": 100.0})

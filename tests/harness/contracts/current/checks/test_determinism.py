@@ -1,4 +1,4 @@
-"""What DET-1 tells of a controller that does not repeat itself: from which step on, which number, and why."""
+"""What DET-1 states of a controller that does not repeat itself: from which step on, which number, and why."""
 
 import pytest
 
@@ -42,14 +42,14 @@ def measured(tmp_path):
     return run
 
 
-def test_what_reset_keeps_is_told_with_step_time_and_both_numbers(measured):
+def test_what_reset_keeps_is_reported_with_step_time_and_both_numbers(measured):
     assert measured(":Keeping") == (
         "the second run on the same instance differs from step 12 on, at 0.006 s: advance angle 0.61 against "
         "0.58 rad; reset kept something"
     )
 
 
-def test_what_instances_share_is_told_with_the_digits_that_tell_the_numbers_apart(measured):
+def test_what_instances_share_is_reported_with_the_digits_that_distinguish_the_numbers(measured):
     words = measured(":Sharing")
     assert "current reference 5.000000001 against 5 A" in words, words
     assert words.endswith(

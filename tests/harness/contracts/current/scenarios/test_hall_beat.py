@@ -1,4 +1,4 @@
-"""Speeds at which Hall edges beat slowly with the control period: told, and seen to move Σ|i| without any search."""
+"""Speeds at which Hall edges beat slowly with the control period: reported and seen to move Σ|i| without any search."""
 
 import pytest
 

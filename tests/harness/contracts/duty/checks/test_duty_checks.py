@@ -302,12 +302,12 @@ def test_behind_a_lost_edge_a_drive_goes_on_or_is_safe(edge: DutyRecord) -> None
     claimed = np.arange(len(edge.run.commands)) >= 3100
     stopped = with_column(edge, "torque", lambda torque: np.where(claimed, 0.0, torque))
     silent = judged("SAF-1", stopped)
-    told = judged("SAF-1", with_command(stopped, "fault", lambda _: claimed.astype(int)))
+    reported = judged("SAF-1", with_command(stopped, "fault", lambda _: claimed.astype(int)))
     assert silent is not None
     assert not silent.met, "without a word it is neither"
-    assert told is not None
-    assert told.met
-    assert "safe 10 ms after lost-edge" in told.measured
+    assert reported is not None
+    assert reported.met
+    assert "safe 10 ms after lost-edge" in reported.measured
 
 
 def test_a_lost_edge_is_judged_where_a_torque_is_asked_for(run: Run, interior: PmAcDocument) -> None:
@@ -600,7 +600,7 @@ def test_the_oracle_leaves_no_more_torque_than_the_limits(interior: PmAcDocument
     assert least_free(plant, 400.0, best.torque).current <= best.current
 
 
-def test_the_texts_tell_the_numbers_of_the_drive(interior: PmAcDocument) -> None:
+def test_the_texts_state_the_numbers_of_the_drive(interior: PmAcDocument) -> None:
     strict = interior.replaced(torque_tolerance_percent=1.0, overshoot_percent=5.0)
     assert "overshoot 5 %" in on_drive(CHECKS["STP-1"], strict).limit
     assert on_drive(CHECKS["ACC-1"], strict).limit != on_drive(CHECKS["ACC-1"], interior).limit

@@ -99,7 +99,7 @@ def test_the_plan_goes_from_slow_to_weakening_by_torques_in_reach(effort: str) -
         assert len({planned.label for planned in plan}) == len(plan)
 
 
-def test_losses_tell_least_current_from_least_loss() -> None:
+def test_losses_distinguish_least_current_from_least_loss() -> None:
     by_current, by_loss = (found(name, "points", 1650.0) for name in ("foc", "foc-loss-model"))
     assert [row["held"] for row in (*by_current, *by_loss)] == [True] * 6
     assert by_current[0]["loss_above_least_percent"] > 10.0 > 1.0 > by_loss[0]["loss_above_least_percent"]
@@ -166,7 +166,7 @@ def test_a_plan_of_speeds_has_the_points_of_that_of_torques_and_no_steps() -> No
     assert {planned.group for planned in LOADS} == {"points"}
 
 
-def test_a_loaded_point_tells_its_load_and_what_goes_in() -> None:
+def test_a_loaded_point_states_its_load_and_what_goes_in() -> None:
     (row,) = run_and_measure(own_candidate(resolve_candidate("foc")), LOADS[7])["points"]
     assert row["held"] is True
     assert row["torque_nm"] == pytest.approx(row["reference_nm"], rel=0.05), "friction is small"

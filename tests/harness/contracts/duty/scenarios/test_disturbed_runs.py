@@ -44,7 +44,7 @@ def test_a_controller_is_reset_in_the_midst_of_a_run_that_goes_on() -> None:
     assert shown.plant == seen(run.replaced(restarts_s=())).plant, "the drive is another one"
 
 
-def test_what_is_judged_after_a_restart_begins_anew() -> None:
+def test_what_is_judged_after_a_restart_begins_again() -> None:
     run = restarted(HELD, (0.5,))
     (_, start, end), *_ = reversed(duty_windows(run))
     assert start - run.restarts_s[0] >= 0.02

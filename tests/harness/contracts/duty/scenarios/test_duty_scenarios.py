@@ -45,7 +45,7 @@ FIRST = settings(max_examples=10, phases=[Phase.generate], database=None, derand
 
 
 @pytest.mark.parametrize("drive", DRIVES, ids=lambda drive: drive.name)
-def test_the_fixed_scenarios_are_fair_judged_somewhere_and_told_apart(drive: PmAcDocument) -> None:
+def test_the_fixed_scenarios_are_fair_judged_somewhere_and_reported_apart(drive: PmAcDocument) -> None:
     fixed = fixed_scenarios(drive, detected=FAILURE_KINDS)
     assert [scenario.name for scenario in fixed if (reason := unfair_because(scenario)) is not None] == [], (
         reason
