@@ -54,19 +54,9 @@ def fit_constants(
 ) -> ConstantsFit:
     """Fit constants to figures by least squares.
 
-    Parameters
-    ----------
-    residuals_of : callable
-        Function of the constants, shape (n,), that returns the residual of each figure, shape (k,) with k >= n.
-    start : array_like, shape (n,)
-        Initial values of the constants, above 0.
-    lowest, highest : array_like, shape (n,)
-        Bounds of the constants.
-
-    Returns
-    -------
-    ConstantsFit
-        The constants of least squares; the same for the same input.
+    `residuals_of`: function of the constants, shape (n,), that returns the residual of each figure, shape (k,), k >= n.
+    `start`, shape (n,): initial values of the constants, above 0. `lowest`, `highest`, shape (n,): bounds of the
+    constants. Result: the same for the same input.
     """
     # Henries and volt-seconds differ by orders of magnitude, which the trust region must not see.
     scale = np.asarray(start, dtype=np.float64)

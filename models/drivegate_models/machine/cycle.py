@@ -74,19 +74,9 @@ def shape_at(
 ) -> Shape:
     """Return the piece of the back-EMF shape at an angle at time zero.
 
-    Parameters
-    ----------
-    corners, corner_values, corner_slopes : ndarray
-        The drive's `emf_angles`, `emf_values` and `emf_slopes`.
-    angle : float
-        Electrical angle in [0, 2 pi) (rad).
-    electrical : float
-        Electrical speed (rad/s); 0 at standstill.
-
-    Returns
-    -------
-    Shape
-        With an infinite end at standstill.
+    `corners`, `corner_values`, `corner_slopes`: the drive's `emf_angles`, `emf_values` and `emf_slopes`. `angle`:
+    electrical angle in [0, 2 pi) (rad). `electrical`: electrical speed (rad/s); 0 at standstill, where the piece has an
+    infinite end.
     """
     corner = _corner_before(corners, angle)
     if electrical == 0.0:
@@ -113,19 +103,8 @@ def next_shape(
 ) -> Shape:
     """Return the piece of the back-EMF shape after another one.
 
-    Parameters
-    ----------
-    corners, corner_values, corner_slopes : ndarray
-        The drive's `emf_angles`, `emf_values` and `emf_slopes`.
-    shape : Shape
-        The piece that ends.
-    electrical : float
-        Electrical speed (rad/s), above 0.
-
-    Returns
-    -------
-    Shape
-        The next piece, in the next cycle after the last corner.
+    `corners`, `corner_values`, `corner_slopes`: the drive's `emf_angles`, `emf_values` and `emf_slopes`. `electrical`:
+    electrical speed (rad/s), above 0. Result: in the next cycle after the last corner.
     """
     per_radian = 1.0 / electrical
     corner = shape.corner + 1
@@ -147,19 +126,8 @@ def next_shape(
 def window_at(angle: float, width: float, electrical: float) -> ConductionWindow:
     """Return the conduction window at an angle at time zero.
 
-    Parameters
-    ----------
-    angle : float
-        Electrical angle, advance included (rad).
-    width : float
-        Width of each window (rad).
-    electrical : float
-        Electrical speed (rad/s); 0 at standstill.
-
-    Returns
-    -------
-    ConductionWindow
-        With an infinite end at standstill.
+    `angle`: electrical angle, advance included (rad). `width`: width of each window (rad). `electrical`: electrical
+    speed (rad/s); 0 at standstill, where the window has an infinite end.
     """
     per_radian = 1.0 / electrical if electrical > 0.0 else inf
     position = wrapped(angle - 0.5 * (pi - width))
@@ -178,19 +146,7 @@ def window_at(angle: float, width: float, electrical: float) -> ConductionWindow
 def next_window(window: ConductionWindow, width: float, electrical: float) -> ConductionWindow:
     """Return the gap after a window, or the window after a gap.
 
-    Parameters
-    ----------
-    window : ConductionWindow
-        The window or gap that ends.
-    width : float
-        Width of each window (rad).
-    electrical : float
-        Electrical speed (rad/s), above 0.
-
-    Returns
-    -------
-    ConductionWindow
-        The next gap or window.
+    `width`: width of each window (rad). `electrical`: electrical speed (rad/s), above 0.
     """
     per_radian = 1.0 / electrical
     if window.sector != 0:

@@ -20,19 +20,9 @@ def drive_fields(
 ) -> dict[str, Any]:
     """Return the fields of a drive's constants, in SI units.
 
-    Parameters
-    ----------
-    phases, pole_pairs : int
-        Number of phases and of pole pairs.
-    emf_angles, emf_values : ndarray, shape (k,)
-        Corners of the positive half cycle of the back-EMF shape (rad, 1); see `drivegate_models.machine.emf`.
-    **constants : float
-        The other fields, by name and in their units; missing ones have their defaults.
-
-    Returns
-    -------
-    dict
-        All fields by their name, with the shape's corners over the whole cycle.
+    `phases`, `pole_pairs`: number of phases and of pole pairs. `emf_angles`, `emf_values`, shape (k,): corners of the
+    positive half cycle of the back-EMF shape (rad, 1); see `drivegate_models.machine.emf`. `constants`: the other
+    fields, in their units; missing ones have their defaults. Result: with the shape's corners over the whole cycle.
     """
     angles, values = full_cycle(emf_angles, emf_values)
     # Each kernel is compiled for one type of drive; an int instead of a float would compile it a second time.

@@ -19,20 +19,9 @@ Corners = tuple[NDArray[np.float64], NDArray[np.float64]]
 def trapezoid_corners(flat: float) -> Corners:
     """Return the corners of a trapezoidal back-EMF over one positive half cycle.
 
-    Parameters
-    ----------
-    flat : float
-        Width of the flat top (rad electrical), 0 to below pi. Zero results in a triangle.
-
-    Returns
-    -------
-    angles, values : ndarray, shape (k,)
-        Corner angles (rad) in [0, pi), the first of them 0, and the shape's values there (1).
-
-    Raises
-    ------
-    InputError
-        If the flat width is outside its range.
+    `flat`: width of the flat top (rad electrical), 0 to below pi. Zero results in a triangle. Returns `angles`,
+    `values`, shape (k,): corner angles (rad) in [0, pi), the first of them 0, and the shape's values there (1). Raises
+    InputError if the flat width is outside its range.
     """
     if not 0.0 <= flat < np.pi:
         raise InputError(f"the flat width is {np.degrees(flat):g} deg; it must lie in 0 to below 180 deg")
@@ -45,19 +34,10 @@ def trapezoid_corners(flat: float) -> Corners:
 def sine_corners(pieces: int = 90) -> Corners:
     """Return the corners of a sine in equal straight pieces.
 
-    Parameters
-    ----------
-    pieces : int
-        Number of pieces of the positive half cycle, even so that the peak is a corner.
-
-    Returns
-    -------
-    angles, values : ndarray, shape (pieces,)
-        Corner angles (rad) and the sine's values there (1).
-
-    Notes
-    -----
     A chord lies below the sine by at most ``(pi / pieces)**2 / 8``: 1.5e-4 of the peak with 90 pieces.
+
+    `pieces`: number of pieces of the positive half cycle, even so that the peak is a corner. Returns `angles`,
+    `values`, shape (pieces,): corner angles (rad) and the sine's values there (1).
     """
     angles = np.linspace(0.0, np.pi, pieces, endpoint=False, dtype=np.float64)
     return angles, np.array([_sine(float(angle)) for angle in angles])
@@ -79,22 +59,9 @@ def _sine(angle: float) -> float:
 def table_corners(angles: ArrayLike, values: ArrayLike) -> Corners:
     """Return the corners of a measured shape, joined by straight lines.
 
-    Parameters
-    ----------
-    angles : array_like, shape (k,)
-        Angles (rad), increasing from 0 to pi.
-    values : array_like, shape (k,)
-        Values (1), zero at both ends, peak 1.
-
-    Returns
-    -------
-    angles, values : ndarray, shape (k - 1,)
-        The corners without the last point, which the half-wave symmetry repeats.
-
-    Raises
-    ------
-    InputError
-        If the table does not describe one positive half cycle.
+    `angles`, shape (k,): angles (rad), increasing from 0 to pi. `values`, shape (k,): values (1), zero at both ends,
+    peak 1. Returns `angles`, `values`, shape (k - 1,): the corners without the last point, which the half-wave symmetry
+    repeats. Raises InputError if the table does not describe one positive half cycle.
     """
     angle_array = np.asarray(angles, dtype=np.float64)
     value_array = np.asarray(values, dtype=np.float64)
@@ -110,17 +77,8 @@ def table_corners(angles: ArrayLike, values: ArrayLike) -> Corners:
 def full_cycle(angles: NDArray[np.float64], values: NDArray[np.float64]) -> Corners:
     """Return the corners of a whole electrical cycle from those of its positive half.
 
-    Parameters
-    ----------
-    angles, values : ndarray, shape (k,)
-        Corners in [0, pi) (rad, 1).
-
-    Returns
-    -------
-    angles : ndarray, shape (2 k + 1,)
-        Corners in [0, 2 pi], both ends included (rad).
-    values : ndarray, shape (2 k + 1,)
-        Values there (1), with f(x + pi) = -f(x).
+    `angles`, `values`, shape (k,): corners in [0, pi) (rad, 1). Returns `angles`, `values`, shape (2 k + 1,): corners
+    in [0, 2 pi], both ends included (rad), and values there (1), with f(x + pi) = -f(x).
     """
     whole_angles = np.concatenate([angles, angles + np.pi, [2.0 * np.pi]])
     whole_values = np.concatenate([values, -values, values[:1]])

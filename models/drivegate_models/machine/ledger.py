@@ -70,17 +70,7 @@ def add_period(totals: NDArray[np.float64], period: NDArray[np.float64]) -> None
 def stored_energy(drive: Any, currents: NDArray[np.float64]) -> float:
     """Return the energy in the windings, ``sum L i**2 / 2`` (J).
 
-    Parameters
-    ----------
-    drive : named tuple
-        Constants of any kind of drive with an `inductance` L (H).
-    currents : ndarray, shape (m,)
-        Phase currents (A).
-
-    Returns
-    -------
-    float
-        Energy of all phases (J).
+    `drive`: constants of any kind of drive with an `inductance` L (H). `currents`, shape (m,): phase currents (A).
     """
     total = 0.0
     for current in currents:

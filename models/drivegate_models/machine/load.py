@@ -50,20 +50,9 @@ def weight_torque(load: Load, factor: float) -> float:
 def load_torque(load: Load, factor: float, speed: float) -> float:
     """Return the load's torque at a speed.
 
-    Parameters
-    ----------
-    load : Load
-        Kind and constants of the load.
-    factor : float
-        Factor on the size at this time (1); for a vehicle the grade, height over distance (1).
-    speed : float
-        Shaft speed (rad/s), at least 0.
-
-    Returns
-    -------
-    float
-        Torque against the rotation (N m), 0 for a hoist. For a vehicle it is the sum of its weight along the road, its
-        rolling resistance and its drag.
+    `factor`: factor on the size at this time (1); for a vehicle the grade, height over distance (1). `speed`: shaft
+    speed (rad/s), at least 0. Result: torque against the rotation (N m), 0 for a hoist. For a vehicle it is the sum of
+    its weight along the road, its rolling resistance and its drag.
     """
     if load.kind == CONSTANT_TORQUE:
         return factor * load.size

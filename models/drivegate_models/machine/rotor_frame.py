@@ -76,17 +76,8 @@ def phase_currents(
 ) -> NDArray[np.float64]:
     """Return the phase currents for currents in the rotor frame.
 
-    Parameters
-    ----------
-    direct, quadrature : ndarray, shape (n,)
-        d-axis and q-axis currents (A).
-    angles : ndarray, shape (n,)
-        Electrical angles of the d axis (rad).
-
-    Returns
-    -------
-    ndarray, shape (n, 3)
-        Currents of the three phases (A).
+    `direct`, `quadrature`, shape (n,): d-axis and q-axis currents (A). `angles`, shape (n,): electrical angles of the d
+    axis (rad). Result, shape (n, 3): currents of the three phases (A).
     """
     currents = np.empty((len(angles), 3))
     for row in range(len(angles)):
@@ -100,16 +91,7 @@ def phase_currents(
 def shaft_angles(electrical: NDArray[np.float64], pole_pairs: int) -> NDArray[np.float64]:
     """Return the shaft's angles from the electrical angles of consecutive control periods.
 
-    Parameters
-    ----------
-    electrical : ndarray, shape (n,)
-        Electrical angles of a run from its start, within one cycle (rad).
-    pole_pairs : int
-        Pole pairs of the machine.
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        Angles of the shaft, within one turn (rad).
+    `electrical`, shape (n,): electrical angles of a run from its start, within one cycle (rad). Result, shape (n,):
+    angles within one turn (rad).
     """
     return (np.unwrap(electrical) / pole_pairs) % (2.0 * np.pi)

@@ -55,21 +55,8 @@ def store_segment(
 ) -> int:
     """Store a segment if there is space for it.
 
-    Parameters
-    ----------
-    rows : ndarray, shape (m, n, FIELDS)
-        Receives the segment.
-    phase : int
-        Index of the phase.
-    index : int
-        Number of segments stored for that phase.
-    start, length, current, slope, curvature, shape, shape_rate, voltage, voltage_rate, rate : float
-        The fields, in the units of their indices above.
-
-    Returns
-    -------
-    int
-        The number of segments stored after this call.
+    `rows`, shape (m, n, FIELDS): receives the segment. `index`: number of segments stored for that phase. The arguments
+    after it are the fields, in the units of their indices above. Result: the number of segments stored after this call.
     """
     if index >= rows.shape[1]:
         return index

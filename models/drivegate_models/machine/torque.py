@@ -184,23 +184,9 @@ def torque_range(
 ) -> tuple[float, float]:
     """Extend a range by the torque of all phases over the last advance.
 
-    Parameters
-    ----------
-    drive : named tuple
-        Constants of any kind of drive with `emf_constant`, `resistance` and `inductance`.
-    phases : named tuple
-        With the segments of that advance, in `rows` and `row_counts`; see `torque_extremes`.
-    positions : ndarray of int64, shape (m,)
-        Work space.
-    duration : float
-        Length of the advance (s).
-    lowest, highest : float
-        Range so far (N m); start with inf and -inf.
-
-    Returns
-    -------
-    lowest, highest : float
-        Range including the advance (N m).
+    `drive`: constants of any kind of drive with `emf_constant`, `resistance` and `inductance`. `phases`: with the
+    segments of that advance, in `rows` and `row_counts`. The other arguments and the results are those of
+    `torque_extremes`.
     """
     return torque_extremes(
         phases.rows,

@@ -93,17 +93,9 @@ class Phis(NamedTuple):
 
 @inlined
 def phis_at(x: float) -> Phis:
-    """Return the phi functions of orders one to four.
+    """Return the phi functions of orders one to four, computed in an order with few dependencies on phi4.
 
-    Parameters
-    ----------
-    x : float
-        R t / L, at most `LONGEST` (1).
-
-    Returns
-    -------
-    Phis
-        Computed in an order with few dependencies on phi4.
+    `x`: R t / L, at most `LONGEST` (1).
     """
     square = x * x
     p4 = phi4(x)
@@ -132,25 +124,9 @@ def current_after(
 ) -> tuple[float, float]:
     """Return the current and its slope after a time.
 
-    Parameters
-    ----------
-    start : float
-        Current i0 at the interval's start (A).
-    slope : float
-        Slope g0 at the interval's start (A/s).
-    curvature : float
-        Slope of the back-EMF over the inductance, a (A/s2).
-    rate : float
-        R/L (1/s).
-    time : float
-        Time from the interval's start (s).
-
-    Returns
-    -------
-    current : float
-        Current at that time (A).
-    slope : float
-        Slope at that time (A/s).
+    `start`, `slope`: current i0 (A) and its slope g0 (A/s) at the interval's start. `curvature`: slope of the back-EMF
+    over the inductance, a (A/s2). `rate`: R/L (1/s). `time`: time from the interval's start (s). Returns `current`,
+    `slope`: both at that time (A, A/s).
     """
     return current_by(start, slope, curvature, time, phis_at(rate * time))
 
@@ -159,15 +135,8 @@ def current_after(
 def turning_time(slope: float, curvature: float, rate: float) -> float:
     """Return the time at which the current's slope passes zero, or infinity if not within the longest interval.
 
-    Parameters
-    ----------
-    slope, curvature, rate : float
-        Arguments of `current_after`.
-
-    Returns
-    -------
-    float
-        The only zero of ``g0 exp(-rate t) - a (1 - exp(-rate t))/rate`` at t > 0 (s).
+    `slope`, `curvature`, `rate`: arguments of `current_after`. Result: the only zero at t > 0 (s) of
+    ``g0 exp(-rate t) - a (1 - exp(-rate t))/rate``.
     """
     if slope == 0.0 or curvature == 0.0 or (slope > 0.0) != (curvature > 0.0):
         return inf
@@ -246,28 +215,15 @@ def crossing_time(
 ) -> float:
     """Return the first time in (0, end] at which the current reaches a level from one side.
 
-    Parameters
-    ----------
-    start, slope, curvature, rate : float
-        Arguments of `current_after`; the start is on the level's near side, or on the level itself.
-    end : float
-        End of the interval (s).
-    end_current, end_slope : float
-        Current (A) and slope (A/s) at the end.
-    level : float
-        Level of the event (A).
-    rising : bool
-        True if the level is above the near side.
-
-    Returns
-    -------
-    float
-        Time of the event (s), or infinity if the level is not reached. A current that starts on the level and leaves
-        toward the near side reaches it when it returns.
-
-    Notes
-    -----
     The slope has at most one zero, so the current has at most two monotone pieces and no crossing is missed.
+
+    - `start`, `slope`, `curvature`, `rate`: arguments of `current_after`; the start is on the level's near side, or on
+      the level itself.
+    - `end`, `end_current`, `end_slope`: end of the interval (s), current (A) and slope (A/s) there.
+    - `level`: level of the event (A).
+    - `rising`: true if the level is above the near side.
+    - Result: time of the event (s), or infinity if the level is not reached. A current that starts on the level and
+      leaves toward the near side reaches it when it returns.
     """
     sign = 1.0 if rising else -1.0
     approaching = sign * slope > 0.0 or (slope == 0.0 and sign * curvature < 0.0)
@@ -338,25 +294,9 @@ def current_integrals(
 ) -> tuple[float, float, float, float, float]:
     """Return the current at the end of an interval and its exact integrals over it.
 
-    Parameters
-    ----------
-    start, slope, curvature, rate : float
-        Arguments of `current_after`.
-    time : float
-        Length of the interval (s), at most LONGEST / rate.
-
-    Returns
-    -------
-    end : float
-        Current at the end (A).
-    end_slope : float
-        Slope at the end (A/s).
-    first : float
-        Integral of i (A s).
-    second : float
-        Integral of the integral of i, the double integral from the start (A s2).
-    square : float
-        Integral of i**2 (A2 s).
+    `start`, `slope`, `curvature`, `rate`: arguments of `current_after`. `time`: length of the interval (s), at most
+    LONGEST / rate. Returns `end`, `end_slope`: current (A) and slope (A/s) at the end; `first`: integral of i (A s);
+    `second`: double integral of i from the start (A s2); `square`: integral of i**2 (A2 s).
     """
     x = rate * time
     return integrals_by(start, slope, curvature, time, phis_at(x), squares_at(x))

@@ -77,19 +77,8 @@ def recommended_line(
     of reach are ignored. The best line always passes through two ends of these ranges, so all of these lines are
     compared: first by how far they leave the ranges (zero if a feasible line exists), then by their mean angle.
 
-    Parameters
-    ----------
-    drive : AnyDrive
-        The drive, with its hysteresis band.
-    base_speed, highest_speed : float
-        Ends of the constant power range (rad/s), the first below the second.
-    rated_power : float
-        Rated power (W).
-
-    Returns
-    -------
-    AdvanceLine
-        With both ends rounded to 0.1 degree.
+    `base_speed`, `highest_speed`: ends of the constant power range (rad/s), the first below the second. `rated_power`:
+    rated power (W). Result: with both ends rounded to 0.1 degree.
     """
     found = (
         _feasible(drive, float(speed), demanded_torque(drive, float(speed), base_speed, rated_power))

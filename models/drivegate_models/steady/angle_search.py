@@ -78,26 +78,9 @@ def torque_demand(
 ) -> TorqueDemand:
     """Return a demand with its work space, after a check of the operating point.
 
-    Parameters
-    ----------
-    drive : AnyDrive
-        Constants of machine and inverter.
-    speed : float
-        Shaft speed (rad/s), above 0.
-    torque : float
-        Demanded mean electromagnetic torque (N m).
-    voltage : float, optional
-        Voltage of each half-source (V); the drive's nominal one by default.
-
-    Returns
-    -------
-    TorqueDemand
-        With work space for means, but not for segments.
-
-    Raises
-    ------
-    InputError
-        If speed, torque or voltage is not a usable number.
+    `speed`: shaft speed (rad/s), above 0. `torque`: demanded mean electromagnetic torque (N m). `voltage`: voltage of
+    each half-source (V); the drive's nominal one by default. Result: with work space for means, but not for segments.
+    Raises InputError if speed, torque or voltage is not a usable number.
     """
     if not (isfinite(speed) and speed > 0.0):
         raise InputError(f"the speed is {speed:g} rad/s; a steady state needs a finite speed above 0")
@@ -130,17 +113,8 @@ def search_reference(
 def torque_at_limit(demand: TorqueDemand, advance: float) -> float:
     """Return the mean torque at the current limit.
 
-    Parameters
-    ----------
-    demand : TorqueDemand
-        Drive, speed and supply; the demanded torque is not used.
-    advance : float
-        Advance angle (rad electrical).
-
-    Returns
-    -------
-    float
-        Mean electromagnetic torque (N m).
+    `demand`: its torque is not used. `advance`: advance angle (rad electrical). Result: mean electromagnetic torque
+    (N m).
     """
     drive, work, slices, speed, voltage, _ = demand
     return mean_state(drive, work, slices, speed, voltage, drive.current_limit, advance).torque

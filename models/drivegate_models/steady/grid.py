@@ -37,20 +37,11 @@ def solve_points(
 ) -> None:
     """Solve the steady state at each of many points.
 
-    Parameters
-    ----------
-    drive, work, slices, voltage
-        Arguments of `drivegate_models.steady.steady_state.solve_steady_state`.
-    speeds : ndarray, shape (n,)
-        Shaft speeds (rad/s), above 0.
-    advances : ndarray, shape (n,)
-        Advance angles (rad electrical).
-    references : ndarray, shape (n,)
-        Current references (A).
-    values : ndarray, shape (n, len(POINT_COLUMNS))
-        Receives `POINT_COLUMNS`. The ripple is peak to peak over the mean's magnitude (%), NaN without torque. The
-        input power includes core loss and switching. `certified` is 1 for a periodic state, 0 for means over many
-        cycles.
+    `drive`, `work`, `slices`, `voltage`: arguments of `drivegate_models.steady.steady_state.solve_steady_state`.
+    `speeds`, `advances`, `references`, shape (n,): shaft speeds (rad/s), above 0, advance angles (rad electrical) and
+    current references (A). `values`, shape (n, len(POINT_COLUMNS)): receives `POINT_COLUMNS`. The ripple is peak to
+    peak over the mean's magnitude (%), NaN without torque. The input power includes core loss and switching.
+    `certified` is 1 for a periodic state, 0 for means over many cycles.
     """
     for place in range(len(speeds)):
         state = solve_steady_state(

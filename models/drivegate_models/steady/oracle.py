@@ -144,28 +144,10 @@ def point_at_torque(
 ) -> TorquePoint:
     """Return the steady state at a speed, an advance angle and a mean torque.
 
-    Parameters
-    ----------
-    drive : AnyDrive
-        The drive, taken with its band as it is.
-    speed : float
-        Shaft speed (rad/s), above 0.
-    advance : float
-        Advance angle (rad electrical).
-    torque : float
-        Demanded mean electromagnetic torque (N m).
-    voltage : float, optional
-        Voltage of each half-source (V); the drive's nominal one by default.
-
-    Returns
-    -------
-    TorquePoint
-        Means at the minimum current reference that produces the torque.
-
-    Raises
-    ------
-    InputError
-        If speed, torque or voltage is not a usable number.
+    `speed`: shaft speed (rad/s), above 0. `advance`: advance angle (rad electrical). `torque`: demanded mean
+    electromagnetic torque (N m). `voltage`: voltage of each half-source (V); the drive's nominal one by default.
+    Result: means at the minimum current reference that produces the torque. Raises InputError if speed, torque or
+    voltage is not a usable number.
     """
     demand = torque_demand(drive, speed, torque, voltage)
     _, work, slices, speed, supply, torque = demand
@@ -225,29 +207,10 @@ def feasible_edge(
 
     The paper's "necessary" angle (Fig. 6) is read as the robust edge, the default.
 
-    Parameters
-    ----------
-    drive : AnyDrive
-        The drive.
-    speed : float
-        Shaft speed (rad/s), above 0.
-    torque : float
-        Demanded mean electromagnetic torque (N m).
-    voltage : float, optional
-        Voltage of each half-source (V); the drive's nominal one by default.
-    static : bool
-        True to allow any current reference up to the limit, not only the limit itself.
-
-    Returns
-    -------
-    float
-        The edge (rad electrical), from a scan in steps of 1 degree, located to 1e-4 degree. It is 0 if no advance is
-        needed, and NaN if no angle up to 90 degrees is sufficient.
-
-    Raises
-    ------
-    InputError
-        If speed, torque or voltage is not a usable number.
+    `drive`, `speed`, `torque`, `voltage`: arguments of `point_at_torque`, with its errors. `static`: true to allow any
+    current reference up to the limit, not only the limit itself. Result: the edge (rad electrical), from a scan in
+    steps of 1 degree, located to 1e-4 degree. It is 0 if no advance is needed, and NaN if no angle up to 90 degrees is
+    sufficient.
     """
     return smallest_feasible(torque_demand(drive, speed, torque, voltage), static)
 
@@ -265,72 +228,24 @@ def _least(drive: AnyDrive, speed: float, torque: float, voltage: float | None, 
 def least_current_sum(drive: AnyDrive, speed: float, torque: float, voltage: float | None = None) -> Optimum:
     """Return the advance angle of minimum sum of current magnitudes, the objective of the paper's Fig. 4.
 
-    Parameters
-    ----------
-    drive : AnyDrive
-        The drive, taken with its band as it is.
-    speed : float
-        Shaft speed (rad/s), above 0.
-    torque : float
-        Mean electromagnetic torque (N m).
-    voltage : float, optional
-        Voltage of each half-source (V); the drive's nominal one by default.
-
-    Returns
-    -------
-    Optimum
-        The minimum over all robustly feasible angles from 0 to 90 degrees: a grid of 1 degree, its two lowest
-        valleys on a grid of 0.1 degree, then golden section to 0.001 degree and the feasible edge. With a band the
-        grid omits angles at which the sum with the ideal regulator is far larger.
-
-    Raises
-    ------
-    InputError
-        If speed, torque or voltage is not a usable number.
+    The arguments and errors are those of `point_at_torque`. Result: the minimum over all robustly feasible angles from
+    0 to 90 degrees: a grid of 1 degree, its two lowest valleys on a grid of 0.1 degree, then golden section to 0.001
+    degree and the feasible edge. With a band the grid omits angles at which the sum with the ideal regulator is far
+    larger.
     """
     return _least(drive, speed, torque, voltage, False)
 
 
 def least_input_power(drive: AnyDrive, speed: float, torque: float) -> Optimum:
-    """Return the advance angle of minimum net input power.
-
-    Parameters
-    ----------
-    drive, speed, torque
-        Arguments of `least_current_sum`.
-
-    Returns
-    -------
-    Optimum
-        The minimum over all robustly feasible angles, searched as in `least_current_sum`.
-
-    Raises
-    ------
-    InputError
-        If speed or torque is not a usable number.
-    """
+    """Return the advance angle of minimum net input power, with arguments, search and errors of `least_current_sum`."""
     return _least(drive, speed, torque, None, True)
 
 
 def current_sum_curve(drive: AnyDrive, speed: float, torque: float, advances: ArrayLike) -> CurrentSumCurve:
     """Return the cost of a torque over the advance angle.
 
-    Parameters
-    ----------
-    drive, speed, torque
-        Arguments of `least_current_sum`.
-    advances : array_like, shape (n,)
-        Advance angles (rad electrical).
-
-    Returns
-    -------
-    CurrentSumCurve
-        Arrays of shape (n,).
-
-    Raises
-    ------
-    InputError
-        If speed or torque is not a usable number.
+    `drive`, `speed`, `torque`: arguments of `point_at_torque`, with its errors. `advances`, shape (n,): advance angles
+    (rad electrical).
     """
     demand = torque_demand(drive, speed, torque)
     angles = np.asarray(advances, dtype=np.float64).ravel()

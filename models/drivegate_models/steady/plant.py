@@ -55,17 +55,8 @@ def _of_any_drive(name: str) -> Any:
 def make_phases(drive: AnyDrive, longest_advance: float = 0.0) -> Any:
     """Return phases at rest, by the function `make_phases` of the drive's plant.
 
-    Parameters
-    ----------
-    drive : AnyDrive
-        Constants of machine and inverter, which determine the kind of drive.
-    longest_advance : float
-        Maximum length of an advance whose segments are stored (s); 0 to store none.
-
-    Returns
-    -------
-    Phases or StarPhases
-        With space for every segment that the drive can produce in that time.
+    `longest_advance`: maximum length of an advance whose segments are stored (s), with space for every segment that the
+    drive can produce in that time; 0 to store none.
     """
     return _function(type(drive), "make_phases")(drive, longest_advance)
 

@@ -159,15 +159,8 @@ def solve_steady_state(
 ) -> SteadyState:
     """Return the steady state at one operating point.
 
-    Parameters
-    ----------
-    drive, work, slices, speed, voltage, reference, advance
-        Arguments of `periodic_start`; `work` has space for segments of `KEPT_TIME`.
-
-    Returns
-    -------
-    SteadyState
-        Means, and the torque's exact extremes.
+    `drive`, `work`, `slices`, `speed`, `voltage`, `reference`, `advance`: arguments of `periodic_start`; `work` has
+    space for segments of `KEPT_TIME`.
     """
     periods = periodic_start(drive, work, slices, speed, voltage, reference, advance)
     angle = 0.5 * (pi - drive.window) - advance
@@ -206,17 +199,8 @@ def cycles_from_rest(
 ) -> SteadyState:
     """Run electrical cycles from angle 0 without current and with latches on, and return means over the last one.
 
-    Parameters
-    ----------
-    drive, work, speed, voltage, reference, advance
-        Arguments of `periodic_start`; `work` is unchanged since `make_phases`.
-    cycles : int
-        Number of cycles, at least 1.
-
-    Returns
-    -------
-    SteadyState
-        Marked `APERIODIC`, because nothing is certified.
+    `drive`, `work`, `speed`, `voltage`, `reference`, `advance`: arguments of `periodic_start`; `work` is unchanged
+    since `make_phases`. `cycles`: at least 1. Result: marked `APERIODIC`, because nothing is certified.
     """
     cycle = 2.0 * pi / (drive.pole_pairs * speed)
     totals = np.zeros(ledger.ENTRIES)
@@ -235,23 +219,8 @@ def steady_state(
 ) -> SteadyState:
     """Return the steady state at one operating point, with its own work space.
 
-    Parameters
-    ----------
-    drive : AnyDrive
-        Constants of machine and inverter.
-    speed : float
-        Shaft speed (rad/s), above 0.
-    reference : float
-        Current reference i* (A).
-    advance : float
-        Advance angle (rad electrical).
-    voltage : float, optional
-        Voltage of each half-source (V); the drive's nominal one by default.
-
-    Returns
-    -------
-    SteadyState
-        Means, and the torque's exact extremes.
+    `speed`: shaft speed (rad/s), above 0. `reference`: current reference i* (A). `advance`: advance angle (rad
+    electrical). `voltage`: voltage of each half-source (V); the drive's nominal one by default.
     """
     work = make_phases(drive, KEPT_TIME)
     slices = make_phases(drive)

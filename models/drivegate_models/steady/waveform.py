@@ -98,21 +98,8 @@ def _sampling_times(phases: AnyPhases, grid: NDArray[np.float64], length: float)
 def periodic_waveforms(drive: AnyDrive, speed: float, reference: float, advance: float) -> Waveforms:
     """Return one electrical cycle of the steady state at one operating point.
 
-    Parameters
-    ----------
-    drive : AnyDrive
-        Constants of machine and inverter.
-    speed : float
-        Shaft speed (rad/s), above 0.
-    reference : float
-        Current reference i* (A).
-    advance : float
-        Advance angle (rad electrical).
-
-    Returns
-    -------
-    Waveforms
-        Exact values at equal steps and at every event, as in the paper's Figs. 6, 9 and 10.
+    `speed`: shaft speed (rad/s), above 0. `reference`: current reference i* (A). `advance`: advance angle (rad
+    electrical). Result: exact values at equal steps and at every event, as in the paper's Figs. 6, 9 and 10.
     """
     supply = drive.half_supply_voltage
     phases = make_phases(drive, KEPT_TIME)

@@ -69,17 +69,7 @@ def make_drive(**values: Any) -> Drive:
 def drifted(drive: Drive, resistance_factor: float, emf_factor: float) -> Drive:
     """Return a drive with windings and magnets at another temperature.
 
-    Parameters
-    ----------
-    drive : Drive
-        Constants at the nominal temperature.
-    resistance_factor, emf_factor : float
-        Factors on the winding resistance and on the EMF constant (1).
-
-    Returns
-    -------
-    Drive
-        With all other constants unchanged.
+    `resistance_factor`, `emf_factor`: factors on the winding resistance and on the EMF constant (1).
     """
     # Compiled code has no `_replace`. The fields that drift are the first ones, so the rest is one slice.
     return Drive(drive.resistance * resistance_factor, drive.emf_constant * emf_factor, *drive[2:])

@@ -130,42 +130,22 @@ def advance_phase(
 ) -> int:
     """Advance one phase by a control period, solving every event in it.
 
-    Parameters
-    ----------
-    drive : Drive
-        Constants of machine and inverter.
-    corners, corner_values, corner_slopes : ndarray
-        The drive's `emf_angles`, `emf_values` and `emf_slopes`. The caller reads them once, because every access to an
-        array in a tuple counts a reference.
-    phase : int
-        Index of the phase, 0 to m - 1.
-    currents : ndarray, shape (m,)
-        Phase currents (A), updated.
-    sectors, latches : ndarray of int64, shape (m,)
-        Window of each phase (1, 0, -1) and state of its comparator (1 on, 0 off), updated.
-    angle : float
-        Electrical angle of this phase at the start (rad).
-    speed : float
-        Shaft speed (rad/s), at least 0.
-    upper, lower : float
-        Voltages of the half-sources (V).
-    reference : float
-        Current reference i* (A); 0 blocks the gates.
-    advance : float
-        Advance angle (rad electrical).
-    duration : float
-        Length of the advance (s).
-    totals : ndarray, shape (ledger.ENTRIES,)
-        The exact integrals of the advance are added to it.
-    rows : ndarray, shape (m, n, segments.FIELDS)
-        Receives the segments; with n = 0 none are stored.
-    row_count : ndarray of int64, shape (m,)
-        Receives the number of stored segments of this phase.
-
-    Returns
-    -------
-    int
-        `COMPLETED` or `TOO_MANY_EVENTS`.
+    - `corners`, `corner_values`, `corner_slopes`: the drive's `emf_angles`, `emf_values` and `emf_slopes`. The caller
+      reads them once, because every access to an array in a tuple counts a reference.
+    - `phase`: index of the phase, 0 to m - 1.
+    - `currents`, shape (m,): phase currents (A), updated.
+    - `sectors`, `latches`, shape (m,): window of each phase (1, 0, -1) and state of its comparator (1 on, 0 off),
+      updated.
+    - `angle`: electrical angle of this phase at the start (rad).
+    - `speed`: shaft speed (rad/s), at least 0.
+    - `upper`, `lower`: voltages of the half-sources (V).
+    - `reference`: current reference i* (A); 0 blocks the gates.
+    - `advance`: advance angle (rad electrical).
+    - `duration`: length of the advance (s).
+    - `totals`, shape (ledger.ENTRIES,): the exact integrals of the advance are added to it.
+    - `rows`, shape (m, n, segments.FIELDS): receives the segments; with n = 0 none are stored.
+    - `row_count`, shape (m,): receives the number of stored segments of this phase.
+    - Result: `COMPLETED` or `TOO_MANY_EVENTS`.
     """
     electrical = drive.pole_pairs * speed
     if electrical < _STANDSTILL:

@@ -35,17 +35,8 @@ class Phases(NamedTuple):
 def make_phases(drive: Drive, longest_advance: float = 0.0) -> Phases:
     """Return phases at rest: no current, latches on.
 
-    Parameters
-    ----------
-    drive : Drive
-        Its number of phases, and its maximum number of segments, determine the sizes.
-    longest_advance : float
-        Maximum length of an advance whose segments are stored (s); 0 to store none.
-
-    Returns
-    -------
-    Phases
-        With space for every segment that the drive can produce in that time.
+    `longest_advance`: maximum length of an advance whose segments are stored (s), with space for every segment that the
+    drive can produce in that time; 0 to store none.
     """
     count = drive.phases
     capacity = 0
@@ -81,31 +72,15 @@ def advance_phases(
 ) -> int:
     """Advance every phase exactly, by `drivegate_models.half_bridge.plant.phase.advance_phase`.
 
-    Parameters
-    ----------
-    drive : Drive
-        Constants of machine and inverter.
-    phases : Phases
-        State before the advance; replaced by the state after it, with the segments.
-    angle : float
-        Electrical angle of the first phase at the start (rad).
-    speed : float
-        Constant shaft speed (rad/s).
-    upper, lower : float
-        Voltages of the half-sources (V).
-    reference : float
-        Current reference i* (A).
-    advance : float
-        Advance angle (rad electrical).
-    duration : float
-        Length of the advance (s).
-    totals : ndarray, shape (ledger.ENTRIES,)
-        The exact integrals of the advance are added to it.
-
-    Returns
-    -------
-    int
-        A status of `drivegate_models.machine.advance_status`.
+    - `phases`: state before the advance; replaced by the state after it, with the segments.
+    - `angle`: electrical angle of the first phase at the start (rad).
+    - `speed`: constant shaft speed (rad/s).
+    - `upper`, `lower`: voltages of the half-sources (V).
+    - `reference`: current reference i* (A).
+    - `advance`: advance angle (rad electrical).
+    - `duration`: length of the advance (s).
+    - `totals`, shape (ledger.ENTRIES,): the exact integrals of the advance are added to it.
+    - Result: a status of `drivegate_models.machine.advance_status`.
     """
     status = COMPLETED
     # Read the arrays once for all phases: every access to an array in a tuple counts a reference.

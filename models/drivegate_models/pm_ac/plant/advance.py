@@ -103,15 +103,7 @@ class _Connected(NamedTuple):
 def make_phases(*, follows_torque: bool = False) -> PmAcPhases:
     """Return a machine without current, with modulators that have commanded the lower switches.
 
-    Parameters
-    ----------
-    follows_torque : bool
-        True to compute the extremes of the torque in each advance.
-
-    Returns
-    -------
-    PmAcPhases
-        Initial state and work space.
+    `follows_torque`: true to compute the extremes of the torque in each advance.
     """
     return PmAcPhases(
         np.zeros(2),
@@ -294,33 +286,16 @@ def advance_period(
 ) -> int:
     """Advance machine and bridge by one control period, solving every event in it.
 
-    Parameters
-    ----------
-    drive : PmAcDrive
-        Constants of machine, bridge and modulator.
-    phases : PmAcPhases
-        State before the advance; replaced by the state after it.
-    angle : float
-        Electrical angle of the d axis at the start (rad).
-    speed : float
-        Shaft speed, of either sign (rad/s).
-    link : float
-        Voltage of the dc link, at least 0 (V).
-    ratios : ndarray, shape (3,)
-        Duty ratios that act in this period (1).
-    legs_mode : ndarray, shape (3,)
-        `LEG_OFF`, `LEG_PWM`, `LEG_HIGH` or `LEG_LOW` of the contract for each leg.
-    alignment : int
-        `drive.CENTRED`, `RISING` or `FALLING`.
-    duration : float
-        Length of the advance (s).
-    totals : ndarray, shape (ledger.ENTRIES,)
-        The exact integrals are added to it; both halves of the link have equal shares.
-
-    Returns
-    -------
-    int
-        `COMPLETED` or `TOO_MANY_EVENTS`.
+    - `phases`: state before the advance; replaced by the state after it.
+    - `angle`: electrical angle of the d axis at the start (rad).
+    - `speed`: shaft speed, of either sign (rad/s).
+    - `link`: voltage of the dc link, at least 0 (V).
+    - `ratios`, shape (3,): duty ratios that act in this period (1).
+    - `legs_mode`, shape (3,): `LEG_OFF`, `LEG_PWM`, `LEG_HIGH` or `LEG_LOW` of the contract for each leg.
+    - `alignment`: `drive.CENTRED`, `RISING` or `FALLING`.
+    - `duration`: length of the advance (s).
+    - `totals`, shape (ledger.ENTRIES,): the exact integrals are added to it; both halves of the link have equal shares.
+    - Result: `COMPLETED` or `TOO_MANY_EVENTS`.
     """
     legs = phases.legs
     gates = phases.gates

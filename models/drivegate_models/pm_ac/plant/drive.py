@@ -75,19 +75,9 @@ class PmAcDrive(NamedTuple):
 def make_pm_ac_drive(*, pole_pairs: int, modulator: Modulator | None = None, **constants: float) -> PmAcDrive:
     """Build the constants of a drive from values in SI units.
 
-    Parameters
-    ----------
-    pole_pairs : int
-        Number of pole pairs.
-    modulator : Modulator, optional
-        Modulator of the bridge; by default ideal switches, one update and a delay of one period.
-    **constants : float
-        The other fields of `PmAcDrive`, by name and in its units; missing ones have its defaults.
-
-    Returns
-    -------
-    PmAcDrive
-        With ints and floats of the types that the kernels are compiled for.
+    `modulator`: by default ideal switches, one update and a delay of one period. `constants`: the other fields of
+    `PmAcDrive`, in its units; missing ones have its defaults. Result: with ints and floats of the types that the
+    kernels are compiled for.
     """
     chosen = modulator or Modulator()
     # Each kernel is compiled for one type of drive; an int instead of a float would compile it a second time.
@@ -109,17 +99,7 @@ def make_pm_ac_drive(*, pole_pairs: int, modulator: Modulator | None = None, **c
 def drifted(drive: PmAcDrive, resistance_factor: float, emf_factor: float) -> PmAcDrive:
     """Return a drive with windings and magnets at another temperature.
 
-    Parameters
-    ----------
-    drive : PmAcDrive
-        Constants at the nominal temperature.
-    resistance_factor, emf_factor : float
-        Factors on the winding resistance and on the magnet's flux (1).
-
-    Returns
-    -------
-    PmAcDrive
-        With all other constants unchanged.
+    `resistance_factor`, `emf_factor`: factors on the winding resistance and on the magnet's flux (1).
     """
     return PmAcDrive(drive.resistance * resistance_factor, drive.magnet_flux * emf_factor, *drive[2:])
 
@@ -135,17 +115,8 @@ def electrical_torque(drive: PmAcDrive, direct: float, quadrature: float) -> flo
 def alignment_of(updates: int, step: int) -> int:
     """Return the alignment of the upper switch's pulse in a control period.
 
-    Parameters
-    ----------
-    updates : int
-        Updates of the duty ratios per carrier period, as in `Modulator`.
-    step : int
-        Number of the control period.
-
-    Returns
-    -------
-    int
-        `CENTRED`, `RISING` or `FALLING`.
+    `updates`: updates of the duty ratios per carrier period, as in `Modulator`. Result: `CENTRED`, `RISING` or
+    `FALLING`.
     """
     if updates == 0:
         return FALLING

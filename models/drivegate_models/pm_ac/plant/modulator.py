@@ -115,20 +115,9 @@ def schedule_gates(
 ) -> None:
     """Write the schedule of all gates for one control period.
 
-    Parameters
-    ----------
-    modulator : Modulator
-        With dead time, counter and minimum pulse.
-    gates : Gates
-        State of the modulators, updated; receives the schedule.
-    ratios : ndarray, shape (3,)
-        Commanded duty ratios (1).
-    legs : ndarray, shape (3,)
-        `LEG_OFF`, `LEG_PWM`, `LEG_HIGH` or `LEG_LOW` of the contract.
-    alignment : int
-        `CENTRED`, `RISING` or `FALLING`.
-    period : float
-        Control period (s).
+    `gates`: state of the modulators, updated; receives the schedule. `ratios`, shape (3,): commanded duty ratios (1).
+    `legs`, shape (3,): `LEG_OFF`, `LEG_PWM`, `LEG_HIGH` or `LEG_LOW` of the contract. `alignment`: `CENTRED`, `RISING`
+    or `FALLING`. `period`: control period (s).
     """
     dead_time = modulator.dead_time
     for leg in range(3):

@@ -173,31 +173,13 @@ def held_series(
 ) -> int:
     """Write the series of the currents, and of the leg's own voltage, while a leg is held at zero current.
 
-    Parameters
-    ----------
-    circuit : Circuit
-        Constants of the advance.
-    series : Series
-        Receives `direct`, `quadrature`, `current` and `holding`.
-    frame : RotorFrame
-        Currents at the start, with zero in the held leg.
-    held : int
-        Index of the held leg.
-    voltages : ndarray, shape (3,)
-        Voltages of the legs (V); that of the held leg is not used.
-    length : float
-        Length of the segment (s).
-
-    Returns
-    -------
-    int
-        Number of coefficients.
-
-    Notes
-    -----
     T is the angle from the phase's axis to the d axis. The current m from the next leg to the one after it has the
     flux linkage ``m (L_S + L_D cos 2T)`` in its own direction, and ``psi cos T - m L_D sin 2T`` along the phase's
     axis, where 2 L_S = L_q + L_d and 2 L_D = L_q - L_d.
+
+    `series`: receives `direct`, `quadrature`, `current` and `holding`. `frame`: currents at the start, with zero in the
+    held leg. `held`: index of that leg. `voltages`, shape (3,): voltages of the legs (V); that of the held leg is not
+    used. `length`: length of the segment (s). Result: number of coefficients.
     """
     ahead = voltages[(held + 1) % 3]
     behind = voltages[(held + 2) % 3]

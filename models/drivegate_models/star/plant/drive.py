@@ -88,16 +88,6 @@ def make_star_drive(*, regulation: int = EVERY_HALF, **values: Any) -> StarDrive
 def drifted(drive: StarDrive, resistance_factor: float, emf_factor: float) -> StarDrive:
     """Return a drive with windings and magnets at another temperature.
 
-    Parameters
-    ----------
-    drive : StarDrive
-        Constants at the nominal temperature.
-    resistance_factor, emf_factor : float
-        Factors on the winding resistance and on the EMF constant (1).
-
-    Returns
-    -------
-    StarDrive
-        With all other constants unchanged.
+    `resistance_factor`, `emf_factor`: factors on the winding resistance and on the EMF constant (1).
     """
     return StarDrive(drive.resistance * resistance_factor, drive.emf_constant * emf_factor, *drive[2:])

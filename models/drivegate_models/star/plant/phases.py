@@ -58,17 +58,8 @@ class StarPhases(NamedTuple):
 def make_phases(drive: StarDrive, longest_advance: float = 0.0) -> StarPhases:
     """Return phases at rest: no current, latches on.
 
-    Parameters
-    ----------
-    drive : StarDrive
-        Its number of phases, and its maximum number of segments, determine the sizes.
-    longest_advance : float
-        Maximum length of an advance whose segments are stored (s); 0 to store none.
-
-    Returns
-    -------
-    StarPhases
-        With space for every segment that the drive can produce in that time.
+    `longest_advance`: maximum length of an advance whose segments are stored (s), with space for every segment that the
+    drive can produce in that time; 0 to store none.
     """
     count = drive.phases
     capacity = 0
@@ -276,31 +267,15 @@ def advance_phases(
 ) -> int:
     """Advance all phases by a control period, solving every event in it.
 
-    Parameters
-    ----------
-    drive : StarDrive
-        Constants of machine and inverter.
-    phases : StarPhases
-        State before the advance; replaced by the state after it, with the segments.
-    angle : float
-        Electrical angle of the first phase at the start (rad).
-    speed : float
-        Constant shaft speed (rad/s), at least 0.
-    upper, lower : float
-        Voltages of the halves of the link (V); only their sum acts.
-    reference : float
-        Current reference i* (A); 0 blocks the gates.
-    advance : float
-        Advance angle (rad electrical).
-    duration : float
-        Length of the advance (s).
-    totals : ndarray, shape (ledger.ENTRIES,)
-        The exact integrals of the advance are added to it.
-
-    Returns
-    -------
-    int
-        `COMPLETED` or `TOO_MANY_EVENTS`.
+    - `phases`: state before the advance; replaced by the state after it, with the segments.
+    - `angle`: electrical angle of the first phase at the start (rad).
+    - `speed`: constant shaft speed (rad/s), at least 0.
+    - `upper`, `lower`: voltages of the halves of the link (V); only their sum acts.
+    - `reference`: current reference i* (A); 0 blocks the gates.
+    - `advance`: advance angle (rad electrical).
+    - `duration`: length of the advance (s).
+    - `totals`, shape (ledger.ENTRIES,): the exact integrals of the advance are added to it.
+    - Result: `COMPLETED` or `TOO_MANY_EVENTS`.
     """
     # Read the arrays once for all events: every access to an array in a tuple counts a reference.
     corners = drive.emf_angles
