@@ -21,7 +21,6 @@ _SIZE = ctypes.sizeof(ctypes.c_double)
 
 
 def _call_step_interpreted(step: int, state: int, sense: int, command: int) -> None:
-    """Call a controller's step from the interpreter, if compilation is switched off."""
     _STEP(step)(state, sense, command)
 
 
@@ -42,7 +41,6 @@ def _call_step_compiled(
 
 
 def _double_at_interpreted(address: int, index: int) -> float:
-    """Read a double from the interpreter, if compilation is switched off."""
     return ctypes.c_double.from_address(int(address) + _SIZE * int(index)).value
 
 
@@ -58,7 +56,6 @@ def _double_at_compiled(typingctx: Any, address: Any, index: Any) -> tuple[Signa
 
 
 def _copy_bytes_interpreted(source: int, target: int, count: int) -> None:
-    """Copy from the interpreter, if compilation is switched off."""
     ctypes.memmove(int(target), int(source), int(count))
 
 
@@ -76,6 +73,7 @@ def _copy_bytes_compiled(typingctx: Any, source: Any, target: Any, count: Any) -
     return types.void(types.int64, types.int64, types.int64), codegen
 
 
+# If compilation is switched off, the interpreter runs the loop and everything that it calls.
 _INTERPRETED = bool(vars(config)["DISABLE_JIT"])
 
 call_step: Any = _call_step_interpreted if _INTERPRETED else _call_step_compiled

@@ -413,13 +413,9 @@ class _Inner(_Kernel):
     @cached_property
     def from_python(self) -> Any:
         """The same function with a way in from Python."""
-        return _dispatcher(self.py_func, "-python", **_options_of(self))
-
-
-def _options_of(dispatcher: Any) -> dict[str, Any]:
-    """Return the options of a function for compilation with a way in from Python."""
-    options = {name: value for name, value in dispatcher.targetoptions.items() if name != "nopython"}
-    return options | {"no_cpython_wrapper": False, "forceinline": False}
+        options = {name: value for name, value in self.targetoptions.items() if name != "nopython"}
+        options |= {"no_cpython_wrapper": False, "forceinline": False}
+        return _dispatcher(self.py_func, "-python", **options)
 
 
 def _dispatcher(function: Callable[..., object], purpose: str, **options: Any) -> Any:

@@ -24,11 +24,8 @@ class Layout:
     """
 
     name: str
-    """Name of the contract."""
     sense: np.dtype[Any]
-    """Record of what is sensed."""
     command: np.dtype[Any]
-    """Record of what is answered."""
     signals: type[Sense] | type[DutySense]
     """What a controller in Python senses."""
     fresh_command: Callable[[], NDArray[Any]]
@@ -53,4 +50,3 @@ CURRENT: Final = Layout("current", SENSE, COMMAND, Sense, command_record)
 DUTY: Final = Layout("duty", DUTY_SENSE, DUTY_COMMAND, DutySense, duty_command_record)
 """Records of controllers that answer with duty ratios."""
 LAYOUTS: Final[Mapping[np.dtype[Any], Layout]] = {layout.sense: layout for layout in (CURRENT, DUTY)}
-"""Every layout by its sense."""

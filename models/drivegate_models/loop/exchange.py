@@ -41,13 +41,9 @@ class Exchange(NamedTuple):
     kept: NDArray[Any]
     """Receives the command of each step, shape (n,) of contract.COMMAND; commands after its end are not stored."""
     step_address: int
-    """Address of the controller's step."""
     state_address: int
-    """Address of its state."""
     sense_address: int
-    """Address of `sense`."""
     command_address: int
-    """Address of `command`."""
 
 
 def make_exchange(

@@ -20,9 +20,7 @@ class GivenSenses(NamedTuple):
     """What the steps are made of."""
 
     step_address: int
-    """Address of the controller's step."""
     state_address: int
-    """Address of its state."""
     senses: NDArray[Any]
     """What is sensed, shape (n,) of the contract's sense; sizes and addresses in it are not used."""
     currents: NDArray[np.float64]

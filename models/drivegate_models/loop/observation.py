@@ -123,11 +123,9 @@ def _record_of(names: tuple[str, ...]) -> np.dtype[Any]:
 
 
 RUN_RECORD: Final = _record_of(RunObservation._fields)
-"""Record of `RunObservation`."""
 WINDOW_RECORD: Final = _record_of(WindowObservation._fields)
 """Record of `WindowObservation`; the means are sums until the run has ended."""
 TRACE_RECORD: Final = _record_of(TRACE_COLUMNS)
-"""Record of one recorded control period."""
 
 _MEANS = (
     "current_sum",

@@ -24,7 +24,6 @@ class ConstantsFit(NamedTuple):
     derivatives: NDArray[np.float64]
     """Derivatives of the residuals by the logarithms of the constants, shape (k, n)."""
     converged: bool
-    """True if the search has converged."""
     message: str
     """Reason for the end of the search."""
 

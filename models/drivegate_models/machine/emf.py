@@ -5,6 +5,8 @@ A sine is approximated by straight pieces, with the error stated at the function
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -74,12 +76,28 @@ def table_corners(angles: ArrayLike, values: ArrayLike) -> Corners:
     return angle_array[:-1], value_array[:-1]
 
 
-def full_cycle(angles: NDArray[np.float64], values: NDArray[np.float64]) -> Corners:
-    """Return the corners of a whole electrical cycle from those of its positive half.
+def drive_fields(
+    *,
+    phases: int,
+    pole_pairs: int,
+    emf_angles: NDArray[np.float64],
+    emf_values: NDArray[np.float64],
+    **constants: float,
+) -> dict[str, Any]:
+    """Return the fields that the constants of every drive with a back-EMF shape have, in SI units.
 
-    `angles`, `values`, shape (k,): corners in [0, pi) (rad, 1). Returns `angles`, `values`, shape (2 k + 1,): corners
-    in [0, 2 pi], both ends included (rad), and values there (1), with f(x + pi) = -f(x).
+    `emf_angles`, `emf_values`, shape (k,): corners of the shape's positive half cycle in [0, pi) (rad, 1). `constants`:
+    the other fields, in their units; missing ones have their defaults. Result: with the 2 k + 1 corners of the whole
+    cycle, both ends included, where f(x + pi) = -f(x).
     """
-    whole_angles = np.concatenate([angles, angles + np.pi, [2.0 * np.pi]])
-    whole_values = np.concatenate([values, -values, values[:1]])
-    return whole_angles, whole_values
+    angles = np.concatenate([emf_angles, emf_angles + np.pi, [2.0 * np.pi]])
+    values = np.concatenate([emf_values, -emf_values, emf_values[:1]])
+    # Each kernel is compiled for one type of drive; an int instead of a float would compile it a second time.
+    return {
+        "phases": int(phases),
+        "pole_pairs": int(pole_pairs),
+        "emf_angles": angles,
+        "emf_values": values,
+        "emf_slopes": np.diff(values) / np.diff(angles),
+        **{name: float(constant) for name, constant in constants.items()},
+    }

@@ -24,8 +24,6 @@ SLOWEST: Final = 1.0
 
 
 class Load(NamedTuple):
-    """A load: its kind and its size."""
-
     kind: int
     """`LOCKED`, `CONSTANT_TORQUE`, `CONSTANT_POWER`, `FAN`, `VEHICLE` or `HOIST`."""
     size: float = 0.0

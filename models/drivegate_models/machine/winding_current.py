@@ -34,26 +34,6 @@ _SHORT_TERMS = 7
 _ALL_TERMS = 17
 
 
-def _phi4_term(k: int) -> float:
-    return 1.0 / factorial(k + 4)
-
-
-# Integrals of the squares of t phi1 and t**2 phi2, and of their product, as separate series: the closed forms with
-# exponentials suffer cancellation for a small resistance.
-
-
-def _square_11_term(k: int) -> float:
-    return float((2 ** (k + 2) - 2) / factorial(k + 3))
-
-
-def _square_12_term(k: int) -> float:
-    return float((2 ** (k + 3) - 2) / factorial(k + 4) - 1.0 / (factorial(k + 2) * (k + 4)))
-
-
-def _square_22_term(k: int) -> float:
-    return float((2 ** (k + 4) - 2) / factorial(k + 5) - 2.0 / (factorial(k + 3) * (k + 5)))
-
-
 def _polynomial(term: Callable[[int], float]) -> Callable[[float], float]:
     """Return the compiled function ``sum_k term(k) (-x)**k``, with few terms for the common short intervals."""
     coefficients = tuple(term(k) * (-1.0 if k % 2 else 1.0) for k in range(_ALL_TERMS))
@@ -73,11 +53,13 @@ def _polynomial(term: Callable[[int], float]) -> Callable[[float], float]:
     return inlined(evaluate)
 
 
-phi4 = _polynomial(_phi4_term)
+phi4 = _polynomial(lambda k: 1.0 / factorial(k + 4))
 """The phi function of order four; lower orders follow from ``phi_k = 1/k! - x phi_(k+1)``."""
-_square_11 = _polynomial(_square_11_term)
-_square_12 = _polynomial(_square_12_term)
-_square_22 = _polynomial(_square_22_term)
+# Integrals of the squares of t phi1 and t**2 phi2, and of their product, as separate series: the closed forms with
+# exponentials suffer cancellation for a small resistance.
+_square_11 = _polynomial(lambda k: (2 ** (k + 2) - 2) / factorial(k + 3))
+_square_12 = _polynomial(lambda k: (2 ** (k + 3) - 2) / factorial(k + 4) - 1.0 / (factorial(k + 2) * (k + 4)))
+_square_22 = _polynomial(lambda k: (2 ** (k + 4) - 2) / factorial(k + 5) - 2.0 / (factorial(k + 3) * (k + 5)))
 
 
 class Phis(NamedTuple):

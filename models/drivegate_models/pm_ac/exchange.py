@@ -29,13 +29,9 @@ class DutyExchange(NamedTuple):
     sensed_currents: NDArray[np.float64]
     """Phase currents of the Sense, shape (3,) (A)."""
     step_address: int
-    """Address of the controller's step."""
     state_address: int
-    """Address of its state."""
     sense_address: int
-    """Address of `sense`."""
     command_address: int
-    """Address of `command`."""
 
 
 def make_exchange(

@@ -48,7 +48,6 @@ class DutyRecords(NamedTuple):
 
 
 def make_records(steps: int) -> DutyRecords:
-    """Return the records for a run with a number of steps."""
     # A row is read only once its control period has been run.
     return DutyRecords(np.zeros(1, RUN_RECORD), np.empty((steps, len(TRACE))), np.zeros(ledger.ENTRIES))
 

@@ -96,7 +96,11 @@ def commanded_swing(
     """
     phases = make_phases(follows_torque=True)
     phases.rotor_currents[:] = currents
-    _set_signs(phases, currents, float(angle))
+    cosine, sine = cosine_sine(float(angle))
+    along = cosine * currents[0] - sine * currents[1]
+    across = sine * currents[0] + cosine * currents[1]
+    values = [of_phase(leg, along, across) for leg in range(3)]
+    phases.legs.signs[:] = [1 if value > 0.0 else -1 if value < 0.0 else 0 for value in values]
     totals = np.zeros(ledger.ENTRIES)
     every = drive.modulator.control_every
     return float(
@@ -114,15 +118,6 @@ def commanded_swing(
             totals,
         )
     )
-
-
-def _set_signs(phases: PmAcPhases, currents: tuple[float, float], angle: float) -> None:
-    """Set the sign of the current in every leg."""
-    cosine, sine = cosine_sine(angle)
-    along = cosine * currents[0] - sine * currents[1]
-    across = sine * currents[0] + cosine * currents[1]
-    values = [of_phase(leg, along, across) for leg in range(3)]
-    phases.legs.signs[:] = [1 if value > 0.0 else -1 if value < 0.0 else 0 for value in values]
 
 
 @inlined

@@ -72,7 +72,6 @@ class ShaftErrors(NamedTuple):
     """Errors of a sensor with one sine and one cosine track a turn, as a resolver or a magnet at the shaft's end."""
 
     present: bool
-    """True if there is any."""
     eccentricity: float
     """Amplitude of the angle's error by an eccentric sensor (rad of the shaft)."""
     eccentric_from: float
@@ -114,16 +113,8 @@ class DutySensors(NamedTuple):
 
 def ideal_duty_sensors(dropouts: NDArray[np.float64] | None = None) -> DutySensors:
     """Return sensors that measure exact values at all times, except during dropouts."""
-    return DutySensors(
-        True,
-        exact_converters(np.ones(3), np.zeros(3)),
-        Shunts(IN_LINE, 0.0, np.zeros(3)),
-        EXACT,
-        no_encoder(),
-        no_hall(),
-        no_shaft_errors(),
-        np.zeros((0, 3)) if dropouts is None else dropouts,
-    )
+    exact = exact_converters(np.ones(3), np.zeros(3))
+    return real_duty_sensors(exact, dropouts=dropouts)._replace(ideal=True)
 
 
 def real_duty_sensors(

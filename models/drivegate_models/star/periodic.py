@@ -35,8 +35,6 @@ _POOR = 0.5
 
 
 class _Point(NamedTuple):
-    """Operating point of a search."""
-
     speed: float
     voltage: float
     reference: float

@@ -49,7 +49,6 @@ class TorqueDemand(NamedTuple):
     """A demanded torque of a drive at a speed, with work space."""
 
     drive: AnyDrive
-    """Constants of machine and inverter."""
     work: AnyPhases
     """Work space for the state of all phases."""
     slices: AnyPhases

@@ -18,9 +18,7 @@ if TYPE_CHECKING:
     from drivegate_models.star.plant.phases import StarPhases
 
 AnyDrive: TypeAlias = "Drive | StarDrive"
-"""Constants of a drive of any kind."""
 AnyPhases: TypeAlias = "Phases | StarPhases"
-"""State of a drive of any kind."""
 
 
 def _function(kind: type, name: str) -> Any:
@@ -62,7 +60,6 @@ def make_phases(drive: AnyDrive, longest_advance: float = 0.0) -> Any:
 
 
 advance_phases: Final = _of_any_drive("advance_phases")
-"""Advance all phases exactly."""
 periodic_start: Final = _of_any_drive("periodic_start")
 """Find the periodic state, and store it at the first phase's window start."""
 torque_period: Final = _of_any_drive("torque_period")

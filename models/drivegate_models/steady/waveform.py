@@ -14,7 +14,6 @@ from drivegate_models.machine.period import APERIODIC
 from drivegate_models.machine.winding_current import current_after
 from drivegate_models.steady.plant import (
     AnyDrive,
-    AnyPhases,
     advance_phases,
     make_phases,
     periodic_start,
@@ -87,14 +86,6 @@ def sample_rows(
             voltages[phase, k] = row[segments.VOLTAGE] + row[segments.VOLTAGE_RATE] * offset
 
 
-def _sampling_times(phases: AnyPhases, grid: NDArray[np.float64], length: float) -> NDArray[np.float64]:
-    """Return the grid together with the start of every stored segment (s)."""
-    starts = [
-        phases.rows[phase, :count, segments.START] for phase, count in enumerate(phases.row_counts.tolist())
-    ]
-    return np.unique(np.clip(np.concatenate([grid, *starts]), 0.0, length))
-
-
 def periodic_waveforms(drive: AnyDrive, speed: float, reference: float, advance: float) -> Waveforms:
     """Return one electrical cycle of the steady state at one operating point.
 
@@ -127,7 +118,9 @@ def periodic_waveforms(drive: AnyDrive, speed: float, reference: float, advance:
             unused,
         )
         inside = np.append(grid[(grid >= start) & (grid < start + length)] - start, length)
-        times = _sampling_times(phases, inside, length)
+        counts = enumerate(phases.row_counts.tolist())
+        events = [phases.rows[phase, :count, segments.START] for phase, count in counts]
+        times = np.unique(np.clip(np.concatenate([inside, *events]), 0.0, length))
         values = np.zeros((3, drive.phases, times.size))
         sample_rows(phases.rows, phases.row_counts, times, values[0], values[1], values[2])
         # The next piece must not begin before this one ends, by rounding.

@@ -12,25 +12,6 @@ from numpy.typing import NDArray
 
 from drivegate_models.contract.current.signals import Command, Nameplate, Sense
 
-__all__ = [
-    "ABI_MAJOR",
-    "ABI_MINOR",
-    "ABI_VERSION",
-    "COMMAND",
-    "NAMEPLATE",
-    "SENSE",
-    "STATE_ALIGNMENT",
-    "STOP",
-    "Command",
-    "Nameplate",
-    "Sense",
-    "command_record",
-    "nameplate_record",
-    "packing",
-    "record_of",
-    "sense_record",
-]
-
 ABI_MAJOR: Final = 1
 """Version of the layout; a controller built for another version is refused."""
 
@@ -80,19 +61,8 @@ SENSE: Final = np.dtype(
 )
 """Record of `signals.Sense`; `phase_currents` is the address of `phase_count` doubles."""
 
-COMMAND: Final = np.dtype(
-    [
-        ("struct_size", np.int64),
-        ("current_reference", np.float64),
-        ("advance_angle", np.float64),
-        ("input_power", np.float64),
-    ],
-    align=True,
-)
-"""Record of `drivegate_models.contract.current.signals.Command`."""
-
+COMMAND: Final = record_of(Command)
 NAMEPLATE: Final = record_of(Nameplate)
-"""Record of `drivegate_models.contract.current.signals.Nameplate`."""
 
 
 def packing(record: np.dtype[Any]) -> struct.Struct:

@@ -37,7 +37,6 @@ DUTY_COMMAND: Final = np.dtype(
 """Record of `signals.DutyCommand`, with one field per element of its triples."""
 
 DUTY_NAMEPLATE: Final = record_of(DutyNameplate)
-"""Record of `signals.DutyNameplate`."""
 
 
 def duty_sense_record(phase_currents: NDArray[np.float64]) -> NDArray[Any]:

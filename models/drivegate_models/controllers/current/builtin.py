@@ -34,7 +34,6 @@ SEARCH_PERIOD: Final = 0.1
 """Time between decisions of the search (s). For the guarded search, at the electrical frequency it is tuned for."""
 
 SEARCHES: Final = MappingProxyType({"initial": NO_SEARCH, "published": FLOWCHART, "reference": GUARDED})
-"""Kind of search for each controller."""
 
 # Upper limit of the scale of times and rates: the rate that a control period can follow (s).
 _FASTEST = 1e-3
@@ -187,7 +186,6 @@ def observe(state: Any, sense: Any, reference: float) -> bool:
 
 @inlined
 def begin_interval(state: Any) -> None:
-    """Begin a new decision interval."""
     state.count = 0
     state.power_sum = 0.0
     state.worst_error = 0.0

@@ -132,7 +132,7 @@ def move(state: Any, current_sum: float, change: float) -> None:
         state.improvements = 0
     if state.step < SMALLEST_STEP:
         if has_risen:
-            # The last step increased the current sum: revert it before the search rests.
+            # The last step increased the current sum: revert it before the search settles.
             state.offset -= state.moved
         rest_or_confirm(state, current_sum)
         return

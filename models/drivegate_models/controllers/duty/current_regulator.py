@@ -220,7 +220,7 @@ def regulate_currents(
     electrical = state.pole_pairs * sense.speed
     direct_error = direct_reference - direct
     quadrature_error = quadrature_reference - quadrature
-    # What is left of the errors by the time at which the command acts: more decoupling than that couples anew.
+    # What is left of the errors by the time at which the command acts: more decoupling than that couples again.
     direct_flux = state.remaining_error * state.direct_inductance * direct_error
     quadrature_flux = state.remaining_error * state.quadrature_inductance * quadrature_error
     # The voltages that maintain the references, that move the currents to them, and that decouple them.

@@ -21,7 +21,6 @@ _TRUST = 0.1
 
 @inlined
 def reset_prediction(state: Any) -> None:
-    """Reset the prediction."""
     state.direct_given = 0.0
     state.quadrature_given = 0.0
     state.direct_missed = 0.0

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import inlined
-from drivegate_models.machine.drive_fields import drive_fields
+from drivegate_models.machine.emf import drive_fields
 
 
 class Drive(NamedTuple):
@@ -61,7 +61,7 @@ class Drive(NamedTuple):
 
 
 def make_drive(**values: Any) -> Drive:
-    """Build the constants of a drive from the arguments of `drivegate_models.machine.drive_fields.drive_fields`."""
+    """Build the constants of a drive from the arguments of `drivegate_models.machine.emf.drive_fields`."""
     return Drive(**drive_fields(**values))
 
 

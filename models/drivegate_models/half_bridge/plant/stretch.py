@@ -44,7 +44,6 @@ class Stretch(NamedTuple):
     """Start, maximum length and back-EMF of a stretch."""
 
     phase: int
-    """Index of the phase."""
     time: float
     """Start, from the beginning of the advance (s)."""
     length: float

@@ -64,14 +64,8 @@ def ideal_sensors(
     gains = np.ones(phases) if gains is None else gains
     offsets = np.zeros(phases) if offsets is None else offsets
     lost = bool((dropouts[:, 0] >= FIRST_PHASE).any())
-    return Sensors(
-        ideal=True,
-        biased=lost or bool((gains != 1.0).any() or (offsets != 0.0).any()),
-        converters=exact_converters(gains, offsets),
-        encoder=no_encoder(),
-        hall=no_hall(),
-        dropouts=dropouts,
-    )
+    biased = lost or bool((gains != 1.0).any() or (offsets != 0.0).any())
+    return real_sensors(exact_converters(gains, offsets), dropouts)._replace(ideal=True, biased=biased)
 
 
 def real_sensors(

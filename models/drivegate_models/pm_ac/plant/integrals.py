@@ -26,7 +26,6 @@ from drivegate_models.pm_ac.plant.settling import FREE, Legs
 FOUR_PLACES: Final = (0.06943184420297371, 0.33000947820757187, 0.6699905217924281, 0.9305681557970262)
 """Places on [0, 1] of the four-point rule, which is exact up to degree 7."""
 FOUR_WEIGHTS: Final = (0.17392742256872679, 0.3260725774312732, 0.3260725774312732, 0.17392742256872679)
-"""Weights of the four-point rule."""
 
 # Places and weights of the rules with 3, 4 and 5 points, in this order.
 _PLACES: Final = (

@@ -56,7 +56,6 @@ class Pattern(NamedTuple):
 
 
 def make_upcoming() -> Upcoming:
-    """Return work space for three legs."""
     return Upcoming(np.zeros(3), np.zeros(3, np.int64), np.zeros(3, np.int64), np.zeros(3), np.zeros(3))
 
 

@@ -26,8 +26,6 @@ from drivegate_models.pm_ac.plant.rows import (
 
 
 class PhaseSegment(NamedTuple):
-    """A phase current in a segment."""
-
     begin: Jet
     """Current and derivatives at the start (A)."""
     end: Jet

@@ -66,7 +66,6 @@ _ROWS = 25
 
 
 def make_rows() -> NDArray[np.float64]:
-    """Return the work space for all rows."""
     return np.zeros(_ROWS * WIDTH)
 
 

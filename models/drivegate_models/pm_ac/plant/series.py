@@ -34,7 +34,7 @@ _LEAST_TERMS = 4
 
 
 class Series(NamedTuple):
-    """Coefficients in one segment, each of shape (TERMS,); written anew for every segment."""
+    """Coefficients in one segment, each of shape (TERMS,); overwritten for every segment."""
 
     direct: NDArray[np.float64]
     """d-axis current (A)."""
@@ -57,7 +57,6 @@ class Series(NamedTuple):
 
 
 def make_series() -> Series:
-    """Return work space for the series of a segment."""
     return Series(*(np.zeros(TERMS) for _ in Series._fields))
 
 

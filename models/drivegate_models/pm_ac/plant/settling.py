@@ -56,7 +56,6 @@ class Settled(NamedTuple):
 
 
 def make_legs() -> Legs:
-    """Return legs without current."""
     return Legs(
         np.zeros(3, np.int64),
         np.zeros(3, np.int64),

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import inlined
-from drivegate_models.machine.drive_fields import drive_fields
+from drivegate_models.machine.emf import drive_fields
 
 EVERY_HALF: Final = 0b1111
 """Every phase chops throughout its windows, each with its own comparator."""

@@ -23,7 +23,6 @@ from drivegate_models.star.plant.staircase import Circuit
 from drivegate_models.star.plant.window import GAP, next_piece, piece_at
 
 EVENT_LIMIT = 1_000_000
-"""Maximum number of events in one advance."""
 
 _STANDSTILL = 1e-100
 _LEAST_REFERENCE = 1e-20
@@ -93,7 +92,6 @@ def _set_shape(place: Any, shape: Shape) -> None:
 
 @inlined
 def _circuit(drive: StarDrive, speed: float, upper: float, lower: float, reference: float) -> Circuit:
-    """Return the constants of an advance."""
     inverse_inductance = 1.0 / drive.inductance
     rate = drive.resistance * inverse_inductance
     return Circuit(

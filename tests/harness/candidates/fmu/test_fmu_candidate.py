@@ -23,7 +23,7 @@ from drivegate.containment.messages import Job
 from drivegate.containment.watches import WorkerLimits
 from drivegate.drives.running import run_scenario
 from drivegate_cases.scenario.scenario import load_scenario
-from drivegate_models.contract.current.records import Nameplate, Sense
+from drivegate_models.contract.current.signals import Nameplate, Sense
 from drivegate_models.errors import InputError
 
 ROOT = Path(__file__).parents[4]
