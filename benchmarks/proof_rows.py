@@ -53,7 +53,7 @@ candidate = "published"
 check = "CPW-2"
 reason = "known"
 owner = "control"
-margin = -100.0
+margin = -1000.0
 expires = 2099-01-01
 """
 _RAISING: Final = """\
