@@ -243,7 +243,8 @@ def test_a_step_is_timed_on_what_was_sensed() -> None:
 
 def test_how_a_candidate_behaves_is_measured_where_it_is_judged() -> None:
     outcome = next(iter(check_outcomes([], NOTHING_DECLARED, INTERIOR, complete=True)))
-    step = replace(outcome, id="STP-1", scenario=revealing_runs()[0].to_mapping(), counterexample=None)
+    changes = {"id": "STP-1", "scenario": revealing_runs()[0].to_mapping(), "counterexample": None}
+    step = outcome.model_copy(update=changes)
     job = behaviour_job(INTERIOR, NOTHING_DECLARED, [step])
     assert job is not None
     with Judge(resolve_candidate("foc")) as judge:
