@@ -45,7 +45,7 @@ def test_a_failure_that_is_not_noticed_stays_at_speeds_and_torques_that_show_it(
     found = shrunk("faulty:third-current-computed", start, "SAF-1", 25)
     simplest = parse_document(found.scenario, Scenario, "the result")
     (_, speed), (_, torque) = simplest.speed_rpm[0], simplest.torque_reference_profile[0]
-    assert found.size < size_of(start.to_mapping())
+    assert size_of(found.scenario) < size_of(start.to_mapping())
     assert 0.2 * BASE <= speed <= BASE
     assert 0.3 <= torque / torque_of(INTERIOR, speed, 1.0) <= 0.6
 
@@ -56,5 +56,5 @@ def test_a_peak_of_the_current_does_not_grow_as_its_scenario_becomes_simpler() -
     start = torque_scenario(INTERIOR, speed, levels)
     limit = 1.2 * INTERIOR.rating.current_limit_a
     first, found = (shrunk("faulty:generous-current-limit", start, "OVC-1", budget) for budget in (1, 25))
-    assert found.size < first.size
+    assert size_of(found.scenario) < size_of(first.scenario)
     assert limit < float(found.margin.measured.split()[0]) <= float(first.margin.measured.split()[0])
