@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, TypeAlias
 
-from drivegate.candidates.declaration import Declaration
+from drivegate.candidates.declaration import NOTHING_DECLARED, Declaration
 from drivegate.candidates.step_costs import NO_COSTS, StepCosts
 from drivegate_cases.documents.wording import shown_path
 from drivegate_models.errors import InputError
@@ -26,15 +26,11 @@ class NativeBuild:
     """Where the code of a native candidate is."""
 
     library: Path
-    """The shared library that a worker process loads."""
 
 
 @dataclass(frozen=True)
 class Program:
-    """What is started for a candidate of kind `exec`."""
-
     executable: Path
-    """The program's file."""
     arguments: tuple[str, ...]
     """The words of the command line, the program's name the first."""
     step_deadline: float = STEP_DEADLINE
@@ -46,7 +42,6 @@ class Target:
     """How an image for a microcontroller is run."""
 
     image: Path
-    """The linked image that a worker process loads."""
     start: str | None = None
     """Function that is called before each reset, such as one that runs constructors; None for none."""
     ram: tuple[tuple[int, int], ...] = ()
@@ -70,7 +65,6 @@ class OuterLoop:
     """The controller of current references behind a loop of currents."""
 
     outer: Candidate
-    """The controller, of any kind."""
 
 
 Details: TypeAlias = NativeBuild | Program | Target | OuterLoop
@@ -96,10 +90,8 @@ class Candidate:
     """The files that the hash covers."""
     content_hash: str
     """SHA-256 of the sources' contents and the entry's class, in hexadecimal."""
-    declaration: Declaration
-    """What the candidate declares of itself."""
+    declaration: Declaration = NOTHING_DECLARED
     details: Details | None = None
-    """What only its kind needs."""
     drive: DriveDocument | None = None
     """The drive that its manifest names."""
     contract: ContractName | None = "current"
@@ -113,7 +105,6 @@ class Candidate:
 
 
 def existing_file(path: Path) -> Path:
-    """Find a file that a candidate is made of."""
     try:
         if path.is_file():
             return path.resolve()
@@ -129,14 +120,15 @@ def existing_folder(file: Path) -> Path:
 
 
 def hash_of(sources: Sequence[Path], entry: str) -> str:
-    """Hash what a candidate is made of."""
     digest = hashlib.sha256(entry.encode())
     for source in sources:
         try:
             content = source.read_bytes()
         except OSError as error:
-            sentence = f"{shown_path(source)} cannot be read: {error.strerror}; name a readable file"
-            raise InputError(sentence) from error
+            raise InputError(
+                f"{shown_path(source)} cannot be read: {error.strerror}; name a readable file"
+            ) from error
+        # With its length before each content, bytes that move from one file to the next change the hash.
         digest.update(f"\0{len(content)}\0".encode())
         digest.update(content)
     return digest.hexdigest()

@@ -17,8 +17,7 @@ class FlowchartProfile:
     speed_tolerance: float
     """k1: greatest speed error at which the search is active (rad/s)."""
     power_tolerance: float
-    """k2 as a power (W): the search stops when the input power changed by no more; 0 when it is a fraction.
-    """
+    """k2 as a power (W): the search stops when the input power changed by no more; 0 when it is a fraction."""
     power_tolerance_fraction: float
     """k2 as a fraction of the new input power, W_new; 0 when it is a power."""
     step: float
@@ -71,4 +70,3 @@ class Declaration:
 
 
 NOTHING_DECLARED: Final = Declaration()
-"""What a candidate declares that declares nothing."""

@@ -45,11 +45,9 @@ class Fault:
     """What happened, when, and what the candidate had sensed then."""
 
     kind: FaultKind
-    """The verdict."""
     message: str
     """One line of at most `LONGEST_MESSAGE` characters."""
     phase: Phase
-    """What the candidate was doing."""
     error: str = ""
     """Name of the exception's class or of the signal; empty where there is neither."""
     traceback: str = ""
@@ -72,8 +70,8 @@ class CandidateFault(Exception):
 
 
 def exception_fault(error: BaseException, phase: Phase) -> Fault:
-    """Describe an exception that a candidate's code raised."""
     name = type(error).__name__
+    # The candidate's own class writes the text, and may raise anything in doing so.
     try:
         text, trace = str(error), _traceback_of(error)
     except BaseException as unprintable:
@@ -94,14 +92,19 @@ def placed(fault: Fault, step: int, sense: Sense | DutySense) -> Fault:
     return replace(fault, step=step, time=sense.time, sense=sense._asdict())
 
 
-def bounded_line(text: str) -> str:
+def bounded_line(text: str, longest: int = LONGEST_MESSAGE) -> str:
     """Fit any text into one printable line.
 
     Memory addresses are left out, since they differ from run to run.
     """
     # Cut first: the text is the candidate's and may have any length. One character more shows that it was longer.
     line = _without_addresses(one_line(text[: LONGEST_MESSAGE + 1]))
-    return line if len(line) <= LONGEST_MESSAGE else line[: LONGEST_MESSAGE - 1] + "…"
+    return line if len(line) <= longest else line[: longest - 1] + "…"
+
+
+def bounded_reason(text: str) -> str:
+    """Fit what a compiler reports into one short line, since more text follows it in the sentence."""
+    return bounded_line(text.strip(), 300)
 
 
 def bounded_text(text: str) -> str:

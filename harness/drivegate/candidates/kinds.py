@@ -1,7 +1,8 @@
 """The kinds of candidate, one row each; all that the rest of the harness must know of a kind is in its row.
 
 The folder of a kind has two modules. `resolution` has ``from_text(specification)`` and
-``from_manifest(manifest, specification, folder)``, which return a `Candidate` and run none of its code. `loading` has
+``from_manifest(manifest, specification, folder)``, which return a `Candidate` and run none of its code; a manifest's
+name, declaration and drive are added to it by `drivegate.candidates.resolution`. `loading` has
 ``load_controller(candidate)``, which runs it, and for some kinds ``compile_own_code(candidate)``. They are imported
 when they are needed: each kind brings libraries of its own, and a process needs those of one kind only.
 """
@@ -44,8 +45,6 @@ MANIFEST_SUFFIX: Final = ".toml"
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of candidate."""
-
     name: str
     """Its name in manifests and results."""
     folder: str
@@ -68,7 +67,6 @@ class Kind:
     """How its steps run, without which their time says little; empty where the controller itself states it."""
 
     def from_text(self, specification: str) -> Candidate:
-        """Find the candidate that a string names."""
         candidate: Candidate = self._module("resolution").from_text(specification)
         return candidate
 
@@ -78,7 +76,6 @@ class Kind:
         return candidate
 
     def load_controller(self, candidate: Candidate) -> Controller:
-        """Make a new instance of a candidate."""
         controller: Controller = self._module("loading").load_controller(candidate)
         return controller
 
@@ -147,9 +144,7 @@ KINDS: Final[Mapping[str, Kind]] = {kind.name: kind for kind in _ALL}
 """Every kind by its name, in the order in which messages list them."""
 
 WHOLE_FILE_SUFFIXES: Final = (MANIFEST_SUFFIX, *(suffix for kind in _ALL for suffix in kind.suffixes))
-"""Suffixes of candidates that are a file as a whole."""
 
 
 def load_controller(candidate: Candidate) -> Controller:
-    """Make a new instance of a candidate."""
     return KINDS[candidate.kind].load_controller(candidate)

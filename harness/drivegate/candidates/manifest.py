@@ -31,17 +31,15 @@ _KINDS_OF_KEY = {
     for kind in KINDS.values()
     for key in kind.manifest_keys
 }
-_KEYS_OF_OTHERS = {
-    "current": {
-        "references": "whose controllers follow a speed",
-        "detects": "whose legs are no candidate's",
-        "current_bandwidth_rad_s": "whose currents are no candidate's",
-        "reads_enable": "whose legs are no candidate's",
-        "control_every": "whose carrier is no candidate's",
-        "update_delay": "whose duty ratios are no candidate's",
-    }
+_KEYS_OF_DUTY = {
+    "references": "whose controllers follow a speed",
+    "detects": "whose legs are no candidate's",
+    "current_bandwidth_rad_s": "whose currents are no candidate's",
+    "reads_enable": "whose legs are no candidate's",
+    "control_every": "whose carrier is no candidate's",
+    "update_delay": "whose duty ratios are no candidate's",
 }
-"""For each contract, keys of the contract of duty ratios alone, and why it has none."""
+"""Keys of the contract of duty ratios alone, and why that of current references has none."""
 
 _MOST_MATCHES = 1000
 """Greatest number of files that one pattern may match."""
@@ -72,6 +70,16 @@ class Flowchart(Section):
         if (self.k2_w is None) == (self.k2_percent is None):
             raise ValueError("must give exactly one of 'k2_w' and 'k2_percent'")
         return self
+
+    def profile(self) -> FlowchartProfile:
+        """Return the constants in SI units."""
+        return FlowchartProfile(
+            speed_tolerance=self.k1_rpm * RADIANS_PER_RPM,
+            power_tolerance=self.k2_w or 0.0,
+            power_tolerance_fraction=(self.k2_percent or 0.0) / 100,
+            step=radians(self.step_deg),
+            period=self.period_s,
+        )
 
 
 class Manifest(Document):
@@ -105,113 +113,92 @@ class Manifest(Document):
     speed_range_rpm: tuple[NotNegative, Positive] | None = Field(
         default=None, description="lowest and highest speed that the candidate is made for"
     )
-
     contract: ContractName | None = Field(
         default=None,
         description="what the candidate answers with: 'current', a current reference and an advance angle, or 'duty', "
         "duty ratios",
     )
-
     references: tuple[FollowedReference, ...] = Field(
         default=("speed", "torque"),
         description="what a candidate that answers with duty ratios follows: 'speed', 'torque' or both, or 'current' "
         "alone, a q current",
     )
-
     detects: tuple[FailureKind, ...] = Field(
         default=(),
         description="failures that a candidate that answers with duty ratios brings its drive into a safe state for: "
         "'open-phase', 'stuck-current', 'lost-position', 'locked-rotor', 'slip', and 'lost-edge', after which it may "
         "also keep the torque",
     )
-
     reverses: bool = Field(
         default=True,
         description="whether a candidate that answers with duty ratios also turns the shaft backward",
     )
-
     reads_enable: bool = Field(
         default=False,
         description="whether runs of a candidate that answers with duty ratios begin with the bridge off",
     )
-
     calibration_time_s: NotNegative = Field(
         default=0.0,
         le=0.5,
         description="time at standstill with the bridge off before each run, in seconds, to measure current offsets",
     )
-
     current_bandwidth_rad_s: Annotated[float, Field(gt=0, le=1e6)] | None = Field(
         default=None,
         description="bandwidth of the current regulators of a candidate that answers with duty ratios, in radians a "
         "second, which its steps are judged by; the drive's rise_periods where it is left out",
     )
-
     control_every: Annotated[int, Field(ge=1, le=MOST_CARRIERS)] | None = Field(
         default=None,
         description="carrier periods from one step to the next of a candidate that answers with duty ratios, by "
         "default those of the drive; the duty ratios hold in all of them",
     )
-
     update_delay: Literal[0, 1] | None = Field(
         default=None,
         description="control periods from a step to the one in which its duty ratios act, by "
         "default those of the drive; 0 if they act in the period of the sample",
     )
-
     drive: DriveReference | None = Field(
         default=None,
         description="drive that the candidate is made for: the name of one, or the path of its file",
     )
-
     step_deadline_s: Positive | None = Field(
         default=None, le=30.0, description="time that a program has for each step, in seconds"
     )
-
     start: Text | None = Field(
         default=None, description="function of an image that is called before each reset"
     )
-
     ram: tuple[tuple[Address, Size], ...] = Field(
         default=(), max_length=64, description="address and size of further memory of an image, in bytes"
     )
-
     step_instructions: Annotated[int, Field(gt=0, le=2**31)] | None = Field(
         default=None,
         description="greatest number of instructions of an image that a step may execute, those that a condition skips "
         "included",
     )
-
     step_cycles: Annotated[int, Field(gt=0, le=2**31)] | None = Field(
         default=None,
         description="greatest number of cycles of an image for a Cortex-M4 that a step may take, without wait states",
     )
-
     stack_bytes: Annotated[int, Field(gt=0, le=2**16)] | None = Field(
         default=None, description="greatest depth of an image's stack in a step, in bytes"
     )
-
     step: Text | None = Field(
         default=None,
         description="function of an image that is called in each control period; it needs no adapter, but [read]",
     )
-
     peripherals: dict[Text, Text] = Field(
         default={}, description="names for places in an image, such as TIM1 = 'TIM_TypeDef(0x40010000)'"
     )
-
     write: dict[Text, Value] = Field(
         default={},
         description="variables of an image that are written before each step, and values such as '2048 + 12.4 * "
         "phase_currents[0]', from fields of the Sense and from nameplate.resistance and the like; before 'start' too, "
         "with the drive at rest",
     )
-
     read: dict[Text, Value] = Field(
         default={},
         description="fields of the Command, and values such as 'TIM1.CCR1 / TIM1.ARR', from variables of an image",
     )
-
     stub: dict[Text, Value] = Field(
         default={},
         description="functions of an image that do not run, and what they return, from the same names as in [write]",
@@ -239,28 +226,16 @@ class Manifest(Document):
         return self
 
     @model_validator(mode="after")
-    def _what_is_built_has_sources(self) -> Self:
+    def _has_the_keys_that_others_need(self) -> Self:
         if self.build and not self.sources:
             raise ValueError("the key 'build' needs 'sources', the files that the commands may read")
-        return self
-
-    @model_validator(mode="after")
-    def _a_step_without_adapter_is_whole(self) -> Self:
         if self.step is not None and not (self.read and self.contract):
             raise ValueError("the key 'step' needs a table [read] and the key 'contract'")
         for key in ("peripherals", "write", "read", "stub"):
             if getattr(self, key) and self.step is None:
                 raise ValueError(f"the table [{key}] needs the key 'step', the function that is called")
-        return self
-
-    @model_validator(mode="after")
-    def _only_an_estimate_has_a_window(self) -> Self:
         if self.power_window_s and not self.estimates_power:
             raise ValueError("the key 'power_window_s' needs 'estimates_power = true'")
-        return self
-
-    @model_validator(mode="after")
-    def _only_a_bridge_that_is_off_is_calibrated(self) -> Self:
         if self.calibration_time_s and not self.reads_enable:
             raise ValueError("the key 'calibration_time_s' needs 'reads_enable = true'")
         return self
@@ -277,7 +252,7 @@ class Manifest(Document):
                 f"the key 'references' names 'current', which excludes {other}; such a candidate is run on q currents "
                 "alone, without failures"
             )
-        for key, reason in _KEYS_OF_OTHERS.get(self.contract or "", {}).items():
+        for key, reason in _KEYS_OF_DUTY.items() if self.contract == "current" else ():
             # A delay of 0 is a statement, too.
             if key in self.model_fields_set and (getattr(self, key) or key == "update_delay"):
                 raise ValueError(
@@ -313,7 +288,7 @@ class Manifest(Document):
     def declaration(self) -> Declaration:
         """What the candidate declares of itself, in SI units."""
         return Declaration(
-            _profile(self.flowchart),
+            None if self.flowchart is None else self.flowchart.profile(),
             self.estimates_power,
             self.speed_range_rpm,
             self.power_window_s,
@@ -337,6 +312,7 @@ def _matching(folder: Path, source: str) -> tuple[Path, ...]:
             f"the pattern '{one_line(source)}' in 'sources' leaves the manifest's folder; name files outside it one by "
             "one"
         )
+    # One more than allowed shows that there are too many, without listing all that is below a large folder.
     try:
         files = sorted(islice((file for file in folder.glob(source) if file.is_file()), _MOST_MATCHES + 1))
     except (ValueError, OSError) as error:
@@ -350,15 +326,3 @@ def _matching(folder: Path, source: str) -> tuple[Path, ...]:
             "matches the sources alone"
         )
     return tuple(file.resolve() for file in files)
-
-
-def _profile(flowchart: Flowchart | None) -> FlowchartProfile | None:
-    if flowchart is None:
-        return None
-    return FlowchartProfile(
-        speed_tolerance=flowchart.k1_rpm * RADIANS_PER_RPM,
-        power_tolerance=flowchart.k2_w or 0.0,
-        power_tolerance_fraction=(flowchart.k2_percent or 0.0) / 100,
-        step=radians(flowchart.step_deg),
-        period=flowchart.period_s,
-    )

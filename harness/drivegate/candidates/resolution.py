@@ -5,7 +5,7 @@ loads it.
 """
 
 from dataclasses import replace
-from importlib.metadata import entry_points
+from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 
 from drivegate.candidates.builtin.candidates import BUILTIN_CANDIDATES, DUTY_CANDIDATES
@@ -34,6 +34,7 @@ def resolve_candidate(text: str) -> Candidate:
         raise InputError(
             f"the candidate '{one_line(specification)}' has a zero byte in it, but must be {_WAYS}"
         )
+    # Prefixes come first: the command line after one may end like a file of any other kind.
     for kind in KINDS.values():
         if specification.startswith(kind.prefixes):
             return kind.from_text(specification)
@@ -43,17 +44,18 @@ def resolve_candidate(text: str) -> Candidate:
     for kind in KINDS.values():
         if suffix in kind.suffixes:
             return kind.from_text(specification)
-    if suffix in _OTHER_TABLES or (_is_folder(specification) and not _is_name(specification)):
+    # A name is that of a known controller even where a folder is called the same.
+    if suffix in _OTHER_TABLES or (
+        _is_folder(specification) and specification not in (*_BUILTIN, *_installed())
+    ):
         raise InputError(_instead_of(specification))
     if suffix == ".py" or ":" in specification:
         return KINDS["python"].from_text(specification)
     return _from_bare_name(specification)
 
 
-def _is_name(specification: str) -> bool:
-    """Return True if a string names a known controller, even where a folder is called the same."""
-    installed = {point.name for point in entry_points(group=ENTRY_POINT_GROUP)}
-    return specification in (*_BUILTIN, *installed)
+def _installed() -> dict[str, EntryPoint]:
+    return {point.name: point for point in entry_points(group=ENTRY_POINT_GROUP)}
 
 
 def _instead_of(specification: str) -> str:
@@ -92,7 +94,7 @@ def _readable(folder: str) -> list[str]:
 def _from_bare_name(name: str) -> Candidate:
     if name in _BUILTIN:
         return KINDS["builtin"].from_text(name)
-    installed = {point.name: point for point in entry_points(group=ENTRY_POINT_GROUP)}
+    installed = _installed()
     if name in installed:
         from drivegate.candidates.python.resolution import installed_candidate
 
@@ -121,4 +123,11 @@ def _from_manifest(specification: str) -> Candidate:
             f"{shown_path(specification)}: the key 'contract' is '{stated}', but the candidate answers with "
             f'{ANSWERS[str(known)]}; leave the key out, or write contract = "{known}"'
         )
-    return replace(candidate, drive=manifest.drive, contract=known or stated)
+    # What every kind takes from its manifest in the same way.
+    return replace(
+        candidate,
+        name=manifest.name,
+        declaration=manifest.declaration(),
+        drive=manifest.drive,
+        contract=known or stated,
+    )

@@ -18,9 +18,7 @@ class StepCosts(NamedTuple):
 
 
 NO_COSTS = StepCosts()
-"""Nothing is counted or stated."""
 
 
 def greatest_costs(costs: Iterable[StepCosts]) -> StepCosts:
-    """Return the greatest of each cost."""
     return StepCosts(*(max(each) for each in zip(NO_COSTS, *costs, strict=True)))

@@ -25,8 +25,6 @@ ResultT = TypeVar("ResultT")
 
 @dataclass(frozen=True)
 class Backend:
-    """Where tasks are done."""
-
     name: str = "local"
     """``local`` or ``dask``."""
     workers: int | None = None
@@ -46,12 +44,13 @@ class Backend:
 def done_by(
     backend: Backend, task: Callable[[bytes, ItemT], ResultT], package: bytes, items: Sequence[ItemT]
 ) -> Iterator[tuple[ItemT, ResultT]]:
-    """Do tasks side by side and give their results as they come.
+    """Do tasks side by side and yield their results as they come.
 
     Local processes that die are replaced, and what they were doing is done again; on a cluster its scheduler sees to
     that. Only a few tasks wait at a time, whatever their number.
     """
     from joblib import Parallel, cpu_count, delayed
+    from joblib.externals.loky import get_reusable_executor
 
     left = dict.fromkeys(items)
     failures = 0
@@ -63,7 +62,10 @@ def done_by(
                 stack.enter_context(_cluster(backend))
                 jobs = -1
             else:
-                stack.callback(_end_local_workers)
+                # Ended here, since joblib would keep them for minutes in case that more is to be done.
+                stack.callback(
+                    lambda: get_reusable_executor(reuse=True).shutdown(wait=True, kill_workers=True)
+                )
             # One task a batch: a result is stored as soon as it is there, and a killed worker costs no other one.
             parallel = Parallel(n_jobs=jobs, batch_size=1, return_as="generator_unordered")
             # Whoever kills the campaign means its workers too, which joblib would leave waiting for minutes.
@@ -83,13 +85,6 @@ def done_by(
                         f"worker processes were killed {failures} times in a row, perhaps for want of memory; "
                         "take fewer with --workers"
                     ) from error
-
-
-def _end_local_workers() -> None:
-    """End the processes that joblib would keep for minutes, in case that more is to be done."""
-    from joblib.externals.loky import get_reusable_executor
-
-    get_reusable_executor(reuse=True).shutdown(wait=True, kill_workers=True)
 
 
 def _kept(

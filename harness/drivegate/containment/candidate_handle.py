@@ -80,10 +80,10 @@ class CandidateHandle:
         """What becomes readable when the process has something to report."""
         return [self._channel] if self._output_ended else [self._channel, self._output]
 
-    def send(self, order: Order, room: int = 0) -> None:
-        """Send an order, with room in bytes for its commands; a process that has died is noticed later."""
+    def send(self, order: Order, space: int = 0) -> None:
+        """Send an order, with space in bytes for its commands; a process that has died is noticed later."""
         written = pickle.dumps(order, pickle.HIGHEST_PROTOCOL)
-        needed = max(len(written), room)
+        needed = max(len(written), space)
         descriptors = []
         if self._memory is None or self._memory.size < needed:
             self._memory = SharedMemory.create(needed)
@@ -110,13 +110,14 @@ class CandidateHandle:
         return unpacked(message) if message else None
 
     def copied_commands(self, layout: np.dtype[Any], count: int) -> NDArray[Any]:
-        """Copy the first commands of the last run, as far as there is room for them; shape (n,)."""
+        """Copy the first commands of the last run, as far as there is space for them; shape (n,)."""
         assert self._memory is not None, "commands follow on an order"
-        return self._memory.copied_commands(layout, count)
+        # A copy, since the candidate can write into the memory at any time.
+        return self._memory.commands(layout)[:count].copy()
 
     def has_ended(self) -> bool:
         """Return True if the process has died by itself; it is not reaped yet, so its id is still its own."""
-        if self._kept.keeper_has_ended():
+        if self._kept.keeper.has_ended():
             return True
         process = self._process()
         try:
@@ -132,19 +133,17 @@ class CandidateHandle:
         return self._measured
 
     def processor_seconds(self) -> float:
-        """Measure the processor time that the process has used."""
         process = self._process()
         if process is None:
             return 0.0
-        try:
+        with suppress(psutil.NoSuchProcess):
             times = process.cpu_times()
-        except psutil.NoSuchProcess:
-            return 0.0
-        return float(times.user + times.system)
+            return float(times.user + times.system)
+        return 0.0
 
     def used_memory(self) -> int:
         """Measure the memory of all processes of the candidate, shared memory included (bytes)."""
-        return memory_of_descendants(self._kept.keeper_id)
+        return memory_of_descendants(self._kept.keeper.pid)
 
     def drain_output(self) -> None:
         """Read what the process has printed, so that it never waits for a reader; only the end is kept."""
@@ -161,12 +160,11 @@ class CandidateHandle:
         self._tail = b""
 
     def last_output(self) -> str:
-        """Return the end of what the process has printed."""
         self.drain_output()
         return self._tail.decode(errors="replace")
 
     def stack(self) -> str:
-        """Ask the process where it is, then give what it printed."""
+        """Have the process print where it is, and return that."""
         self.forget_output()
         process = self._process()
         if process is None or self.has_ended():

@@ -59,7 +59,6 @@ class Answered:
     fault: Fault | None
     """What ended the run, where it is known there."""
     costs: StepCosts = NO_COSTS
-    """Greatest costs of a step on an emulated target."""
 
 
 class CandidateProcess:
@@ -90,18 +89,15 @@ class CandidateProcess:
             self.kill()
             self._start()
         try:
-            reply = self._without_fault(MakeInstance())
+            reply = self.carried_out(MakeInstance())
         except CandidateFault:
             self.kill()
             raise
         self._has_instance = True
         return reply
 
-    def carried_out(self, order: Order) -> None:
-        """Have an order carried out that answers nothing."""
-        self._without_fault(order)
-
-    def _without_fault(self, order: Order) -> Reply:
+    def carried_out(self, order: Order) -> Reply:
+        """Have an order carried out that answers with no commands."""
         reply = self._replied(order, 0)
         fault = self._fault_in(reply)
         if fault is not None:
@@ -114,7 +110,11 @@ class CandidateProcess:
         try:
             reply = self._replied(order, steps)
         except CandidateFault as died:
-            return self._left_behind(died.fault, order, steps)
+            # The commands that it has given before are still in the memory that it shared.
+            given = min(died.fault.step or 0, steps)
+            commands = self._running.copied_commands(order.commands, given)
+            self.kill()
+            return Answered(commands, STOPPED, bytes(CHECK_BYTES), died.fault)
         fault = self._fault_in(reply)
         if fault is None and reply.status == COMPLETED and reply.steps != steps:
             fault = self._garbled(self._running)
@@ -131,13 +131,6 @@ class CandidateProcess:
         if fault.error == MemoryError.__name__:
             self.kill()
 
-    def _left_behind(self, fault: Fault, order: RunOrder, steps: int) -> Answered:
-        """Collect the commands that a process has given before it died."""
-        handle = self._running
-        commands = handle.copied_commands(order.commands, min(fault.step or 0, steps))
-        self.kill()
-        return Answered(commands, STOPPED, bytes(CHECK_BYTES), fault)
-
     @property
     def _running(self) -> CandidateHandle:
         assert self._handle is not None, "a process was asked before"
@@ -145,7 +138,6 @@ class CandidateProcess:
 
     @property
     def is_running(self) -> bool:
-        """Whether there is a process that has not ended."""
         return self._handle is not None and not self._handle.has_ended()
 
     def _start(self) -> None:

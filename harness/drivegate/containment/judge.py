@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
-from types import TracebackType
 from typing import Any, Self, TypeVar
 
 from drivegate.candidates.candidate import Candidate
@@ -56,7 +55,6 @@ class Judge:
         return ending
 
     def once(self, job: Job[ResultT]) -> ResultT | Fault:
-        """Do one job."""
         self._afresh = job.afresh
         if job.afresh:
             self.kill()
@@ -96,10 +94,7 @@ class Judge:
         """Return the judge; the candidate's process starts with the first instance."""
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """End the candidate's process."""
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
         if kind is None:
             self.close()
         else:
@@ -107,7 +102,6 @@ class Judge:
 
 
 def is_hang(ending: object) -> bool:
-    """Return True if a job ended with a hang, which is tried once more."""
     return isinstance(ending, Fault) and ending.kind is FaultKind.HANG
 
 

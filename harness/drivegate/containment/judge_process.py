@@ -97,7 +97,11 @@ class JudgeProcess:
                 return self._stopped()
             outcome: Outcome | SlowRun = connection.recv()
         except (EOFError, ConnectionResetError):
-            return self._died()
+            self.kill()
+            if KINDS[self._candidate.kind].is_included:
+                raise HarnessFault("a judge's process has died") from None
+            # No candidate but one that means it ends the process that judges it.
+            return Faulted(Fault(FaultKind.CRASH, _KILLED, "step"))
         if isinstance(outcome, SlowRun):
             if self._on_slow is not None:
                 self._on_slow(outcome)
@@ -121,13 +125,6 @@ class JudgeProcess:
             return None
         self.kill()
         return Faulted(Fault(FaultKind.CRASH, _STOPPED, "step"))
-
-    def _died(self) -> Faulted:
-        self.kill()
-        if KINDS[self._candidate.kind].is_included:
-            raise HarnessFault("a judge's process has died")
-        # No candidate but one that means it ends the process that judges it.
-        return Faulted(Fault(FaultKind.CRASH, _KILLED, "step"))
 
     def kill(self) -> None:
         """End the process at once; the next job starts another one."""

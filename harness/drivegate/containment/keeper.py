@@ -16,8 +16,7 @@ import signal
 import stat
 import sys
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
 
@@ -38,8 +37,9 @@ def keep(role: str, isolation: str, temporary: str, *descriptors: str) -> None:
     In the keeper this does not return; in the worker it returns when its parent has hung up. The keeper reports
     on its standard output the worker's process id, and at the end its exit status, negative for a signal.
     """
-    # Before the worker exists, so that no orphan of it goes past the keeper.
-    _adopt_orphans()
+    # Before the worker exists, so that the keeper adopts every orphan of it.
+    if sys.platform.startswith("linux"):
+        control_process(_SET_CHILD_SUBREAPER, 1)
     layers, places = read_order(isolation)
     # The new table of processes holds only what is forked from now on: the worker. The keeper stays outside, where it
     # survives the end of the table and reports the status.
@@ -72,11 +72,6 @@ def keep(role: str, isolation: str, temporary: str, *descriptors: str) -> None:
         os._exit(0)
 
 
-def _adopt_orphans() -> None:
-    if sys.platform.startswith("linux"):
-        control_process(_SET_CHILD_SUBREAPER, 1)
-
-
 def _become_worker(role: str, temporary: str, descriptors: list[int], keeper: int) -> None:
     """Leave the keeper's streams: nothing to read, and what is printed goes to the harness."""
     nothing = os.open(os.devnull, os.O_RDONLY)
@@ -103,17 +98,11 @@ def import_role(role: str, *modules: str) -> None:
 
     A keeper that is not a copy does without.
     """
-    with _without_collection():
-        of_role = "serving" if role == "candidate" else "judge_process"
-        for module in (f"drivegate.containment.{of_role}", *modules):
-            import_module(module)
-
-
-@contextmanager
-def _without_collection() -> Iterator[None]:
-    """Leave what is imported out of every search for garbage: there is none in it, and the search takes long."""
+    # What is imported is left out of every search for garbage: there is none in it, and the search takes long.
     gc.disable()
-    yield
+    of_role = "serving" if role == "candidate" else "judge_process"
+    for module in (f"drivegate.containment.{of_role}", *modules):
+        import_module(module)
     gc.freeze()
     gc.enable()
 

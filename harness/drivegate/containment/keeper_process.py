@@ -6,27 +6,10 @@ import signal
 import subprocess
 import time
 from contextlib import suppress
-from typing import Final, Protocol
+from typing import Final
 
 # The template reaps at once; this only bounds the wait for a template that is stopped or dead.
 _PATIENCE: Final = 1.0
-
-
-class KeeperProcess(Protocol):
-    """A running keeper."""
-
-    @property
-    def pid(self) -> int:
-        """Process id, which stays its own until it has ended."""
-
-    def has_ended(self) -> bool:
-        """Return True if the process has ended."""
-
-    def ends_within(self, seconds: float) -> bool:
-        """Wait for the process to end, at most for some time, and return True if it has."""
-
-    def send(self, number: signal.Signals) -> None:
-        """Send a signal, unless the process has ended."""
 
 
 class NewKeeper:
@@ -59,11 +42,9 @@ class CopiedKeeper:
         self._descriptor = descriptor
 
     def has_ended(self) -> bool:
-        """Return True if the process has ended."""
         return self.ends_within(0.0)
 
     def ends_within(self, seconds: float) -> bool:
-        """Wait for the process to end, at most for some time, and return True if it has."""
         if self._descriptor >= 0:
             poll = select.poll()
             poll.register(self._descriptor, select.POLLIN)
@@ -76,7 +57,6 @@ class CopiedKeeper:
         return True
 
     def send(self, number: signal.Signals) -> None:
-        """Send a signal, unless the process has ended."""
         if self._descriptor >= 0:
             with suppress(ProcessLookupError):
                 signal.pidfd_send_signal(self._descriptor, number)
@@ -89,3 +69,7 @@ class CopiedKeeper:
                 # Signal 0 sends nothing, and fails once the process has been reaped.
                 signal.pidfd_send_signal(self._descriptor, 0)
                 time.sleep(0.0005)
+
+
+KeeperProcess = NewKeeper | CopiedKeeper
+"""A running keeper. Its process id stays its own until it has ended."""

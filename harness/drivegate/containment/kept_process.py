@@ -13,7 +13,7 @@ from typing import Final
 import psutil
 
 from drivegate.containment.keeper_process import KeeperProcess, NewKeeper
-from drivegate.containment.templates import TEMPLATES, Preparation
+from drivegate.containment.templates import TEMPLATES, KeeperOrder, Preparation
 from drivegate.containment.temporary_folder import TemporaryFolder
 from drivegate.isolation.layers import Layer, Places, python_command, written_order
 from drivegate_models.compilation.cache_folder import CACHE_VARIABLE, KERNELS_VARIABLE, NUMBA_VARIABLE
@@ -48,7 +48,6 @@ PASSED_PREFIXES: Final = ("LC_", "NUMBA_", "OMP_", "OPENBLAS_", "MKL_", "JOBLIB_
 PASS_VARIABLE: Final = "DRIVEGATE_PASS"
 """Environment variable with further names to pass on, separated by commas."""
 TEMPORARY_VARIABLES: Final = ("TMPDIR", "TMP", "TEMP")
-"""Variables that name the folder for temporary files."""
 # Longer than the keeper itself takes at most to kill everything, so that only a stopped or stuck one is killed.
 _KEEPER_PATIENCE = 20.0
 # A judge that ends waits for its candidate's process first (2 s at most, in `candidate_handle`).
@@ -95,15 +94,13 @@ def _environment_of_imports(inherited: Mapping[str, str]) -> dict[str, str]:
 
 
 def prepare_judges(preparation: Preparation, *, is_one_of_many: bool) -> None:
-    """Prepare the judges that are started as copies from now on; true if several are."""
+    """Prepare the judges that are started as copies from now on."""
     if choose_cache_folder() is not None:
         inherited = _environment_of_imports(os.environ)
         TEMPLATES.prepare(Role.JUDGE, inherited, preparation, is_one_of_many=is_one_of_many)
 
 
 class Role(StrEnum):
-    """What a kept process does."""
-
     JUDGE = "judge"
     CANDIDATE = "candidate"
 
@@ -114,6 +111,8 @@ class KeptProcess:
     A candidate's gets few environment variables, and its output goes to a descriptor; a judge's is the harness's own.
     One that is started afresh is never a copy of a template. If it `is_one_of_many`, others follow for certain. A copy
     has imported `modules`.
+
+    `keeper`: its keeper, which ends by itself only if it was killed.
     """
 
     def __init__(
@@ -141,7 +140,7 @@ class KeptProcess:
             lasting = _lasting_environment(os.environ, kernels)
             readable = readable if kernels is None else (*readable, str(kernels))
         order = written_order(layers, Places(readable, (temporary,)))
-        words = (role.value, order, temporary)
+        words: tuple[str, ...] = (role.value, order, temporary)
         folder = folder if folder is not None and folder.is_dir() else None
         # Only this process has the end for writing, which closes however it ends. That ends the keeper.
         reader, self._held = os.pipe()
@@ -149,32 +148,24 @@ class KeptProcess:
         try:
             keeper: KeeperProcess | None = None
             if not afresh and kernels is not None:
-                keeper = TEMPLATES.keeper(
-                    words,
-                    folder,
-                    (reader, writer, _STANDARD_ERROR if output is None else output, *descriptors),
-                    environment,
-                    lasting,
-                    modules,
-                    is_one_of_many=is_one_of_many,
-                )
+                streams = (reader, writer, _STANDARD_ERROR if output is None else output)
+                wanted = KeeperOrder(words, (*streams, *descriptors), environment, modules)
+                keeper = TEMPLATES.keeper(wanted, folder, lasting, is_one_of_many=is_one_of_many)
             if keeper is None:
-                keeper = NewKeeper(
-                    subprocess.Popen(
-                        python_command(
-                            "drivegate.containment.keeper", "keep", *words, *map(str, descriptors)
-                        ),
-                        stdin=reader,
-                        stdout=writer,
-                        stderr=output,
-                        pass_fds=descriptors,
-                        # Ctrl-C in a terminal reaches the harness alone, which ends its processes in order.
-                        start_new_session=True,
-                        cwd=folder,
-                        env=environment,
-                    )
+                words = (*words, *map(str, descriptors))
+                process = subprocess.Popen(
+                    python_command("drivegate.containment.keeper", "keep", *words),
+                    stdin=reader,
+                    stdout=writer,
+                    stderr=output,
+                    pass_fds=descriptors,
+                    # Ctrl-C in a terminal reaches the harness alone, which ends its processes in order.
+                    start_new_session=True,
+                    cwd=folder,
+                    env=environment,
                 )
-            self._keeper = keeper
+                keeper = NewKeeper(process)
+            self.keeper = keeper
         except BaseException:
             os.close(self._held)
             os.close(self._reports)
@@ -192,25 +183,15 @@ class KeptProcess:
             self._listen()
         return int(self._reported.split()[0]) if b"\n" in self._reported else None
 
-    @property
-    def keeper_id(self) -> int:
-        """Process id of the keeper."""
-        return self._keeper.pid
-
     def is_stopped(self) -> bool:
         """Return True if the worker or its keeper is stopped, by a signal or by a debugger."""
         stopped = (psutil.STATUS_STOPPED, psutil.STATUS_TRACING_STOP)
         with suppress(psutil.NoSuchProcess):
-            numbers = (self.process_id, self._keeper.pid)
+            numbers = (self.process_id, self.keeper.pid)
             return any(psutil.Process(number).status() in stopped for number in numbers if number is not None)
         return False
 
-    def keeper_has_ended(self) -> bool:
-        """Return True if the keeper has ended by itself, which it does when it was killed."""
-        return self._keeper.has_ended()
-
     def wait_for_worker(self) -> None:
-        """Wait a moment for the process to end by itself."""
         until = time.monotonic() + _PATIENCE
         number = self.process_id
         while number is not None and time.monotonic() < until:
@@ -234,11 +215,11 @@ class KeptProcess:
         os.close(self._held)
         self._held = -1
         # A candidate may have stopped the keeper, once or again and again.
-        self._keeper.send(signal.SIGCONT)
-        if not self._keeper.ends_within(_KEEPER_PATIENCE):
+        self.keeper.send(signal.SIGCONT)
+        if not self.keeper.ends_within(_KEEPER_PATIENCE):
             self._kill_descendants()
-            self._keeper.send(signal.SIGKILL)
-            self._keeper.ends_within(_KEEPER_PATIENCE)
+            self.keeper.send(signal.SIGKILL)
+            self.keeper.ends_within(_KEEPER_PATIENCE)
         self._listen()
         os.close(self._reports)
         self._reports = -1
@@ -247,7 +228,7 @@ class KeptProcess:
     def _kill_descendants(self) -> None:
         """Kill what a keeper that does not answer keeps; all of it is below the keeper as long as that lives."""
         with suppress(psutil.NoSuchProcess):
-            keeper = psutil.Process(self._keeper.pid)
+            keeper = psutil.Process(self.keeper.pid)
             # A process may start another one while it is killed.
             while kept := [
                 each for each in keeper.children(recursive=True) if each.status() != psutil.STATUS_ZOMBIE
@@ -257,7 +238,6 @@ class KeptProcess:
                         each.kill()
 
     def _listen(self) -> None:
-        """Read what the keeper has reported so far."""
         with suppress(BlockingIOError):
             while self._reports >= 0 and (block := os.read(self._reports, _BLOCK)):
                 self._reported += block

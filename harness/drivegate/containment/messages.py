@@ -21,10 +21,7 @@ AnyController: TypeAlias = "Controller | ContainedController"
 
 @dataclass(frozen=True)
 class JudgedCandidate:
-    """A candidate as a job has it."""
-
     candidate: Candidate
-    """What it is."""
     controller: Callable[[], AnyController]
     """Makes a new instance, so that nothing of an earlier job is left in it."""
 

@@ -3,7 +3,6 @@
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from multiprocessing.connection import wait
-from types import TracebackType
 from typing import Any, Generic, Self
 
 from drivegate.candidates.candidate import Candidate
@@ -70,10 +69,10 @@ class WorkerPool:
                 yield schedule.outcome(index)
         finally:
             self._final = self._final or schedule.final
-            schedule.abandon()
+            for worker in schedule.running:
+                worker.kill()
 
     def close(self) -> None:
-        """End all processes."""
         # All end at the same time: one after the other, their times would add up.
         for worker in self._workers:
             worker.hang_up()
@@ -81,13 +80,9 @@ class WorkerPool:
             worker.close()
 
     def __enter__(self) -> Self:
-        """Return the pool; its processes start with their first jobs."""
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Close the pool."""
+    def __exit__(self, *_: object) -> None:
         self.close()
 
 
@@ -108,7 +103,7 @@ class _Schedule(Generic[ResultT]):
         self._waiting = deque(range(self.total))
         self._suspects: deque[int] = deque()
         self._tried_alone: set[int] = set()
-        self._running: dict[JudgeProcess, int] = {}
+        self.running: dict[JudgeProcess, int] = {}
         self._outcomes: dict[int, ResultT | Fault] = {}
         self.final = final
         if final is not None:
@@ -120,40 +115,33 @@ class _Schedule(Generic[ResultT]):
                 self._collect()
                 raise WorkEnded(self._outcomes)
             self._dispatch()
-            wait(self._waitables(), _LOOK_EVERY)
+            wait([waitable for worker in self.running for waitable in worker.waitables], _LOOK_EVERY)
             self._collect()
         return self._outcomes.pop(index)
-
-    def abandon(self) -> None:
-        for worker in self._running:
-            worker.kill()
 
     def _dispatch(self) -> None:
         """Send jobs to idle workers; as long as there is a suspected hang, only that, and alone."""
         if self._suspects:
-            if not self._running:
+            if not self.running:
                 index = self._suspects.popleft()
                 self._tried_alone.add(index)
                 self._start(self._workers[0], index)
             return
-        if self._tried_alone.intersection(self._running.values()):
+        if self._tried_alone.intersection(self.running.values()):
             return
         for worker in self._workers:
-            if worker not in self._running and self._waiting:
+            if worker not in self.running and self._waiting:
                 self._start(worker, self._waiting.popleft())
 
     def _start(self, worker: JudgeProcess, index: int) -> None:
-        self._running[worker] = index
+        self.running[worker] = index
         worker.start(self._jobs[index])
 
-    def _waitables(self) -> list[Any]:
-        return [waitable for worker in self._running for waitable in worker.waitables]
-
     def _collect(self) -> None:
-        for worker, index in list(self._running.items()):
+        for worker, index in list(self.running.items()):
             ending = worker.poll()
             if ending is not None:
-                del self._running[worker]
+                del self.running[worker]
                 self._settle(index, ending)
 
     def _settle(self, index: int, ending: Finished | Faulted) -> None:

@@ -46,7 +46,6 @@ class Setup:
     """Take a candidate in hand, without running any of its code."""
 
     candidate: Candidate
-    """What it is."""
     memory_limit: int
     """Bytes that the process may allocate beyond what it has at its start."""
 
@@ -58,10 +57,7 @@ class MakeInstance:
 
 @dataclass(frozen=True)
 class Reset:
-    """Reset the instance."""
-
     nameplate: Nameplate | DutyNameplate
-    """What it gets."""
 
 
 @dataclass(frozen=True)
@@ -107,8 +103,6 @@ class UnreadableReply(Exception):
 
 
 class Ending(IntEnum):
-    """How an order ended."""
-
     DONE = 0
     FAULT = 1
     REFUSED = 2
@@ -120,7 +114,6 @@ class Reply:
     """How an order ended."""
 
     ending: Ending
-    """The way."""
     status: int = 0
     """Status of the loop, of `drivegate_models.loop.exchange`."""
     steps: int = 0
@@ -138,7 +131,6 @@ class Reply:
 
 
 def packed(reply: Reply) -> bytes:
-    """Write a reply as bytes."""
     header = _HEADER.pack(
         WORD,
         reply.ending,

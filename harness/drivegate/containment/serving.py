@@ -51,7 +51,6 @@ LOST_CONNECTION: Final = 119
 
 
 def serve(connection: int, progress: int, parent: int) -> None:
-    """Carry out orders from a connection."""
     end_with_parent(parent)
     # A check leaves nothing next to the candidate's sources.
     sys.dont_write_bytecode = True
@@ -60,17 +59,14 @@ def serve(connection: int, progress: int, parent: int) -> None:
     # Programs that the candidate starts could otherwise write into the connection, or keep it open.
     for descriptor in (connection, progress):
         os.set_inheritable(descriptor, False)
-    channel = socket.socket(fileno=connection)
-    with_orders = _Server(channel, SharedProgress(progress))
+    server = _Server(socket.socket(fileno=connection), SharedProgress(progress))
     try:
-        with_orders.serve()
+        server.serve()
     except (EOFError, BrokenPipeError, ConnectionResetError):
         return
 
 
 class _Server:
-    """One candidate's process."""
-
     def __init__(self, channel: socket.socket, progress: SharedProgress) -> None:
         self._channel = channel
         self._identity = _identity(channel.fileno())
@@ -151,9 +147,9 @@ class _Server:
 
         assert self._candidate is not None, "the first order names the candidate"
         # Deleted before the next one is made: what goes wrong in the deletion is no fault of loading.
-        with self._progress.letting_go():
+        with self._progress.marked(Activity.LETTING_GO):
             self._controller = None
-        with self._progress.loading():
+        with self._progress.marked(Activity.LOADING):
             self._controller = load_controller(self._candidate)
             size = getattr(self._controller, "state_size", 0)
             is_python = isinstance(self._controller, PythonController)
@@ -179,7 +175,12 @@ class _Server:
             status, _ = loop(*pending.pop())
         steps = int(records.run["steps"][0])
         if restarter.failures:
-            return self._not_restarted(restarter.failures[0], int(status), steps)
+            # The run ended because the instance could not be reset in the middle of it.
+            failure = restarter.failures[0]
+            fault = (
+                failure.fault if isinstance(failure, CandidateFault) else exception_fault(failure, "reset")
+            )
+            return Reply(Ending.FAULT, int(status), steps, text=fault_text(fault))
         if status == COMPLETED:
             return Reply(Ending.DONE, status, steps, costs=self._taken_costs(), check=check_of(records))
         return self._stopped(int(status), steps)
@@ -238,11 +239,6 @@ class _Server:
         arguments = _out_of_sight((given,))
         pending.append(arguments)
         return _entry_point(MAKE_STEPS[LAYOUTS[order.senses.dtype].name], arguments)
-
-    def _not_restarted(self, failure: BaseException, status: int, steps: int) -> Reply:
-        """Answer for a run that ended since the instance could not be reset in the middle of it."""
-        fault = failure.fault if isinstance(failure, CandidateFault) else exception_fault(failure, "reset")
-        return Reply(Ending.FAULT, status, steps, text=fault_text(fault))
 
     def _stopped(self, status: int, steps: int) -> Reply:
         """Answer for a run that ended before its end: with the fault, if the controller itself knows it."""

@@ -42,7 +42,7 @@ def anonymous_file(size: int) -> int:
 
 
 class SharedMemory:
-    """Room for one order, and after it for the commands of one run."""
+    """Memory for one order, and after it for the commands of one run."""
 
     def __init__(self, descriptor: int, size: int) -> None:
         self.descriptor = descriptor
@@ -56,7 +56,6 @@ class SharedMemory:
         return cls(anonymous_file(whole), whole)
 
     def write(self, order: bytes) -> None:
-        """Write an order."""
         self._memory[: len(order)] = order
 
     def take(self, length: int) -> bytes:
@@ -67,12 +66,8 @@ class SharedMemory:
         return order
 
     def commands(self, layout: np.dtype[Any] = COMMAND) -> NDArray[Any]:
-        """Return the memory as room for commands of a layout."""
+        """Return the memory as records for commands of a layout."""
         return np.frombuffer(self._memory, layout, self.size // layout.itemsize)
-
-    def copied_commands(self, layout: np.dtype[Any], count: int) -> NDArray[Any]:
-        """Copy the first commands, as far as there is room for them; shape (n,)."""
-        return self.commands(layout)[:count].copy()
 
     def close(self) -> None:
         """Close the descriptor; the memory itself stays readable as long as this object lives."""
@@ -80,8 +75,6 @@ class SharedMemory:
 
 
 class Activity(IntEnum):
-    """What a candidate's process is doing."""
-
     STARTING = 0
     LOADING = 1
     WAITING = 2
@@ -110,11 +103,9 @@ class SharedProgress:
 
     @classmethod
     def create(cls) -> Self:
-        """Make new shared memory, which no other process finds by a name."""
         return cls(anonymous_file(_LAYOUT.itemsize))
 
     def close(self) -> None:
-        """Close the descriptor; the memory itself stays readable as long as this object lives."""
         os.close(self.descriptor)
 
     @property
@@ -134,16 +125,9 @@ class SharedProgress:
         self._changes[0] += 1
 
     @contextmanager
-    def loading(self) -> Iterator[None]:
-        """Mark the making of an instance of the candidate; a failure leaves the mark."""
-        self.enter(Activity.LOADING)
-        yield
-        self.enter(Activity.PREPARING)
-
-    @contextmanager
-    def letting_go(self) -> Iterator[None]:
-        """Mark the deletion of an instance."""
-        self.enter(Activity.LETTING_GO)
+    def marked(self, activity: Activity) -> Iterator[None]:
+        """Mark the making or the deletion of an instance; a failure leaves the mark, which shows where it was."""
+        self.enter(activity)
         yield
         self.enter(Activity.PREPARING)
 

@@ -32,11 +32,20 @@ class Preparation(NamedTuple):
     """What a template computes once for all of its copies: a function of drivegate, which runs nobody else's code."""
 
     module: str
-    """Module of the function."""
     function: str
-    """Its name."""
     argument: str
-    """Its argument."""
+
+
+class KeeperOrder(NamedTuple):
+    """What a keeper gets that is started as a copy."""
+
+    words: Sequence[str]
+    """Role, order and temporary folder of `keep`."""
+    descriptors: Sequence[int]
+    """Standard input, output and error, then those of the worker."""
+    environment: Mapping[str, str]
+    modules: Sequence[str]
+    """What this copy and all later ones have imported."""
 
 
 class Template:
@@ -63,26 +72,14 @@ class Template:
         self.pid: Final = self._process.pid
         self.end = weakref.finalize(self, _end, os.getpid(), self._process, ours)
 
-    def keeper(
-        self,
-        words: Sequence[str],
-        folder: int,
-        descriptors: Sequence[int],
-        environment: Mapping[str, str],
-        modules: Sequence[str],
-    ) -> CopiedKeeper | None:
-        """Start a keeper as a copy; None if the template does not answer.
-
-        `words`: role, order and temporary folder of `keep`. `folder`: descriptor of the working folder.
-        `descriptors`: standard input, output and error, then those of the worker. `modules`: what this copy and all
-        later ones have imported.
-        """
+    def keeper(self, order: KeeperOrder, folder: int) -> CopiedKeeper | None:
+        """Start a keeper as a copy, in the folder of a descriptor; None if the template does not answer."""
         ours, theirs = socket.socketpair()
         with ours:
             ours.settimeout(_PATIENCE)
             try:
                 with theirs:
-                    socket.send_fds(self._requests, [json.dumps(modules).encode()], [theirs.fileno()])
+                    socket.send_fds(self._requests, [json.dumps(order.modules).encode()], [theirs.fileno()])
                 number, received, _, _ = socket.recv_fds(ours, 32, 1)
             except OSError:
                 return None
@@ -91,14 +88,13 @@ class Template:
             os.set_inheritable(received[0], False)
             # A copy that has answered is ended by what ends any keeper, also if it dies before it is ordered.
             with suppress(OSError):
-                written = json.dumps([words, dict(environment)]).encode()
+                written = json.dumps([order.words, dict(order.environment)]).encode()
                 # Descriptors need a byte to go with.
-                socket.send_fds(ours, [written[:1]], [folder, *descriptors])
+                socket.send_fds(ours, [written[:1]], [folder, *order.descriptors])
                 ours.sendall(written[1:])
         return CopiedKeeper(int(number), received[0])
 
     def prepare(self, preparation: Preparation) -> None:
-        """Prepare all later copies."""
         with suppress(OSError):
             self._requests.send(json.dumps(preparation).encode())
 
@@ -112,7 +108,6 @@ class Template:
         return self._requests.fileno()
 
     def has_ended(self) -> bool:
-        """Return True if the process has ended."""
         return self._process.poll() is not None
 
 
@@ -144,26 +139,18 @@ class Templates:
         self._retired: list[Template] = []
 
     def keeper(
-        self,
-        words: Sequence[str],
-        folder: Path | None,
-        descriptors: Sequence[int],
-        environment: Mapping[str, str],
-        inherited: Mapping[str, str],
-        modules: Sequence[str],
-        *,
-        is_one_of_many: bool,
+        self, order: KeeperOrder, folder: Path | None, inherited: Mapping[str, str], *, is_one_of_many: bool
     ) -> CopiedKeeper | None:
         """Start a keeper as a copy of a template; None if it has to be a new process.
 
-        `words`, `descriptors`, `modules`: as `Template.keeper` has them. `environment`: the keeper's. `inherited`: what
-        of it does not differ from one keeper to the next.
+        `inherited`: what of its environment does not differ from one keeper to the next.
         `is_one_of_many`: true if others follow for certain, so that even the first one is a copy.
         """
+        role = order.words[0]
         if not self._makes_copies():
             return None
         with self._lock:
-            template = self._template(words[0], inherited, is_one_of_many=is_one_of_many)
+            template = self._template(role, inherited, is_one_of_many=is_one_of_many)
             if template is None:
                 return None
             try:
@@ -171,12 +158,12 @@ class Templates:
             except OSError:
                 return None
             try:
-                keeper = template.keeper(words, place, descriptors, environment, modules)
+                keeper = template.keeper(order, place)
             finally:
                 os.close(place)
             if keeper is None:
                 # It is not tried again under these conditions: each try may take the whole patience.
-                self._templates[words[0]] = None
+                self._templates[role] = None
                 template.end()
             return keeper
 
@@ -239,4 +226,3 @@ def _conditions(environment: Mapping[str, str]) -> tuple[object, ...]:
 
 
 TEMPLATES: Final = Templates()
-"""The templates of this process."""

@@ -36,7 +36,6 @@ class TemporaryFolder:
             ) from error
 
     def remove(self) -> None:
-        """Remove the folder with all that is in it."""
         shutil.rmtree(self.path, ignore_errors=True)
         if self._lock >= 0:
             os.close(self._lock)
@@ -45,7 +44,6 @@ class TemporaryFolder:
 
 @contextmanager
 def temporary_folder() -> Iterator[Path]:
-    """Provide a temporary folder for as long as the context lasts."""
     folder = TemporaryFolder()
     try:
         yield folder.path
@@ -54,7 +52,6 @@ def temporary_folder() -> Iterator[Path]:
 
 
 def _locked_folder(place: Path) -> tuple[Path, int]:
-    """Make a folder and lock it."""
     while True:
         folder = place / f".drivegate-{secrets.token_hex(8)}"
         folder.mkdir(mode=0o700)

@@ -27,7 +27,6 @@ class MemoryWatch:
         self._next = 0.0
 
     def is_due(self, now: float) -> bool:
-        """Return True if it is time to measure again."""
         if now < self._next:
             return False
         self._next = now + WATCHED_EVERY
@@ -58,7 +57,6 @@ _LITTLE: Final = 2**30
 
 
 def _descendants(ancestor: int) -> list[int]:
-    """List the processes that came from one."""
     found = [ancestor]
     for process in found:
         with suppress(OSError, ValueError):
@@ -100,13 +98,10 @@ class WorkerLimits:
     """Memory that may be allocated beyond what the process has at its start."""
 
     def allowed_seconds(self, steps: int) -> float:
-        """Return the time of an order of so many steps (s)."""
         return self.order_seconds + steps * self.order_step_seconds
 
 
 class StallWatch:
-    """Follows one order from its start."""
-
     def __init__(self, limits: WorkerLimits, processor: float, now: float, steps: int = 0) -> None:
         self._limits = limits
         self._allowed = limits.allowed_seconds(steps)
@@ -138,10 +133,7 @@ class StallWatch:
 
 @dataclass(frozen=True)
 class SlowRun:
-    """A run that will take long."""
-
     steps: int
-    """Its steps."""
     step_seconds: float
     """Time of one step so far, in the mean (s)."""
     allowed_seconds: float
@@ -160,7 +152,7 @@ class Pace:
         self._first: tuple[int, float] | None = None
 
     def seconds_each(self, done: int, now: float, known_after: float) -> float | None:
-        """Look at the number of parts done; gives the mean time of one (s), once that is known."""
+        """Look at the number of parts done; return the mean time of one (s), once that is known."""
         # A count that falls is that of other work.
         if self._first is None or done < self._first[0]:
             self._first = done, now
@@ -171,8 +163,6 @@ class Pace:
 
 
 class PaceWatch:
-    """Follows one run from its start."""
-
     def __init__(self, steps: int, allowed_seconds: float) -> None:
         self._steps = steps
         self._allowed = allowed_seconds

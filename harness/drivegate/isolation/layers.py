@@ -62,16 +62,12 @@ _SYSTEM: Final = (
 
 
 class Isolation(StrEnum):
-    """What a user requests."""
-
     AUTO = "auto"
     STRICT = "strict"
     NONE = "none"
 
 
 class Layer(StrEnum):
-    """One thing that isolates a process."""
-
     LANDLOCK = "Landlock"
     NAMESPACES = "namespaces"
     REFUSED_CALLS = "seccomp"
@@ -142,7 +138,6 @@ def requested_layers() -> tuple[Layer, ...]:
 
 
 def layers_in_words(layers: Sequence[str]) -> str:
-    """Describe what isolates a process."""
     *others, last = layers or [""]
     listed = " and ".join(filter(None, (", ".join(others), last)))
     return f"isolated by {listed}" if layers else "not isolated"

@@ -13,7 +13,6 @@ import os
 import platform
 import stat
 import struct
-import sys
 from collections.abc import Iterable
 from typing import Final
 
@@ -77,16 +76,6 @@ _UNKNOWN: Final = 0x00050000 | errno.ENOSYS
 _SET_SECCOMP, _FILTER = 22, 2
 
 
-def landlock_version() -> int:
-    """Return the version of the kernel's Landlock; 0 if there is none."""
-    if not sys.platform.startswith("linux"):
-        return 0
-    try:
-        return system_call("landlock_create_ruleset", None, 0, _VERSION)
-    except OSError:
-        return 0
-
-
 def restrict_to(readable: Iterable[str], writable: Iterable[str], *, without_tcp: bool) -> None:
     """Restrict this process, for good and with all that it starts.
 
@@ -94,8 +83,9 @@ def restrict_to(readable: Iterable[str], writable: Iterable[str], *, without_tcp
     does not exist is left out. `without_tcp`: true to deny TCP connections. Raises OSError if the kernel has no
     Landlock, or `no_new_privs` is not set.
     """
-    version = landlock_version()
-    everything = (1 << _FILE_RIGHTS[min(max(version, 1), 5)]) - 1
+    # A right that a version does not know is refused as an error, so the attributes follow the kernel's version.
+    version = system_call("landlock_create_ruleset", None, 0, _VERSION)
+    everything = (1 << _FILE_RIGHTS[min(version, 5)]) - 1
     attributes = struct.pack(
         "=QQQ",
         everything,

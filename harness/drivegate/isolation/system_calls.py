@@ -9,58 +9,32 @@ import signal
 import sys
 from typing import Final
 
-# Numbers by architecture; those from 424 on are the same everywhere.
-_NUMBERS: Final = {
-    "x86_64": {
-        "shmget": 29,
-        "socket": 41,
-        "clone": 56,
-        "semget": 64,
-        "msgget": 68,
-        "ptrace": 101,
-        "pivot_root": 155,
-        "mount": 165,
-        "umount2": 166,
-        "add_key": 248,
-        "request_key": 249,
-        "keyctl": 250,
-        "unshare": 272,
-        "perf_event_open": 298,
-        "prlimit64": 302,
-        "open_by_handle_at": 304,
-        "setns": 308,
-        "process_vm_readv": 310,
-        "process_vm_writev": 311,
-        "kcmp": 312,
-        "memfd_create": 319,
-        "bpf": 321,
-        "userfaultfd": 323,
-    },
-    "aarch64": {
-        "umount2": 39,
-        "mount": 40,
-        "pivot_root": 41,
-        "unshare": 97,
-        "ptrace": 117,
-        "msgget": 186,
-        "semget": 190,
-        "shmget": 194,
-        "socket": 198,
-        "add_key": 217,
-        "request_key": 218,
-        "keyctl": 219,
-        "clone": 220,
-        "perf_event_open": 241,
-        "prlimit64": 261,
-        "open_by_handle_at": 265,
-        "setns": 268,
-        "process_vm_readv": 270,
-        "process_vm_writev": 271,
-        "kcmp": 272,
-        "memfd_create": 279,
-        "bpf": 280,
-        "userfaultfd": 282,
-    },
+# Numbers from 424 on are the same on every architecture; those below differ.
+_ARCHITECTURES: Final = ("x86_64", "aarch64")
+_BY_ARCHITECTURE: Final = {
+    "shmget": (29, 194),
+    "socket": (41, 198),
+    "clone": (56, 220),
+    "semget": (64, 190),
+    "msgget": (68, 186),
+    "ptrace": (101, 117),
+    "pivot_root": (155, 41),
+    "mount": (165, 40),
+    "umount2": (166, 39),
+    "add_key": (248, 217),
+    "request_key": (249, 218),
+    "keyctl": (250, 219),
+    "unshare": (272, 97),
+    "perf_event_open": (298, 241),
+    "prlimit64": (302, 261),
+    "open_by_handle_at": (304, 265),
+    "setns": (308, 268),
+    "process_vm_readv": (310, 270),
+    "process_vm_writev": (311, 271),
+    "kcmp": (312, 272),
+    "memfd_create": (319, 279),
+    "bpf": (321, 280),
+    "userfaultfd": (323, 282),
 }
 _COMMON: Final = {
     "io_uring_setup": 425,
@@ -79,7 +53,12 @@ _COMMON: Final = {
     "memfd_secret": 447,
 }
 
-NUMBERS: Final = {**_COMMON, **_NUMBERS.get(platform.machine(), {})}
+NUMBERS: Final = _COMMON | {
+    name: number
+    for name, numbers in _BY_ARCHITECTURE.items()
+    for architecture, number in zip(_ARCHITECTURES, numbers, strict=True)
+    if architecture == platform.machine()
+}
 """Number of each system call on this machine; without most of them on an architecture that is not listed."""
 
 _SET_DEATH_SIGNAL: Final = 1

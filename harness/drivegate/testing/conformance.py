@@ -83,8 +83,6 @@ def conformance_tests(
 
 @dataclass(frozen=True)
 class Judged:
-    """What has become of a candidate."""
-
     specification: str
     """The string that names it on the command line."""
     document: Mapping[str, Any] | None
@@ -102,7 +100,6 @@ class Conformance:
     item: str
     """Identifier of the check, or ``candidate``."""
     judged: Judged
-    """What has become of the candidate."""
 
     @property
     def result(self) -> Mapping[str, Any] | None:
@@ -173,7 +170,6 @@ class Conformance:
 
 
 def _faults(document: Mapping[str, Any]) -> str:
-    """State the candidate's faults; empty where it has none."""
     from drivegate.output.explanations import distinct_faults, in_runs
 
     lines = []

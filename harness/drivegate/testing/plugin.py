@@ -62,7 +62,6 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Register the decorator's marker."""
     config.addinivalue_line(
         "markers", f"{MARKER}: one item for each of drivegate's checks; set by its decorator"
     )

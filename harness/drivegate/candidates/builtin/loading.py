@@ -1,7 +1,5 @@
 """Loading the built-in controllers, which are compiled code behind the native interface."""
 
-from typing import Final
-
 import numpy as np
 
 from drivegate.candidates.builtin.prefixed import family_of
@@ -14,26 +12,15 @@ from drivegate_models.controllers.current.state import CONTROLLER_STATE
 
 
 def load_controller(candidate: Candidate) -> Controller:
-    """Make a new instance of a built-in controller."""
     found = family_of(candidate.entry)
     if found is not None:
         family, name = found
         return family.load_controller(name)
-    return _LOADERS[candidate.contract or "current"](candidate.entry)
+    if candidate.contract == "duty":
+        from drivegate.candidates.builtin.duty_loading import DutyController
 
-
-def _load_duty_controller(name: str) -> Controller:
-    from drivegate.candidates.builtin.duty_loading import DutyController
-
-    return DutyController(name)
-
-
-def _load_search(name: str) -> Controller:
-    return BuiltinController(SEARCHES[name])
-
-
-_LOADERS: Final = {"current": _load_search, "duty": _load_duty_controller}
-"""For each contract, what makes one of its controllers."""
+        return DutyController(candidate.entry)
+    return BuiltinController(SEARCHES[candidate.entry])
 
 
 class BuiltinController(CompiledController):
@@ -48,5 +35,4 @@ class BuiltinController(CompiledController):
         self.state_size: int = self._state.nbytes
 
     def reset(self, nameplate: Nameplate) -> None:
-        """Write the constants and forget everything else."""
         reset_function()(self._state, nameplate_record(nameplate), self._number)

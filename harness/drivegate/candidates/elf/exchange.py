@@ -49,8 +49,9 @@ _OPERATIONS: Final = {
 _COLUMNS: Final = 6
 """Operation; then a value or an address; form and size; least and greatest value of an integer."""
 
-# Words of a function that is answered: the registers of its value, the value, room, and the address of the value.
-_REGISTERS, _VALUE, _ROOM, _VALUE_AT = range(4)
+# Words of a function that is answered: the registers of its value, the value, a word after it, and the
+# address of the value. The answering function also reads the link register into that word.
+_REGISTERS, _VALUE, _UPPER, _VALUE_AT = range(4)
 _STUB_WORDS: Final = 4
 _R0, _R0_R1, _S0, _D0 = range(4)
 
@@ -122,8 +123,6 @@ def _names_of_outputs(contract: ContractName, layout: Layout) -> dict[str, str]:
 
 
 class Programs:
-    """Programs for one image."""
-
     def __init__(
         self,
         variables: Variables,
@@ -223,7 +222,7 @@ def answering_function() -> Any:
         write_register(engine, double if registers == _D0 else single if registers == _S0 else low, value)
         if registers == _R0_R1:
             write_register(engine, high, value + 4)
-        words[_ROOM] = 0
+        words[_UPPER] = 0
         # Return at once: execution goes on at the address in the link register.
         read_register(engine, link, value + 8)
         write_register(engine, counter, value + 8)

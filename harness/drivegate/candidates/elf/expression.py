@@ -60,7 +60,6 @@ Step = float | Place | str
 
 
 def parsed(text: str) -> tuple[Step, ...]:
-    """Parse an expression."""
     steps = tuple(_steps(_tree(text)))
     depth = deepest = 0
     for step in steps:
@@ -86,15 +85,12 @@ def _tree(text: str) -> ast.expr:
     try:
         if len(text) > LONGEST:
             raise ValueError(f"it has more than {LONGEST} characters")
-        return ast.parse(_NAME.sub(_marked, text.strip()), mode="eval").body
+        # What is a word of Python, such as a variable `in`, is renamed.
+        marked = _NAME.sub(lambda name: name[0] + _MARK * keyword.iskeyword(name[0]), text.strip())
+        return ast.parse(marked, mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
         reason = error.msg if isinstance(error, SyntaxError) else str(error)
         raise InputError(f"'{short_line(text)}' is no expression: {short_line(reason)}") from error
-
-
-def _marked(name: re.Match[str]) -> str:
-    """Rename what is a word of Python, such as a variable `in`."""
-    return f"{name[0]}{_MARK}" if keyword.iskeyword(name[0]) else name[0]
 
 
 def _steps(node: ast.expr) -> Iterator[Step]:

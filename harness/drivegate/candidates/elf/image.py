@@ -31,8 +31,6 @@ _WITH_DOUBLES: Final = (7, 8)
 
 @dataclass(frozen=True)
 class Segment:
-    """A piece of memory."""
-
     address: int
     """Where the code expects it."""
     content: bytes
@@ -40,17 +38,12 @@ class Segment:
     size: int
     """Number of bytes."""
     is_writable: bool
-    """True for data."""
     is_executable: bool
-    """True for code."""
 
 
 @dataclass(frozen=True)
 class Image:
-    """An image."""
-
     file: Path
-    """Its file."""
     segments: tuple[Segment, ...]
     """Its memory, at the addresses at which the code runs; initial values need not be copied."""
     functions: Mapping[str, int]
@@ -122,7 +115,6 @@ def _segments(elf: Any, file: Path) -> tuple[Segment, ...]:
 
 
 def _functions(elf: Any) -> tuple[dict[str, int], dict[str, int]]:
-    """List the addresses and the sizes of the functions."""
     table = elf.get_section_by_name(".symtab")
     found = [
         symbol
@@ -134,12 +126,19 @@ def _functions(elf: Any) -> tuple[dict[str, int], dict[str, int]]:
     return addresses, {symbol.name: symbol["st_size"] for symbol in found}
 
 
-def _core(elf: Any, file: Path) -> str:
-    stated: dict[str, Any] = {}
+def attributes_of(elf: Any) -> dict[str, Any]:
+    """Return what an image states of its processor and its calls (section "Build attributes"), by tag."""
     section = elf.get_section_by_name(".ARM.attributes")
-    for part in () if section is None else section.iter_subsections("aeabi"):
-        for each in part.iter_subsubsections(scope="TAG_FILE"):
-            stated |= {found.tag: found.value for found in each.iter_attributes()}
+    return {
+        found.tag: found.value
+        for part in (() if section is None else section.iter_subsections("aeabi"))
+        for scope in part.iter_subsubsections(scope="TAG_FILE")
+        for found in scope.iter_attributes()
+    }
+
+
+def _core(elf: Any, file: Path) -> str:
+    stated = attributes_of(elf)
     core = _CORES.get(stated.get("TAG_CPU_ARCH", 13))
     if core is None or stated.get("TAG_CPU_ARCH_PROFILE", 77) not in (0, 77):
         raise InputError(

@@ -1,4 +1,10 @@
-"""Counting instructions and cycles of an emulated target, by a C function that the emulator calls before each block."""
+"""Counting instructions and cycles of an emulated target, by a C function that the emulator calls before each block.
+
+The cycles are those of a Cortex-M4 with its floating-point unit, from the tables of instructions in its Technical
+Reference Manual, without wait states. Where the manual has a range, such as 2 to 12 for a division, they are the
+greatest of it. A load or store counts 2, although those of neighbours overlap. Encodings are those of the Armv7-M
+Architecture Reference Manual, chapter A5.
+"""
 
 from __future__ import annotations
 
@@ -9,9 +15,17 @@ import numpy as np
 from numba.np.numpy_support import carray
 from numpy.typing import NDArray
 
-from drivegate.candidates.elf.cycles import CORE, REFILL, cycles_of
 from drivegate.candidates.elf.emulator import called_by_emulator
 from drivegate.candidates.elf.image import Image, halfwords_of
+
+CORE: Final = "CORTEX_M4"
+"""The core, by its name in images, whose cycles these are."""
+REFILL: Final = 3
+"""Further cycles of a branch that is taken, which refills the pipeline."""
+_DIVISION: Final = 12
+_FLOATING_DIVISION: Final = 14
+_FUSED: Final = 3
+_ACCESS: Final = 2
 
 COUNT, BEHIND, PIECES = range(3)
 """Words of the counter: the count so far, the address after the last block, and the number of pieces of code.
@@ -26,18 +40,10 @@ _LARGEST_CODE: Final = 2**22
 
 
 def counter(image: Image) -> NDArray[np.int64]:
-    """Return the memory of `counting_function`, which gets its address.
+    """Return the memory of `counting_function`, which gets its address, shape (n,).
 
-    Parameters
-    ----------
-    image : Image
-        What runs on the target.
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        The counts, the pieces of code (first address, address after the last, place of the table), and for each
-        halfword of their code the count from there to the end of the piece.
+    It has the counts, the pieces of code (first address, address after the last, place of the table), and for each
+    halfword of their code the count from there to the end of the piece.
     """
     code = [each for each in image.segments if each.is_executable and each.size <= _LARGEST_CODE]
     tables = [_counts_to_the_end(each.content, has_cycles(image)) for each in code]
@@ -92,3 +98,45 @@ def counting_function() -> Any:
                 return
 
     return called_by_emulator(count_block)
+
+
+def cycles_of(first: int, second: int) -> int:
+    """Return the cycles of an instruction from its halfwords, without those of a refill; `second` may be another's."""
+    if halfwords_of(first) == 1:
+        return _of_short(first)
+    if first & 0xFC00 == 0xEC00 and second & 0x0E00 == 0x0A00:
+        return _of_floating(first, second)
+    if first & 0xFE40 == 0xE800:
+        return 1 + second.bit_count()
+    if first & 0xFE40 == 0xE840:
+        is_double = first & 0x0120 and first & 0xFFF0 != 0xE8D0
+        return 1 + 2 if is_double else _ACCESS
+    if first & 0xFE00 == 0xF800:
+        return _ACCESS
+    is_division = first & 0xFFD0 == 0xFB90 and second & 0xF0F0 == 0xF0F0
+    return _DIVISION if is_division else 1
+
+
+def _of_short(half: int) -> int:
+    if half & 0xF000 == 0xC000:
+        return 1 + (half & 0xFF).bit_count()
+    if half & 0xF600 == 0xB400:
+        return 1 + (half & 0x1FF).bit_count()
+    is_access = half >> 11 == 0b01001 or half >> 12 in (0b0101, 0b0110, 0b0111, 0b1000, 0b1001)
+    return _ACCESS if is_access else 1
+
+
+def _of_floating(first: int, second: int) -> int:
+    if first & 0xFE00 == 0xEC00:
+        if first & 0xFFE0 == 0xEC40:
+            return 2
+        is_single = first & 0x0120 == 0x0100
+        words = (2 if second & 0x0100 else 1) if is_single else second & 0xFF
+        return 1 + words
+    if second & 0x0010:
+        return 1
+    operation = first & 0x00B0
+    is_root = operation == 0x00B0 and first & 0xF == 1 and second & 0x00C0 == 0x00C0
+    if operation == 0x0080 or is_root:
+        return _FLOATING_DIVISION
+    return _FUSED if operation in (0x0000, 0x0010, 0x0090, 0x00A0) else 1

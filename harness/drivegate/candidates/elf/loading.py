@@ -22,7 +22,7 @@ from drivegate.candidates.elf.exchange import (
 )
 from drivegate.candidates.elf.expression import parsed, parsed_place
 from drivegate.candidates.elf.image import Image, read_image
-from drivegate.candidates.elf.instruction_count import counting_function
+from drivegate.candidates.elf.instruction_count import counting_function, has_cycles
 from drivegate.candidates.elf.processor import CortexM, TargetFault, step_function
 from drivegate.candidates.elf.traps import trapping_function
 from drivegate.candidates.elf.variables import variables_of
@@ -47,7 +47,6 @@ def compile_own_code(_candidate: Candidate) -> None:
 
 
 def load_controller(candidate: Candidate) -> TargetController:
-    """Make a new instance of an image: a processor with its memory."""
     if not isinstance(candidate.details, Target):
         raise HarnessFault(f"the candidate {candidate.name} is no image")
     image = read_image(candidate.details.image)
@@ -84,7 +83,7 @@ class TargetController:
         self._fault: Fault | None = None
         self._processor = CortexM(image, target.ram)
         self._stack_depth = 0
-        if target.limits.cycles and not self._processor.has_cycles:
+        if target.limits.cycles and not has_cycles(image):
             raise InputError(
                 f"{name} is built for another core than the Cortex-M4, whose cycles alone are known; leave out "
                 "'step_cycles' and state 'step_instructions'"
@@ -142,11 +141,10 @@ class TargetController:
         instructions, cycles = words
         depth = max(self._stack_depth, self._processor.stack_depth()) if instructions else 0
         self._stack_depth = 0
-        return StepCosts(instructions, cycles if self._processor.has_cycles else 0, depth)
+        return StepCosts(instructions, cycles if has_cycles(self._processor.image) else 0, depth)
 
     @property
     def fault(self) -> Fault | None:
-        """What ended the last run, in the reset or in a step."""
         error = int(self._words[processor.ERROR])
         if self._fault is None and error:
             return _crash(self._processor.describe(error), "step")
@@ -168,7 +166,7 @@ class TargetController:
         if not self._has_adapter:
             self._sense_rest(nameplate)
         self._fault = self._reset_fault()
-        # What start and reset need is not that of a step.
+        # Painted after the reset: what start and reset need of the stack is not that of a step.
         self._processor.paint_stack()
         if self._fault is not None:
             raise CandidateFault(self._fault)
@@ -228,7 +226,6 @@ def _crash(what: str, phase: Phase) -> Fault:
 
 
 def _contract_of(image: Image, name: str) -> ContractName:
-    """Return the contract whose step an image has."""
     found = [contract for contract, step in STEPS.items() if step in image.functions]
     if len(found) > 1:
         raise InputError(f"{name} has both {' and '.join(STEPS.values())}; link one of them")

@@ -22,7 +22,7 @@ from drivegate.candidates.elf.emulator import arm_const, binding, start, write_r
 from drivegate.candidates.elf.exchange import answering_function, run_program
 from drivegate.candidates.elf.expression import DEEPEST
 from drivegate.candidates.elf.image import Image, hexadecimal, place_of
-from drivegate.candidates.elf.instruction_count import CYCLE, counter, counting_function, has_cycles
+from drivegate.candidates.elf.instruction_count import CYCLE, counter, counting_function
 from drivegate.candidates.elf.traps import (
     CONTROL_REGISTER,
     MASK,
@@ -87,8 +87,6 @@ class TargetFault(Exception):
 
 
 class CortexM:
-    """A processor with the memory of an image."""
-
     def __init__(self, image: Image, ram: tuple[tuple[int, int], ...]) -> None:
         self.image = image
         self._engine = unicorn.Uc(unicorn.UC_ARCH_ARM, unicorn.UC_MODE_THUMB | unicorn.UC_MODE_MCLASS)
@@ -97,6 +95,7 @@ class CortexM:
         # Start-up code would enable the floating-point unit, but functions are also called without any.
         self._engine.reg_write(arm_const.UC_ARM_REG_FPEXC, _FLOATING_POINT_ON)
         self._pages: dict[int, NDArray[np.uint8]] = {}
+        # Copied back at each reset, as start-up code does at power-on, so that no run sees another's variables.
         self._initial: list[tuple[NDArray[np.uint8], bytes]] = []
         for segment in image.segments:
             self._map(segment.address, segment.size, segment.is_writable, segment.is_executable)
@@ -173,7 +172,6 @@ class CortexM:
         return (*three, self._base + _STACK + STACK_BYTES - _ABOVE, (self._base + _RETURN) | 1)
 
     def describe(self, error: int) -> str:
-        """Describe what ended a call."""
         if error == _TRAP:
             place = place_of(self.image, int(self._trapped[PLACE]))
             if not self._trapped[MASK]:
@@ -211,11 +209,6 @@ class CortexM:
         """Answer each call of a function by a value, without running it."""
         self._rules.append(words)
         self._add_hook(unicorn.UC_HOOK_CODE, answering_function(), words, function, function)
-
-    @property
-    def has_cycles(self) -> bool:
-        """Return True if cycles are counted, not only instructions."""
-        return has_cycles(self.image)
 
     def paint_stack(self) -> None:
         """Fill the stack, so that `stack_depth` begins at 0."""
@@ -279,8 +272,9 @@ class CortexM:
             raise TargetFault(
                 f"has two pieces of memory in the page at {hexadecimal(begin)}; link them {PAGE} bytes apart"
             )
-        room = np.zeros(end - begin + PAGE, np.uint8)
-        page = room[-room.ctypes.data % PAGE :][: end - begin]
+        # The emulator maps only memory that begins at a page, which numpy does not promise.
+        memory = np.zeros(end - begin + PAGE, np.uint8)
+        page = memory[-memory.ctypes.data % PAGE :][: end - begin]
         rights = unicorn.UC_PROT_READ
         rights |= unicorn.UC_PROT_WRITE if is_writable else 0
         rights |= unicorn.UC_PROT_EXEC if is_executable else 0

@@ -9,9 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from drivegate.candidates.candidate import Candidate, Target, existing_file, existing_folder, hash_of
-from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.elf.expression import parsed, parsed_place
-from drivegate.candidates.native.resolution import built_or_given, contract_served, elf_header
+from drivegate.candidates.native.resolution import ElfHeader, built_or_given, contract_served, elf_header
 from drivegate.candidates.step_costs import StepCosts
 from drivegate_cases.documents.wording import shown_path
 from drivegate_models.errors import InputError
@@ -19,19 +18,17 @@ from drivegate_models.errors import InputError
 if TYPE_CHECKING:
     from drivegate.candidates.manifest import Manifest
 
-_CORTEX_M: Final = (1, 1, 2, 40)
-"""Word size, byte order, kind and machine of a linked image for Arm, as an ELF header has them."""
+_CORTEX_M: Final = ElfHeader(word_size=1, byte_order=1, kind=2, machine=40)
+"""That of a linked image for Arm."""
 
 
 def from_text(specification: str) -> Candidate:
-    """Find the candidate that an ELF image is."""
     file = existing_file(Path(specification))
     _require_emulator(file)
-    return _candidate(Path(specification).name, specification, file, (file,), Declaration(), Target(file), ())
+    return _candidate(specification, file, (file,), Target(file))
 
 
 def from_manifest(manifest: Manifest, specification: str, folder: Path) -> Candidate:
-    """Find the image that a manifest describes."""
     file, further = manifest.files(specification, folder)
     _require_emulator(file)
     image, sources = built_or_given(manifest, file, further, specification, folder)
@@ -47,8 +44,7 @@ def from_manifest(manifest: Manifest, specification: str, folder: Path) -> Candi
         _table(manifest.stub),
     )
     _check_tables(target, shown_path(specification))
-    declaration = manifest.declaration()
-    return _candidate(manifest.name, specification, file, sources, declaration, target, manifest.build)
+    return _candidate(specification, file, sources, target, manifest.build)
 
 
 def _table(values: Mapping[str, str | float]) -> tuple[tuple[str, str], ...]:
@@ -73,21 +69,22 @@ def _check_tables(target: Target, where: str) -> None:
 
 
 def _candidate(
-    name: str,
-    specification: str,
-    file: Path,
-    sources: tuple[Path, ...],
-    declaration: Declaration,
-    target: Target,
-    commands: tuple[str, ...],
+    specification: str, file: Path, sources: tuple[Path, ...], target: Target, commands: tuple[str, ...] = ()
 ) -> Candidate:
     _require_cortex_m(target.image)
     # Where the image is says nothing of what it is.
     digest = hash_of(sources, repr((replace(target, image=Path()), commands)))
-    candidate = Candidate(
-        name, "elf", specification, str(file), existing_folder(file), sources, digest, declaration, target
+    return Candidate(
+        Path(specification).name,
+        "elf",
+        specification,
+        str(file),
+        existing_folder(file),
+        sources,
+        digest,
+        details=target,
+        contract=contract_served(target.image),
     )
-    return replace(candidate, contract=contract_served(target.image))
 
 
 def _require_emulator(file: Path) -> None:
@@ -102,7 +99,7 @@ def _require_cortex_m(file: Path) -> None:
     header = elf_header(file)
     if header is None:
         raise InputError(f"{shown_path(file)} is no ELF image; name what the linker wrote, before objcopy")
-    if (header.word_size, header.byte_order, header.kind, header.machine) != _CORTEX_M:
+    if header != _CORTEX_M:
         raise InputError(
             f"{shown_path(file)} is no linked image of 32 bits for Arm, little-endian; link it for Cortex-M, "
             "for example with arm-none-eabi-gcc -mcpu=cortex-m4 -mthumb"

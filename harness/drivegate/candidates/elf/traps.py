@@ -44,12 +44,9 @@ Rule = tuple[int, int, int]
 
 
 class Trap(NamedTuple):
-    """An instruction that may trap."""
-
     place: int
     """Its address."""
     rule: Rule
-    """When it traps."""
     condition: int
     """Condition under which it is executed, as the instruction IT encodes it."""
 
@@ -64,11 +61,11 @@ def traps_of(image: Image) -> tuple[Trap, ...]:
     found = (
         trap for name, start in image.functions.items() for trap in _within(image, start, image.sizes[name])
     )
+    # Two names of one function list its instructions twice.
     return tuple(dict.fromkeys(found))
 
 
 def _within(image: Image, start: int, size: int) -> Iterator[Trap]:
-    """List those of one function."""
     code: list[int] = next(
         (
             np.frombuffer(each.content[start - each.address :][: size & ~1], "<u2").tolist()

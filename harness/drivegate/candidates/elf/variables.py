@@ -13,6 +13,7 @@ from elftools.common.exceptions import DWARFError, ELFError
 from elftools.elf.elffile import ELFFile
 
 from drivegate.candidates.elf.expression import Place
+from drivegate.candidates.elf.image import attributes_of
 from drivegate_cases.documents.wording import nearest, short_line, shown_path
 from drivegate_models.errors import InputError
 
@@ -26,12 +27,8 @@ _TYPES: Final = ("DW_TAG_typedef", "DW_TAG_structure_type", "DW_TAG_union_type",
 
 
 class Number(NamedTuple):
-    """A number in the memory of a target."""
-
     address: int
-    """Where it is."""
     form: int
-    """Its form."""
     size: int
     """Its size (bytes)."""
 
@@ -47,9 +44,7 @@ class Variables:
     declared: Mapping[str, Any]
     """Variables by their names, as DWARF describes them."""
     types: Mapping[str, Any]
-    """Types by their names."""
     functions: Mapping[str, Any]
-    """Functions by their names."""
     passes_floats_in_registers: bool
     """Whether functions return floating-point numbers in registers of the floating-point unit."""
 
@@ -103,7 +98,11 @@ class Variables:
             return part * _size(inner), inner
         if described.tag == "DW_TAG_pointer_type":
             raise InputError(f"'{place.text}' leads through a pointer; write what is there as Type(address)")
-        fields = {each.attributes["DW_AT_name"].value.decode(): each for each in _members(described)}
+        fields = {
+            each.attributes["DW_AT_name"].value.decode(): each
+            for each in described.iter_children()
+            if each.tag == "DW_TAG_member" and "DW_AT_name" in each.attributes
+        }
         if part not in fields:
             known = f"; the nearest field is '{nearest(part, list(fields))}'" if fields else ""
             raise InputError(f"'{place.text}' has no field '{short_line(part)}'{known}")
@@ -126,7 +125,6 @@ class Variables:
 
 @cache
 def variables_of(file: Path) -> Variables:
-    """Read the symbols and the debug information of an image."""
     try:
         # In memory, since types are read when they are needed.
         elf = ELFFile(BytesIO(file.read_bytes()))
@@ -143,7 +141,7 @@ def variables_of(file: Path) -> Variables:
             found["DW_TAG_variable"],
             found["type"],
             found["DW_TAG_subprogram"],
-            _passes_floats_in_registers(elf),
+            attributes_of(elf).get("TAG_ABI_VFP_ARGS") == 1,
         )
     except (DWARFError, ELFError, OSError, ValueError, KeyError, IndexError) as error:
         raise InputError(
@@ -173,27 +171,11 @@ def _addresses(elf: Any) -> dict[str, tuple[int, ...]]:
     return found
 
 
-def _passes_floats_in_registers(elf: Any) -> bool:
-    section = elf.get_section_by_name(".ARM.attributes")
-    return any(
-        each.tag == "TAG_ABI_VFP_ARGS" and each.value == 1
-        for part in (() if section is None else section.iter_subsections("aeabi"))
-        for scope in part.iter_subsubsections(scope="TAG_FILE")
-        for each in scope.iter_attributes()
-    )
-
-
 def _plain(die: Any) -> Any:
     """Follow names and qualifiers of a type."""
     while die.tag in _TRANSPARENT and "DW_AT_type" in die.attributes:
         die = die.get_DIE_from_attribute("DW_AT_type")
     return die
-
-
-def _members(die: Any) -> Iterator[Any]:
-    for each in die.iter_children():
-        if each.tag == "DW_TAG_member" and "DW_AT_name" in each.attributes:
-            yield each
 
 
 def _length(die: Any) -> int:

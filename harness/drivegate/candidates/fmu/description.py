@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 from xml.parsers import expat
 
 from drivegate.candidates.fmu.variables import REAL, Connections, Mismatch, Ports, Variable, connections_of
@@ -19,8 +19,6 @@ _FAILURES: Final = re.compile("error|fatal|warn", re.IGNORECASE)
 
 @dataclass(frozen=True)
 class FmuDescription:
-    """What drivegate has to know of an FMU."""
-
     version: int
     """Version of FMI: 2 or 3."""
     identifier: str
@@ -36,9 +34,8 @@ class FmuDescription:
 
 
 def read_description(file: Path, folder: Path) -> FmuDescription:
-    """Read the description of an unpacked FMU."""
-    outline = _outline(file, folder / DESCRIPTION)
-    version = _version_of(file, outline)
+    stated_version, log_categories = _outline(file, folder / DESCRIPTION)
+    version = _version_of(file, stated_version)
     model = _model_description(file, folder / DESCRIPTION)
     slave = model.coSimulation
     if slave is None:
@@ -70,24 +67,17 @@ def read_description(file: Path, folder: Path) -> FmuDescription:
         identifier,
         str(model.guid),
         bool(slave.canBeInstantiatedOnlyOncePerProcess),
-        tuple(filter(_FAILURES.search, outline.log_categories)),
+        tuple(filter(_FAILURES.search, log_categories)),
         connections,
     )
-
-
-class _Outline(NamedTuple):
-    """What is read of a description before a library for XML is given it."""
-
-    root: dict[str, str]
-    log_categories: list[str]
 
 
 class _HasDocumentType(Exception):
     """Raised at the first sign of a document type."""
 
 
-def _outline(file: Path, description: Path) -> _Outline:
-    """Read the outline, and refuse what a library for XML should not be given."""
+def _outline(file: Path, description: Path) -> tuple[str, list[str]]:
+    """Read FMI's version and the categories of messages, and refuse what a library for XML should not be given."""
     if not description.is_file():
         raise InputError(
             f"{shown_path(file)} has no {DESCRIPTION} in it, which every FMU has; name a file that a tool exported "
@@ -110,7 +100,7 @@ def _outline(file: Path, description: Path) -> _Outline:
         ) from None
 
 
-def _parsed(description: Path) -> _Outline:
+def _parsed(description: Path) -> tuple[str, list[str]]:
     roots: list[dict[str, str]] = []
     categories: list[str] = []
 
@@ -124,15 +114,15 @@ def _parsed(description: Path) -> _Outline:
             categories.append(attributes.get("name", ""))
 
     parser = expat.ParserCreate()
+    # Refused at its start, before the parser expands any entity that it defines.
     parser.StartDoctypeDeclHandler = refuse
     parser.StartElementHandler = element
     with description.open("rb") as stream:
         parser.ParseFile(stream)
-    return _Outline(roots[0], categories)
+    return roots[0].get("fmiVersion", ""), categories
 
 
-def _version_of(file: Path, outline: _Outline) -> int:
-    text = outline.root.get("fmiVersion", "")
+def _version_of(file: Path, text: str) -> int:
     if text == "2.0" or re.fullmatch(r"3\.0(\.\d+)?", text):
         return int(text[0])
     raise InputError(
@@ -147,18 +137,14 @@ def _model_description(file: Path, description: Path) -> Any:
     try:
         return read_model_description(str(description))
     except Exception as error:
-        problem = _first_problem(error)
+        problems = getattr(error, "problems", None) or [f"{type(error).__name__}: {error}"]
+        problem = one_line(str(problems[0]))[:300].rstrip(". ")
     try:
         return read_model_description(str(description), validate=False)
     except Exception as error:
         raise InputError(
             f"{shown_path(file)}: {DESCRIPTION} is not as FMI requires: {problem}; correct it, or export the FMU again"
         ) from error
-
-
-def _first_problem(error: Exception) -> str:
-    problems = getattr(error, "problems", None) or [f"{type(error).__name__}: {error}"]
-    return one_line(str(problems[0]))[:300].rstrip(". ")
 
 
 def _variables(model: Any) -> Iterator[Variable]:

@@ -10,16 +10,16 @@ from __future__ import annotations
 import ctypes
 import weakref
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
 from struct import Struct
-from typing import Any, ClassVar, Final, TypeAlias
+from typing import Any, Final
 
 from drivegate.candidates.contract import AnyNameplate
 from drivegate.candidates.fmu.description import FmuDescription
 from drivegate.candidates.fmu.log import callbacks_2, forget_messages, log_3, with_messages
-from drivegate.candidates.fmu.variables import PORTS, Connections
+from drivegate.candidates.fmu.variables import PORTS, REAL, Connections
 from drivegate_models.contract.current.signals import Command
 from drivegate_models.contract.duty.signals import DutyCommand
 
@@ -37,19 +37,16 @@ class FmuError(Exception):
 class FmuInstance(ABC):
     """An FMU as an object with `reset` and `step`."""
 
-    prefix: ClassVar[str]
-    """What the names of the version's functions begin with."""
-    set_name: ClassVar[str]
-    """The function that sets the inputs."""
-    get_name: ClassVar[str]
-    """The function that gets the outputs."""
-
     def __init__(self, description: FmuDescription, slave: Any) -> None:
         connections = description.connections
         fields = PORTS[connections.contract].fields
         inputs = len(connections.signals) + sum(count for _, count in connections.arrays)
         outputs = sum(count for _, count in connections.outputs)
         self.description = description
+        # What the names of the version's functions begin with, and those that set the inputs and get the outputs.
+        self._prefix = f"fmi{description.version}"
+        self._real = REAL[description.version]
+        self._set_name, self._get_name = f"{self._prefix}Set{self._real}", f"{self._prefix}Get{self._real}"
         self._slave = slave
         self._component: int | None = None
         self._free: weakref.finalize[[int], FmuInstance] | None = None
@@ -65,9 +62,6 @@ class FmuInstance(ABC):
         self._write = Struct(f"={inputs}d").pack_into
         self._read = Struct(f"={outputs}d").unpack_from
         self._ends = ctypes.c_bool()
-        self._set_inputs: Callable[[], int]
-        self._get_outputs: Callable[[], int]
-        self._do_step: Callable[[float, float], int]
 
     def reset(self, nameplate: AnyNameplate) -> None:
         """Replace the instance by a new one, so that nothing of an earlier run is left in it."""
@@ -76,25 +70,27 @@ class FmuInstance(ABC):
         try:
             self._instantiate(bool(self.description.log_categories))
         except Exception as error:
-            raise FmuError(with_messages(f"{self.prefix}Instantiate returned no instance")) from error
+            raise FmuError(with_messages(f"{self._prefix}Instantiate returned no instance")) from error
         component: int = self._slave.component
         self._component = component
-        self._free = weakref.finalize(self, self._freeing_function(), component)
+        free: Callable[[int], None] = getattr(self._slave, f"{self._prefix}FreeInstance")
+        self._free = weakref.finalize(self, free, component)
         # At the end of the process its memory goes anyway, and its code may be gone already.
         self._free.atexit = False
         self._initialised = False
         self._period = nameplate.control_period
-        self._bind(component)
+        self._set_inputs = self._access(self._set_name, self._input_references, self._inputs)
+        self._get_outputs = self._access(self._get_name, self._output_references, self._outputs)
+        self._do_step = self._bound_step(component)
         with self._failures_reported():
             if self.description.log_categories:
                 self._slave.setDebugLogging(True, self.description.log_categories)
             for parameter in self.description.connections.parameters:
-                self._set_parameter(
-                    parameter.kind, parameter.value_reference, getattr(nameplate, parameter.field)
-                )
+                number = getattr(nameplate, parameter.field)
+                value = float(number) if parameter.kind == self._real else int(number)
+                getattr(self._slave, f"set{parameter.kind}")([parameter.value_reference], [value])
 
     def step(self, sense: Any) -> Any:
-        """Answer for one control period."""
         if self._component is None:
             raise FmuError(
                 "the FMU can be instantiated once in a process, and another instance took this one's place"
@@ -104,20 +100,22 @@ class FmuInstance(ABC):
         self._write(self._inputs, 0, *[sense[place] for place in self._signals], *arrays)
         if not self._initialised:
             with self._failures_reported():
-                self._initialise(time)
+                self._enter_initialisation(time)
+                if (status := self._set_inputs()) > WARNING:
+                    self._fail(self._set_name, status)
+                self._slave.exitInitializationMode()
             self._initialised = True
         if (status := self._set_inputs()) > WARNING:
-            self._fail(self.set_name, status)
+            self._fail(self._set_name, status)
         if (status := self._do_step(time, self._period)) > WARNING:
-            self._fail(f"{self.prefix}DoStep", status)
+            self._fail(f"{self._prefix}DoStep", status)
         if self._ends.value:
-            raise FmuError(with_messages(f"{self.prefix}DoStep requested the end of the simulation"))
+            raise FmuError(with_messages(f"{self._prefix}DoStep requested the end of the simulation"))
         if (status := self._get_outputs()) > WARNING:
-            self._fail(self.get_name, status)
+            self._fail(self._get_name, status)
         return self._answer(self._read(self._outputs))
 
     def close(self) -> None:
-        """Free the instance, if there is one."""
         self._component = None
         if self._free is not None:
             self._free()
@@ -128,27 +126,28 @@ class FmuInstance(ABC):
         """Have the library make an instance."""
 
     @abstractmethod
-    def _freeing_function(self) -> Callable[[int], None]:
-        """Return the function that frees an instance."""
+    def _bound_step(self, component: int) -> Callable[[float, float], int]:
+        """Return what does a communication step from a time on over a period (s)."""
 
     @abstractmethod
-    def _bind(self, component: int) -> None:
-        """Make the three calls of a step ready; fmpy's own methods take much longer."""
+    def _enter_initialisation(self, time: float) -> None:
+        """Begin initialisation, in which the inputs are set."""
 
-    @abstractmethod
-    def _set_parameter(self, kind: str, value_reference: int, value: float) -> None:
-        """Set one parameter."""
-
-    @abstractmethod
-    def _initialise(self, time: float) -> None:
-        """Go through initialisation with the inputs as they are."""
+    def _access(self, name: str, references: ctypes.Array[ctypes.c_uint32], values: Any) -> Callable[[], int]:
+        """Bind the function that sets or gets numbers to their value references and to the memory of their values."""
+        block = ctypes.addressof(references), len(references), ctypes.addressof(values)
+        types: list[Any] = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p]
+        # FMI 3 also has the number of values, since an array has several under one reference.
+        counts = [len(values)] if self.description.version == 3 else []
+        types += [ctypes.c_size_t] * len(counts)
+        return partial(function_of(self._slave.dll, name, types), self._component, *block, *counts)
 
     def _fail(self, function: str, status: int) -> None:
         """Turn a status into an exception. After a fatal error not even the memory may be freed."""
         if status == _FATAL and self._free is not None:
             self._free.detach()
         name = _STATUSES[status] if status < len(_STATUSES) else str(status)
-        raise FmuError(with_messages(f"{function} returned {self.prefix}{name}"))
+        raise FmuError(with_messages(f"{function} returned {self._prefix}{name}"))
 
     @contextmanager
     def _failures_reported(self) -> Iterator[None]:
@@ -160,12 +159,7 @@ class FmuInstance(ABC):
             self._fail(error.function, error.status)
 
 
-def block_of(references: ctypes.Array[ctypes.c_uint32]) -> tuple[int, int]:
-    """Return where value references are, and how many."""
-    return ctypes.addressof(references), len(references)
-
-
-def function_of(library: ctypes.CDLL, name: str, types: tuple[Any, ...]) -> Callable[..., int]:
+def function_of(library: ctypes.CDLL, name: str, types: Sequence[Any]) -> Callable[..., int]:
     """Find a function of an FMU that is called in every step; fmpy's own methods take much longer."""
     function: Callable[..., int] = ctypes.CFUNCTYPE(ctypes.c_int, *types)((name, library))
     return function
@@ -175,21 +169,11 @@ def _references(values: tuple[int, ...]) -> ctypes.Array[ctypes.c_uint32]:
     return (ctypes.c_uint32 * len(values))(*values)
 
 
-_Answer: TypeAlias = Callable[[tuple[float, ...]], Any]
-"""From the outputs' values, in the order of the connections, to a Command or a DutyCommand."""
-
-
-def _answer_of(connections: Connections) -> _Answer:
-    """Make what turns the outputs of an FMU into commands."""
-    return _ANSWERS[connections.contract](connections)
-
-
-def _of_angles(_connections: Connections) -> _Answer:
-    # The fields of the command are the outputs, in their order.
-    return lambda values: Command(*values)
-
-
-def _of_duty_ratios(connections: Connections) -> _Answer:
+def _answer_of(connections: Connections) -> Callable[[tuple[float, ...]], Any]:
+    """Make what turns the values of an FMU's outputs, in the order of the connections, into commands."""
+    if connections.contract == "current":
+        # The fields of the command are the outputs, in their order.
+        return lambda values: Command(*values)
     places: dict[str, slice] = {}
     start = 0
     for name, count in connections.outputs:
@@ -210,112 +194,38 @@ def _of_duty_ratios(connections: Connections) -> _Answer:
     return answer
 
 
-_ANSWERS: Final = {"current": _of_angles, "duty": _of_duty_ratios}
-
-
 def _whole(value: float) -> float | int:
     """Make a whole number of a real one; what is none is left for the contract to refuse."""
     return int(value) if value.is_integer() else value
 
 
 class Fmi2Instance(FmuInstance):
-    """An FMU of FMI 2.0 as an object with `reset` and `step`."""
-
-    prefix = "fmi2"
-    set_name = "fmi2SetReal"
-    get_name = "fmi2GetReal"
-
     def _instantiate(self, with_log: bool) -> None:
         self._slave.instantiate(callbacks=callbacks_2(), loggingOn=with_log)
 
-    def _freeing_function(self) -> Callable[[int], None]:
-        free: Callable[[int], None] = self._slave.fmi2FreeInstance
-        return free
+    def _bound_step(self, component: int) -> Callable[[float, float], int]:
+        types = (ctypes.c_void_p, ctypes.c_double, ctypes.c_double, ctypes.c_int)
+        do_step = function_of(self._slave.dll, "fmi2DoStep", types)
+        return lambda time, period: do_step(component, time, period, 1)
 
-    def _bind(self, component: int) -> None:
-        values = (ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p)
-        step = (ctypes.c_void_p, ctypes.c_double, ctypes.c_double, ctypes.c_int)
-        library = self._slave.dll
-        self._set_inputs = partial(
-            function_of(library, self.set_name, values),
-            component,
-            *block_of(self._input_references),
-            ctypes.addressof(self._inputs),
-        )
-        self._get_outputs = partial(
-            function_of(library, self.get_name, values),
-            component,
-            *block_of(self._output_references),
-            ctypes.addressof(self._outputs),
-        )
-        do_step = function_of(library, "fmi2DoStep", step)
-        self._do_step = lambda time, period: do_step(component, time, period, 1)
-
-    def _set_parameter(self, kind: str, value_reference: int, value: float) -> None:
-        if kind == "Integer":
-            self._slave.setInteger([value_reference], [int(value)])
-        else:
-            self._slave.setReal([value_reference], [float(value)])
-
-    def _initialise(self, time: float) -> None:
-        slave = self._slave
-        slave.setupExperiment(startTime=time)
-        slave.enterInitializationMode()
-        if (status := self._set_inputs()) > WARNING:
-            self._fail(self.set_name, status)
-        slave.exitInitializationMode()
+    def _enter_initialisation(self, time: float) -> None:
+        self._slave.setupExperiment(startTime=time)
+        self._slave.enterInitializationMode()
 
 
 class Fmi3Instance(FmuInstance):
-    """An FMU of FMI 3.0 as an object with `reset` and `step`."""
-
-    prefix = "fmi3"
-    set_name = "fmi3SetFloat64"
-    get_name = "fmi3GetFloat64"
-
     def _instantiate(self, with_log: bool) -> None:
         self._slave.instantiate(loggingOn=with_log, logMessage=log_3)
 
-    def _freeing_function(self) -> Callable[[int], None]:
-        free: Callable[[int], None] = self._slave.fmi3FreeInstance
-        return free
-
-    def _bind(self, component: int) -> None:
-        values = (ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p, ctypes.c_size_t)
-        step = (ctypes.c_void_p, ctypes.c_double, ctypes.c_double, ctypes.c_bool, *(ctypes.c_void_p,) * 4)
-        library = self._slave.dll
-        self._set_inputs = partial(
-            function_of(library, self.set_name, values),
-            component,
-            *block_of(self._input_references),
-            ctypes.addressof(self._inputs),
-            len(self._inputs),
-        )
-        self._get_outputs = partial(
-            function_of(library, self.get_name, values),
-            component,
-            *block_of(self._output_references),
-            ctypes.addressof(self._outputs),
-            len(self._outputs),
-        )
-        do_step = function_of(library, "fmi3DoStep", step)
+    def _bound_step(self, component: int) -> Callable[[float, float], int]:
+        types = (ctypes.c_void_p, ctypes.c_double, ctypes.c_double, ctypes.c_bool, *(ctypes.c_void_p,) * 4)
+        do_step = function_of(self._slave.dll, "fmi3DoStep", types)
         unused, reached = (ctypes.c_bool * 2)(), ctypes.c_double()
         event, early = ctypes.addressof(unused), ctypes.addressof(unused) + 1
         ends, until = ctypes.addressof(self._ends), ctypes.addressof(reached)
         # Each step writes to their addresses, so they have to live as long as the instance.
         self._results = (unused, reached)
-        self._do_step = lambda time, period: do_step(component, time, period, True, event, ends, early, until)
+        return lambda time, period: do_step(component, time, period, True, event, ends, early, until)
 
-    def _set_parameter(self, kind: str, value_reference: int, value: float) -> None:
-        if kind == "Float64":
-            self._slave.setFloat64([value_reference], [float(value)])
-        elif kind == "Int32":
-            self._slave.setInt32([value_reference], [int(value)])
-        else:
-            self._slave.setInt64([value_reference], [int(value)])
-
-    def _initialise(self, time: float) -> None:
+    def _enter_initialisation(self, time: float) -> None:
         self._slave.enterInitializationMode(startTime=time)
-        if (status := self._set_inputs()) > WARNING:
-            self._fail(self.set_name, status)
-        self._slave.exitInitializationMode()

@@ -45,7 +45,6 @@ _DAMAGED: Final = (
 
 
 def unpack(file: Path, folder: Path, *, most_files: int = MOST_FILES, most_bytes: int = MOST_BYTES) -> None:
-    """Unpack an FMU."""
     try:
         archive = zipfile.ZipFile(file)
     except _DAMAGED as error:
@@ -129,7 +128,6 @@ class UnpackedFmu:
             raise
 
     def instance(self) -> FmuInstance:
-        """Load the library."""
         # Some libraries are loaded from their own folder, and fmpy stays in it when that fails.
         with contextlib.chdir(Path.cwd()):
             try:
@@ -142,7 +140,7 @@ class UnpackedFmu:
                 ) from error
 
     def make_room(self, instance: FmuInstance) -> None:
-        """Make room for an instance of an FMU that can have only one in a process."""
+        """Close the present instance of an FMU that can have only one in a process, before another one is made."""
         if not self.description.only_once:
             return
         current = self._current() if self._current is not None else None
@@ -174,7 +172,6 @@ class FmuController(PythonController):
         super().__init__(self._fmu)
 
     def reset(self, nameplate: AnyNameplate) -> None:
-        """Instantiate the FMU again before a run."""
         connections = self._unpacked.description.connections
         require_nameplate_of(connections.contract, nameplate)
         phases = getattr(nameplate, "phases", LEGS)

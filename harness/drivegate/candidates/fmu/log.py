@@ -14,12 +14,10 @@ _messages: deque[str] = deque(maxlen=LONGEST_LOG)
 
 
 def forget_messages() -> None:
-    """Forget what has been logged so far."""
     _messages.clear()
 
 
 def with_messages(sentence: str) -> str:
-    """Add to a sentence what has been logged."""
     return f"{sentence}: {'; '.join(_messages)}" if _messages else sentence
 
 

@@ -26,7 +26,6 @@ class Ports:
     """The variables of a controller of one contract."""
 
     contract: ContractName
-    """The contract."""
     fields: tuple[str, ...]
     """Fields of its Sense, in order."""
     inputs: tuple[str, ...]
@@ -67,7 +66,6 @@ CURRENT: Final = Ports(
     parameters=_port_parameters(Nameplate._fields, "half_supply_voltage"),
     whole=("phases", "pole_pairs", "kind"),
 )
-"""Those of a controller that answers with a current reference and an advance angle."""
 
 DUTY: Final = Ports(
     contract="duty",
@@ -82,19 +80,13 @@ DUTY: Final = Ports(
     parameters=_port_parameters(DutyNameplate._fields, "supply_voltage"),
     whole=("kind", "reference_kind", "pole_pairs", "updates", "update_delay", "control_every"),
 )
-"""Those of a controller that answers with duty ratios."""
 
 PORTS: Final = {ports.contract: ports for ports in (CURRENT, DUTY)}
-"""Those of each contract."""
 
 
 class Variable(NamedTuple):
-    """A variable of an FMU, as its description has it."""
-
     name: str
-    """Its name."""
     value_reference: int
-    """Its value reference."""
     causality: str
     """``input``, ``output``, ``parameter``, ``local``, ..."""
     kind: str
@@ -104,14 +96,10 @@ class Variable(NamedTuple):
 
 
 class Parameter(NamedTuple):
-    """A parameter that takes a number of the nameplate."""
-
     field: str
     """Name of the number."""
     value_reference: int
-    """Value reference of the parameter."""
     kind: str
-    """Its type."""
 
 
 @dataclass(frozen=True)
@@ -119,7 +107,6 @@ class Connections:
     """Which variables of an FMU carry what."""
 
     contract: ContractName
-    """Contract that it answers by."""
     signals: tuple[str, ...]
     """Fields of one value that it takes from the Sense."""
     arrays: tuple[tuple[str, int], ...]
@@ -127,7 +114,7 @@ class Connections:
     input_references: tuple[int, ...]
     """Value references of these fields, one for an array."""
     outputs: tuple[tuple[str, int], ...]
-    """Fields of the command that it gives, each with its number of values."""
+    """Fields of the command that it answers with, each with its number of values."""
     output_references: tuple[int, ...]
     """Value references of these, one for an array."""
     parameters: tuple[Parameter, ...]
@@ -144,28 +131,29 @@ class Mismatch(Exception):
 
 def connections_of(variables: Iterable[Variable], version: int) -> Connections:
     """Connect the variables of an FMU, by the contract that its outputs are of."""
-    by_name = {variable.name: variable for variable in variables}
-    ports = DUTY if any(_is_part_of(DUTY_RATIOS, variable) for variable in by_name.values()) else CURRENT
-    problems: list[str] = []
+    search = _Search({variable.name: variable for variable in variables}, version)
+    by_name = search.by_name
+    is_duty = any(
+        variable.causality == "output" and name.partition("[")[0] == DUTY_RATIOS
+        for name, variable in by_name.items()
+    )
+    ports = DUTY if is_duty else CURRENT
     for names, causality in ((ports.inputs, "input"), (ports.outputs, "output")):
         for name in names:
-            problems += _problems_of(name, causality, by_name, version)
-    signals = ports.inputs + _given(ports.more_inputs, "input", by_name, version, problems)
-    scalars = ports.outputs + _given(ports.more_outputs, "output", by_name, version, problems)
-    arrays = [
-        (name, _array(name, "output", by_name, version, problems))
-        for name in (*ports.arrays, *ports.more_arrays)
-    ]
-    problems += [
+            search.require(name, causality)
+    signals = ports.inputs + search.given(ports.more_inputs, "input")
+    scalars = ports.outputs + search.given(ports.more_outputs, "output")
+    arrays = [(name, search.array(name, "output")) for name in (*ports.arrays, *ports.more_arrays)]
+    search.problems += [
         f"'{name}' has {_values(array)} values, but must have 3, one for each leg"
         for name, array in arrays
         if (array or name in ports.arrays) and _values(array) != LEGS
     ]
-    sensed = [(name, _array(name, "input", by_name, version, problems)) for name in ports.input_arrays]
-    problems += _unknown_inputs(ports, by_name, [element for _, array in sensed for element in array])
-    parameters = _parameters(ports, by_name, version, problems)
-    if problems:
-        raise Mismatch(ports, problems)
+    sensed = [(name, search.array(name, "input")) for name in ports.input_arrays]
+    search.refuse_unknown_inputs(ports, [element.name for _, array in sensed for element in array])
+    parameters = search.parameters(ports)
+    if search.problems:
+        raise Mismatch(ports, search.problems)
     taken = tuple(name for name in ports.fields if name in signals)
     given = [(name, array) for name, array in arrays if array]
     given += [(name, (by_name[name],)) for name in scalars]
@@ -181,98 +169,95 @@ def connections_of(variables: Iterable[Variable], version: int) -> Connections:
     )
 
 
-def _is_part_of(name: str, variable: Variable) -> bool:
-    return variable.causality == "output" and variable.name.partition("[")[0] == name
-
-
 def _values(carriers: Iterable[Variable]) -> int:
     """Count the values that variables carry."""
     return sum(carrier.shape[0] if carrier.shape else 1 for carrier in carriers)
 
 
-def _given(
-    names: Iterable[str],
-    causality: str,
-    by_name: Mapping[str, Variable],
-    version: int,
-    problems: list[str],
-) -> tuple[str, ...]:
-    """Find those of some variables that there are."""
-    found = tuple(name for name in names if name in by_name and by_name[name].causality == causality)
-    for name in found:
-        problems += _type_problems(by_name[name], version)
-    return found
+class _Search:
+    """Looks for a controller's variables among those of an FMU, and collects all that is wrong with them."""
 
+    def __init__(self, by_name: Mapping[str, Variable], version: int) -> None:
+        self.by_name = by_name
+        self._version = version
+        self.problems: list[str] = []
 
-def _problems_of(name: str, causality: str, by_name: Mapping[str, Variable], version: int) -> list[str]:
-    variable = by_name.get(name)
-    if variable is None:
-        others = [other.name for other in by_name.values() if other.causality == causality]
-        closest = nearest(name, others)
-        advice = f" (the nearest {causality} is '{one_line(closest)}')" if closest else ""
-        return [f"there is no {causality} '{name}'{advice}"]
-    if variable.causality != causality:
-        return [f"'{name}' is of the causality {one_line(variable.causality)}, but must be an {causality}"]
-    return _type_problems(variable, version)
+    def given(self, names: Iterable[str], causality: str) -> tuple[str, ...]:
+        """Find those of some variables that there are."""
+        found = tuple(
+            name for name in names if name in self.by_name and self.by_name[name].causality == causality
+        )
+        for name in found:
+            self._require_type(self.by_name[name])
+        return found
 
-
-def _type_problems(variable: Variable, version: int, kinds: tuple[str, ...] = ()) -> list[str]:
-    allowed = (REAL[version], *kinds)
-    name = one_line(variable.name)
-    if variable.kind not in allowed:
-        return [f"'{name}' is of the type {one_line(variable.kind)}, but must be {' or '.join(allowed)}"]
-    if variable.shape:
-        return [f"'{name}' is an array, but must be a single value"]
-    return []
-
-
-def _array(
-    name: str, causality: str, by_name: Mapping[str, Variable], version: int, problems: list[str]
-) -> tuple[Variable, ...]:
-    """Find what carries several values: one array, or its elements one by one."""
-    array = by_name.get(name)
-    if array is not None and array.causality == causality:
-        if len(array.shape) != 1 or array.kind != REAL[version]:
-            problems.append(
-                f"'{name}' must be an array of {REAL[version]} with one dimension, or {causality}s "
-                f"'{name}[1]' and so on"
+    def require(self, name: str, causality: str) -> None:
+        variable = self.by_name.get(name)
+        if variable is None:
+            others = [other.name for other in self.by_name.values() if other.causality == causality]
+            closest = nearest(name, others)
+            advice = f" (the nearest {causality} is '{one_line(closest)}')" if closest else ""
+            self.problems.append(f"there is no {causality} '{name}'{advice}")
+        elif variable.causality != causality:
+            self.problems.append(
+                f"'{name}' is of the causality {one_line(variable.causality)}, but must be an {causality}"
             )
-        return (array,)
-    pattern = re.compile(rf"{name}\[([1-9][0-9]*)\]")
-    elements = {
-        int(match[1]): variable
-        for own, variable in by_name.items()
-        if variable.causality == causality and (match := pattern.fullmatch(own))
-    }
-    problems += [
-        f"there is no {causality} '{name}[{index}]'"
-        for index in range(1, min(max(elements, default=0), 64))
-        if index not in elements
-    ]
-    for variable in elements.values():
-        problems += _type_problems(variable, version)
-    return tuple(elements[index] for index in sorted(elements))
+        else:
+            self._require_type(variable)
 
+    def _require_type(self, variable: Variable, kinds: tuple[str, ...] = ()) -> None:
+        """Require a single real number, or one of further kinds."""
+        allowed = (REAL[self._version], *kinds)
+        name = one_line(variable.name)
+        if variable.kind not in allowed:
+            self.problems.append(
+                f"'{name}' is of the type {one_line(variable.kind)}, but must be {' or '.join(allowed)}"
+            )
+        elif variable.shape:
+            self.problems.append(f"'{name}' is an array, but must be a single value")
 
-def _unknown_inputs(ports: Ports, by_name: Mapping[str, Variable], elements: Iterable[Variable]) -> list[str]:
-    own = (*ports.inputs, *ports.more_inputs)
-    known = {*own, *(element.name for element in elements)}
-    return [
-        f"nothing is known of the input '{one_line(name)}' (the nearest known one is "
-        f"'{nearest(name, [*own, *ports.input_arrays])}')"
-        for name, variable in by_name.items()
-        if variable.causality == "input" and name not in known
-    ]
+    def array(self, name: str, causality: str) -> tuple[Variable, ...]:
+        """Find what carries several values: one array, or its elements one by one."""
+        array = self.by_name.get(name)
+        if array is not None and array.causality == causality:
+            real = REAL[self._version]
+            if len(array.shape) != 1 or array.kind != real:
+                self.problems.append(
+                    f"'{name}' must be an array of {real} with one dimension, or {causality}s '{name}[1]' and so on"
+                )
+            return (array,)
+        pattern = re.compile(rf"{name}\[([1-9][0-9]*)\]")
+        elements = {
+            int(match[1]): variable
+            for own, variable in self.by_name.items()
+            if variable.causality == causality and (match := pattern.fullmatch(own))
+        }
+        # Bounded, since the number in a name may be of any size.
+        self.problems += [
+            f"there is no {causality} '{name}[{index}]'"
+            for index in range(1, min(max(elements, default=0), 64))
+            if index not in elements
+        ]
+        for variable in elements.values():
+            self._require_type(variable)
+        return tuple(elements[index] for index in sorted(elements))
 
+    def refuse_unknown_inputs(self, ports: Ports, elements: Iterable[str]) -> None:
+        own = (*ports.inputs, *ports.more_inputs)
+        known = {*own, *elements}
+        self.problems += [
+            f"nothing is known of the input '{one_line(name)}' (the nearest known one is "
+            f"'{nearest(name, [*own, *ports.input_arrays])}')"
+            for name, variable in self.by_name.items()
+            if variable.causality == "input" and name not in known
+        ]
 
-def _parameters(
-    ports: Ports, by_name: Mapping[str, Variable], version: int, problems: list[str]
-) -> tuple[Parameter, ...]:
-    found = []
-    for name, field in ports.parameters.items():
-        variable = by_name.get(name)
-        if variable is None or variable.causality != "parameter":
-            continue
-        problems += _type_problems(variable, version, _INTEGERS[version] if field in ports.whole else ())
-        found.append(Parameter(field, variable.value_reference, variable.kind))
-    return tuple(found)
+    def parameters(self, ports: Ports) -> tuple[Parameter, ...]:
+        found = []
+        for name, field in ports.parameters.items():
+            variable = self.by_name.get(name)
+            if variable is None or variable.causality != "parameter":
+                continue
+            self._require_type(variable, _INTEGERS[self._version] if field in ports.whole else ())
+            found.append(Parameter(field, variable.value_reference, variable.kind))
+        return tuple(found)

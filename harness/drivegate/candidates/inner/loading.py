@@ -29,15 +29,12 @@ OUTER_PERIOD_S: Final = 500e-6
 
 
 class InnerController(CompiledController):
-    """A controller of current references behind the loop of currents."""
-
     def __init__(self, outer: Controller) -> None:
         super().__init__(inner_step_function(), inner_state(0, 0, 1))
         self._outer = outer
 
     @property
     def fault(self) -> Fault | None:
-        """What ended the last run, if the controller behind the loop knows."""
         return self._outer.fault
 
     @property
@@ -76,7 +73,6 @@ def compile_own_code(candidate: Candidate) -> None:
 
 
 def load_controller(candidate: Candidate) -> InnerController:
-    """Make a new instance of a candidate behind the loop."""
     outer = _outer(candidate)
     return InnerController(KINDS[outer.kind].load_controller(outer))
 

@@ -42,8 +42,6 @@ _PASSED: Final = frozenset(
 
 @dataclass(frozen=True)
 class Bounds:
-    """What a tool may use."""
-
     seconds: float = 60.0
     """Time, and processor time of each of its processes (s)."""
     memory_bytes: int = 2 * 2**30
@@ -52,19 +50,15 @@ class Bounds:
     """Size of each file that it writes."""
 
     def in_words(self) -> str:
-        """State the bounds."""
         memory, file = self.memory_bytes / 2**30, self.file_bytes / 2**20
         return f"{self.seconds:g} s, {memory:g} GiB of memory and files of {file:g} MiB"
 
 
 COMPILATION: Final = Bounds()
-"""What compiling a candidate may use."""
 
 
 @dataclass(frozen=True)
 class Ended:
-    """How a tool ended."""
-
     status: int | None
     """Exit status, negative for a signal; None when it was stopped because its time was up."""
     output: str
@@ -89,6 +83,7 @@ def run_bounded(
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
+        # One signal to its group then ends the tool with all that it has started.
         start_new_session=True,
     )
     with process:
@@ -114,6 +109,6 @@ def _output_of(process: "subprocess.Popen[bytes]", deadline: float) -> bytes:
         block = os.read(descriptor, 65536)
         if not block:
             break
-        room = KEPT_OUTPUT - len(beginning)
-        beginning, end = beginning + block[:room], (end + block[room:])[-KEPT_OUTPUT:]
+        left = KEPT_OUTPUT - len(beginning)
+        beginning, end = beginning + block[:left], (end + block[left:])[-KEPT_OUTPUT:]
     return beginning + end

@@ -54,6 +54,7 @@ def built_library(plan: Compilation) -> tuple[Path, tuple[Path, ...]]:
             try:
                 return _built(compilers, plan, folder, Path(scratch), complete_output)
             except CompilationError:
+                # Only now, since it takes a compilation of its own: the compiler itself may be the reason.
                 for language, compiler in compilers.items():
                     require_working(language, compiler, Path(scratch))
                 raise
@@ -61,14 +62,12 @@ def built_library(plan: Compilation) -> tuple[Path, tuple[Path, ...]]:
         if not error.output:
             raise
         write_atomically(complete_output, error.output)
-        sentence = f"{error}; its output is in {shown_path(complete_output)}"
-        raise InputError(sentence) from error
+        raise InputError(f"{error}; its output is in {shown_path(complete_output)}") from error
     except OSError as error:
-        where = shown_path(folder)
-        sentence = (
-            f"{where} cannot be written: {error.strerror}; name a folder for compiled code in DRIVEGATE_CACHE"
-        )
-        raise InputError(sentence) from error
+        raise InputError(
+            f"{shown_path(folder)} cannot be written: {error.strerror}; name a folder for compiled code in "
+            "DRIVEGATE_CACHE"
+        ) from error
 
 
 def _built(
@@ -104,13 +103,11 @@ def _key(compilers: Compilers, plan: Compilation, files: Sequence[Path]) -> str:
 
 
 def digest_of(*words: str) -> str:
-    """Hash words."""
     joined = "\0".join(words)
     return hashlib.sha256(joined.encode(errors="surrogateescape")).hexdigest()[:32]
 
 
 def cache_folder() -> Path:
-    """Find the folder for compiled candidates."""
     from drivegate_models.compilation.kernels import required_cache_folder
 
     folder = required_cache_folder() / FOLDER

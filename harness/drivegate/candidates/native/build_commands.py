@@ -48,8 +48,6 @@ _log = logging.getLogger("drivegate")
 
 @dataclass(frozen=True)
 class ProjectBuild:
-    """What is built, and how."""
-
     manifest: str
     """The manifest, as messages name it."""
     folder: Path
@@ -61,7 +59,6 @@ class ProjectBuild:
     artefact: str
     """Path of the file that the commands make, from the folder."""
     bounds: Bounds = BUILD
-    """What the commands may use."""
 
 
 def built_artefact(build: ProjectBuild) -> Path:
@@ -126,6 +123,7 @@ def _made(build: ProjectBuild, commands: tuple[list[str], ...], scratch: Path) -
     (scratch / "temporary").mkdir()
     deadline = time.monotonic() + build.bounds.seconds
     for words, command in zip(commands, build.commands, strict=True):
+        # All commands share the time; one without any left starts all the same, and is reported as out of time.
         left = replace(build.bounds, seconds=max(deadline - time.monotonic(), 0.1))
         ended = run_bounded(
             isolated_command(words, requested_layers(), Places(tuple(_readable()), (str(scratch),))),
@@ -175,7 +173,6 @@ def _readable() -> Iterator[str]:
 
 
 def _failure(build: ProjectBuild, command: str, ended: Ended) -> str:
-    """State in a sentence which command failed, with its last lines."""
     where = f"{build.manifest}: the build command '{one_line(command)}'"
     rules = f"a build has the files of 'sources', no network and {build.bounds.in_words()}"
     if ended.status is None:

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path, PurePath
 from typing import Final
 
-from drivegate.candidates.fault import bounded_line
+from drivegate.candidates.fault import bounded_line, bounded_reason
 from drivegate.candidates.native.bounded_command import COMPILATION, Bounds, Ended, run_bounded
 from drivegate.isolation.layers import Places, isolated_command, requested_layers
 from drivegate_cases.documents.wording import one_line
@@ -30,8 +30,6 @@ FLAGS: Final = ("-O2", "-ffp-contract=off", "-fPIC", "-Wall", "-Wextra")
 
 @dataclass(frozen=True)
 class Language:
-    """A language that candidates are compiled from."""
-
     name: str
     """Its name in sentences."""
     option: str
@@ -69,7 +67,6 @@ CPP: Final = Language(
 Compilers = Mapping[Language, Sequence[str]]
 """The command of each language's compiler."""
 
-_LONGEST_MESSAGE: Final = 300
 _ERROR = re.compile(
     r"^(?P<file>[^\s:][^:\n]*):(?P<line>\d+):(?:\d+:)?\s*(?:fatal\s+)?error:\s*(?P<message>.*)$", re.MULTILINE
 )
@@ -84,8 +81,6 @@ _ESCAPED = re.compile(r"\\\s*\n|\\([ #])|\$(\$)")
 
 @dataclass(frozen=True)
 class Compilation:
-    """What is compiled, and how."""
-
     folder: Path
     """Where the compiler runs; relative paths start from it."""
     sources: tuple[str, ...]
@@ -97,7 +92,6 @@ class Compilation:
     further_files: tuple[Path, ...] = ()
     """Files that are not compiled, but on which the result depends."""
     bounds: Bounds = COMPILATION
-    """What the compiler may use."""
 
     @property
     def languages(self) -> tuple[Language, ...]:
@@ -120,7 +114,6 @@ def include_folder() -> Path:
 
 
 def language_of(source: str) -> Language:
-    """Return the language of a source by its suffix."""
     return C if PurePath(source).suffix.lower() == ".c" else CPP
 
 
@@ -161,12 +154,11 @@ def require_working(language: Language, compiler: Sequence[str], scratch: Path) 
         first = next(filter(None, map(str.strip, error.output.splitlines())), "it printed nothing")
         raise InputError(
             f"the {language.name} compiler '{one_line(shlex.join(compiler))}' does not work, it cannot compile a "
-            f"single line: {_bounded(first)}; {_how_to_get(language)}"
+            f"single line: {bounded_reason(first)}; {_how_to_get(language)}"
         ) from error
 
 
 def compiler_version(compiler: Sequence[str]) -> str:
-    """Request from a compiler its version."""
     ended = run_bounded([*compiler, "--version"], folder=Path.cwd(), environment={}, bounds=Bounds(10.0))
     return bounded_line(next(iter(ended.output.splitlines()), ""))
 
@@ -181,7 +173,8 @@ def used_files(compilers: Compilers, plan: Compilation, scratch: Path) -> tuple[
 def _used_by(source: str, compilers: Compilers, plan: Compilation, rule: Path) -> list[Path]:
     _run(["-MM", "-MF", str(rule), *_named(source)], language_of(source), compilers, plan, rule.parent)
     # The rule is `target: file file`, continued over lines.
-    text = _ESCAPED.sub(lambda found: "\0" if found[1] == " " else found[1] or found[2] or " ", _text(rule))
+    listed = rule.read_text(encoding="utf-8", errors="surrogateescape") if rule.exists() else ""
+    text = _ESCAPED.sub(lambda found: "\0" if found[1] == " " else found[1] or found[2] or " ", listed)
     names = text.partition(": ")[2].split()
     return [(plan.folder / name.replace("\0", " ")).resolve() for name in names]
 
@@ -203,13 +196,8 @@ def compile_library(compilers: Compilers, plan: Compilation, scratch: Path) -> t
 
 
 def warnings_in_words(output: str) -> str:
-    """Sum up the warnings of a compiler."""
     found = list(_WARNING.finditer(output))
-    if not found:
-        return ""
-    others = len(found) - 1
-    more = f" (and {others} more warning{'s' if others > 1 else ''})" if others else ""
-    return f"{_place(found[0])}: warning: {_bounded(found[0]['message'])}{more}"
+    return _complaint(found, "warning", "warning: ") if found else ""
 
 
 def _options(plan: Compilation, language: Language) -> list[str]:
@@ -254,26 +242,18 @@ def _sentence(ended: Ended, plan: Compilation, language: Language, compiler: str
         return f"{sources}: {compiler} did not come to an end; compiling a candidate may take {plan.bounds.in_words()}"
     errors = list(_ERROR.finditer(ended.output))
     if errors:
-        others = len(errors) - 1
-        more = f" (and {others} more error{'s' if others > 1 else ''})" if others else ""
-        return (
-            f"{_place(errors[0])}: {_bounded(errors[0]['message'])}{more}; "
-            f"the sources must compile with {compiler} {language.standard}"
-        )
+        return f"{_complaint(errors, 'error')}; the sources must compile with {compiler} {language.standard}"
     lines = [found[0] for found in _LINKER.finditer(ended.output)] or ended.output.strip().splitlines()
-    reason = _bounded(lines[0]) if lines else f"it ended with status {ended.status} and reported nothing"
+    reason = (
+        bounded_reason(lines[0]) if lines else f"it ended with status {ended.status} and reported nothing"
+    )
     bounds = plan.bounds.in_words()
     return f"{sources}: {compiler} does not compile it: {reason}; compiling a candidate may take {bounds}"
 
 
-def _place(found: re.Match[str]) -> str:
-    return f"{_bounded(found['file'])}, line {found['line']}"
-
-
-def _bounded(text: str) -> str:
-    line = bounded_line(text.strip())
-    return line if len(line) <= _LONGEST_MESSAGE else line[: _LONGEST_MESSAGE - 1] + "…"
-
-
-def _text(file: Path) -> str:
-    return file.read_text(encoding="utf-8", errors="surrogateescape") if file.exists() else ""
+def _complaint(found: Sequence[re.Match[str]], what: str, prefix: str = "") -> str:
+    """Quote the first complaint, and count the others."""
+    first, others = found[0], len(found) - 1
+    more = f" (and {others} more {what}{'s' if others > 1 else ''})" if others else ""
+    place = f"{bounded_reason(first['file'])}, line {first['line']}"
+    return f"{place}: {prefix}{bounded_reason(first['message'])}{more}"

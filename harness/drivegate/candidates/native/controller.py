@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import ctypes
 import mmap
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from ctypes.util import find_library
 from pathlib import Path
-from typing import Any, Final, Protocol
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +25,6 @@ _WRITABLE: Final = 2
 RESETS: Final[dict[ContractName, str]] = {"current": "drivegate_reset", "duty": "drivegate_duty_reset"}
 """Name of the function that resets a controller of each contract."""
 STEPS: Final[dict[ContractName, str]] = {"current": "drivegate_step", "duty": "drivegate_duty_step"}
-"""Name of the function that steps it."""
 
 _mathematics: Final = ctypes.CDLL(find_library("m"))
 # The largest floating-point environment that a C library has is well below this.
@@ -71,7 +70,10 @@ class GlobalState:
         ranges = _variables(library)
         self.size = sum(end - begin for begin, end in ranges)
         """Size of the variables (bytes)."""
-        self._memory = tuple(_view(begin, end) for begin, end in ranges)
+        self._memory = tuple(
+            np.ctypeslib.as_array((ctypes.c_uint8 * (end - begin)).from_address(begin))
+            for begin, end in ranges
+        )
         # Nothing is copied before the first reset, since a size that is refused may be too large for a copy.
         self._copies: tuple[NDArray[np.uint8], ...] | None = None
 
@@ -81,11 +83,6 @@ class GlobalState:
             self._copies = tuple(view.copy() for view in self._memory)
         for view, copy in zip(self._memory, self._copies, strict=True):
             view[:] = copy
-
-
-def _view(begin: int, end: int) -> NDArray[np.uint8]:
-    """Return the bytes of this process from one address to another, shape (end - begin,)."""
-    return np.ctypeslib.as_array((ctypes.c_uint8 * (end - begin)).from_address(begin))
 
 
 def _variables(library: Path) -> list[tuple[int, int]]:
@@ -106,15 +103,10 @@ def _variables(library: Path) -> list[tuple[int, int]]:
 
 def _writable(loaded: Any) -> list[tuple[int, int]]:
     segments = [loaded.segments[place] for place in range(loaded.count)]
+    fixed = [segment for segment in segments if segment.kind == _RELOCATED_ONCE]
+    ends = [loaded.base + segment.address + segment.size for segment in fixed]
     # The dynamic linker makes whole pages of these read-only once it has filled them in.
-    fixed_until = max(
-        (
-            _whole_pages(loaded.base + segment.address + segment.size)
-            for segment in segments
-            if segment.kind == _RELOCATED_ONCE
-        ),
-        default=0,
-    )
+    fixed_until = max((end - end % mmap.PAGESIZE for end in ends), default=0)
     ranges = [
         (max(loaded.base + segment.address, fixed_until), loaded.base + segment.address + segment.size)
         for segment in segments
@@ -123,19 +115,8 @@ def _writable(loaded: Any) -> list[tuple[int, int]]:
     return [(begin, end) for begin, end in ranges if begin < end]
 
 
-def _whole_pages(address: int) -> int:
-    return address - address % mmap.PAGESIZE
-
-
 # Saved here, before the library of a candidate is loaded, which may change it.
 _mathematics.fegetenv(_environment)
-
-
-class ResetFunction(Protocol):
-    """Calls a candidate's `drivegate_reset`."""
-
-    def __call__(self, state: int, nameplate: int) -> int:
-        """Take the addresses of state and nameplate; return 0 for success."""
 
 
 @contextmanager
@@ -156,13 +137,14 @@ class NativeController:
     The state is zeroed once, here; forgetting an earlier run is for the candidate's reset. A candidate without a
     state has it in global variables, which are put back to their initial values before each reset.
 
+    `reset`: calls `drivegate_reset` with the addresses of state and nameplate, and returns 0 for success.
     `state_address`: address of the state, aligned as the header says; 0 for none. Valid as long as this object lives.
     """
 
     def __init__(
         self,
         step_address: int,
-        reset: ResetFunction,
+        reset: Callable[[int, int], int],
         state_size: int,
         contract: ContractName = "current",
         variables: GlobalState | None = None,
@@ -207,6 +189,5 @@ def record_of(nameplate: AnyNameplate) -> NDArray[Any]:
 
 
 def refused_by_reset(contract: ContractName, status: int) -> Fault:
-    """Return the fault of a controller whose reset returned another status than 0."""
     message = f"{RESETS[contract]} returned {status}, which refuses the run; 0 is success"
     return Fault(FaultKind.EXCEPTION, message, "reset")

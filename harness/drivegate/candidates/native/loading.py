@@ -37,10 +37,7 @@ def load_controller(candidate: Candidate) -> Controller:
     """
     if not isinstance(candidate.details, NativeBuild):
         raise HarnessFault(f"the candidate {candidate.name} of kind {candidate.kind} was not built")
-    return _instance_of(candidate.details.library, one_line(candidate.name))
-
-
-def _instance_of(library: Path, name: str) -> NativeController:
+    library, name = candidate.details.library, one_line(candidate.name)
     functions, contract = _loaded(library, name)
     with same_arithmetic():
         version, size = functions.drivegate_abi_version(), functions.drivegate_state_size()

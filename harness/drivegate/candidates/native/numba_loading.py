@@ -20,8 +20,8 @@ from numba.core.dispatcher import Dispatcher
 from numba.np.numpy_support import carray
 
 from drivegate.candidates.contract import HEADERS, ContractName
-from drivegate.candidates.fault import Fault, bounded_line, exception_fault
-from drivegate.candidates.native.controller import RESETS, STEPS, NativeController, ResetFunction
+from drivegate.candidates.fault import Fault, bounded_reason, exception_fault
+from drivegate.candidates.native.controller import RESETS, STEPS, NativeController
 from drivegate.candidates.native.loading import LARGEST_STATE
 from drivegate.candidates.native.numba_controller import NumbaController
 from drivegate_cases.documents.wording import shown_path
@@ -43,7 +43,6 @@ _PLACE: Final = re.compile(
     r'File "(?P<file>[^"]+)", line (?P<line>\d+)|\bat (?P<at>\S+) \((?P<line_at>\d+)\)'
 )
 _RECORD: Final = re.compile(r"Record\(.*\)")
-_LONGEST: Final = 300
 _USABLE: Final = "use numbers, records and functions compiled with numba.njit only"
 _STATE_ADVICE: Final = (
     "give a numpy dtype with named fields of 1 byte to 64 MiB, such as np.dtype([('integral', np.float64)])"
@@ -75,8 +74,7 @@ class CompiledController(NativeController):
 
     def __init__(self, step: Any, reset: Any, state_size: int, contract: ContractName) -> None:
         self._functions = (step, reset)
-        call_reset: ResetFunction = _RESET(reset.address)
-        super().__init__(step.address, call_reset, state_size, contract)
+        super().__init__(step.address, _RESET(reset.address), state_size, contract)
         _raised.watch()
 
     @property
@@ -128,7 +126,7 @@ def _callbacks(definition: NumbaController, name: str) -> tuple[Any, Any, int]:
     """Return the C functions of step and reset, and the size of the state (bytes)."""
     if definition.contract not in _RECORDS:
         raise InputError(
-            f"{name}: contract is {_bounded(repr(definition.contract))}, but must be one of {', '.join(_RECORDS)}"
+            f"{name}: contract is {bounded_reason(repr(definition.contract))}, but must be one of {', '.join(_RECORDS)}"
         )
     functions = (definition.reset, definition.step)
     if all(isinstance(function, CFunc) for function in functions):
@@ -159,8 +157,8 @@ def _given_callbacks(definition: NumbaController, name: str) -> tuple[Any, Any, 
         answer, count = required[role]
         if signature.return_type != answer or len(signature.args) != count:
             raise InputError(
-                f"{name}: {role} has the type {_bounded(str(signature))}, but must return {answer} and take {count} "
-                f"pointers, as {_FUNCTIONS[role][definition.contract]} in {HEADERS[definition.contract]}"
+                f"{name}: {role} has the type {bounded_reason(str(signature))}, but must return {answer} and "
+                f"take {count} pointers, as {_FUNCTIONS[role][definition.contract]} in {HEADERS[definition.contract]}"
             )
     return definition.step, definition.reset, size
 
@@ -188,10 +186,10 @@ def _layout(state: Any, name: str) -> np.dtype[Any]:
         layout = np.dtype(None if isinstance(state, int) else state)
     except (TypeError, ValueError) as error:
         raise InputError(
-            f"{name}: the state is no numpy dtype: {_bounded(str(error))}; {_STATE_ADVICE}"
+            f"{name}: the state is no numpy dtype: {bounded_reason(str(error))}; {_STATE_ADVICE}"
         ) from error
     if not layout.names or not 0 < layout.itemsize <= LARGEST_STATE:
-        what = "a size" if isinstance(state, int) else f"the dtype {_bounded(str(layout))}"
+        what = "a size" if isinstance(state, int) else f"the dtype {bounded_reason(str(layout))}"
         raise InputError(f"{name}: the state is {what}; {_STATE_ADVICE}")
     return layout
 
@@ -208,20 +206,16 @@ def _compiled(role: str, function: Any, arguments: tuple[Any, ...], name: str) -
 def _why_not_compiled(role: str, error: Exception) -> str:
     text = _COLOUR.sub("", str(error))
     if isinstance(error, KeyError):
-        return f"{role} does not compile: a record has no field {_bounded(text)}; the fields are those of the contract"
+        field = bounded_reason(text)
+        return f"{role} does not compile: a record has no field {field}; the fields are those of the contract"
     lines = (line.strip() for line in text.splitlines())
     reasons = [line for line in lines if line and not line.startswith(("Failed in", "During", "File "))]
     place = _PLACE.search(text)
     where = ""
     if place is not None:
         where = f" ({shown_path(place['file'] or place['at'])}, line {place['line'] or place['line_at']})"
-    message = _bounded(_RECORD.sub("record", reasons[0])) if reasons else type(error).__name__
+    message = bounded_reason(_RECORD.sub("record", reasons[0])) if reasons else type(error).__name__
     return f"{role} does not compile: {message}{where}; {_USABLE}"
-
-
-def _bounded(text: str) -> str:
-    line = bounded_line(text)
-    return line if len(line) <= _LONGEST else line[: _LONGEST - 1] + "…"
 
 
 def _pointer(record: Any) -> Any:
@@ -230,7 +224,7 @@ def _pointer(record: Any) -> Any:
 
 
 def _step_callback(step: Any, records: tuple[Any, ...]) -> Any:
-    """Put a step behind a C function that stops the loop when the step does not come to its end."""
+    """Put a step behind a C function that stops the loop when the step does not return."""
 
     def drivegate_step(state: Any, sense: Any, command: Any) -> None:
         answer = carray(command, 1)[0]

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 from drivegate.candidates.candidate import Candidate, NativeBuild, existing_file, existing_folder, hash_of
 from drivegate.candidates.contract import ContractName
-from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.kinds import KINDS
 from drivegate.candidates.native.compiler import Compilation
 from drivegate_cases.documents.wording import one_line, shown_path
@@ -22,7 +21,7 @@ if TYPE_CHECKING:
     from drivegate.candidates.manifest import Manifest
 
 _MAGIC: Final = b"\x7fELF"
-_HEADER: Final = struct.Struct("<4sBB10sHH")
+_HEADER: Final = struct.Struct("<4xBB10xHH")
 _SHARED: Final = 3
 _MACHINES: Final = {
     3: "i686",
@@ -64,24 +63,18 @@ _REFUSED_WORDS: Final = ("-c", "-E", "-S", "-fsyntax-only", "-r", "--help", "--v
 
 
 def from_text(specification: str) -> Candidate:
-    """Find the candidate that a C source or a shared library is."""
     file = existing_file(Path(specification))
-    name = Path(specification).name
     if file.suffix.lower() == ".so":
-        return _library_candidate(name, specification, file, file, (file,))
-    return _source_candidate(name, specification, file, Compilation(file.parent, (file.name,)))
+        return _library_candidate(specification, file, file, (file,))
+    return _source_candidate(specification, file, Compilation(file.parent, (file.name,)))
 
 
 def from_manifest(manifest: Manifest, specification: str, folder: Path) -> Candidate:
-    """Find the native candidate that a manifest describes."""
     where = shown_path(specification)
     entry, further = manifest.files(specification, folder)
-    declaration = manifest.declaration()
     if manifest.kind == "so":
         library, sources = built_or_given(manifest, entry, further, specification, folder)
-        return _library_candidate(
-            manifest.name, specification, entry, library, sources, declaration, manifest.build
-        )
+        return _library_candidate(specification, entry, library, sources, manifest.build)
     for include in manifest.include:
         if not (folder / include).is_dir():
             raise InputError(f"{where}: the key 'include' names '{one_line(include)}', which is no folder")
@@ -92,7 +85,7 @@ def from_manifest(manifest: Manifest, specification: str, folder: Path) -> Candi
     compiled = tuple(_named(file, folder) for file, is_source in are_sources.items() if is_source)
     others = tuple(file for file in further if not are_sources[file])
     plan = Compilation(folder, compiled, manifest.include, manifest.flags, others)
-    return _source_candidate(manifest.name, specification, entry, plan, declaration)
+    return _source_candidate(specification, entry, plan)
 
 
 def _named(file: Path, folder: Path) -> str:
@@ -117,17 +110,10 @@ def _check_flag(flag: str, where: str) -> None:
 
 
 def _library_candidate(
-    name: str,
-    specification: str,
-    file: Path,
-    library: Path,
-    sources: tuple[Path, ...],
-    declaration: Declaration | None = None,
-    commands: tuple[str, ...] = (),
+    specification: str, file: Path, library: Path, sources: tuple[Path, ...], commands: tuple[str, ...] = ()
 ) -> Candidate:
     _check_shared_library(library)
-    build = NativeBuild(library)
-    return _candidate(name, "so", specification, file, sources, "\0".join(commands), declaration, build)
+    return _candidate("so", specification, file, sources, commands, library)
 
 
 def built_or_given(
@@ -142,38 +128,33 @@ def built_or_given(
     return built_artefact(build), further
 
 
-def _source_candidate(
-    name: str, specification: str, file: Path, plan: Compilation, declaration: Declaration | None = None
-) -> Candidate:
+def _source_candidate(specification: str, file: Path, plan: Compilation) -> Candidate:
     from drivegate.candidates.native.build import built_library
 
     library, files = built_library(plan)
     sources = tuple(dict.fromkeys((*files, *plan.further_files)))
-    flags = "\0".join(plan.flags)
-    return _candidate(name, "c", specification, file, sources, flags, declaration, NativeBuild(library))
+    return _candidate("c", specification, file, sources, plan.flags, library)
 
 
 def _candidate(
-    name: str,
     kind: str,
     specification: str,
     file: Path,
     sources: tuple[Path, ...],
-    flags: str,
-    declaration: Declaration | None,
-    build: NativeBuild,
+    words: tuple[str, ...],
+    library: Path,
 ) -> Candidate:
+    """Describe a library; `words` made it from the sources, so the hash covers them too."""
     return Candidate(
-        name,
+        Path(specification).name,
         kind,
         specification,
         str(file),
         existing_folder(file),
         sources,
-        hash_of(sources, flags),
-        declaration or Declaration(),
-        build,
-        contract=contract_served(build.library),
+        hash_of(sources, "\0".join(words)),
+        details=NativeBuild(library),
+        contract=contract_served(library),
     )
 
 
@@ -191,12 +172,10 @@ def contract_served(library: Path) -> ContractName | None:
 class ElfHeader(NamedTuple):
     """The beginning of an ELF file (System V ABI, "ELF Header")."""
 
-    magic: bytes
     word_size: int
     """1 for 32 bits, 2 for 64."""
     byte_order: int
     """1 for little-endian."""
-    identification: bytes
     kind: int
     """2 for an executable, 3 for a shared object."""
     machine: int

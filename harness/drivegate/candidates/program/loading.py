@@ -43,15 +43,12 @@ START_DEADLINE: Final = 30.0
 _Answer = TypeVar("_Answer")
 
 
-class LateAnswer(Exception):
-    """There was no answer in time; its text is a sentence."""
+class NoAnswer(Exception):
+    """The program was late, or has ended by itself."""
 
-
-class ProgramEnded(Exception):
-    """The program has ended by itself."""
-
-    def __init__(self, sentence: str, signal_name: str) -> None:
+    def __init__(self, kind: FaultKind, sentence: str, signal_name: str = "") -> None:
         super().__init__(sentence)
+        self.kind = kind
         self.signal_name = signal_name
 
 
@@ -70,6 +67,7 @@ class ProgramProcess:
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 bufsize=0,
+                # One signal then ends the program with all that it has started.
                 process_group=0,
             )
         except OSError as error:
@@ -92,7 +90,9 @@ class ProgramProcess:
     def request(self, message: bytes, deadline: float) -> bytes:
         """Send one line and wait for the line that answers it."""
         if self._news.poll(_LOOKS_MS if self._looks_longer() else 0.0):
-            self._refuse_unasked()
+            if not os.read(self._from, 1):
+                self._raise_ended("closed its standard output", b"")
+            raise WrongAnswer("the program wrote a line that was not requested")
         try:
             sent = os.write(self._to, message)
         except BrokenPipeError:
@@ -114,7 +114,8 @@ class ProgramProcess:
             if self._process.poll() is not None:
                 # Another process keeps its standard output open.
                 self._raise_ended("", before)
-            raise LateAnswer(_lateness(before, deadline))
+            what = "wrote only a part of a line" if before else "gave no answer"
+            raise NoAnswer(FaultKind.HANG, f"the program {what} within {deadline:g} s")
         block = os.read(self._from, LONGEST_LINE)
         if not block:
             self._raise_ended("closed its standard output", before)
@@ -130,11 +131,6 @@ class ProgramProcess:
         self._requests += 1
         return number > 0 and (number & (number - 1) == 0 or number % _LOOKS_EVERY == 0)
 
-    def _refuse_unasked(self) -> None:
-        if not os.read(self._from, 1):
-            self._raise_ended("closed its standard output", b"")
-        raise WrongAnswer("the program wrote a line that was not requested")
-
     def _raise_ended(self, otherwise: str, before: bytes) -> None:
         """State how the program ended; one that only closed its streams goes on for some time, or for ever."""
         where = " in the middle of a line" if before else ""
@@ -143,16 +139,12 @@ class ProgramProcess:
         except subprocess.TimeoutExpired:
             raise WrongAnswer(f"the program {otherwise}{where}") from None
         predicate, signal_name = ending_in_words(status)
-        raise ProgramEnded(f"the program {predicate}{where}", signal_name)
-
-
-def _lateness(before: bytes, deadline: float) -> str:
-    what = "the program wrote only a part of a line" if before else "the program gave no answer"
-    return f"{what} within {deadline:g} s"
+        raise NoAnswer(FaultKind.CRASH, f"the program {predicate}{where}", signal_name)
 
 
 def _end(owner: int, process: "subprocess.Popen[bytes]") -> None:
     """Let the program see the end of its input, then kill it and its process group."""
+    # A copy of this process has the object too, but the program is not its own to end.
     if os.getpid() != owner:
         return
     for stream in (process.stdin, process.stdout):
@@ -166,7 +158,6 @@ def _end(owner: int, process: "subprocess.Popen[bytes]") -> None:
 
 
 def load_controller(candidate: Candidate) -> PythonController:
-    """Start a candidate's program and shake hands with it."""
     if not isinstance(candidate.details, Program):
         raise HarnessFault(f"the candidate '{one_line(candidate.name)}' is no program")
     return PythonController(ExecutedProgram(candidate.details, candidate.folder))
@@ -185,11 +176,9 @@ class ExecutedProgram:
             raise
 
     def reset(self, nameplate: AnyNameplate) -> None:
-        """Send the nameplate."""
         self._answered(reset_message(nameplate), check_ready, START_DEADLINE, "reset")
 
     def step(self, sense: Sense | DutySense) -> Command | DutyCommand:
-        """Send a Sense and take the Command that answers it."""
         if isinstance(sense, DutySense):
             return self._answered(duty_sense_message(sense), duty_command_of, self._step_deadline, "step")
         return self._answered(sense_message(sense), command_of, self._step_deadline, "step")
@@ -201,8 +190,6 @@ class ExecutedProgram:
             return read(self._process.request(message, deadline))
         except WrongAnswer as error:
             fault = Fault(FaultKind.INVALID_OUTPUT, bounded_line(str(error)), phase)
-        except LateAnswer as error:
-            fault = Fault(FaultKind.HANG, bounded_line(str(error)), phase)
-        except ProgramEnded as error:
-            fault = Fault(FaultKind.CRASH, bounded_line(str(error)), phase, error=error.signal_name)
+        except NoAnswer as error:
+            fault = Fault(error.kind, bounded_line(str(error)), phase, error=error.signal_name)
         raise CandidateFault(fault)

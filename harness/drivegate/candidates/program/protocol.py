@@ -18,7 +18,6 @@ PROTOCOL_VERSION: Final = 1
 LONGEST_LINE: Final = 65536
 """Bytes of an answer at most, its line end included."""
 HELLO: Final = f'{{"drivegate":{PROTOCOL_VERSION},"message":"hello"}}\n'.encode()
-"""The first message."""
 
 _LONGEST_SHOWN = 200
 
@@ -28,7 +27,6 @@ class WrongAnswer(Exception):
 
 
 def reset_message(nameplate: AnyNameplate) -> bytes:
-    """Write the message at the beginning of a run."""
     return json.dumps({"reset": nameplate._asdict()}, separators=(",", ":")).encode() + b"\n"
 
 
@@ -49,7 +47,6 @@ def duty_sense_message(sense: DutySense) -> bytes:
 
 
 def check_hello(line: bytes) -> None:
-    """Read the answer to the first message."""
     answer = _object(line, required=("drivegate",), optional=("name",))
     version = answer["drivegate"]
     if type(version) is not int:
@@ -63,26 +60,16 @@ def check_hello(line: bytes) -> None:
 
 
 def check_ready(line: bytes) -> None:
-    """Read the answer to a reset."""
     ready = _object(line, required=("ready",))["ready"]
     if ready is not True:
         raise WrongAnswer(f"'ready' is {shown(ready)}, but must be true")
 
 
 def command_of(line: bytes) -> Command:
-    """Read the answer to a Sense."""
     answer = _object(line, required=("current_reference", "advance_angle"), optional=("input_power",))
-    current_reference, angle, power = (
-        answer["current_reference"],
-        answer["advance_angle"],
-        answer.get("input_power"),
-    )
-    if type(current_reference) is type(angle) is float and (power is None or type(power) is float):
-        return (
-            Command(current_reference, angle) if power is None else Command(current_reference, angle, power)
-        )
-    command = Command(_number("current_reference", current_reference), _number("advance_angle", angle))
-    return command if power is None else command._replace(input_power=_number("input_power", power))
+    # An estimate of null is none.
+    names = Command._fields if answer.get("input_power") is not None else Command._fields[:2]
+    return Command(*[_number(name, answer[name]) for name in names])
 
 
 def duty_command_of(line: bytes) -> DutyCommand:

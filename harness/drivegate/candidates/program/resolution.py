@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from drivegate.candidates.candidate import STEP_DEADLINE, Candidate, Program, hash_of
-from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.kinds import EXEC_PREFIX
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_models.errors import InputError
@@ -25,8 +24,7 @@ def from_text(specification: str) -> Candidate:
     where = f"the candidate '{one_line(specification)}'"
     words = _words(command, where, f"write {_EXAMPLE}")
     folder = Path.cwd()
-    name = EXEC_PREFIX + one_line(_short_command(words, folder))
-    return _candidate(name, specification, command, folder, _program(words, folder, where), Declaration(), ())
+    return _candidate(specification, command, folder, _program(words, folder, where))
 
 
 def from_manifest(manifest: "Manifest", specification: str, folder: Path) -> Candidate:
@@ -35,28 +33,28 @@ def from_manifest(manifest: "Manifest", specification: str, folder: Path) -> Can
     words = _words(manifest.entry, where, "write a command line, such as 'python3 controller.py'")
     deadline = STEP_DEADLINE if manifest.step_deadline_s is None else manifest.step_deadline_s
     program = _program(words, folder, where, deadline)
-    further = manifest.source_files(folder)
-    return _candidate(
-        manifest.name, specification, manifest.entry, folder, program, manifest.declaration(), further
-    )
+    return _candidate(specification, manifest.entry, folder, program, manifest.source_files(folder))
 
 
 def _candidate(
-    name: str,
     specification: str,
     command: str,
     folder: Path,
     program: Program,
-    declaration: Declaration,
-    further_sources: tuple[Path, ...],
+    further_sources: tuple[Path, ...] = (),
 ) -> Candidate:
+    # Without the folders of files, so that a waiver matches wherever they are.
+    short = (
+        Path(word).name if "/" in word and _file_named(word, folder) else word for word in program.arguments
+    )
+    name = EXEC_PREFIX + one_line(shlex.join(short))
     named = (_file_named(word, folder) for word in program.arguments)
     sources = tuple(dict.fromkeys((*(file for file in named if file is not None), *further_sources)))
     entry = shlex.join(program.arguments)
     digest = hash_of(sources, entry)
     # Only the program itself shows its contract.
     return Candidate(
-        name, "exec", specification, command, folder, sources, digest, declaration, program, contract=None
+        name, "exec", specification, command, folder, sources, digest, details=program, contract=None
     )
 
 
@@ -64,14 +62,11 @@ def _words(command: str, where: str, advice: str) -> tuple[str, ...]:
     try:
         words = tuple(shlex.split(command))
     except ValueError as error:
-        raise InputError(f"{where} has {_quoting_problem(error)}; {advice}") from error
+        problem = "a quote that is not closed" if "quotation" in str(error) else "a backslash at its end"
+        raise InputError(f"{where} has {problem}; {advice}") from error
     if not words or not words[0]:
         raise InputError(f"{where} names no program; {advice}")
     return words
-
-
-def _quoting_problem(error: ValueError) -> str:
-    return "a quote that is not closed" if "quotation" in str(error) else "a backslash at its end"
 
 
 def _program(words: Sequence[str], folder: Path, where: str, step_deadline: float = STEP_DEADLINE) -> Program:
@@ -101,10 +96,3 @@ def _file_named(word: str, folder: Path) -> Path | None:
         return (folder / word).resolve() if word and (folder / word).is_file() else None
     except OSError:
         return None
-
-
-def _short_command(words: Sequence[str], folder: Path) -> str:
-    """Leave out the folders of files, so that a waiver matches wherever they lie."""
-    return shlex.join(
-        Path(word).name if "/" in word and _file_named(word, folder) else word for word in words
-    )

@@ -11,7 +11,7 @@ import ctypes
 from collections.abc import Callable
 from math import isfinite, isinf
 from struct import Struct
-from typing import Any, ClassVar, Final, Protocol
+from typing import Any, ClassVar, Final
 
 from drivegate.candidates.contract import AnyNameplate, ContractName, contract_of
 from drivegate.candidates.fault import CandidateFault, Fault, exception_fault
@@ -27,24 +27,18 @@ _OUTPUTS = Struct("=" + "d" * len(Command._fields))
 _OUTPUTS_OFFSET = COMMAND.fields["current_reference"][1] if COMMAND.fields else 0
 
 
-class PythonCandidate(Protocol):
-    """What a controller written in Python looks like."""
-
-    def reset(self, nameplate: Any) -> None:
-        """Prepare for a run and forget all earlier ones."""
-
-    def step(self, sense: Any) -> Any:
-        """Answer for one control period: with a Command to a Sense, or with a DutyCommand to a DutySense."""
-
-
 class PythonController:
-    """One instance of a Python candidate, steppable by address, by the contract of the nameplate that resets it."""
+    """One instance of a Python candidate, steppable by address, by the contract of the nameplate that resets it.
+
+    Its `reset(nameplate)` forgets all earlier runs. Its `step(sense)` answers a Sense with a Command, and a DutySense
+    with a DutyCommand.
+    """
 
     state_address = 0
     """The state is in the Python object."""
 
     def __init__(self, instance: Any) -> None:
-        self.instance: PythonCandidate = instance
+        self.instance = instance
         self._bridges: dict[ContractName, _Bridge] = {}
         self._bridge = self._bridge_of("current")
 
@@ -60,7 +54,6 @@ class PythonController:
 
     @property
     def fault(self) -> Fault | None:
-        """What ended the run, if the candidate did."""
         return self._bridge.steps.fault
 
     @property
@@ -69,7 +62,6 @@ class PythonController:
         return self._bridge.steps.refusal
 
     def reset(self, nameplate: AnyNameplate) -> None:
-        """Reset the candidate before a run."""
         self._bridge = self._bridge_of(contract_of(nameplate))
         steps = self._bridge.steps
         steps.fault = steps.refusal = None
@@ -96,33 +88,32 @@ class _Bridge:
 
 
 class _Steps(BridgedSteps):
-    """What the callback of current references works on; attributes as of any."""
-
     contract: ClassVar[ContractName] = "current"
+    sizes: ClassVar = (SENSE.itemsize, COMMAND.itemsize)
 
     def __init__(self, candidate_step: Callable[[Sense], Command]) -> None:
         super().__init__(candidate_step)
-        self._sense_address = self._command_address = self._currents_address = self._phases = 0
-        self._sense_view = self._command_view = self._currents_view = (ctypes.c_char * 0)()
+        self._phases = 0
         self._currents_packing = Struct("=")
 
     def step(self, _state: int | None, sense_address: int, command_address: int) -> None:
-        """Step the candidate on what lies at an address, and write its answer to another."""
         sense = None
         try:
             # The addresses stay the same during a run, and making views takes longer than reading them.
-            if sense_address != self._sense_address or command_address != self._command_address:
-                self._look_at(sense_address, command_address)
+            if sense_address != self.sense_address or command_address != self.command_address:
+                self.look_at(sense_address, command_address)
             _, time, speed_reference, speed, phases, currents, magnitude_sum, voltage = _SENSE.unpack_from(
-                self._sense_view
+                self.sense_view
             )
-            if currents != self._currents_address or phases != self._phases:
-                self._look_at_currents(currents, phases)
+            if currents != self.currents_address or phases != self._phases:
+                self.currents_address, self._phases = currents, phases
+                self._currents_packing = Struct(f"={phases}d")
+                self.currents_view = (ctypes.c_char * self._currents_packing.size).from_address(currents)
             sense = Sense(
                 time,
                 speed_reference,
                 speed,
-                self._currents_packing.unpack_from(self._currents_view),
+                self._currents_packing.unpack_from(self.currents_view),
                 magnitude_sum,
                 voltage,
             )
@@ -131,27 +122,12 @@ class _Steps(BridgedSteps):
                 raise self.not_a_command(answer)
             current_reference, angle, power = answer
             if not (type(current_reference) is type(angle) is type(power) is float):
-                current_reference, angle, power = _real_numbers(answer)
+                current_reference, angle, power = map(real_number, Command._fields, answer)
             if not (isfinite(current_reference) and isfinite(angle)) or isinf(power):
                 raise InvalidOutput(_not_finite(current_reference, angle, power))
-            _OUTPUTS.pack_into(self._command_view, _OUTPUTS_OFFSET, current_reference, angle, power)
+            _OUTPUTS.pack_into(self.command_view, _OUTPUTS_OFFSET, current_reference, angle, power)
         except BaseException as error:
             self.stop(error, sense, command_address)
-
-    def _look_at(self, sense_address: int, command_address: int) -> None:
-        self._sense_address, self._command_address = sense_address, command_address
-        self._sense_view = (ctypes.c_char * SENSE.itemsize).from_address(sense_address)
-        self._command_view = (ctypes.c_char * COMMAND.itemsize).from_address(command_address)
-
-    def _look_at_currents(self, address: int, phases: int) -> None:
-        self._currents_address, self._phases = address, phases
-        self._currents_packing = Struct(f"={phases}d")
-        self._currents_view = (ctypes.c_char * self._currents_packing.size).from_address(address)
-
-
-def _real_numbers(answer: Command) -> list[float]:
-    outputs: tuple[object, ...] = tuple(answer)
-    return [real_number(name, value) for name, value in zip(Command._fields, outputs, strict=True)]
 
 
 def _not_finite(current_reference: float, angle: float, power: float) -> str:

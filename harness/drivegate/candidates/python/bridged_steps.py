@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from numbers import Real
 from struct import Struct
-from typing import Any, ClassVar, NamedTuple, TypeAlias
+from typing import Any, ClassVar, TypeAlias
 
 from drivegate.candidates.contract import ContractName, other_contract
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind, Phase, bounded_line, exception_fault
@@ -22,16 +22,10 @@ _STOP = Struct("=q").pack(STOP)
 AnySense: TypeAlias = Sense | DutySense
 
 
-class _Contract(NamedTuple):
-    """How texts name a command of a contract."""
-
-    command: type
-    example: str
-
-
-_CONTRACTS: dict[ContractName, _Contract] = {
-    "current": _Contract(Command, "drivegate.Command(current_reference, advance_angle)"),
-    "duty": _Contract(DutyCommand, "drivegate.DutyCommand(duty_ratios)"),
+_COMMANDS: dict[ContractName, type] = {"current": Command, "duty": DutyCommand}
+_EXAMPLES: dict[ContractName, str] = {
+    "current": "drivegate.Command(current_reference, advance_angle)",
+    "duty": "drivegate.DutyCommand(duty_ratios)",
 }
 
 
@@ -47,11 +41,23 @@ class BridgedSteps(ABC):
     """
 
     contract: ClassVar[ContractName]
+    sizes: ClassVar[tuple[int, int]]
+    """Sizes of the contract's Sense and Command (bytes)."""
 
     def __init__(self, candidate_step: Callable[[Any], Any]) -> None:
         self.fault: Fault | None = None
         self.refusal: InputError | None = None
         self.candidate_step = candidate_step
+        self.sense_address = self.command_address = self.currents_address = 0
+        self.sense_view = self.command_view = self.currents_view = (ctypes.c_char * 0)()
+
+    def look_at(self, sense_address: int, command_address: int) -> None:
+        """Make views of the memory at two addresses, which stay the same during a run."""
+        self.sense_address, self.command_address = sense_address, command_address
+        self.sense_view, self.command_view = (
+            (ctypes.c_char * size).from_address(address)
+            for size, address in zip(self.sizes, (sense_address, command_address), strict=True)
+        )
 
     @abstractmethod
     def step(self, state: int | None, sense_address: int, command_address: int) -> None:
@@ -73,11 +79,11 @@ class BridgedSteps(ABC):
 
     def not_a_command(self, answer: object) -> Exception:
         """Return what is wrong with an answer that is no command of this contract."""
-        for other, found in _CONTRACTS.items():
-            if other != self.contract and isinstance(answer, found.command):
+        for other, command in _COMMANDS.items():
+            if other != self.contract and isinstance(answer, command):
                 return OtherContract(other_contract(other, self.contract))
         what = "None" if answer is None else f"an object of type {type(answer).__name__}"
-        return InvalidOutput(f"step returned {what}, but must return a {_CONTRACTS[self.contract].example}")
+        return InvalidOutput(f"step returned {what}, but must return a {_EXAMPLES[self.contract]}")
 
 
 class OtherContract(InputError):

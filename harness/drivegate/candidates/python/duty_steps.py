@@ -32,42 +32,30 @@ _LARGEST: Final = 2**63
 
 
 class DutySteps(BridgedSteps):
-    """What the callback works on; attributes as of any."""
-
     contract: ClassVar[ContractName] = "duty"
-
-    def __init__(self, candidate_step: Any) -> None:
-        super().__init__(candidate_step)
-        self._sense_address = self._command_address = self._currents_address = 0
-        self._sense_view = self._command_view = self._currents_view = (ctypes.c_char * 0)()
+    sizes: ClassVar = (DUTY_SENSE.itemsize, DUTY_COMMAND.itemsize)
 
     def step(self, _state: int | None, sense_address: int, command_address: int) -> None:
-        """Step the candidate on what lies at an address, and write its answer to another."""
         sense = None
         try:
-            if sense_address != self._sense_address or command_address != self._command_address:
-                self._look_at(sense_address, command_address)
-            values = _SENSE.unpack_from(self._sense_view)
+            if sense_address != self.sense_address or command_address != self.command_address:
+                self.look_at(sense_address, command_address)
+            values = _SENSE.unpack_from(self.sense_view)
             _, time, reference, currents, *_ = values
-            if currents != self._currents_address:
-                self._currents_address = currents
-                self._currents_view = (ctypes.c_char * _CURRENTS.size).from_address(currents)
-            sense = DutySense(time, reference, _CURRENTS.unpack_from(self._currents_view), *_OTHERS(values))
+            if currents != self.currents_address:
+                self.currents_address = currents
+                self.currents_view = (ctypes.c_char * _CURRENTS.size).from_address(currents)
+            sense = DutySense(time, reference, _CURRENTS.unpack_from(self.currents_view), *_OTHERS(values))
             answer = self.candidate_step(sense)
             if not isinstance(answer, DutyCommand):
                 raise self.not_a_command(answer)
             # While the bridge is off nothing of it acts.
             if sense.enable:
                 _OUTPUTS.pack_into(
-                    self._command_view, _OUTPUTS_OFFSET, *_ratios(answer), *_legs(answer), *_rest(answer)
+                    self.command_view, _OUTPUTS_OFFSET, *_ratios(answer), *_legs(answer), *_rest(answer)
                 )
         except BaseException as error:
             self.stop(error, sense, command_address)
-
-    def _look_at(self, sense_address: int, command_address: int) -> None:
-        self._sense_address, self._command_address = sense_address, command_address
-        self._sense_view = (ctypes.c_char * DUTY_SENSE.itemsize).from_address(sense_address)
-        self._command_view = (ctypes.c_char * DUTY_COMMAND.itemsize).from_address(command_address)
 
 
 def _three(name: str, values: Any) -> tuple[Any, Any, Any]:

@@ -49,7 +49,11 @@ def _module_of(candidate: Candidate) -> ModuleType:
     try:
         return _imported_file(Path(source)) if source.endswith(".py") else importlib.import_module(source)
     except SyntaxError as error:
-        raise InputError(_syntax_sentence(error, source)) from error
+        version = f"{sys.version_info.major}.{sys.version_info.minor}"
+        raise InputError(
+            f"{shown_path(error.filename or source)}, line {error.lineno or 1}: {one_line(error.msg)}; "
+            f"the file must be Python that version {version} can read"
+        ) from error
     except ImportError as error:
         raise InputError(
             f"the candidate '{one_line(candidate.specification)}' cannot be imported: "
@@ -78,15 +82,6 @@ def _imported_file(file: Path) -> ModuleType:
     return module
 
 
-def _syntax_sentence(error: SyntaxError, source: str) -> str:
-    file = shown_path(error.filename or source)
-    version = f"{sys.version_info.major}.{sys.version_info.minor}"
-    return (
-        f"{file}, line {error.lineno or 1}: {one_line(error.msg)}; "
-        f"the file must be Python that version {version} can read"
-    )
-
-
 def _chosen_by(candidate: Candidate, module: ModuleType) -> type[object] | NumbaController:
     source, _, attribute = candidate.entry.rpartition(":")
     where = Path(source).name if source.endswith(".py") else source
@@ -112,11 +107,8 @@ def _missing_class_sentence(where: str, attribute: str, found: object, module: M
             f"'{attribute}' in {one_line(where)} is not a class; name a class with reset and step, or a "
             "drivegate.NumbaController"
         )
-    own = [name for name, value in vars(module).items() if _is_own_class(value, module)]
+    classes = [value for value in vars(module).items() if inspect.isclass(value[1])]
+    own = [name for name, value in classes if value.__module__ == module.__name__]
     closest = nearest(attribute, own)
     advice = f"the nearest class there is '{closest}'" if closest else "and no other class of its own"
     return f"there is no class '{attribute}' in {one_line(where)}, {advice}; name a class with reset and step"
-
-
-def _is_own_class(value: object, module: ModuleType) -> bool:
-    return inspect.isclass(value) and value.__module__ == module.__name__

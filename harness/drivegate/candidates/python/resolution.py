@@ -18,7 +18,6 @@ from typing import TYPE_CHECKING, Final
 
 from drivegate.candidates.candidate import Candidate, existing_file, hash_of
 from drivegate.candidates.contract import ContractName
-from drivegate.candidates.declaration import Declaration
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_models.errors import InputError
 
@@ -29,7 +28,6 @@ _COMMANDS: Final[dict[str, ContractName]] = {"Command": "current", "DutyCommand"
 
 
 def module_sources(name: str, folder: Path, specification: str) -> tuple[Path, ...]:
-    """Find the files that a module consists of."""
     if not all(part.isidentifier() for part in name.split(".")):
         raise InputError(
             f"the candidate '{one_line(specification)}' names the module '{one_line(name)}', which is no "
@@ -77,12 +75,13 @@ def _inside(name: str, places: Iterable[str]) -> ModuleSpec | None:
 
 
 def from_text(specification: str) -> Candidate:
-    """Find the class that a string names, in a module or a file."""
     if Path(specification).suffix.lower() == ".py":
         raise InputError(
             f"the candidate '{one_line(specification)}' names no class; write {one_line(specification)}:Class"
         )
-    return _candidate(_short_name(specification), specification, specification, Path.cwd())
+    # Without the folder, so that a waiver matches wherever the file is.
+    source, _, attribute = specification.rpartition(":")
+    return _candidate(f"{Path(source).name}:{attribute}", specification, specification, Path.cwd())
 
 
 def installed_candidate(name: str, entry: str) -> Candidate:
@@ -91,28 +90,13 @@ def installed_candidate(name: str, entry: str) -> Candidate:
 
 
 def from_manifest(manifest: Manifest, specification: str, folder: Path) -> Candidate:
-    """Find the class that a manifest names."""
     if ":" not in manifest.entry:
         raise InputError(
             f"{shown_path(specification)}: the key 'entry' is '{one_line(manifest.entry)}', "
             "but must be module:Class or file.py:Class"
         )
     sources = manifest.source_files(folder)
-    return _candidate(
-        manifest.name,
-        specification,
-        manifest.entry,
-        folder,
-        sources,
-        manifest.declaration(),
-        manifest.contract,
-    )
-
-
-def _short_name(specification: str) -> str:
-    """Leave out the folder, so that a waiver matches wherever the file lies."""
-    source, _, attribute = specification.rpartition(":")
-    return f"{Path(source).name}:{attribute}"
+    return _candidate(manifest.name, specification, manifest.entry, folder, sources, manifest.contract)
 
 
 def _candidate(
@@ -121,7 +105,6 @@ def _candidate(
     entry: str,
     folder: Path,
     further_sources: tuple[Path, ...] = (),
-    declaration: Declaration | None = None,
     contract: ContractName | None = None,
 ) -> Candidate:
     source, _, attribute = entry.rpartition(":")
@@ -137,17 +120,9 @@ def _candidate(
     else:
         found = module_sources(source, folder, specification)
     sources = tuple(dict.fromkeys((*found, *further_sources)))
-    return Candidate(
-        name,
-        "python",
-        specification,
-        entry,
-        folder,
-        sources,
-        hash_of(sources, attribute),
-        declaration or Declaration(),
-        contract=contract or (imported_contract(found[0]) if len(found) == 1 else None),
-    )
+    digest = hash_of(sources, attribute)
+    contract = contract or (imported_contract(found[0]) if len(found) == 1 else None)
+    return Candidate(name, "python", specification, entry, folder, sources, digest, contract=contract)
 
 
 def imported_contract(file: Path) -> ContractName | None:

@@ -13,9 +13,8 @@ from numpy.typing import NDArray
 
 from drivegate.candidates.controller import Controller, show_drive
 from drivegate.candidates.fault import OVERWRITTEN_SIZE, CandidateFault, placed, refused_command
-from drivegate.containment.contained_controller import CommandPlayer
+from drivegate.containment.contained_controller import CommandPlayer, Wrap, require_same_plant, stepped_here
 from drivegate.containment.messages import AnyController
-from drivegate.containment.playback import Wrap, require_same_plant, stepped_here
 from drivegate.containment.protocol import CloseLoop
 from drivegate.containment.restarting import Restarter
 from drivegate.contracts.given_steps import RecordingController

@@ -12,9 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.containment.contained_controller import CommandPlayer
+from drivegate.containment.contained_controller import CommandPlayer, Wrap
 from drivegate.containment.messages import AnyController
-from drivegate.containment.playback import Wrap
 from drivegate.contracts.duty.run import BRIDGE_ON, DutyClosedLoopRun, IdleBridge, PrepareDutyLoop, run_duty
 from drivegate.scenarios.plant_inputs import plant_converters, plant_dropouts, plant_encoder, plant_hall
 from drivegate_cases.scenario.scenario import Scenario

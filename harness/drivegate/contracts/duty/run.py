@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from drivegate.candidates.controller import Controller
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.fault import OVERWRITTEN_SIZE, CandidateFault, placed, refused_command
+from drivegate.containment.contained_controller import Wrap, require_same_plant, stepped_here
 from drivegate.containment.messages import AnyController
-from drivegate.containment.playback import Wrap, require_same_plant, stepped_here
 from drivegate.containment.protocol import CloseLoop
 from drivegate.containment.restarting import Restarter
 from drivegate.contracts.duty.current_reference import quadrature_profile

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from drivegate.candidates.elf.cycles import CORE, REFILL, cycles_of
+from drivegate.candidates.elf.instruction_count import CORE, REFILL, cycles_of
 from drivegate.candidates.elf.loading import TargetController
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind
 from drivegate.candidates.kinds import load_controller
