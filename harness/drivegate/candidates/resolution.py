@@ -66,7 +66,12 @@ def _instead_of(specification: str) -> str:
         return f"the candidate '{named}' is no manifest that drivegate reads; write it as TOML, such as {manifest}"
     folder = Path(specification)
     endings = {".py", *WHOLE_FILE_SUFFIXES}
-    inside = [name for name in _readable(specification) if Path(name).suffix.lower() in endings]
+    try:
+        files = sorted(path.name for path in folder.iterdir() if path.name != "pyproject.toml")
+    except OSError:
+        # The folder may not be listed; the sentence then names no file in it.
+        files = []
+    inside = [name for name in files if Path(name).suffix.lower() in endings]
     manifests = [name for name in inside if name.endswith(MANIFEST_SUFFIX)]
     chosen = next(iter([*manifests, *inside]), f"candidate{MANIFEST_SUFFIX}")
     ending = ":Class" if chosen.endswith(".py") else ""
@@ -82,13 +87,6 @@ def _is_folder(specification: str) -> bool:
     except OSError:
         # A name that is too long for any file.
         return False
-
-
-def _readable(folder: str) -> list[str]:
-    try:
-        return sorted(path.name for path in Path(folder).iterdir() if path.name != "pyproject.toml")
-    except OSError:
-        return []
 
 
 def _from_bare_name(name: str) -> Candidate:

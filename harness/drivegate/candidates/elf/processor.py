@@ -111,6 +111,8 @@ class CortexM:
             for base in range(0x6000_0000, 0xFFFF_FFFF, _REGION)
             if not any(base <= address < base + _REGION for address in taken)
         )
+        # Where records are exchanged, once `map_mail` has made the memory.
+        self.mail = self._base + _MAIL
         self._map(self._base + _STACK, STACK_BYTES, True, False)
         # The first words of a call are above the stack pointer.
         self._stack = self.memory(self._base + _STACK, STACK_BYTES - _ABOVE)
@@ -125,11 +127,6 @@ class CortexM:
         self._rules: list[NDArray[np.int64]] = []
         self._watch_divisions()
         self.power_on()
-
-    @property
-    def mail(self) -> int:
-        """Address of the memory that records are exchanged in, once `map_mail` has made it."""
-        return self._base + _MAIL
 
     def map_mail(self, size: int) -> NDArray[np.uint8]:
         """Make the memory that records are exchanged in."""
