@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
@@ -19,9 +18,6 @@ from drivegate.commands.options import (
     named_drive,
 )
 from drivegate.output.failure import ExitCode
-
-if TYPE_CHECKING:
-    from rich.console import Console
 
 
 @click.command("campaign")
@@ -74,7 +70,12 @@ def command(
     of workers.
     A candidate's fault is a result too: the exit code is 0 when the campaign is complete.
     """
-    _check_options(backend, scheduler, workers)
+    if backend == "dask" and scheduler is None:
+        raise click.UsageError("--backend dask needs --scheduler ADDRESS, such as tcp://127.0.0.1:8786")
+    if backend == "local" and scheduler is not None:
+        raise click.UsageError("--scheduler goes with --backend dask only")
+    if backend == "dask" and workers is not None:
+        raise click.UsageError("--workers goes with --backend local only; a dask cluster has its own")
 
     from drivegate.containment.backend import Backend
     from drivegate.studies.campaign.file import read_campaign
@@ -86,6 +87,7 @@ def command(
     campaign = read_campaign(file)
 
     from drivegate.output.progress import progress_on, with_rate
+    from drivegate.studies.campaign.display import show_campaign
     from drivegate.studies.campaign.engine import make_runs, write_pages
     from drivegate.studies.campaign.folder import CampaignFolder
     from drivegate.studies.campaign.plan import planned
@@ -105,19 +107,4 @@ def command(
     timing = {"seconds": time.monotonic() - began, "runs_made": made}
     document |= {"output": str(output), "timing": timing, "pages": [str(page) for page in pages]}
     code = ExitCode.HARNESS_FAULT if broken_harness(document) else ExitCode.PASSED
-
-    def show(console: Console) -> None:
-        from drivegate.studies.campaign.display import show_campaign
-
-        show_campaign(console, document)
-
-    return Outcome(document, show, code)
-
-
-def _check_options(backend: str, scheduler: str | None, workers: int | None) -> None:
-    if backend == "dask" and scheduler is None:
-        raise click.UsageError("--backend dask needs --scheduler ADDRESS, such as tcp://127.0.0.1:8786")
-    if backend == "local" and scheduler is not None:
-        raise click.UsageError("--scheduler goes with --backend dask only")
-    if backend == "dask" and workers is not None:
-        raise click.UsageError("--workers goes with --backend local only; a dask cluster has its own")
+    return Outcome(document, lambda console: show_campaign(console, document), code)

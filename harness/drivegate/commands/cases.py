@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import click
 
 from drivegate.commands.conduct import Outcome
 from drivegate.commands.options import json_option
-
-if TYPE_CHECKING:
-    from rich.console import Console
 
 
 @click.command("cases")
@@ -20,8 +15,4 @@ def command() -> Outcome:
     from drivegate.studies.cases import cases_document, show_cases
 
     document = cases_document()
-
-    def show(console: Console) -> None:
-        show_cases(console, document)
-
-    return Outcome(document, show)
+    return Outcome(document, lambda console: show_cases(console, document))

@@ -162,15 +162,7 @@ def command(
             if not as_json and sys.stdout is not None:
                 _show(all_checked, output, quiet=quiet)
 
-    all_checked = check_all(
-        candidates,
-        output,
-        options,
-        records,
-        part,
-        quiet=quiet,
-        show=show,
-    )
+    all_checked = check_all(candidates, output, options, records, part, quiet=quiet, show=show)
     if _is_refused(all_checked):
         assert all_checked[0].error is not None, "that is what refused means"
         raise all_checked[0].error

@@ -35,7 +35,7 @@ def command(drive: str | None) -> Outcome:
 
 
 def _show(console: Console, document: dict[str, Any]) -> None:
-    from drivegate.output.console import plain, table
+    from drivegate.output.console import plain, print_line, table
 
     listed = table(*_COLUMNS)
     for row in document["checks"]:
@@ -52,4 +52,4 @@ def _show(console: Console, document: dict[str, Any]) -> None:
             plain(", ".join(name.replace("_", " ") for name in by["figures"])),
         )
     console.print(covered)
-    console.print(plain("next: drivegate check CANDIDATE applies them; --json prints more", "dim"))
+    print_line(console, "next: drivegate check CANDIDATE applies them; --json prints more", "dim")

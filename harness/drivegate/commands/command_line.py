@@ -14,6 +14,7 @@ from typing import Final, NoReturn
 import click
 
 from drivegate.commands.conduct import conducted, wants_json
+from drivegate.commands.options import json_option
 from drivegate.laboratory import COMMAND_GROUP, require_from_laboratory
 from drivegate.version import __version__
 
@@ -51,7 +52,6 @@ class LazyGroup(click.Group):
     """A group that imports a command's module only to run it or to show its own help."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002  (click's signature)
-        """List the commands."""
         return list(COMMANDS)
 
     def get_command(
@@ -59,7 +59,6 @@ class LazyGroup(click.Group):
         ctx: click.Context,  # noqa: ARG002  (click's signature)
         cmd_name: str,
     ) -> click.Command | None:
-        """Import a command."""
         if cmd_name not in COMMANDS:
             return None
         command: click.Command
@@ -72,7 +71,6 @@ class LazyGroup(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Find the command that the arguments begin with."""
         from drivegate_cases.documents.wording import nearest, one_line
 
         if args[0] not in COMMANDS and not args[0].startswith("-"):
@@ -101,9 +99,7 @@ class LazyGroup(click.Group):
     epilog="Exit codes: 0 pass, 1 the candidate fails, 2 bad usage or input, 3 a fault of drivegate itself.",
 )
 @click.version_option(__version__, prog_name="drivegate", message="%(prog)s %(version)s")
-@click.option(
-    "--json", "as_json", is_flag=True, expose_value=False, help="Print one JSON document, errors too."
-)
+@json_option
 @click.pass_context
 def command_line(context: click.Context) -> None:
     """Verify and benchmark controllers of permanent-magnet brushless drives."""

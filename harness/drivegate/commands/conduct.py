@@ -18,14 +18,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a command has come to."""
+    """The outcome of a command."""
 
     document: Mapping[str, Any]
     """What ``--json`` prints; a number that is not finite becomes null."""
-    show: Callable[[Console], None]
+    show: Callable[[Console], object]
     """Prints the same for people."""
     exit_code: int = ExitCode.PASSED
-    """The exit code."""
 
 
 def wants_json(words: Sequence[str]) -> bool:
@@ -35,7 +34,6 @@ def wants_json(words: Sequence[str]) -> bool:
 
 
 def conducted(work: Callable[[], object], *, as_json: bool) -> int:
-    """Run a command to its end."""
     for stream in (sys.stdout, sys.stderr):
         # A console that cannot show a character is no reason to fail.
         if hasattr(stream, "reconfigure"):
@@ -46,17 +44,13 @@ def conducted(work: Callable[[], object], *, as_json: bool) -> int:
             return outcome if isinstance(outcome, int) else ExitCode.PASSED
         _print(outcome, as_json)
     except (Exception, KeyboardInterrupt) as error:
-        return _ended_by(error, as_json)
+        failure = failure_of(error)
+        complain(failure, error)
+        if as_json:
+            with suppress(OSError):
+                _write_json(failure.document())
+        return failure.exit_code
     return outcome.exit_code
-
-
-def _ended_by(error: BaseException, as_json: bool) -> int:
-    failure = failure_of(error)
-    complain(failure, error)
-    if as_json:
-        with suppress(OSError):
-            _write_json(failure.document())
-    return failure.exit_code
 
 
 def _print(outcome: Outcome, as_json: bool) -> None:
@@ -69,13 +63,13 @@ def _print(outcome: Outcome, as_json: bool) -> None:
             outcome.show(console_for(sys.stdout))
             sys.stdout.flush()
     except BrokenPipeError:
-        # The reader has seen enough; what the command came to stands.
+        # The reader has seen enough; the outcome of the command does not change.
         leave_unread(sys.stdout)
 
 
 def _write_json(document: Mapping[str, Any]) -> None:
     from drivegate.results.result import finite
 
-    # A CI server that reads the log must not obey what stands in a text.
+    # A CI server that reads the log must not obey what is in a text.
     text = json.dumps(finite(document), indent=2, allow_nan=False).replace("##", "#\\u0023")
     write_to(sys.stdout, f"{text}\n")

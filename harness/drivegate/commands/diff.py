@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 from shlex import quote
-from typing import TYPE_CHECKING
 
 import click
 
@@ -18,13 +17,9 @@ from drivegate.commands.options import (
     json_option,
 )
 from drivegate.contracts.catalogue import contract_of
+from drivegate.contracts.contract import Contract
 from drivegate.contracts.current.columns import CurrentColumns
 from drivegate.contracts.duty.columns import DutyColumns
-
-if TYPE_CHECKING:
-    from rich.console import Console
-
-    from drivegate.contracts.contract import Contract
 
 _FIELDS = tuple(dict.fromkeys((*CurrentColumns.outputs, *DutyColumns.outputs)))
 _AROUND_IN_FIGURE = 100
@@ -97,6 +92,7 @@ def command(
 
     from drivegate.drives.kinds import require_contract, scenario_at_declared_timing
     from drivegate.studies.diff.diff import BITWISE, Rule, compared
+    from drivegate.studies.diff.display import draw, show_difference
     from drivegate.studies.diff.document import document_of
 
     for candidate in candidates:
@@ -111,20 +107,16 @@ def command(
         found["before"] = found["before"][len(found["before"]) - min(before, len(found["before"])) :]
         del found["after"]
     if plot is not None and comparison.difference is not None:
-        from drivegate.studies.diff.display import draw
-
         names = (candidates[0].name, candidates[1].name)
         draw(comparison.difference, contract, names, plot, f"{names[0]} and {names[1]}: {scenario.name}")
         document["files"] = [str(plot)]
     words = " ".join(quote(word) for word in (first, second, "--case", case, *(["--again"] if again else [])))
     words += drive_words(drive, settings)
-
-    def show(console: Console) -> None:
-        from drivegate.studies.diff.display import show_difference
-
-        show_difference(console, document, contract.sensed, words)
-
-    return Outcome(document, show, document["exit_code"])
+    return Outcome(
+        document,
+        lambda console: show_difference(console, document, contract.sensed, words),
+        document["exit_code"],
+    )
 
 
 def _require_fields(contract: Contract, ignored: tuple[str, ...]) -> None:

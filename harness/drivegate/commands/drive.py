@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 from shlex import quote
-from typing import TYPE_CHECKING
 
 import click
 
@@ -12,11 +11,6 @@ from drivegate.commands.conduct import Outcome
 from drivegate.commands.options import chosen_drive, json_option, settings_option
 from drivegate.drives.kinds import DEFAULT_DRIVE
 from drivegate.output.failure import ExitCode
-
-if TYPE_CHECKING:
-    from rich.console import Console
-
-    from drivegate_cases.drive.drive_document import DriveDocument
 
 
 @click.command("drive")
@@ -60,28 +54,15 @@ def command(
     check_targets(None, None, plot)
     chosen = chosen_drive(drive, settings, lambda: load_drive(DEFAULT_DRIVE))
     if measured is not None:
-        return _fitted(chosen, measured, keep, quote(drive))
+        from drivegate.studies.drive.display import show_fit
+        from drivegate.studies.drive.run import fitted_drive
 
+        fit = fitted_drive(chosen, measured, keep)
+        return Outcome(fit, lambda console: show_fit(console, fit, quote(drive)))
+
+    from drivegate.studies.drive.display import show_drive
     from drivegate.studies.drive.run import studied_drive
 
     document = studied_drive(chosen, plot=plot)
-
-    def show(console: Console) -> None:
-        from drivegate.studies.drive.display import show_drive
-
-        show_drive(console, document, quote(drive), chosen)
-
-    return Outcome(document, show, ExitCode.REFUSED if document["unreachable"] else ExitCode.PASSED)
-
-
-def _fitted(chosen: DriveDocument, measured: Path, keep: tuple[str, ...], name: str) -> Outcome:
-    from drivegate.studies.drive.run import fitted_drive
-
-    document = fitted_drive(chosen, measured, keep)
-
-    def show(console: Console) -> None:
-        from drivegate.studies.drive.display import show_fit
-
-        show_fit(console, document, name)
-
-    return Outcome(document, show)
+    code = ExitCode.REFUSED if document["unreachable"] else ExitCode.PASSED
+    return Outcome(document, lambda console: show_drive(console, document, quote(drive), chosen), code)

@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import click
 
 from drivegate.commands.conduct import Outcome
 from drivegate.commands.options import json_option
-
-if TYPE_CHECKING:
-    from rich.console import Console
 
 SCHEMA = 1
 
@@ -31,8 +26,5 @@ def command() -> Outcome:
         "headers": [str(folder / header) for header in HEADERS.values()],
     }
 
-    def show(console: Console) -> None:
-        # As it is, however long: a script reads it.
-        console.file.write(f"{folder}\n")
-
-    return Outcome(document, show)
+    # Written past the console, which would fold a long path: a script reads it.
+    return Outcome(document, lambda console: console.file.write(f"{folder}\n"))

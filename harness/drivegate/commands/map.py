@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
 from drivegate.commands.conduct import Outcome
 from drivegate.commands.options import chosen_drive, drive_options, json_option, workers_option
-
-if TYPE_CHECKING:
-    from rich.console import Console
 
 
 @click.command("map")
@@ -57,7 +53,7 @@ def command(
     least Σ|i| at every speed and torque; --advance-deg and --current-a request the steady state at every speed, angle
     and current.
     """
-    from drivegate.studies.map.request import map_axes, map_kind, planned_map
+    from drivegate.studies.map.plan import map_axes, map_kind, planned_map
 
     texts = {
         "speed_rpm": speed_rpm,
@@ -79,13 +75,7 @@ def command(
     nominal = require_angles(chosen_drive(drive, settings, lambda: drive_for(resolved)))
     plan = planned_map(kind, nominal, resolved, axes, parameters)
 
-    from drivegate.studies.map.run import made_map
+    from drivegate.studies.map.run import made_map, show_map
 
     document, title = made_map(plan, workers, csv=csv, parquet=parquet, plot=plot)
-
-    def show(console: Console) -> None:
-        from drivegate.studies.map.display import show_map
-
-        show_map(console, document, title)
-
-    return Outcome(document, show)
+    return Outcome(document, lambda console: show_map(console, document, title))

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from drivegate.studies.data_sheet_drive import Amount, Question
-    from drivegate_cases.drive.drive_document import DriveDocument
 
 SCHEMA = 1
 DRIVE = "drive"
@@ -65,15 +64,16 @@ def command(kind: str, name: str, output: Path | None, drive: str | None, from_d
     folder = Path(name) if output is None else output
     named_drive(drive)
     written = write_candidate(kind, name, folder, present_day(), drive)
-    check = "drivegate check candidate.toml --waivers waivers.toml"
-    steps = [f"cd {quote(str(folder))}", check]
     document: dict[str, Any] = {
         "schema": SCHEMA,
         "kind": "new",
         "candidate": {"name": name, "kind": kind},
         "folder": str(folder),
         "files": [str(file) for file in written],
-        "next": steps,
+        "next": [
+            f"cd {quote(str(folder))}",
+            "drivegate check candidate.toml --waivers waivers.toml",
+        ],
     }
     return Outcome(document, lambda console: _show(console, document))
 
@@ -85,11 +85,13 @@ def _new_drive(file: Path, output: Path | None, start: str | None, from_datashee
         raise click.UsageError("--drive and --from-datasheet do not go together")
 
     from drivegate.drives.kinds import drive_for
+    from drivegate.studies.data_sheet_drive import QUESTIONS, data_sheet_drive
     from drivegate.studies.new import drive_to_edit, refuse_drive_file, write_drive
 
     refuse_drive_file(file)
     if from_datasheet:
-        written = _asked_drive(file.stem)
+        answers = {key: _answer(question) for key, question in QUESTIONS.items()}
+        written = looked_at(data_sheet_drive(file.stem, answers))
     else:
         written = drive_to_edit(file.stem, drive_for(None, named_drive(start)))
     write_drive(file, written)
@@ -103,15 +105,12 @@ def _new_drive(file: Path, output: Path | None, start: str | None, from_datashee
         "next": [look] if from_datasheet else [f"put your values into {file}", look],
     }
     if from_datasheet:
-        document["values"] = _stated_values(written)
+        document["values"] = [
+            {"key": f"{table}.{key}", "value": written.value(key), "source": sentence}
+            for table, sentences in written.provenance.items()
+            for key, sentence in sentences.items()
+        ]
     return Outcome(document, lambda console: _show(console, document))
-
-
-def _asked_drive(name: str) -> DriveDocument:
-    """Ask for the values of a data sheet and make the drive that has them."""
-    from drivegate.studies.data_sheet_drive import QUESTIONS, data_sheet_drive
-
-    return looked_at(data_sheet_drive(name, {key: _answer(question) for key, question in QUESTIONS.items()}))
 
 
 def _answer(question: Question) -> Amount:
@@ -131,23 +130,14 @@ def _answer(question: Question) -> Amount:
             click.echo(f"error: {error}", err=True)
 
 
-def _stated_values(drive: DriveDocument) -> list[dict[str, Any]]:
-    """Return each value with where it is from."""
-    return [
-        {"key": f"{table}.{key}", "value": drive.value(key), "source": sentence}
-        for table, sentences in drive.provenance.items()
-        for key, sentence in sentences.items()
-    ]
-
-
 def _show(console: Console, document: dict[str, Any]) -> None:
-    from drivegate.output.console import plain
+    from drivegate.output.console import print_line
 
-    console.print(plain(f"written into {document['folder']}:"))
+    print_line(console, f"written into {document['folder']}:")
     for file in document["files"]:
-        console.print(plain(f"  {file}"))
+        print_line(console, f"  {file}")
     for stated in document.get("values", []):
         assigned = f"{stated['key']} = {stated['value']:g}"
-        console.print(plain(f"  {assigned:<44} {stated['source']}"))
+        print_line(console, f"  {assigned:<44} {stated['source']}")
     joint = ", then " if "drive" in document else " && "
-    console.print(plain(f"next: {joint.join(document['next'])}", "dim"))
+    print_line(console, f"next: {joint.join(document['next'])}", "dim")

@@ -33,7 +33,6 @@ json_option = json_flag(exposed=False)
 workers_option = click.option(
     "--workers", type=click.IntRange(1, 1024), help="Processes; by default as many as there are processors."
 )
-"""The option that sets the number of processes."""
 
 
 def _request_isolation(context: click.Context, _option: click.Parameter, value: str | None) -> None:
@@ -55,7 +54,6 @@ isolation_option = click.option(
 
 
 def folder_option(default: str, help_text: str) -> Callable[[_Function], _Function]:
-    """Make the option that names the folder of the output."""
     path: Any = click.Path(path_type=Path)
     return click.option(
         "--output", type=path, default=default, show_default=True, metavar="DIR", help=help_text
@@ -63,7 +61,6 @@ def folder_option(default: str, help_text: str) -> Callable[[_Function], _Functi
 
 
 def effort_option(help_text: str) -> Callable[[_Function], _Function]:
-    """Make the option that sets how much is done."""
     efforts = click.Choice(["quick", "default", "nightly"])
     return click.option("--effort", type=efforts, default="default", show_default=True, help=help_text)
 
@@ -88,7 +85,6 @@ def bounded(lowest: float, highest: float = inf, *, above: bool = False) -> Call
 drive_option = click.option(
     "--drive", metavar="NAME|FILE", help="An included drive, or a TOML or JSON file of one."
 )
-"""The option that names a drive."""
 drives_option = click.option(
     "--drive",
     "drives",
@@ -96,7 +92,6 @@ drives_option = click.option(
     metavar="NAME|FILE",
     help="An included drive, or a TOML or JSON file of one; given again, drives are compared.",
 )
-"""The option that names one drive or several."""
 settings_option = click.option(
     "--set",
     "settings",
@@ -104,7 +99,6 @@ settings_option = click.option(
     multiple=True,
     help="Set one key of the drive; may be given again.",
 )
-"""The option that sets single values of a drive."""
 
 
 def drive_options(function: _Function) -> _Function:
@@ -121,7 +115,6 @@ def drive_words(drive: str | None, settings: tuple[str, ...]) -> str:
 def chosen_drive(
     name: str | None, settings: tuple[str, ...], default: Callable[[], DriveDocument]
 ) -> DriveDocument:
-    """Find the drive that the options request."""
     from drivegate_cases.drive.drive_document import load_drive
 
     drive = default() if name is None else load_drive(name)
@@ -129,7 +122,6 @@ def chosen_drive(
 
 
 def named_drive(name: str | None) -> DriveDocument | None:
-    """Find the drive that the option names, if it does."""
     from drivegate_cases.drive.drive_document import load_drive
 
     return None if name is None else looked_at(load_drive(name))

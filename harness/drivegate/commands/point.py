@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import click
 
 from drivegate.commands.conduct import Outcome
 from drivegate.commands.options import bounded, chosen_drive, drive_options, json_option
 from drivegate.drives.kinds import DEFAULT_DRIVE
-
-if TYPE_CHECKING:
-    from rich.console import Console
 
 
 @click.command("point")
@@ -46,17 +41,11 @@ def command(
     if cycles is not None and current_a is None:
         raise click.UsageError("--cycles goes with --current-a only")
     from drivegate.drives.kinds import require_angles
-    from drivegate.studies.point import point_document
+    from drivegate.studies.point import point_document, show_point
     from drivegate_cases.drive.drive_document import load_drive
 
     plant = require_angles(chosen_drive(drive, settings, lambda: load_drive(DEFAULT_DRIVE))).plant()
     document = point_document(
         plant, speed_rpm, advance_deg, torque_nm=torque_nm, current_a=current_a, cycles=cycles
     )
-
-    def show(console: Console) -> None:
-        from drivegate.studies.point import show_point
-
-        show_point(console, document, plant, torque_nm)
-
-    return Outcome(document, show)
+    return Outcome(document, lambda console: show_point(console, document, plant, torque_nm))

@@ -4,15 +4,11 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
 from drivegate.commands.conduct import Outcome
 from drivegate.commands.options import isolation_option, json_option
-
-if TYPE_CHECKING:
-    from rich.console import Console
 
 
 @click.command("replay")
@@ -51,40 +47,29 @@ def command(file: Path, candidate: str | None, plot: Path | None) -> Outcome:
     check_targets(None, None, plot)
 
     from drivegate.candidates.fault import Fault
+    from drivegate.studies.replay.display import draw, next_step, show_replay
     from drivegate.studies.replay.replay import candidate_for, document_of, replayed
 
     resolved = candidate_for(stored, candidate)
     ended = replayed(stored, resolved)
     document = document_of(stored, resolved, ended)
     if plot is not None and not isinstance(ended, Fault):
-        from drivegate.studies.replay.display import draw
-
         title = f"{stored.check} {document['verdict']}: {resolved.name}, {stored.scenario.name}"
         draw(stored, ended, plot, title)
         document["files"] = [str(plot)]
-
-    def show(console: Console) -> None:
-        from drivegate.studies.replay.display import next_step, show_replay
-
-        show_replay(console, document, next_step(document, file, candidate))
-
-    return Outcome(document, show, document["exit_code"])
+    hint = next_step(document, file, candidate)
+    return Outcome(document, lambda console: show_replay(console, document, hint), document["exit_code"])
 
 
 def _replay_all(folder: Path, candidate: str | None) -> Outcome:
-    """Run every counterexample of a folder again."""
     from drivegate.output.progress import progress_on
     from drivegate.output.waiting import with_compiled_kernels
+    from drivegate.studies.replay.display import next_step_of_all, show_all_replays
     from drivegate.studies.replay.folder import document_of_all, kept_in, replayed_all
 
     all_kept = kept_in(folder, candidate)
     with_compiled_kernels(kept.stored.scenario.drive for kept in all_kept)
     with progress_on(sys.stderr) as display:
         document = document_of_all(folder, replayed_all(all_kept, display))
-
-    def show(console: Console) -> None:
-        from drivegate.studies.replay.display import next_step_of_all, show_all_replays
-
-        show_all_replays(console, document, next_step_of_all(document, candidate))
-
-    return Outcome(document, show, document["exit_code"])
+    hint = next_step_of_all(document, candidate)
+    return Outcome(document, lambda console: show_all_replays(console, document, hint), document["exit_code"])

@@ -55,10 +55,10 @@ def command(file: Path, formats: tuple[str, ...], output: Path) -> Outcome:
 
 
 def _show(console: Console, document: dict[str, Any]) -> None:
-    from drivegate.output.console import plain, verdict_text
+    from drivegate.output.console import plain, print_line, verdict_text
 
     heading = plain(f"{document['candidate']}: ")
     heading.append_text(verdict_text(document["verdict"]))
     console.print(heading)
     for page in document["pages"]:
-        console.print(plain(f"report: {page}"))
+        print_line(console, f"report: {page}")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 from shlex import quote
-from typing import TYPE_CHECKING
 
 import click
 
@@ -17,9 +16,6 @@ from drivegate.commands.options import (
     json_option,
 )
 from drivegate.output.failure import ExitCode
-
-if TYPE_CHECKING:
-    from rich.console import Console
 
 
 @click.command("simulate")
@@ -72,41 +68,23 @@ def command(
     from drivegate.contracts.catalogue import contract_of
     from drivegate.drives.kinds import scenario_at_declared_timing
     from drivegate.output.trace_files import write_plot, write_trace
-    from drivegate.studies.simulate import document_of, simulated, trace_frame
+    from drivegate.studies.simulate import document_of, show_fault, show_run, simulated, trace_frame
 
     scenario = scenario_at_declared_timing(scenario, [resolved])
     ended = simulated(resolved, scenario)
     document = document_of(resolved, scenario, ended)
     if isinstance(ended, Fault):
-
-        def show_failed(console: Console) -> None:
-            from drivegate.studies.simulate import show_fault
-
-            show_fault(console, document)
-
-        return Outcome(document, show_failed, ExitCode.FAILED)
+        return Outcome(document, lambda console: show_fault(console, document), ExitCode.FAILED)
+    contract = contract_of(scenario.drive)
     if csv is not None or parquet is not None or plot is not None:
         frame = trace_frame(scenario, ended.run)
         write_trace(frame, csv, parquet)
         if plot is not None:
-            write_plot(frame, plot, f"{resolved.name}: {scenario.name}", contract_of(scenario.drive).panels)
-    written = [str(path) for path in (csv, parquet, plot) if path is not None]
-    document["files"] = written
-    again = f"drivegate simulate {quote(candidate)} {_named(case, report, run)}{drive_words(drive, settings)}"
-    hint = "" if plot is not None else f"{again} --plot run.png"
-
-    def show(console: Console) -> None:
-        from drivegate.studies.simulate import show_run
-
-        show_run(console, contract_of(scenario.drive), document, hint)
-
-    return Outcome(document, show)
-
-
-def _named(case: str | None, report: Path | None, run: str | None) -> str:
-    """Write again what named the scenario."""
-    return (
-        f"--case {quote(case)}"
-        if case is not None
-        else f"--from {quote(str(report))} --run {quote(str(run))}"
+            write_plot(frame, plot, f"{resolved.name}: {scenario.name}", contract.panels)
+    document["files"] = [str(path) for path in (csv, parquet, plot) if path is not None]
+    named = (
+        f"--from {quote(str(report))} --run {quote(str(run))}" if case is None else f"--case {quote(case)}"
     )
+    again = f"drivegate simulate {quote(candidate)} {named}{drive_words(drive, settings)}"
+    hint = "" if plot is not None else f"{again} --plot run.png"
+    return Outcome(document, lambda console: show_run(console, contract, document, hint))

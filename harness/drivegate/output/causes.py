@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from drivegate.contracts.catalogue import contract_of
-from drivegate.contracts.recorded_trace import recorded_trace, trace_of_run
-from drivegate_cases.scenario.scenario import Scenario
+from drivegate.contracts.recorded_trace import recorded_trace
 
 FEWEST_CHECKS: Final = 2
 """Failed checks from which on something counts as their common cause."""
@@ -21,12 +20,6 @@ def account_of(document: Mapping[str, Any], check: Mapping[str, Any]) -> tuple[s
     return () if trace is None else contract_of(trace.scenario.drive).account(trace)
 
 
-def account_of_run(scenario: Scenario, run: Any, judged_s: tuple[float, float]) -> tuple[str, ...]:
-    """Describe a finished run."""
-    trace = trace_of_run(scenario, run, judged_s)
-    return () if trace is None else contract_of(scenario.drive).account(trace)
-
-
 @dataclass(frozen=True)
 class Cause:
     """What the counterexamples of several checks show."""
@@ -37,7 +30,6 @@ class Cause:
     """The failed checks whose counterexample shows it, in the order of the catalogue."""
 
     def __str__(self) -> str:
-        """State the cause and its checks in one line."""
         return f"{self.words}: in the counterexamples of {', '.join(self.checks)}"
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable
 from typing import Final, TextIO, cast
 
 from rich.box import SIMPLE
@@ -37,7 +38,6 @@ class _ConsoleWithoutReader(Console):
     """A console that prints nothing more once its reader has gone; the command and its exit code do not change."""
 
     def on_broken_pipe(self) -> None:
-        """Print nothing more."""
         self.quiet = True
         leave_unread(self.file)
 
@@ -59,6 +59,19 @@ def console_for(stream: TextIO) -> Console:
 def plain(text: object, style: str = "") -> Text:
     """Make any text harmless and keep it on one line."""
     return Text(one_line(str(text)), style=style)
+
+
+def print_line(console: Console, text: object, style: str = "") -> None:
+    """Print any text, made harmless, on one line."""
+    console.print(plain(text, style))
+
+
+def print_ending(console: Console, files: Iterable[object], hint: str = "") -> None:
+    """Print the files that were written and the next step, if there are any."""
+    for path in files:
+        print_line(console, f"written: {path}")
+    if hint:
+        print_line(console, f"next: {hint}", "dim")
 
 
 def verdict_text(verdict: str, *, counts: bool = True) -> Text:

@@ -23,7 +23,6 @@ _SPECIAL = re.compile(r"([\\`*_\[\]<>|~#&@])")
 
 
 def write_junit(result: dict[str, Any], folder: Path) -> Path:
-    """Write JUnit XML of a result document into a folder."""
     path = folder / JUNIT_FILE
     path.write_bytes(junit_xml(result))
     return path
@@ -118,7 +117,6 @@ def _compare(case: ElementTree.Element, entry: dict[str, Any], counted: Collecti
 
 
 def write_markdown(result: dict[str, Any], folder: Path) -> Path:
-    """Write the summary of a result document into a folder."""
     path = folder / SUMMARY_FILE
     path.write_text(markdown(result), encoding="utf-8")
     return path
@@ -130,12 +128,13 @@ def escaped(text: object) -> str:
 
 
 def markdown(result: dict[str, Any]) -> str:
-    """Make the summary of a result document."""
-    candidate = result["candidate"]
+    candidate, drive = result["candidate"], result.get("drive")
+    # Results of earlier versions do not name the drive.
+    on_drive = "" if drive is None else f" on the drive {escaped(drive_in_words(drive))}"
     lines = [
         f"# {escaped(candidate['name'])}: {escaped(result['verdict'])}",
         "",
-        f"{runs_in_short(result)}{_drive(result)}, effort {escaped(result['effort'])}, "
+        f"{runs_in_short(result)}{on_drive}, effort {escaped(result['effort'])}, "
         f"seed {result['seed']}, drivegate {escaped(result['provenance']['drivegate'])}.",
         *_faults(result),
         *_causes(result),
@@ -152,12 +151,6 @@ def markdown(result: dict[str, Any]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _drive(result: dict[str, Any]) -> str:
-    """Name the drive; results of earlier versions do not name it."""
-    drive = result.get("drive")
-    return "" if drive is None else f" on the drive {escaped(drive_in_words(drive))}"
-
-
 def _what_failed(result: dict[str, Any]) -> list[str]:
     """Lead with what failed and how to run it again, what counts first."""
     counted = counted_levels(result.get("fail_on"))
@@ -167,12 +160,21 @@ def _what_failed(result: dict[str, Any]) -> list[str]:
     lines = _listed_failures(result, "Contested: no known good controller meets these either", contested)
     lines += _listed_failures(result, "What failed", [check for check in failed if check not in contested])
     if failed:
-        lines += ["", "Run one again, in the folder of this report:", "", *_replays(result, failed)]
+        # Indented code, in which nothing has to be escaped.
+        candidate = quote(one_line(result["candidate"]["specification"]))
+        files = [counterexample_name(check["id"]) for check in failed]
+        commands = [f"    drivegate replay {file} --candidate {candidate}" for file in files]
+        lines += ["", "Run one again, in the folder of this report:", "", *commands]
     return lines
 
 
 def _listed_failures(result: dict[str, Any], title: str, failed: list[dict[str, Any]]) -> list[str]:
-    lines = ["", f"## {title}", ""] if failed else []
+    if not failed:
+        return []
+    # It brings the oracle, which a result without failures does not need.
+    from drivegate.output.causes import account_of
+
+    lines = ["", f"## {title}", ""]
     for check in failed:
         file = counterexample_name(check["id"])
         # The message is of the worst run, which need not be the counterexample.
@@ -182,18 +184,10 @@ def _listed_failures(result: dict[str, Any], title: str, failed: list[dict[str, 
             f"{escaped(check['counterexample']['name'])}: "
             f"{escaped(found['measured'] if found else check['message'])}; [{file}]({file})"
         )
-        lines += _account(result, check)
+        lines += [f"  {escaped(sentence)}" for sentence in account_of(result, check)]
         if found:
             lines.append(f"  Worst run: {escaped(check['message'])}")
     return lines
-
-
-def _replays(result: dict[str, Any], failed: list[dict[str, Any]]) -> list[str]:
-    """Write the commands as indented code, in which nothing has to be escaped."""
-    candidate = quote(one_line(result["candidate"]["specification"]))
-    return [
-        f"    drivegate replay {counterexample_name(check['id'])} --candidate {candidate}" for check in failed
-    ]
 
 
 def _causes(result: dict[str, Any]) -> list[str]:
@@ -204,13 +198,6 @@ def _causes(result: dict[str, Any]) -> list[str]:
 
     lines = [f"- {escaped(cause)}" for cause in causes_of(result)]
     return ["", "## Common cause", "", *lines] if lines else []
-
-
-def _account(result: dict[str, Any], check: dict[str, Any]) -> list[str]:
-    # It brings the oracle, which a result without failures does not need.
-    from drivegate.output.causes import account_of
-
-    return [f"  {escaped(sentence)}" for sentence in account_of(result, check)]
 
 
 def _comparisons(entries: list[dict[str, Any]]) -> list[str]:

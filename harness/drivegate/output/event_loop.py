@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 
 def followed(events: Iterable[Event], display: Display) -> ResultDocument | None:
-    """Show every event, and give the result if they end with one."""
+    """Show every event, and return the result if they end with one."""
     result: ResultDocument | None = None
     for event in events:
         _show(event, display)

@@ -47,15 +47,11 @@ def explanations(document: Mapping[str, Any]) -> dict[str, str]:
             words = f"{cause.words} (common cause of {', '.join(cause.checks)})"
             explained |= dict.fromkeys(cause.checks, words)
     for check in _unjudged(document):
-        explained[str(check["id"])] = f"{_how_judged(check)}, because of {_first_fault(document)}"
+        (fault, _), *others = distinct_faults(list(document["faults"]))
+        more = f" and {counted(len(others), 'more fault')}" if others else ""
+        because = f"{fault['kind']}: {fault['message']}{more}"
+        explained[str(check["id"])] = f"{_how_judged(check)}, because of {because}"
     return {check: one_line(words) for check, words in explained.items()}
-
-
-def _first_fault(document: Mapping[str, Any]) -> str:
-    """State the first fault, and how many there are beside it."""
-    (fault, _), *others = distinct_faults(list(document["faults"]))
-    more = f" and {counted(len(others), 'more fault')}" if others else ""
-    return f"{fault['kind']}: {fault['message']}{more}"
 
 
 def _unjudged(document: Mapping[str, Any]) -> list[Mapping[str, Any]]:

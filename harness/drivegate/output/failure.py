@@ -35,20 +35,18 @@ class ExitCode(IntEnum):
 
 @dataclass(frozen=True)
 class Failure:
-    """Why a command came to nothing."""
+    """Why a command ended without an outcome."""
 
     message: str
     """One sentence on one line; what exceeds `LONGEST_MESSAGE` is left out in its middle, between place and
     remedy."""
     exit_code: int
-    """The exit code."""
 
     def __post_init__(self) -> None:
         """Shorten the message, whoever wrote it."""
         object.__setattr__(self, "message", shortened(self.message, LONGEST_MESSAGE))
 
     def document(self) -> dict[str, Any]:
-        """Write the failure as plain data."""
         return {"schema": ERROR_SCHEMA, "error": {"message": self.message, "exit_code": int(self.exit_code)}}
 
     def about(self, name: str) -> Failure:

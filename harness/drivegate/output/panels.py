@@ -36,7 +36,6 @@ class MomentTime:
 
     @property
     def label(self) -> str:
-        """Name of the axis."""
         return f"time after {self.origin:.6g} s ({self.unit})"
 
     def of(self, time: float) -> float:

@@ -1,8 +1,7 @@
-"""The folder of a report: made beside its place, renamed onto it when complete, and nobody else's touched."""
+"""The folder of a report: made next to its place, renamed onto it when complete, and nobody else's touched."""
 
 from __future__ import annotations
 
-import fcntl
 import json
 import os
 import re
@@ -14,6 +13,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Final, Self
 
+from drivegate.output.file_lock import LockedElsewhere, locked_file
 from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_models.errors import InputError
@@ -54,9 +54,13 @@ class ReportFolder:
             for parent in reversed(missing):
                 parent.mkdir()
                 self._made.insert(0, parent)
-            self._take_lock()
+            self._lock = locked_file(self._lock_file)
             self._recover()
             self.staging.mkdir()
+        except LockedElsewhere as error:
+            self._leave()
+            why = "is being written by another drivegate; wait for its end, or name another folder"
+            raise _refused(self._shown, why) from error
         except OSError as error:
             self._leave()
             raise _unusable(self._shown, error) from error
@@ -70,25 +74,6 @@ class ReportFolder:
     ) -> None:
         """Remove what was not committed."""
         self._leave(discard=self.staging.exists())
-
-    def _take_lock(self) -> None:
-        """Lock a file beside the folder, which the system unlocks when this process ends, however it ends."""
-        path = self._lock_file
-        while self._lock < 0:
-            descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
-            try:
-                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except BlockingIOError as error:
-                os.close(descriptor)
-                raise _refused(
-                    self._shown,
-                    "is being written by another drivegate; wait for its end, or name another folder",
-                ) from error
-            if path.exists() and path.stat().st_ino == os.fstat(descriptor).st_ino:
-                self._lock = descriptor
-            else:
-                # Its last holder removed the file between our opening and locking it.
-                os.close(descriptor)
 
     def _recover(self) -> None:
         """Remove what a killed process has left, and put an earlier report back that it had moved away.
@@ -113,7 +98,10 @@ class ReportFolder:
             os.close(self._lock)
             self._lock = -1
         if discard:
-            self._discard()
+            shutil.rmtree(self.staging, ignore_errors=True)
+            for folder in self._made:
+                with suppress(OSError):
+                    folder.rmdir()
 
     def commit(self) -> None:
         """Put the folder into its place."""
@@ -162,12 +150,6 @@ class ReportFolder:
             if relative.as_posix() not in own and not copy.exists():
                 copy.parent.mkdir(parents=True, exist_ok=True)
                 shutil.copy2(path, copy, follow_symlinks=False)
-
-    def _discard(self) -> None:
-        shutil.rmtree(self.staging, ignore_errors=True)
-        for folder in self._made:
-            with suppress(OSError):
-                folder.rmdir()
 
 
 def _files_in(folder: Path) -> list[str]:

@@ -114,7 +114,6 @@ class Preparation:
             yield event
 
     def wait(self) -> None:
-        """Wait until everything is prepared."""
         for thread in self._threads.values():
             thread.join()
 

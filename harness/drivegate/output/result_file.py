@@ -16,7 +16,7 @@ _NUMBERS: Final = re.compile(r"\[\n\s+(?:[-+.\deE]+|null)(?:,\n\s+(?:[-+.\deE]+|
 
 
 def as_json(document: dict[str, Any]) -> str:
-    """Write a document as the text of a file; a list of numbers stands on one line."""
+    """Write a document as the text of a file; a list of numbers is on one line."""
     text = json.dumps(document, indent=2, ensure_ascii=True, allow_nan=False)
     # Within a string a line end would be an escape.
     return (
@@ -40,7 +40,6 @@ def counterexample_name(check: str) -> str:
 
 
 def counterexamples(result: dict[str, Any]) -> list[dict[str, Any]]:
-    """Make a document of every counterexample in a result."""
     # Typed documents take a while to import, and most checks end without a counterexample.
     from drivegate.results.counterexample import KIND, Counterexample
     from drivegate_cases.documents.document import parse_document

@@ -28,7 +28,6 @@ _IN_TITLE: Final = _IN_MESSAGE | str.maketrans({":": "%3A", ",": "%2C"})
 
 
 def _write_annotations(result: dict[str, Any], folder: Path) -> Path:
-    """Write the annotations of a result document into a folder."""
     path = folder / _ANNOTATIONS_FILE
     path.write_text("".join(f"{line}\n" for line in workflow_commands(result)), encoding="utf-8")
     return path
@@ -120,12 +119,10 @@ def own_formats() -> dict[str, LoadWriter]:
 
 
 def page_formats() -> dict[str, LoadWriter]:
-    """Find the reports of installed packages."""
     return {name: point.load for name, point in report_points().items()}
 
 
 def report_formats(names: Sequence[str]) -> dict[str, LoadWriter]:
-    """Find reports by their names."""
     known = all_formats()
     for name in names:
         if name not in known:
@@ -141,7 +138,6 @@ def _same(write: WriteReport) -> LoadWriter:
 
 
 def read_result(path: Path) -> dict[str, Any]:
-    """Read the result of a check."""
     mapping = read_unchecked_result(path)
     check_result(mapping, path)
     return mapping

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import fcntl
 import json
 import os
 import socket
@@ -13,6 +12,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
+from drivegate.output.file_lock import LockedElsewhere, locked_file
 from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_models.errors import InputError
@@ -36,7 +36,16 @@ class ResumedFolder(ABC):
         with failures_refused(self.place, "use"):
             self._refuse_foreign()
             self.place.mkdir(parents=True, exist_ok=True)
-            self._take_lock()
+            try:
+                self._lock = locked_file(self.place / self._lock_file)
+            except LockedElsewhere as error:
+                holder = f" ({error})" if str(error) else ""
+                raise InputError(
+                    f"--output {shown_path(self.place)} is being written by another {self._kind}{holder}; wait for "
+                    "its end, or name another folder"
+                ) from error
+            os.ftruncate(self._lock, 0)
+            os.write(self._lock, f"process {os.getpid()} on {socket.gethostname()}\n".encode())
         try:
             with failures_refused(self.place, "write"):
                 self.claim()
@@ -58,33 +67,14 @@ class ResumedFolder(ABC):
             raise InputError(f"--output {shown_path(self.place)} is a file; name a folder")
         if not self.place.is_dir() or (self.place / self._manifest).exists():
             return
-        if any(entry.name != self._lock_file and not _is_partial(entry) for entry in self.place.iterdir()):
+        if any(
+            entry.name != self._lock_file and not (entry.name.startswith(".") and entry.suffix == ".partial")
+            for entry in self.place.iterdir()
+        ):
             raise InputError(
                 f"--output {shown_path(self.place)} holds files that are no {self._kind} of drivegate; "
                 "name a new or an empty folder"
             )
-
-    def _take_lock(self) -> None:
-        """Lock a file, which the system unlocks when this process ends, however it ends."""
-        path = self.place / self._lock_file
-        while self._lock < 0:
-            descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
-            try:
-                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except BlockingIOError as error:
-                holder = one_line(os.read(descriptor, 1000).decode(errors="replace").strip())
-                os.close(descriptor)
-                raise InputError(
-                    f"--output {shown_path(self.place)} is being written by another {self._kind}"
-                    f"{f' ({holder})' if holder else ''}; wait for its end, or name another folder"
-                ) from error
-            if _is_still(descriptor, path):
-                self._lock = descriptor
-            else:
-                # Its last holder removed the file between our opening and locking it.
-                os.close(descriptor)
-        os.ftruncate(self._lock, 0)
-        os.write(self._lock, f"process {os.getpid()} on {socket.gethostname()}\n".encode())
 
     def _release(self) -> None:
         with suppress(OSError):
@@ -94,25 +84,12 @@ class ResumedFolder(ABC):
 
     @staticmethod
     def as_json(document: Mapping[str, Any]) -> str:
-        """Write plain data as the text of a file."""
         return json.dumps(document, indent=2, allow_nan=False) + "\n"
 
     def write(self, path: Path, content: str | bytes) -> None:
-        """Write a file of the folder."""
         with failures_refused(path, "write"):
             path.parent.mkdir(parents=True, exist_ok=True)
             write_atomically(path, content)
-
-
-def _is_partial(path: Path) -> bool:
-    return path.name.startswith(".") and path.suffix == ".partial"
-
-
-def _is_still(descriptor: int, path: Path) -> bool:
-    try:
-        return os.path.samestat(os.fstat(descriptor), path.stat())
-    except FileNotFoundError:
-        return False
 
 
 @contextmanager

@@ -26,11 +26,9 @@ class LogStream:
         self._stream = stream
 
     def write(self, text: str) -> int:
-        """Write a text, and return the number of characters written."""
         return self._stream.write(without_commands(text))
 
     def __getattr__(self, name: str) -> Any:
-        """Return what the other stream has by a name."""
         return getattr(self._stream, name)
 
 

@@ -9,13 +9,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from drivegate.contracts.drawings import TIME, Panel, panels_for
-from drivegate.output.legend import side_legend
+from drivegate.output.figures import figure_file, side_legend
 from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
     import pandas
+    from matplotlib.figure import FigureBase
 
     from drivegate.checks.margin import Moment
 
@@ -66,7 +67,6 @@ def check_writable(path: Path) -> None:
 
 
 def write_trace(frame: pandas.DataFrame, csv: Path | None, parquet: Path | None) -> None:
-    """Write a trace as the files that are requested."""
     if csv is not None:
         write_atomically(csv, frame.to_csv(index=False, lineterminator="\n"))
     if parquet is not None:
@@ -85,19 +85,12 @@ def write_plot(
     edge: tuple[float, float] | None = None,
 ) -> None:
     """Draw a trace over time, with the feasible edge from a time on (s, deg); above it the moment that decides."""
-    from matplotlib import rc_context
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure, FigureBase
-
     from drivegate.output.panels import draw_moment
 
     thinned = frame.iloc[:: -(-len(frame) // _MOST_POINTS)]
-    buffer = io.BytesIO()
-    with rc_context({"text.parse_math": False, "svg.hashsalt": "drivegate", "svg.fonttype": "none"}):
-        shown = panels_for(panels, frame.columns)
-        is_marked = moment is not None and bool(moment.column)
-        figure = Figure(figsize=(9.0, 12.0 if is_marked else 9.0), layout="constrained")
-        FigureCanvasAgg(figure)
+    shown = panels_for(panels, frame.columns)
+    is_marked = moment is not None and bool(moment.column)
+    with figure_file(plot, 9.0, 12.0 if is_marked else 9.0) as figure:
         whole: FigureBase = figure
         if moment is not None and is_marked:
             parts = figure.subfigures(2, 1, squeeze=False, height_ratios=(1, 3))[:, 0]
@@ -124,7 +117,3 @@ def write_plot(
             side_legend(axes)
         all_axes[-1].set_xlabel("time (s)")
         figure.suptitle(one_line(title))
-        kind = plot.suffix.lower().removeprefix(".")
-        metadata = {"Date": None} if kind == "svg" else None
-        figure.savefig(buffer, format=kind, dpi=120, metadata=metadata)
-    write_atomically(plot, buffer.getvalue())

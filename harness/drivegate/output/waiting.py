@@ -85,5 +85,4 @@ def slow_in_words(run: SlowRun) -> str:
 
 
 def report_slow(run: SlowRun) -> None:
-    """Report a slow run on standard error."""
     write_to(sys.stderr, f"{slow_in_words(run)}\n")

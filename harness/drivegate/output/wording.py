@@ -17,7 +17,6 @@ _INCOMPLETE: Final = MappingProxyType(
 
 
 def scenario_in_short(scenario: dict[str, Any]) -> str:
-    """State a scenario in one line."""
     if scenario.get("kind") == "script":
         return f"{scenario['name']}: a script of {len(scenario['rows'])} rows"
     parts = [f"{scenario['duration_s']:g} s", *(trait.short for trait in traits(scenario) if trait.short)]
@@ -50,7 +49,6 @@ def drive_in_words(drive: Mapping[str, Any]) -> str:
 
 
 def runs_in_short(result: dict[str, Any]) -> str:
-    """State how many runs a result rests on."""
     corpus = f", {result['corpus_runs']} of them from the corpus" if result["corpus_runs"] else ""
     focus = result.get("focus") or {}
     only = f"only {', '.join(focus['only'])}, " if focus.get("only") else ""

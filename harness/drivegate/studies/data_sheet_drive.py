@@ -41,7 +41,6 @@ class Amount:
     unit: str
     """The unit, in small letters and without spaces."""
     text: str
-    """The answer itself."""
     second: float | None = None
     """Second number of a pair, times the size of the unit."""
 

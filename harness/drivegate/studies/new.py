@@ -100,7 +100,11 @@ def write_candidate(
             f"the name '{one_line(name)}' must begin with a letter and have letters, digits, '-' and '_' after it, "
             "64 at most"
         )
-    _refuse_occupied(folder)
+    occupied = folder.is_symlink() or (folder.exists() and not folder.is_dir())
+    if occupied or (folder.is_dir() and any(folder.iterdir())):
+        raise InputError(
+            f"{shown_path(folder)} exists already, and nothing is ever overwritten; name another folder with --output"
+        )
     words = {
         "@name@": name,
         "@expires@": (today + WAIVED).isoformat(),
@@ -111,8 +115,10 @@ def write_candidate(
     root = files("drivegate").joinpath(_TEMPLATES)
     texts: dict[str, str] = {}
     for part in filter(None, (*_COMMON[KINDS[kind].contract], KINDS[kind].based_on, kind)):
-        texts |= _texts(root.joinpath(part), "")
-    contents = {_PLACES.get(place, place): _filled(text, words).encode() for place, text in texts.items()}
+        texts |= {place: data.decode() for place, data in _contents(root.joinpath(part))}
+    for word, value in words.items():
+        texts = {place: text.replace(word, value) for place, text in texts.items()}
+    contents = {_PLACES.get(place, place): text.encode() for place, text in texts.items()}
     contents[words["@wheel@"]] = _wheel_bytes()
     usual = DEFAULT_DRIVES[KINDS[kind].contract]
     if drive is None and usual != DEFAULT_DRIVE:
@@ -138,7 +144,7 @@ def write_candidate(
 
 
 def _name_drive(contents: dict[str, bytes], drive: str, kind: str) -> None:
-    """Let manifest and waivers name a drive, with a copy of its file beside them."""
+    """Have manifest and waivers name a drive, with a copy of its file next to them."""
     from drivegate_cases.drive.drive_document import drive_names, load_drive
 
     named = load_drive(drive)
@@ -158,33 +164,7 @@ def _name_drive(contents: dict[str, bytes], drive: str, kind: str) -> None:
         contents[file] = contents[file].replace(before.encode(), line.encode())
 
 
-def _refuse_occupied(folder: Path) -> None:
-    occupied = folder.is_symlink() or (folder.exists() and not folder.is_dir())
-    if occupied or (folder.is_dir() and any(folder.iterdir())):
-        raise InputError(
-            f"{shown_path(folder)} exists already, and nothing is ever overwritten; name another folder with --output"
-        )
-
-
-def _texts(folder: Traversable, prefix: str) -> dict[str, str]:
-    found: dict[str, str] = {}
-    for entry in folder.iterdir():
-        if entry.is_dir():
-            if not entry.name.startswith("__"):
-                found |= _texts(entry, f"{prefix}{entry.name}/")
-        else:
-            found[f"{prefix}{entry.name}"] = entry.read_text(encoding="utf-8")
-    return found
-
-
-def _filled(text: str, words: dict[str, str]) -> str:
-    for word, value in words.items():
-        text = text.replace(word, value)
-    return text
-
-
 def wheel_name() -> str:
-    """Name the wheel of the installed version."""
     return f"drivegate-{distribution('drivegate').version}-py3-none-any.whl"
 
 
@@ -244,13 +224,9 @@ def drive_to_edit(name: str, start: DriveDocument) -> DriveDocument:
     """Return a drive with the values of another, without those that follow: of other values they would be wrong."""
     known = type(start.requirements).model_fields
     following = {key: value for key, value in _FOLLOWING.items() if key in known}
-    return start.replaced(name=name, advance=None, provenance=_not_stated(start), **following)
-
-
-def _not_stated(start: DriveDocument) -> dict[str, dict[str, str]]:
-    """Return for each value without a known source whose it is until it is changed."""
     values = start.to_mapping()
-    return {
+    # Each value is stated to be the other drive's, until somebody changes it.
+    provenance = {
         table: {
             key: copied(start.name[:200], values[table].get(key))
             for key in sentences
@@ -259,3 +235,4 @@ def _not_stated(start: DriveDocument) -> dict[str, dict[str, str]]:
         for table, sentences in start.provenance.items()
         if table != "advance"
     }
+    return start.replaced(name=name, advance=None, provenance=provenance, **following)

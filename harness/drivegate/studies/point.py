@@ -6,21 +6,19 @@ from math import pi, radians
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
+from rich.console import Console
 
 from drivegate.contracts.current.numbers import given_below_limit
-from drivegate.output.console import number, plain, table
+from drivegate.output.console import number, print_line, table
 from drivegate_cases.documents.wording import counted
 from drivegate_models.errors import InputError
 from drivegate_models.machine import ledger
 from drivegate_models.machine.period import APERIODIC
-from drivegate_models.steady.plant import advance_phases, make_phases, periodic_start
+from drivegate_models.steady.plant import AnyDrive, advance_phases, make_phases, periodic_start
 from drivegate_models.units import RADIANS_PER_RPM
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
     from drivegate_models.steady.oracle import TorquePoint
-    from drivegate_models.steady.plant import AnyDrive
     from drivegate_models.steady.steady_state import SteadyState
 
 _ROWS: Final = (
@@ -61,23 +59,19 @@ def point_document(
 ) -> dict[str, Any]:
     """Compute the steady state at a speed, an angle, and either a torque or a current reference."""
     speed, advance = speed_rpm * RADIANS_PER_RPM, radians(advance_deg)
-    _check_length(drive, speed, cycles or 1)
+    count = cycles or 1
+    cycle = 2.0 * pi / (drive.pole_pairs * speed)
+    if count * cycle > LONGEST_TIME:
+        lowest = 60.0 * count / (drive.pole_pairs * LONGEST_TIME)
+        raise InputError(
+            f"at this speed {counted(count, 'electrical cycle')} would take {count * cycle:.4g} s, "
+            f"but at most {LONGEST_TIME:g} s are computed; give fewer cycles, or a speed of {lowest:.3g} rpm or more"
+        )
     heading = {"schema": SCHEMA, "speed_rpm": speed_rpm, "advance_deg": advance_deg}
     if torque_nm is not None:
         return heading | _values_at_torque(drive, speed, advance, torque_nm)
     assert current_a is not None, "one of torque and current is given"
     return heading | _values_at_current(drive, speed, advance, current_a, cycles)
-
-
-def _check_length(drive: AnyDrive, speed: float, cycles: int) -> None:
-    """Refuse what would take hours to compute."""
-    cycle = 2.0 * pi / (drive.pole_pairs * speed)
-    if cycles * cycle > LONGEST_TIME:
-        lowest = 60.0 * cycles / (drive.pole_pairs * LONGEST_TIME)
-        raise InputError(
-            f"at this speed {counted(cycles, 'electrical cycle')} would take {cycles * cycle:.4g} s, "
-            f"but at most {LONGEST_TIME:g} s are computed; give fewer cycles, or a speed of {lowest:.3g} rpm or more"
-        )
 
 
 def _values_at_torque(drive: AnyDrive, speed: float, advance: float, torque: float) -> dict[str, Any]:
@@ -97,7 +91,6 @@ def _values_at_current(
     drive: AnyDrive, speed: float, advance: float, reference: float, cycles: int | None
 ) -> dict[str, Any]:
     from drivegate_models.steady import steady_state as solver
-    from drivegate_models.steady.plant import make_phases
 
     if cycles is None:
         state = solver.steady_state(drive, speed, reference, advance)
@@ -187,21 +180,19 @@ def show_point(console: Console, document: dict[str, Any], drive: AnyDrive, torq
             if torque is not None
             else f"the current reference exceeds the limit of {drive.current_limit:g} A"
         )
-        console.print(plain(f"not feasible: {reason}", "yellow"))
+        print_line(console, f"not feasible: {reason}", "yellow")
     if document.get("averaged_cycles", 1) > 1:
-        console.print(
-            plain(
-                f"no periodic state exists here; means are over {document['averaged_cycles']} electrical cycles"
-            )
+        print_line(
+            console,
+            f"no periodic state exists here; means are over {document['averaged_cycles']} electrical cycles",
         )
     if not document["unique"]:
-        console.print(
-            plain(
-                "the periodic state is not unique: without resistance, a current that reaches neither zero nor its "
-                "limit retains any dc offset; the values are those of one such state",
-                "yellow",
-            )
+        print_line(
+            console,
+            "the periodic state is not unique: without resistance, a current that reaches neither zero nor its "
+            "limit retains any dc offset; the values are those of one such state",
+            "yellow",
         )
-    console.print(
-        plain("next: another angle shows what Σ|i| costs; drivegate map computes many at once", "dim")
+    print_line(
+        console, "next: another angle shows what Σ|i| costs; drivegate map computes many at once", "dim"
     )

@@ -5,23 +5,22 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any, Final
 
+from rich.console import Console
+
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault
 from drivegate.checks.check import Record
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.contracts.catalogue import contract_of
+from drivegate.contracts.contract import Contract
 from drivegate.drives.running import recorded
-from drivegate.output.console import number, plain, table
+from drivegate.output.console import number, print_ending, print_line, table
 from drivegate.output.waiting import report_slow, with_compiled_kernels
 from drivegate_cases.scenario.scenario import Scenario
 
 if TYPE_CHECKING:
     import pandas
-    from rich.console import Console
-
-    from drivegate.contracts.contract import Contract
-
 
 SCHEMA: Final = 1
 MOST_ROWS: Final = 1_000_000
@@ -29,27 +28,23 @@ MOST_ROWS: Final = 1_000_000
 
 
 def simulated(candidate: Candidate, scenario: Scenario) -> Record | Fault:
-    """Run a candidate through a scenario."""
     with_compiled_kernels([scenario.drive])
     with Judge(candidate, on_slow=report_slow) as judge:
         return judge.run(Job(run_once, scenario))
 
 
 def run_once(loaded: JudgedCandidate, scenario: Scenario) -> Record:
-    """Run a scenario with a trace."""
     every = -(-scenario.control_periods // MOST_ROWS)
     return recorded(loaded, scenario, loaded.controller(), trace_every=every)
 
 
 def trace_frame(scenario: Scenario, run: Any) -> pandas.DataFrame:
-    """Return the trace of a run as a table."""
     import pandas
 
     return pandas.DataFrame(contract_of(scenario.drive).signals(run))
 
 
 def document_of(candidate: Candidate, scenario: Scenario, ended: Record | Fault) -> dict[str, Any]:
-    """Summarize a run as plain data."""
     document: dict[str, Any] = {
         "schema": SCHEMA,
         "kind": "simulation",
@@ -87,18 +82,14 @@ def show_run(console: Console, contract: Contract, document: dict[str, Any], hin
             windows.add_row(number(row["start_s"], 1), number(row["end_s"], 1), *values)
         console.print(windows)
     for words in document["clamped"]:
-        console.print(plain(words, "bold yellow"))
-    for path in document["files"]:
-        console.print(plain(f"written: {path}"))
-    if hint:
-        console.print(plain(f"next: {hint}", "dim"))
+        print_line(console, words, "bold yellow")
+    print_ending(console, document["files"], hint)
 
 
 def show_fault(console: Console, document: dict[str, Any]) -> None:
-    """Print what ended the run."""
     fault = document["fault"]
-    console.print(plain(f"{document['candidate']['name']}: {fault['kind']}: {fault['message']}", "bold red"))
+    print_line(console, f"{document['candidate']['name']}: {fault['kind']}: {fault['message']}", "bold red")
     if fault["time"] is not None:
-        console.print(plain(f"  in step {fault['step']}, at {fault['time']:g} s"))
+        print_line(console, f"  in step {fault['step']}, at {fault['time']:g} s")
     for line in fault["traceback"].splitlines():
-        console.print(plain(f"  {line}", "dim"))
+        print_line(console, f"  {line}", "dim")

@@ -12,7 +12,6 @@ from drivegate_cases.documents.wording import shown_path
 from drivegate_models.errors import InputError
 
 SCHEMA: Final = 2
-"""Version of the document of a verification."""
 _ALTERED: Final = "the result was altered: its content is not that of its content hash"
 _UNCHANGED: Final = (
     "the content fits its hash, but anyone can make a hash; a signature of the file shows whose it is"

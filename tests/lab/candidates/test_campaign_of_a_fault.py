@@ -27,7 +27,7 @@ def test_rows_have_the_margins_and_observations_of_the_contract(plan, folder):
     with CampaignFolder(folder / "out", whole) as held:
         for chunk in whole.chunks():
             runs = [whole.run(chunk.first + place) for place in range(chunk.length)]
-            rows = run_chunk(packed(whole), chunk).rows
+            rows = run_chunk(packed(whole), chunk)
             held.write(held.path_of(chunk), table_bytes(runs, rows, ("load_share",), whole.checks))
         sound, faulty = summarised(whole, held, 0.95)["candidates"]
     assert (sound["verdicts"], faulty["verdicts"]) == ({"pass": 4}, {"fail": 4})

@@ -4,17 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from shlex import quote
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
+from rich.console import Console
+from rich.table import Table
 
-from drivegate.output.console import number, plain, table
+from drivegate.output.console import number, plain, print_line, table
 from drivegate_cases.documents.wording import significant
-
-if TYPE_CHECKING:
-    from rich.console import Console
-    from rich.table import Table
-
 
 _WORDS: Final = ("check", "level")
 _MARGINS: Final = ("worst margin", "5 %", "median")
@@ -31,20 +28,19 @@ def show_campaign(console: Console, document: dict[str, Any]) -> None:
         rows = _rows(document, candidate)
         console.print(_fitting(console, f"{candidate['name']}: {verdicts}", rows))
         for fault in candidate["first_faults"]:
-            console.print(
-                plain(f"{fault['verdict']}: first in run {fault['run']}, {fault['file']}", "bold red")
+            print_line(
+                console, f"{fault['verdict']}: first in run {fault['run']}, {fault['file']}", "bold red"
             )
-    console.print(plain(f"results: {document['output']}"))
+    print_line(console, f"results: {document['output']}")
     for page in document["pages"]:
         contents = "has the margins of all runs, and the commands that run the worst of them again"
-        console.print(plain(f"next: {page} {contents}", "dim"))
+        print_line(console, f"next: {page} {contents}", "dim")
     hint = _hint(document)
     if hint:
-        console.print(plain(f"next: {hint}", "dim"))
+        print_line(console, f"next: {hint}", "dim")
 
 
 def _rows(document: dict[str, Any], candidate: dict[str, Any]) -> list[dict[str, str]]:
-    """Write every column of every row."""
     interval = f"{100.0 * document['confidence']:g} % interval"
     rows = []
     for check in candidate["checks"]:
@@ -104,7 +100,6 @@ def interval_text(stated: Mapping[str, Any]) -> str:
 
 
 def share_text(stated: Mapping[str, Any]) -> str:
-    """Write how often something happened."""
     return f"{stated['violations']} of {stated['runs']}" if stated["runs"] else "–"
 
 

@@ -6,7 +6,6 @@ import hashlib
 import pickle
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -52,9 +51,9 @@ def make_runs(
     rehearse(plan)
     parameters, checks = plan.campaign.parameters, plan.checks
     report_progress(kept, before)
-    for chunk, result in done_by(backend, run_chunk, packed(plan), left):
+    for chunk, rows in done_by(backend, run_chunk, packed(plan), left):
         runs = [plan.run(number) for number in range(chunk.first, chunk.first + chunk.length)]
-        folder.write(folder.path_of(chunk), table_bytes(runs, result.rows, parameters, checks))
+        folder.write(folder.path_of(chunk), table_bytes(runs, rows, parameters, checks))
         kept += chunk.length
         report_progress(kept, before)
     return missing
@@ -101,16 +100,6 @@ def write_pages(document: dict[str, Any], folder: CampaignFolder) -> tuple[Path,
     return tuple(folder.place / page for page in written.pages.values())
 
 
-@dataclass(frozen=True)
-class ChunkResult:
-    """What the runs of one file came to."""
-
-    chunk: Chunk
-    """Which runs."""
-    rows: tuple[CampaignRow, ...]
-    """One for each of them."""
-
-
 def packed(plan: CampaignPlan) -> bytes:
     """Make a plan ready to be sent to workers."""
     sources = tuple(_fingerprint(candidate) for candidate in plan.candidates)
@@ -132,10 +121,13 @@ def _fingerprint(candidate: Candidate) -> str:
     return digest.hexdigest()
 
 
-def run_chunk(package: bytes, chunk: Chunk) -> ChunkResult:
-    """Make the runs of one file."""
+def run_chunk(package: bytes, chunk: Chunk) -> tuple[CampaignRow, ...]:
     plan, fingerprints, required = _unpacked(package)
-    _require_versions(required)
+    if required != _versions():
+        raise InputError(
+            f"a worker has other versions ({_in_words(_versions())}) than the campaign ({_in_words(required)}); "
+            "install the same everywhere, since results of two versions are not mixed"
+        )
     candidate = plan.candidates[chunk.candidate]
     _require_unchanged(candidate, fingerprints[chunk.candidate])
     requests = (
@@ -145,7 +137,7 @@ def run_chunk(package: bytes, chunk: Chunk) -> ChunkResult:
     endings = contained_runs(candidate, run_row, requests)
     rows = tuple(fault_row(ending) if isinstance(ending, Fault) else ending for ending in endings)
     _require_unchanged(candidate, fingerprints[chunk.candidate])
-    return ChunkResult(chunk, rows)
+    return rows
 
 
 @lru_cache(maxsize=2)
@@ -157,14 +149,6 @@ def _unpacked(package: bytes) -> tuple[CampaignPlan, tuple[str, ...], dict[str, 
 @lru_cache(maxsize=1)
 def _versions() -> dict[str, Any]:
     return versions()
-
-
-def _require_versions(required: dict[str, Any]) -> None:
-    if required != _versions():
-        raise InputError(
-            f"a worker has other versions ({_in_words(_versions())}) than the campaign ({_in_words(required)}); "
-            "install the same everywhere, since results of two versions are not mixed"
-        )
 
 
 def _in_words(used: dict[str, Any]) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import prod
 from pathlib import Path
 from typing import Annotated, Final, Literal, Self
 
@@ -133,14 +134,10 @@ class Campaign(Document):
     @property
     def grid_points(self) -> int:
         """Number of combinations of the grid's values, 1 without a grid."""
-        points = 1
-        for values in self.grid.values():
-            points *= len(values)
-        return points
+        return prod(len(values) for values in self.grid.values())
 
     @property
     def runs_per_candidate(self) -> int:
-        """Number of runs of each candidate."""
         return len(self.cases) * self.grid_points * self.draws
 
     @property
@@ -158,7 +155,6 @@ class Campaign(Document):
 
 
 def read_campaign(path: str | Path) -> Campaign:
-    """Read the file of a campaign."""
     return read_document(path, Campaign)
 
 

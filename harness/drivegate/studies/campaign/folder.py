@@ -46,7 +46,6 @@ def require_parquet(what: str) -> None:
 def table_bytes(
     runs: Sequence[CampaignRun], rows: Sequence[CampaignRow], parameters: Sequence[str], checks: Sequence[str]
 ) -> bytes:
-    """Write rows as a Parquet file."""
     import pyarrow
     from pyarrow import parquet
 
@@ -64,7 +63,6 @@ def table_bytes(
 
 
 def schema(parameters: Sequence[str], checks: Sequence[str], observations: Sequence[str]) -> pyarrow.Schema:
-    """Return the columns of a campaign's files."""
     import pyarrow
 
     columns = (*_FIXED, *parameters, *_JUDGED, *(MARGIN + check for check in checks), *observations)
@@ -145,11 +143,9 @@ class CampaignFolder(ResumedFolder):
             (self.place / ROWS / name).mkdir(parents=True, exist_ok=True)
 
     def path_of(self, chunk: Chunk) -> Path:
-        """Return the file of some runs."""
         return self.place / ROWS / self._names[chunk.candidate] / f"part-{chunk.part:06d}.parquet"
 
     def is_complete(self, chunk: Chunk) -> bool:
-        """Return True if some runs have been made."""
         path = self.path_of(chunk)
         if not path.exists():
             return False
@@ -185,7 +181,6 @@ def _manifest_of(plan: CampaignPlan) -> dict[str, Any]:
 
 
 def _read_manifest(path: Path) -> dict[str, Any]:
-    """Read the manifest of a folder."""
     try:
         manifest = read_mapping(path)
     except InputError as error:
@@ -212,14 +207,8 @@ def _refuse_other(place: Path, theirs: dict[str, Any], ours: dict[str, Any]) -> 
         )
     if theirs.get("candidates") != ours["candidates"]:
         known = theirs.get("candidates")
-        changed = next(
-            (
-                entry["name"]
-                for entry in ours["candidates"]
-                if not isinstance(known, list) or entry not in known
-            ),
-            "?",
-        )
+        theirs_too = known if isinstance(known, list) else []
+        changed = next((entry["name"] for entry in ours["candidates"] if entry not in theirs_too), "?")
         raise InputError(
             f"{where} was begun with another version of the candidate '{one_line(changed)}'; name a new folder, "
             "since results of two versions are not mixed"

@@ -40,7 +40,6 @@ class CampaignRun:
     number: int
     """Number of the run in the campaign, from 0."""
     case: str
-    """Name of the case."""
     draw: int
     """Number of the drawn drive at this point of the grid, from 0."""
     seed: int
@@ -62,7 +61,6 @@ class Chunk:
     first: int
     """Number of its first run in the campaign."""
     length: int
-    """Number of runs."""
 
 
 @dataclass(frozen=True)
@@ -70,11 +68,9 @@ class CampaignPlan:
     """A campaign with everything that it names."""
 
     campaign: Campaign
-    """The file."""
     candidates: tuple[Candidate, ...]
     """Its candidates, none of whose code has run."""
     cases: tuple[Scenario, ...]
-    """Its cases."""
 
     @property
     def contract(self) -> str:
@@ -89,7 +85,6 @@ class CampaignPlan:
 
     @property
     def runs(self) -> int:
-        """Number of runs."""
         return len(self.candidates) * self.campaign.runs_per_candidate
 
     @cached_property
@@ -118,7 +113,8 @@ class CampaignPlan:
             1 + len(SPREADABLE), np.uint64
         )
         parameters = self._points[point] | {
-            key: drawn(spread, _share(int(words[1 + SPREADABLE.index(key)])))
+            # The upper 53 of 64 random bits make a number between 0 and 1, neither included.
+            key: drawn(spread, ((int(words[1 + SPREADABLE.index(key)]) >> 11) + 0.5) * _MANTISSA)
             for key, spread in self.campaign.spread.items()
         }
         seed = int(words[0]) >> 1
@@ -198,13 +194,7 @@ def below(text: str, folder: Path) -> str:
     return f"{folder / file}:{attribute}" if colon else str(folder / file)
 
 
-def _share(word: int) -> float:
-    """Make a number between 0 and 1, neither included, of 64 random bits."""
-    return ((word >> 11) + 0.5) * _MANTISSA
-
-
 def drawn(spread: Spread, share: float) -> float:
-    """Draw a value."""
     if isinstance(spread, NormalSpread):
         from scipy.special import ndtr, ndtri
 
@@ -216,7 +206,6 @@ def drawn(spread: Spread, share: float) -> float:
 
 
 def with_parameters(case: Scenario, parameters: Mapping[str, float], *, name: str, seed: int) -> Scenario:
-    """Change a case as parameters say."""
     changes: dict[str, Any] = {"name": name[:200], "seed": seed}
     scales = {key: value for key, value in parameters.items() if key in SCALES}
     if scales:

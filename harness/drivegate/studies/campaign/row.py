@@ -46,14 +46,12 @@ class RowRequest:
     """What a worker is to run."""
 
     scenario: Scenario
-    """The scenario."""
     checks: tuple[str, ...]
-    """The checks that judge it."""
 
 
 @dataclass(frozen=True)
 class CampaignRow:
-    """What a run came to."""
+    """The outcome of a run."""
 
     verdict: str
     """`PASS`, `FAIL`, one of `UNCOUNTED`, or the kind of the candidate's fault."""
@@ -70,7 +68,6 @@ class CampaignRow:
 
 
 def run_row(loaded: JudgedCandidate, request: RowRequest) -> CampaignRow:
-    """Make a run and judge it."""
     if not contract_of(request.scenario.drive).is_fair(request.scenario):
         return CampaignRow(SET_ASIDE)
     try:
@@ -81,7 +78,6 @@ def run_row(loaded: JudgedCandidate, request: RowRequest) -> CampaignRow:
 
 
 def fault_row(fault: Fault) -> CampaignRow:
-    """Return the row of a run that the candidate's fault ended."""
     return CampaignRow(fault.kind.value, bounded_line(fault.message))
 
 

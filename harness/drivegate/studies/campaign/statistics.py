@@ -28,7 +28,6 @@ class CheckStatistics:
     """What all runs say of one check of one candidate."""
 
     check: str
-    """Identifier of the check."""
     violated: Proportion
     """How often it was violated, of the runs in which it is binding."""
     advised: int
@@ -38,7 +37,6 @@ class CheckStatistics:
     worst_run: int | None = None
     """The run with the least margin, the first of equals; None without runs."""
     worst_margin: float | None = None
-    """Its margin."""
     curve: tuple[float, ...] = ()
     """All margins from the least to the greatest, or `CURVE_POINTS` of them at equal shares of the runs."""
 
@@ -48,7 +46,6 @@ class CandidateStatistics:
     """What all runs say of one candidate."""
 
     name: str
-    """The candidate."""
     verdicts: dict[str, int]
     """Number of runs by verdict."""
     violated: Proportion
@@ -62,7 +59,6 @@ class CandidateStatistics:
 
 
 def quantiles_of(margins: NDArray[np.float64]) -> tuple[float, ...]:
-    """Return the margins at `QUANTILES`."""
     if len(margins) == 0:
         return ()
     return tuple(float(value) for value in np.quantile(margins, QUANTILES, method="inverted_cdf"))
@@ -139,31 +135,18 @@ def _of_checks(checks: Sequence[str], paths: Sequence[Path], confidence: float) 
                 least = int(margins.argmin())
                 here = (float(margins[least]), int(runs[binding][least]))
                 worst[check] = min(worst.get(check, here), here)
-    return [
-        _of_check(check, found[check], worst.get(check), advised[check], confidence)
-        for check in checks
-        if found[check] or advised[check]
-    ]
-
-
-def _of_check(
-    check: str,
-    found: list[NDArray[np.float64]],
-    worst: tuple[float, int] | None,
-    advised: int,
-    confidence: float,
-) -> CheckStatistics:
-    margins = np.concatenate(found) if found else np.empty(0)
-    violated = proportion(int(np.count_nonzero(margins < 0.0)), len(margins), confidence)
-    if worst is None:
-        return CheckStatistics(check, violated, advised)
-    return CheckStatistics(
-        check, violated, advised, quantiles_of(margins), worst[1], worst[0], curve_of(margins)
-    )
+    made = []
+    for check in checks:
+        if found[check] or advised[check]:
+            margins = np.concatenate(found[check]) if found[check] else np.empty(0)
+            violated = proportion(int(np.count_nonzero(margins < 0.0)), len(margins), confidence)
+            quantiles, curve = quantiles_of(margins), curve_of(margins)
+            margin, run = worst.get(check, (None, None))
+            made.append(CheckStatistics(check, violated, advised[check], quantiles, run, margin, curve))
+    return made
 
 
 def plain(stated: Proportion) -> dict[str, Any]:
-    """Write a proportion as plain data."""
     return {
         "violations": stated.happened,
         "runs": stated.runs,

@@ -12,7 +12,6 @@ from copy import deepcopy
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import FrameType
-from typing import TYPE_CHECKING, TypeVar
 
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.gate.events import Event, Running
@@ -20,7 +19,7 @@ from drivegate.gate.options import CheckOptions
 from drivegate.output.event_loop import finished
 from drivegate.output.progress import progress_on
 from drivegate.output.report_folder import ReportFolder
-from drivegate.output.report_writers import Preparation, page_name, write_reports
+from drivegate.output.report_writers import LoadWriter, Preparation, page_name, write_reports
 from drivegate.output.result_file import RESULT_FILE, as_json
 from drivegate.output.result_reports import own_formats, page_formats, write_result
 from drivegate.output.waiting import CheckPace
@@ -29,12 +28,6 @@ from drivegate.studies.check.part import WHOLE_CHECK, Part, focus_of
 from drivegate_cases.documents.system_failure import is_of_the_disk
 from drivegate_cases.documents.wording import shown_path
 from drivegate_models.errors import HarnessFault, InputError
-
-if TYPE_CHECKING:
-    from drivegate.output.report_writers import LoadWriter
-
-
-_Result = TypeVar("_Result")
 
 
 @dataclass(frozen=True)
@@ -67,7 +60,12 @@ def check_all(
     with progress_on(None if quiet else sys.stderr) as display:
         for specification in specifications:
             display.begin(specification, words="loading")
-            all_checked.append(_resolved(specification))
+            checked = Checked(specification)
+            all_checked.append(checked)
+            try:
+                checked.candidate = resolve_candidate(specification)
+            except Exception as error:
+                checked.error = error
     if all(checked.candidate is None for checked in all_checked):
         show(all_checked)
         return all_checked
@@ -156,27 +154,12 @@ def _write_pages(
             checked.pages, checked.error = (), _unwritten(error, output)
 
 
-def _resolved(specification: str) -> Checked:
-    checked = Checked(specification)
-    checked.candidate = _attempted(checked, lambda: resolve_candidate(specification))
-    return checked
-
-
-def _attempted(checked: Checked, work: Callable[[], _Result]) -> _Result | None:
-    try:
-        return work()
-    except Exception as error:
-        checked.error = error
-        return None
-
-
 def _name(checked: Checked) -> str:
     """Name a candidate as waivers do, also one that is refused."""
     return checked.specification if checked.candidate is None else checked.candidate.name
 
 
 def _with_records(options: CheckOptions, records: Records, names: Sequence[str]) -> CheckOptions:
-    """Read the records into the options."""
     if records.corpus is not None:
         from drivegate.results.counterexample import read_corpus
 
@@ -205,8 +188,7 @@ def _check(
     place, candidate = checked.folder, checked.candidate
     assert place is not None, "its folder is known"
     assert candidate is not None, "only a candidate that was found is checked"
-
-    def work() -> bool:
+    try:
         with progress_on(None if quiet else sys.stderr) as display:
             display.begin(candidate.name)
             # The engine brings the compiled plant, which a candidate that is refused does not need.
@@ -227,12 +209,9 @@ def _check(
             written = write_result(checked.document, staging, own_formats())
         for error in written.errors.values():
             raise error
-        return True
-
-    if _attempted(checked, work) is None:
+    except Exception as error:
         checked.folder = None
-        if checked.document is not None and checked.error is not None:
-            checked.error = _unwritten(checked.error, place)
+        checked.error = error if checked.document is None else _unwritten(error, place)
     if ending.is_requested():
         checked.error = checked.error or KeyboardInterrupt()
 

@@ -19,21 +19,15 @@ class Checked:
     """What has become of one candidate."""
 
     specification: str
-    """The string that named it."""
     candidate: Candidate | None = None
-    """The candidate, if there is one."""
     document: dict[str, Any] | None = None
-    """The result document, if there is one."""
     folder: Path | None = None
-    """Where its files are."""
     pages: tuple[Path, ...] = ()
-    """The written reports."""
     error: BaseException | None = None
     """Why there is no result, no report, or only a part of it."""
 
     @property
     def exit_code(self) -> int:
-        """The exit code of this candidate alone."""
         judged = ExitCode.PASSED if self.document is None else self.document["exit_code"]
         return int(max(judged, ExitCode.PASSED if self.error is None else failure_of(self.error).exit_code))
 

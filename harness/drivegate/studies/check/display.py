@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 from shlex import quote
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from drivegate.output.causes import causes_of, first_to_mend, likely_causes_of
-from drivegate.output.console import ADVISED, STYLES, plain, table, verdict_text
+from rich.console import Console
+from rich.text import Text
+
+from drivegate.output.causes import account_of, causes_of, first_to_mend, likely_causes_of
+from drivegate.output.console import ADVISED, STYLES, plain, print_line, table, verdict_text
 from drivegate.output.explanations import by_urgency, distinct_faults, in_runs, unjudged_in_words
 from drivegate.output.result_file import counterexample_name
 from drivegate.output.wording import (
@@ -20,12 +23,7 @@ from drivegate.output.wording import (
 )
 from drivegate.results.result import counted_levels, witness_in_words
 from drivegate.scenarios.facts import facts_in_short
-
-if TYPE_CHECKING:
-    from rich.console import Console
-    from rich.text import Text
-
-    from drivegate.studies.check.checked import Checked
+from drivegate.studies.check.checked import Checked
 
 
 def show_checked(console: Console, checked: Checked) -> None:
@@ -35,10 +33,18 @@ def show_checked(console: Console, checked: Checked) -> None:
     for fault, count in distinct_faults(document["faults"]):
         _show_fault(console, fault, count)
     if left := unjudged_in_words(document):
-        console.print(plain(f"  {left}", "bold"))
-    _show_causes(console, document)
-    _show_contested(console, document)
-    console.print(plain(f"on the drive {drive_in_words(document['drive'])}", "dim"))
+        print_line(console, f"  {left}", "bold")
+    failed = [check for check in document["checks"] if check["counterexample"] is not None]
+    if failed:
+        for cause in causes_of(document):
+            print_line(console, cause, "bold red")
+        for words in likely_causes_of(document):
+            print_line(console, words, "bold")
+    contested = ", ".join(check["id"] for check in document["checks"] if check["verdict"] == "contested")
+    if contested:
+        sentence = "no known good controller meets them in the same scenarios either, so they do not count"
+        print_line(console, f"contested: {contested}: {sentence}", "bold yellow")
+    print_line(console, f"on the drive {drive_in_words(document['drive'])}", "dim")
     listed = table("check", "level", "verdict", "margin", "message", right=("margin",))
     counted = counted_levels(document.get("fail_on"))
     for check in by_urgency(document["checks"]):
@@ -48,11 +54,10 @@ def show_checked(console: Console, checked: Checked) -> None:
     console.print(listed)
     if document["baseline"]:
         _show_comparisons(console, document["baseline"])
-    failed = [check for check in document["checks"] if check["counterexample"] is not None]
     for check in failed:
         _show_counterexample(console, document, check, folder)
     if folder is not None:
-        console.print(plain(f"next: {_next_step(checked, folder)}", "dim"))
+        print_line(console, f"next: {_next_step(checked, folder)}", "dim")
 
 
 def _show_comparisons(console: Console, entries: list[dict[str, Any]]) -> None:
@@ -63,49 +68,30 @@ def _show_comparisons(console: Console, entries: list[dict[str, Any]]) -> None:
     console.print(listed)
 
 
-def _show_causes(console: Console, document: dict[str, Any]) -> None:
-    if all(check["counterexample"] is None for check in document["checks"]):
-        return
-    for cause in causes_of(document):
-        console.print(plain(str(cause), "bold red"))
-    for words in likely_causes_of(document):
-        console.print(plain(words, "bold"))
-
-
-def _show_contested(console: Console, document: dict[str, Any]) -> None:
-    names = [check["id"] for check in document["checks"] if check["verdict"] == "contested"]
-    if names:
-        sentence = "no known good controller meets them in the same scenarios either, so they do not count"
-        console.print(plain(f"contested: {', '.join(names)}: {sentence}", "bold yellow"))
-
-
 def _show_fault(console: Console, fault: dict[str, Any], count: int) -> None:
-    console.print(plain(f"{fault['kind']}{in_runs(count)}: {fault['message']}", "bold red"))
+    print_line(console, f"{fault['kind']}{in_runs(count)}: {fault['message']}", "bold red")
     if fault["time_s"] is not None:
-        console.print(plain(f"  in step {fault['step']}, at {fault['time_s']:g} s"))
+        print_line(console, f"  in step {fault['step']}, at {fault['time_s']:g} s")
     for line in fault["traceback"].splitlines():
-        console.print(plain(f"  {line}", "dim"))
+        print_line(console, f"  {line}", "dim")
 
 
 def _show_counterexample(
     console: Console, document: dict[str, Any], check: dict[str, Any], folder: Path | None
 ) -> None:
-    # It brings the oracle, which a check without failures does not need.
-    from drivegate.output.causes import account_of
-
     outcome = "fails" if check["verdict"] == "fail" else f"fails, {check['verdict']}"
     style = "bold" if check["level"] == "required" else STYLES[ADVISED]
-    console.print(plain(f"{check['id']} {outcome} ({check['level']}): {check['requirement']}", style))
+    print_line(console, f"{check['id']} {outcome} ({check['level']}): {check['requirement']}", style)
     measured = check["measured"] if check["found"] is None else check["found"]["measured"]
-    console.print(plain(f"  measured {measured}; limit {check['limit']}"))
+    print_line(console, f"  measured {measured}; limit {check['limit']}")
     if check.get("witness") is not None:
-        console.print(plain(f"  {witness_in_words(check['witness'])}"))
-    console.print(plain(f"  in {scenario_in_short(check['counterexample'])}"))
-    console.print(plain(f"  facts {facts_in_short(check['counterexample'])}"))
+        print_line(console, f"  {witness_in_words(check['witness'])}")
+    print_line(console, f"  in {scenario_in_short(check['counterexample'])}")
+    print_line(console, f"  facts {facts_in_short(check['counterexample'])}")
     for sentence in account_of(document, check):
-        console.print(plain(f"  {sentence}"))
+        print_line(console, f"  {sentence}")
     if folder is not None:
-        console.print(plain(f"  file {folder / counterexample_name(check['id'])}"))
+        print_line(console, f"  file {folder / counterexample_name(check['id'])}")
 
 
 def _next_step(checked: Checked, folder: Path) -> str:
@@ -134,7 +120,11 @@ def show_last_line(console: Console, all_checked: Sequence[Checked], output: Pat
     seconds = sum(
         checked.document["timing"].get("seconds", 0.0) for checked in all_checked if checked.document
     )
-    line.append_text(plain(f", {seconds:.0f} s, report: {_report(all_checked, output)}"))
+    pages = all_checked[0].pages
+    report: Path | str = pages[0] if len(all_checked) == 1 and pages else output
+    if all(checked.folder is None for checked in all_checked):
+        report = "none"
+    line.append_text(plain(f", {seconds:.0f} s, report: {report}"))
     console.print(line)
 
 
@@ -148,10 +138,3 @@ def _ending(checked: Checked, *, alone: bool) -> Text:
     if alone:
         ending.append_text(plain(f", {runs_in_short(checked.document)}"))
     return ending
-
-
-def _report(all_checked: Sequence[Checked], output: Path) -> Path | str:
-    if all(checked.folder is None for checked in all_checked):
-        return "none"
-    pages = all_checked[0].pages
-    return pages[0] if len(all_checked) == 1 and pages else output

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 from drivegate.candidates.candidate import Candidate
 from drivegate.gate.focus import Focus, is_called
@@ -25,19 +25,20 @@ class Part:
     only: tuple[str, ...] = ()
     """Checks, families of checks or lists of them with commas; empty for all."""
     stop_at_first: bool = False
-    """Whether to end with the first failure."""
     last_failed: bool = False
     """Whether only what failed in the last check is judged, its counterexamples first."""
 
 
 WHOLE_CHECK: Final = Part()
-"""The whole check."""
 
 
 def focus_of(part: Part, candidates: Sequence[Candidate | None], output: Path) -> Focus:
     """Find the checks that are requested, and what failed in the last report of a folder."""
-    named = _named(part.only)
-    only = _chosen(named)
+    from drivegate.contracts.catalogue import all_checks
+
+    known = list(all_checks())
+    named = _named(part.only, known)
+    only = tuple(check for check in known if any(is_called(check, name) for name in named))
     first: tuple[Counterexample, ...] = ()
     if part.last_failed:
         if len(candidates) != 1 or candidates[0] is None:
@@ -48,11 +49,8 @@ def focus_of(part: Part, candidates: Sequence[Candidate | None], output: Path) -
     return Focus(only, named, part.stop_at_first, first)
 
 
-def _named(words: Iterable[str]) -> tuple[str, ...]:
+def _named(words: Iterable[str], known: Sequence[str]) -> tuple[str, ...]:
     """Read names of checks and families, and refuse those that no contract has."""
-    from drivegate.contracts.catalogue import all_checks
-
-    known = list(all_checks())
     named = tuple(word.strip().upper() for listed in words for word in listed.split(",") if word.strip())
     if words and not named:
         raise InputError("--only names no check; name some, such as --only CNV-2,CNV-3")
@@ -63,13 +61,6 @@ def _named(words: Iterable[str]) -> tuple[str, ...]:
                 "drivegate checks lists them"
             )
     return named
-
-
-def _chosen(named: Iterable[str]) -> tuple[str, ...]:
-    """Find the checks of any contract that are named, in the order of the catalogue."""
-    from drivegate.contracts.catalogue import all_checks
-
-    return tuple(check for check in all_checks() if any(is_called(check, name) for name in named))
 
 
 def _last_failed(output: Path, candidate: Candidate) -> list[Counterexample]:
@@ -91,15 +82,12 @@ def _last_failed(output: Path, candidate: Candidate) -> list[Counterexample]:
             f"'{one_line(candidate.name)}'; name its folder with --output"
         )
     waived = {check["id"] for check in result["checks"] if check["verdict"] in ("contested", "waived")}
-    stored: list[dict[str, Any]] = counterexamples(_required_alone(result))
+    # Where advisory failures did not count, they are left out here too.
+    counted = counted_levels(result.get("fail_on"))
+    required = [check for check in result["checks"] if check["level"] in counted]
+    stored = counterexamples({**result, "checks": required})
     return [
         parse_document(content, Counterexample, str(path))
         for content in stored
         if content["check"] not in waived
     ]
-
-
-def _required_alone(result: dict[str, Any]) -> dict[str, Any]:
-    """Leave out checks that only advise, where these did not count."""
-    counted = counted_levels(result.get("fail_on"))
-    return {**result, "checks": [check for check in result["checks"] if check["level"] in counted]}

@@ -46,10 +46,8 @@ class Rule:
     """Greatest difference of a number, relative to the larger one, absolute where that is below 1; `BITWISE`
     for none."""
     ignored: tuple[str, ...] = ()
-    """The fields that are not compared."""
 
     def judged(self, fields: Iterable[str]) -> tuple[str, ...]:
-        """Return the fields that are compared."""
         return tuple(name for name in fields if name not in self.ignored)
 
 
@@ -89,9 +87,7 @@ class RecordRequest:
     """What is to be recorded of the first candidate."""
 
     path: Path
-    """The file to write."""
     scenario: Scenario
-    """The scenario."""
 
 
 @dataclass(frozen=True)
@@ -99,11 +95,8 @@ class FollowRequest:
     """What the second candidate is to answer."""
 
     path: Path
-    """The record."""
     scenario: Scenario
-    """Its scenario."""
     rule: Rule
-    """When an answer differs."""
     before: int
     after: int
     """Numbers of answers to return from before and after the first difference."""
@@ -246,7 +239,6 @@ class StepComparison:
     steps: int
     """Number of steps at which both answered the same."""
     difference: Difference | None = None
-    """The first difference."""
     fault: Fault | None = None
     """The fault of one of them."""
     faulted: str | None = None

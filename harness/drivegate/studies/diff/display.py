@@ -2,28 +2,22 @@
 
 from __future__ import annotations
 
-import io
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
+from rich.console import Console
 
 from drivegate.candidates.step_costs import StepCosts
 from drivegate.checks.target_costs import costs_in_words
 from drivegate.contracts.contract import Contract
-from drivegate.output.console import plain, table
-from drivegate.output.legend import side_legend
+from drivegate.output.console import plain, print_ending, print_line, table
+from drivegate.output.figures import figure_file, side_legend
 from drivegate.studies.diff.diff import Difference
 from drivegate.studies.diff.document import in_words
-from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.documents.wording import one_line
 from drivegate_models.units import RPM
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from rich.console import Console
-
 
 _LAST_DIGITS: Final = 1e-5
 """Relative difference that rounding explains, of a step that computes in single precision (1)."""
@@ -42,28 +36,26 @@ def show_difference(
     """
     one, other = (candidate["name"] for candidate in document["candidates"])
     rule = "bit for bit" if document["tolerance"] is None else f"within {document['tolerance']:g}"
-    console.print(plain(f"first: {one}, second: {other}; {document['scenario']}, {rule}"))
+    print_line(console, f"first: {one}, second: {other}; {document['scenario']}, {rule}")
     fault, found = document["fault"], document["difference"]
     if fault is not None:
         message = f"{fault['kind'].upper()} of the {fault['place']}, {fault['candidate']}: {fault['message']}"
-        console.print(plain(message, "bold red"))
-        console.print(plain(f"  {document['steps_equal']} steps before"))
+        print_line(console, message, "bold red")
+        print_line(console, f"  {document['steps_equal']} steps before")
         for line in fault["traceback"].splitlines():
-            console.print(plain(f"  {line}", "dim"))
+            print_line(console, f"  {line}", "dim")
     elif found is None:
-        console.print(plain(f"EQUAL in all {document['steps_equal']} steps", "bold green"))
+        print_line(console, f"EQUAL in all {document['steps_equal']} steps", "bold green")
     else:
-        console.print(plain(f"DIFFERENT first in step {found['step']}, at {found['time_s']:g} s", "bold red"))
+        print_line(console, f"DIFFERENT first in step {found['step']}, at {found['time_s']:g} s", "bold red")
         _show_difference(console, found, sensed)
     for candidate in document["candidates"]:
         if costs := costs_in_words(StepCosts(**candidate["step_costs"])):
-            console.print(plain(f"on its target, {candidate['name']} takes at most {costs}"))
+            print_line(console, f"on its target, {candidate['name']} takes at most {costs}")
     if found is not None and is_rounding_of_a_target(document):
-        console.print(plain(_ROUNDING))
-    for path in document["files"]:
-        console.print(plain(f"written: {path}"))
-    if found is not None and not document["files"]:
-        console.print(plain(f"next: drivegate diff {words} --plot difference.svg draws both", "dim"))
+        print_line(console, _ROUNDING)
+    hint = f"drivegate diff {words} --plot difference.svg draws both"
+    print_ending(console, document["files"], hint if found is not None and not document["files"] else "")
 
 
 def is_rounding_of_a_target(document: dict[str, Any]) -> bool:
@@ -87,11 +79,10 @@ def _show_difference(console: Console, found: dict[str, Any], sensed: Mapping[st
     console.print(shown)
     plant = found["plant"]
     currents = ", ".join(f"{current:.4g}" for current in plant["phase_currents"])
-    console.print(
-        plain(
-            f"the plant: {plant['speed_rpm']:.6g} rpm, electrical angle {plant['electrical_angle_deg']:.2f}°, "
-            f"phase currents {currents} A"
-        )
+    print_line(
+        console,
+        f"the plant: {plant['speed_rpm']:.6g} rpm, electrical angle {plant['electrical_angle_deg']:.2f}°, "
+        f"phase currents {currents} A",
     )
     answers = table(
         "step", "field", "first", "second", "unit", "difference", right=("step", "first", "second")
@@ -112,16 +103,8 @@ def _number(value: float) -> str:
 
 def draw(found: Difference, contract: Contract, names: tuple[str, str], plot: Path, title: str) -> None:
     """Draw both commands around the first difference, their differences, and the speed."""
-    from matplotlib import rc_context
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    buffer = io.BytesIO()
-    kind = plot.suffix.lower().removeprefix(".")
-    with rc_context({"text.parse_math": False, "svg.hashsalt": "drivegate", "svg.fonttype": "none"}):
-        rows = 2 * len(contract.plotted) + 1
-        figure = Figure(figsize=(9.0, 1.8 * rows), layout="constrained")
-        FigureCanvasAgg(figure)
+    rows = 2 * len(contract.plotted) + 1
+    with figure_file(plot, 9.0, 1.8 * rows) as figure:
         all_axes = figure.subplots(rows, 1, sharex=True)
         _draw_panels(all_axes, found, contract, names)
         for axes in all_axes:
@@ -131,8 +114,6 @@ def draw(found: Difference, contract: Contract, names: tuple[str, str], plot: Pa
         time = found.rows["sense"]["time"][found.step - found.begin]
         all_axes[-1].set_xlabel(f"step (dotted: step {found.step}, {time:g} s)")
         figure.suptitle(one_line(title))
-        figure.savefig(buffer, format=kind, dpi=120, metadata={"Date": None} if kind == "svg" else None)
-    write_atomically(plot, buffer.getvalue())
 
 
 def _draw_panels(all_axes: Any, found: Difference, contract: Contract, names: tuple[str, str]) -> None:

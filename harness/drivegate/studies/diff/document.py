@@ -23,7 +23,6 @@ DIFFERENT: Final = "different"
 def document_of(
     candidates: tuple[Candidate, Candidate], scenario: Scenario, rule: Rule, comparison: StepComparison
 ) -> dict[str, Any]:
-    """Write a comparison as plain data."""
     contract = contract_of(scenario.drive)
     found, fault = comparison.difference, comparison.fault
     verdict = EQUAL if found is None else DIFFERENT
@@ -95,42 +94,25 @@ def _step(found: Difference, index: int, contract: Contract, rule: Rule) -> dict
 
 
 def _field(name: str, unit: str, one: NDArray[Any], other: NDArray[Any], rule: Rule) -> dict[str, Any]:
-    differs = name not in rule.ignored and bool(differing(one, other, rule.tolerance)[0])
-    write = _number_field if one.dtype.kind == "f" else _whole_field
-    return write(name, unit, one[0].item(), other[0].item(), differs=differs)
-
-
-def _number_field(name: str, unit: str, first: float, second: float, *, differs: bool) -> dict[str, Any]:
-    """Write a number of both as plain data, to the last bit."""
-    one_bits, other_bits = (_bits_of(number) for number in (first, second))
+    """Write a field of both commands as plain data, a number to the last bit."""
+    first, second = one[0].item(), other[0].item()
+    bits: list[str | None] = [None, None]
+    if one.dtype.kind == "f":
+        bits = [f"{_bits_of(number) & 0xFFFF_FFFF_FFFF_FFFF:016x}" for number in (first, second)]
     return {
         "field": name,
         "unit": unit,
         "first": first,
         "second": second,
-        "first_bits": f"{one_bits & 0xFFFF_FFFF_FFFF_FFFF:016x}",
-        "second_bits": f"{other_bits & 0xFFFF_FFFF_FFFF_FFFF:016x}",
+        "first_bits": bits[0],
+        "second_bits": bits[1],
         "difference": second - first,
-        "ulps": units_in_the_last_place(first, second),
-        "differs": differs,
-    }
-
-
-def _whole_field(name: str, unit: str, first: int, second: int, *, differs: bool) -> dict[str, Any]:
-    """Write a whole number of both as plain data."""
-    both = {"first": first, "second": second, "first_bits": None, "second_bits": None}
-    return {
-        "field": name,
-        "unit": unit,
-        **both,
-        "difference": second - first,
-        "ulps": None,
-        "differs": differs,
+        "ulps": units_in_the_last_place(first, second) if one.dtype.kind == "f" else None,
+        "differs": name not in rule.ignored and bool(differing(one, other, rule.tolerance)[0]),
     }
 
 
 def _bits_of(number: float) -> int:
-    """Return the bits of a double."""
     return int.from_bytes(struct.pack("<d", number), "little", signed=True)
 
 

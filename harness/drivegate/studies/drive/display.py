@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
+
+from rich.console import Console
 
 from drivegate.drives.abilities import ability_of
 from drivegate.drives.power_reach import setting_words
-from drivegate.output.console import number, plain, table
-
-if TYPE_CHECKING:
-    from rich.console import Console
-
-    from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate.output.console import number, print_ending, print_line, table
+from drivegate_cases.drive.drive_document import DriveDocument
 
 _UNITS: Final = {
     "emf_constant_v_s_per_rad": "V·s/rad",
@@ -102,25 +100,18 @@ def show_drive(console: Console, document: dict[str, Any], name: str, drive: Dri
     for place in layout.places or range(len(document["points"])):
         listed.add_row(*(number(document["points"][place][key], digits) for key, _, digits in columns))
     console.print(listed)
-    console.print(plain(layout.legend, "dim"))
+    print_line(console, layout.legend, "dim")
     ability = ability_of(drive)
     for words in (*ability.facts(document), *ability.required(drive)):
-        console.print(plain(words))
+        print_line(console, words)
     advice = layout.advice.format(name=name) if document["files"] else "the same with --plot drive.svg"
-    _show_closing(console, document, advice)
-
-
-def _show_closing(console: Console, document: dict[str, Any], advice: str) -> None:
-    """Print what follows, what a check refuses, the files, and the next step: `advice` where it refuses nothing."""
     for row in document["following"]:
         value = setting_words({row["key"]: row["value"]})
-        console.print(plain(f"from the data sheet: {value} follows from {row['from']}"))
+        print_line(console, f"from the data sheet: {value} follows from {row['from']}")
     refused = document["unreachable"]
     for row in refused:
-        console.print(plain(f"a check refuses this drive: {row['message']}", "bold red"))
-    for path in document["files"]:
-        console.print(plain(f"written: {path}"))
-    console.print(plain(f"next: {_changes(refused) if refused else advice}", "dim"))
+        print_line(console, f"a check refuses this drive: {row['message']}", "bold red")
+    print_ending(console, document["files"], _changes(refused) if refused else advice)
 
 
 def _changes(refused: list[dict[str, Any]]) -> str:
@@ -154,15 +145,14 @@ def show_fit(console: Console, document: dict[str, Any], name: str) -> None:
         fitted, stored = f"{row['fitted']:.{_DIGITS}g}", f"{row['stored']:.{_DIGITS}g}"
         constants.add_row(row["key"], fitted, spread, stored, _UNITS[row["key"]])
     console.print(constants)
-    console.print(
-        plain(
-            f"the fit leaves {document['rms_residual_nm']:.2g} N·m (rms); condition {document['condition']:.0f}; "
-            "± is one standard deviation; ideal regulator, no core loss"
-        )
+    print_line(
+        console,
+        f"the fit leaves {document['rms_residual_nm']:.2g} N·m (rms); condition {document['condition']:.0f}; "
+        "± is one standard deviation; ideal regulator, no core loss",
     )
     for words in _doubts(document):
-        console.print(plain(words, "yellow"))
-    console.print(plain(_next(document, name), "dim"))
+        print_line(console, words, "yellow")
+    print_line(console, _next(document, name), "dim")
 
 
 def _doubts(document: dict[str, Any]) -> list[str]:

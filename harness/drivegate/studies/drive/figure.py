@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import io
 from math import nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 from drivegate.contracts.duty.best_operation import known_map
-from drivegate.output.legend import side_legend
-from drivegate_cases.documents.atomic_write import write_atomically
+from drivegate.output.figures import figure_file, side_legend
 from drivegate_cases.documents.wording import one_line
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import SubFigure
 
 _LEVELS: Final = (60.0, 70.0, 80.0, 85.0, 90.0, 92.0, 94.0, 95.0, 96.0, 97.0, 98.0, 99.0, 100.0)
 _ROOM: Final = 1.08
@@ -84,28 +81,20 @@ _DUTY_PANELS: Final[Panels] = (
 
 def write_figure(document: dict[str, Any], plot: Path) -> None:
     """Draw what a drive can do; base and highest speed are marked."""
-    from matplotlib import rc_context
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    buffer = io.BytesIO()
-    with rc_context({"text.parse_math": False, "svg.hashsalt": "drivegate", "svg.fonttype": "none"}):
-        takes_duty = "undistorted_voltage_v" in document
-        figure = Figure(figsize=(14.0 if takes_duty else 9.0, 9.0), layout="constrained")
-        FigureCanvasAgg(figure)
+    takes_duty = "undistorted_voltage_v" in document
+    with figure_file(plot, 14.0 if takes_duty else 9.0, 9.0) as figure:
         panels, part = _PANELS, figure
         if takes_duty:
             parts: Any = figure.subfigures(1, 2, width_ratios=(9.0, 5.0))
             panels, part = _DUTY_PANELS, parts[0]
-            _draw_plane_and_map(parts[1], document)
+            plane, charted = parts[1].subplots(2, 1)
+            _draw_plane(plane, document)
+            _draw_map(charted, document)
         all_axes = part.subplots(len(panels), 1, sharex=True)
         for axes, (label, curves) in zip(all_axes, panels, strict=True):
             _draw(axes, document, label, curves)
         all_axes[-1].set_xlabel("speed (rpm)")
         figure.suptitle(one_line(f"What {document['drive']} can do"))
-        kind = plot.suffix.lower().removeprefix(".")
-        figure.savefig(buffer, format=kind, dpi=120, metadata={"Date": None} if kind == "svg" else None)
-    write_atomically(plot, buffer.getvalue())
 
 
 def _draw(
@@ -133,13 +122,6 @@ def _curve(document: dict[str, Any], key: str) -> tuple[list[float], list[float]
         place = speeds.index(base)
         return [*speeds[:place], base, *speeds[place:]], [*values[:place], 0.0, *values[place:]]
     return speeds, values
-
-
-def _draw_plane_and_map(figure: SubFigure, document: dict[str, Any]) -> None:
-    """Draw the plane of d and q current, and the efficiency map below it."""
-    plane, charted = figure.subplots(2, 1)
-    _draw_plane(plane, document)
-    _draw_map(charted, document)
 
 
 def _draw_plane(axes: Axes, document: dict[str, Any]) -> None:

@@ -36,7 +36,7 @@ BOUNDS: Final = (0.05, 20.0)
 _FLAT: Final = "emf_flat_deg"
 _WIDEST_FLAT: Final = 175.0
 _FLATS: Final = (60.0, 100.0, 140.0)
-"""Flat widths from which the search begins beside the drive's own, since it may end in the wrong valley (deg)."""
+"""Flat widths from which the search begins next to the drive's own, since it may end in the wrong valley (deg)."""
 _AT_BOUND: Final = 1e-3
 
 
@@ -45,7 +45,6 @@ class MeasuredTorque:
     """A mean torque that was measured or published."""
 
     speed_rpm: float
-    """Speed (rpm)."""
     torque: float
     """Mean electromagnetic torque (N·m)."""
     advance_deg: float = nan
@@ -66,7 +65,6 @@ class MeasuredTorque:
 
 
 def read_measured(path: Path) -> tuple[MeasuredTorque, ...]:
-    """Read measured torques from a CSV file."""
     where = shown_path(path)
     rows = read_columns(path, REQUIRED, OPTIONAL, what="measured torques")
     if not 0 < len(rows) <= MOST_POINTS:
@@ -94,28 +92,6 @@ def _problem(point: MeasuredTorque) -> str:
     return ""
 
 
-@dataclass(frozen=True)
-class FittedConstant:
-    """A constant beside the document's."""
-
-    key: str
-    """Its key in the document."""
-    stored: float
-    """The document's value."""
-    fitted: float
-    """The fitted one."""
-    uncertainty: float
-    """Its standard uncertainty: NaN where nothing determines it, infinite where the points do not determine the
-    constant."""
-    at_bound: bool
-    """Whether the search has stopped at its bound."""
-
-    @property
-    def is_determined(self) -> bool:
-        """Whether nothing says that the points do not determine it."""
-        return not self.uncertainty > self.fitted
-
-
 def fitted_constants(document: DriveDocument, kept: Sequence[str]) -> dict[str, float]:
     """List the constants of a drive that are to be fitted, with its own values."""
     own = machine_constants(document)
@@ -140,7 +116,6 @@ def fitted_constants(document: DriveDocument, kept: Sequence[str]) -> dict[str, 
 def fit_document(
     document: DriveDocument, points: Sequence[MeasuredTorque], kept: Sequence[str] = ()
 ) -> dict[str, Any]:
-    """Fit a drive's constants to measured torques."""
     stored = fitted_constants(document, kept)
     if len(points) < len(stored):
         raise InputError(
@@ -149,102 +124,13 @@ def fit_document(
         )
     weights = np.array([1.0 if isnan(point.uncertainty) else 1.0 / point.uncertainty for point in points])
     found = _best_fit(document, stored, points, weights)
-    return _document(document, _constants(stored, found, points), points, found.residuals / weights, found)
-
-
-def _best_fit(
-    document: DriveDocument,
-    stored: Mapping[str, float],
-    points: Sequence[MeasuredTorque],
-    weights: NDArray[np.float64],
-) -> ConstantsFit:
-    measured = np.array([point.torque for point in points])
-
-    def residuals(values: NDArray[np.float64]) -> NDArray[np.float64]:
-        made = drive_with(document, dict(zip(stored, map(float, values), strict=True)))
-        return np.asarray((_torques(document, made, points) - measured) * weights)
-
-    lowest, highest = _bounds(stored)
-    fits = (fit_constants(residuals, start, lowest, highest) for start in _starts(stored))
-    return min(fits, key=lambda fit: float(fit.residuals @ fit.residuals))
-
-
-def _constants(
-    stored: Mapping[str, float], found: ConstantsFit, points: Sequence[MeasuredTorque]
-) -> list[FittedConstant]:
-    variance = _variance(found, points)
-    spread = found.relative_spread(variance) if isfinite(variance) else np.full(len(stored), nan)
-    return [
-        FittedConstant(
-            key=key,
-            stored=stored[key],
-            fitted=float(value),
-            uncertainty=float(share * value),
-            at_bound=any(abs(value / bound - 1.0) < _AT_BOUND for bound in bounds),
-        )
-        for key, value, share, *bounds in zip(stored, found.values, spread, *_bounds(stored), strict=True)
-    ]
-
-
-def _bounds(stored: Mapping[str, float]) -> tuple[list[float], list[float]]:
-    lowest, highest = ({key: factor * value for key, value in stored.items()} for factor in BOUNDS)
-    if _FLAT in stored:
-        highest[_FLAT] = min(highest[_FLAT], _WIDEST_FLAT)
-    return list(lowest.values()), list(highest.values())
-
-
-def _starts(stored: Mapping[str, float]) -> list[list[float]]:
-    """Return the constants to begin with: the drive's own, and these with other flat widths."""
-    others = [{**stored, _FLAT: flat} for flat in _FLATS] if _FLAT in stored else []
-    lowest, highest = _bounds(stored)
-    starts = [list(values.values()) for values in (stored, *others)]
-    return [start for start in starts if _lies_within(start, lowest, highest)]
-
-
-def _lies_within(start: Sequence[float], lowest: Sequence[float], highest: Sequence[float]) -> bool:
-    return all(low < value < high for low, value, high in zip(lowest, start, highest, strict=True))
-
-
-def _torques(
-    document: DriveDocument, constants: AnyDrive, points: Sequence[MeasuredTorque]
-) -> NDArray[np.float64]:
-    require_angles(document)
-    return np.array([point.torque_of(constants) for point in points])
-
-
-def _variance(found: ConstantsFit, points: Sequence[MeasuredTorque]) -> float:
-    """Estimate the variance of the weighted torques; NaN where neither a rest nor the file determines it."""
-    spare = len(found.residuals) - len(found.values)
-    scatter = float(found.residuals @ found.residuals) / spare if spare else nan
-    if isnan(points[0].uncertainty):
-        return scatter
-    # Points that scatter by more than they are said to are no better than they scatter.
-    return max(1.0, scatter) if spare else 1.0
-
-
-def _document(
-    document: DriveDocument,
-    constants: Sequence[FittedConstant],
-    points: Sequence[MeasuredTorque],
-    residuals: NDArray[np.float64],
-    found: ConstantsFit,
-) -> dict[str, Any]:
+    residuals = found.residuals / weights
     limit = document.plant().current_limit
     return {
         "schema": SCHEMA,
         "kind": "fit of a drive",
         "drive": document.name,
-        "constants": [
-            {
-                "key": row.key,
-                "stored": row.stored,
-                "fitted": row.fitted,
-                "uncertainty": row.uncertainty,
-                "determined": row.is_determined,
-                "at_bound": row.at_bound,
-            }
-            for row in constants
-        ],
+        "constants": _constants(stored, found, points),
         "condition": found.condition,
         "converged": found.converged,
         "rms_residual_nm": sqrt(float(residuals @ residuals) / len(residuals)),
@@ -259,3 +145,69 @@ def _document(
             for point, residual in zip(points, residuals, strict=True)
         ],
     }
+
+
+def _best_fit(
+    document: DriveDocument,
+    stored: Mapping[str, float],
+    points: Sequence[MeasuredTorque],
+    weights: NDArray[np.float64],
+) -> ConstantsFit:
+    require_angles(document)
+    measured = np.array([point.torque for point in points])
+
+    def residuals(values: NDArray[np.float64]) -> NDArray[np.float64]:
+        made = drive_with(document, dict(zip(stored, map(float, values), strict=True)))
+        return np.asarray((np.array([point.torque_of(made) for point in points]) - measured) * weights)
+
+    lowest, highest = _bounds(stored)
+    # The search begins at the drive's own values, and at these with other flat widths.
+    others = [{**stored, _FLAT: flat} for flat in _FLATS] if _FLAT in stored else []
+    starts = [list(values.values()) for values in (stored, *others)]
+    fits = (
+        fit_constants(residuals, start, lowest, highest)
+        for start in starts
+        if all(low < value < high for low, value, high in zip(lowest, start, highest, strict=True))
+    )
+    return min(fits, key=lambda fit: float(fit.residuals @ fit.residuals))
+
+
+def _constants(
+    stored: Mapping[str, float], found: ConstantsFit, points: Sequence[MeasuredTorque]
+) -> list[dict[str, Any]]:
+    """Return each constant next to the drive's own, and how sure it is.
+
+    The uncertainty is one standard deviation: NaN where nothing determines it, infinite where the points do not
+    determine the constant.
+    """
+    variance = _variance(found, points)
+    spread = found.relative_spread(variance) if isfinite(variance) else np.full(len(stored), nan)
+    return [
+        {
+            "key": key,
+            "stored": stored[key],
+            "fitted": float(value),
+            "uncertainty": float(share * value),
+            # An unknown uncertainty, NaN, is no sign that the points do not determine it.
+            "determined": not share * value > value,
+            "at_bound": any(abs(value / bound - 1.0) < _AT_BOUND for bound in bounds),
+        }
+        for key, value, share, *bounds in zip(stored, found.values, spread, *_bounds(stored), strict=True)
+    ]
+
+
+def _bounds(stored: Mapping[str, float]) -> tuple[list[float], list[float]]:
+    lowest, highest = ({key: factor * value for key, value in stored.items()} for factor in BOUNDS)
+    if _FLAT in stored:
+        highest[_FLAT] = min(highest[_FLAT], _WIDEST_FLAT)
+    return list(lowest.values()), list(highest.values())
+
+
+def _variance(found: ConstantsFit, points: Sequence[MeasuredTorque]) -> float:
+    """Estimate the variance of the weighted torques; NaN where neither further points nor the file determine it."""
+    spare = len(found.residuals) - len(found.values)
+    scatter = float(found.residuals @ found.residuals) / spare if spare else nan
+    if isnan(points[0].uncertainty):
+        return scatter
+    # Points that scatter by more than they are said to are no better than they scatter.
+    return max(1.0, scatter) if spare else 1.0

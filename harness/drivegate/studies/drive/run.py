@@ -16,11 +16,9 @@ from drivegate_cases.drive.data_sheet import following
 from drivegate_cases.drive.drive_document import DriveDocument
 
 SCHEMA: Final = 1
-"""Version of the document."""
 
 
 def studied_drive(chosen: DriveDocument, *, plot: Path | None = None) -> dict[str, Any]:
-    """Compute what a drive can do, and draw it."""
     ability = ability_of(chosen)
     with progress_on(sys.stderr) as display:
         report_progress = with_rate(display, chosen.name, len(ability.speeds(chosen)), unit="speeds")
@@ -44,7 +42,6 @@ def studied_drive(chosen: DriveDocument, *, plot: Path | None = None) -> dict[st
 
 
 def fitted_drive(chosen: DriveDocument, measured: Path, kept: Sequence[str]) -> dict[str, Any]:
-    """Fit the constants of a drive to the torques in a file."""
     points = read_measured(measured)
     with progress_on(sys.stderr) as display:
         display.begin(chosen.name, 1, f"fitting to {counted(len(points), 'point')}")

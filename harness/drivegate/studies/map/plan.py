@@ -9,9 +9,11 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import ValidationError
 
 from drivegate.candidates.candidate import Candidate
 from drivegate.scenarios.parameters import DRIVE_KEYS, SCALES
+from drivegate_cases.documents.problems import described
 from drivegate_cases.documents.wording import nearest, one_line, shown
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.plant import Scales
@@ -58,6 +60,8 @@ CONVERGED: Final = "converged"
 NOT_CONVERGED: Final = "not converged"
 NOT_FEASIBLE: Final = "not feasible"
 
+_SPEEDS: Final = {"points": "100:2000:39", "best": "550:2000:30", "loop": "550:2000:15"}
+_TORQUES: Final = {"best": "1:25:25", "loop": "2:24:12"}
 _POINTS_AT_ONCE: Final = {"points": 20_000, "best": 16, "loop": 8}
 
 
@@ -68,11 +72,9 @@ class MapAxes:
     names: tuple[str, ...]
     """Names of the axes, with their units."""
     values: tuple[tuple[float, ...], ...]
-    """Values of each."""
 
     @classmethod
     def of(cls, axes: Mapping[str, Sequence[float]]) -> MapAxes:
-        """Make axes of a table of values."""
         made = cls(tuple(axes), tuple(tuple(values) for values in axes.values()))
         if made.points > MOST_POINTS:
             raise InputError(f"the map has {made.points} points, but must have at most {MOST_POINTS}")
@@ -80,16 +82,13 @@ class MapAxes:
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Number of values of each axis."""
         return tuple(len(values) for values in self.values)
 
     @property
     def points(self) -> int:
-        """Number of points."""
         return prod(self.shape)
 
     def coordinates(self, first: int, last: int) -> dict[str, NDArray[np.float64]]:
-        """Return the coordinates of some points."""
         places = np.unravel_index(np.arange(first, last), self.shape)
         return {
             name: np.asarray(values, dtype=np.float64)[place]
@@ -136,7 +135,6 @@ def _values(text: str) -> tuple[float, ...] | None:
 
 
 def parameter_axis(text: str, known: Sequence[str]) -> tuple[str, tuple[float, ...]]:
-    """Read the axis of a parameter."""
     key, equals, axis = text.partition("=")
     if not equals:
         raise InputError(f"--parameter {shown(text)} is no axis, which is written KEY=LOW:HIGH:COUNT")
@@ -159,15 +157,12 @@ class MapPlan:
     """Steady states over speed, angle and current; the best angle over speed and torque; or closed-loop runs.
     """
     drive: DriveDocument
-    """The nominal drive."""
     axes: MapAxes
-    """The grid."""
     candidate: Candidate | None = None
     """Whose closed-loop runs."""
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """Names of the computed columns."""
         if self.kind == "points":
             from drivegate_models.steady.grid import POINT_COLUMNS
 
@@ -175,38 +170,62 @@ class MapPlan:
         return {"best": BEST_COLUMNS, "loop": LOOP_COLUMNS}[self.kind]
 
     def pieces(self) -> list[tuple[int, int]]:
-        """Cut the map into tasks."""
         length = _POINTS_AT_ONCE[self.kind]
         points = self.axes.points
         return [(first, min(first + length, points)) for first in range(0, points, length)]
 
 
-def single_parameters(plan: MapPlan) -> Iterator[dict[str, float]]:
-    """Return the values of a map's parameters one after the other, to see that each can be had."""
-    for name, values in zip(plan.axes.names, plan.axes.values, strict=True):
-        if name in PARAMETERS:
-            for value in values:
-                yield {name: value}
+def map_kind(candidate: str | None, texts: Mapping[str, str | None]) -> str:
+    """State the kind of map from the candidate and the axes that are given."""
+    if candidate is None and texts["torque_nm"] is None:
+        return "points"
+    if texts["advance_deg"] is not None or texts["current_a"] is not None:
+        raise InputError(
+            "--advance-deg and --current-a go with a map of the plant, without a candidate and without --torque-nm"
+        )
+    return "best" if candidate is None else "loop"
+
+
+def map_axes(kind: str, texts: Mapping[str, str | None]) -> dict[str, tuple[float, ...]]:
+    """Read the axes of a kind of map; one that is not given has its default."""
+    readers: dict[str, tuple[Callable[[str], tuple[float, ...]], str]] = {
+        "speed_rpm": (axis_within(0.0, 1e5, above=True), _SPEEDS[kind])
+    }
+    if kind == "points":
+        readers["advance_deg"] = (axis_within(0.0, 90.0), "0:90:46")
+        readers["current_a"] = (axis_within(0.0, 1e5), "2:26:13")
+    else:
+        readers["torque_nm"] = (axis_within(0.0, 1e6, above=kind == "best"), _TORQUES[kind])
+    axes = {}
+    for name, (read, default) in readers.items():
+        try:
+            axes[name] = read(texts[name] or default)
+        except InputError as error:
+            raise InputError(f"--{name.replace('_', '-')}: {error}") from error
+    return axes
+
+
+def planned_map(
+    kind: str,
+    drive: DriveDocument,
+    candidate: Candidate | None,
+    axes: Mapping[str, Sequence[float]],
+    parameters: Sequence[str],
+) -> MapPlan:
+    """Plan a map with the axes of parameters added."""
+    further = dict(parameter_axis(text, PARAMETERS) for text in parameters)
+    if len(further) < len(parameters):
+        raise InputError("--parameter names the same key twice, but each key has one axis")
+    # Parameters vary slowest, so that each worker's points share one drive.
+    return MapPlan(kind, drive, MapAxes.of({**further, **axes}), candidate)
 
 
 def plant_of(drive: DriveDocument, values: dict[str, float]) -> tuple[DriveDocument, Scales]:
-    """Change a drive as parameters say."""
     own = [f"{key}={value:.17g}" for key, value in values.items() if key in DRIVE_KEYS]
-    scales = {key: value for key, value in values.items() if key in SCALES}
-    if not scales:
-        return drive.with_overrides(own), Scales()
-    # Scales are a table of a scenario; one is made to have them checked.
-    return drive.with_overrides(own), _checked_scales(scales)
-
-
-def _checked_scales(scales: dict[str, float]) -> Scales:
-    from pydantic import ValidationError
-
-    from drivegate_cases.documents.problems import described
-    from drivegate_models.errors import InputError
-
+    changed = drive.with_overrides(own)
     try:
-        return Scales(**scales)
+        # Scales are a table of a scenario, which checks them.
+        return changed, Scales(**{key: value for key, value in values.items() if key in SCALES})
     except ValidationError as error:
         raise InputError(f"--parameter: {described(error, Scales)}") from error
 

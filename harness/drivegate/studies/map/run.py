@@ -1,4 +1,4 @@
-"""An operating map from its plan to its files and its document, with progress."""
+"""An operating map from its plan to its files, its document and the console, with progress."""
 
 from __future__ import annotations
 
@@ -14,11 +14,14 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
+from rich.console import Console
 
 from drivegate.containment.backend import Backend, done_by
 from drivegate.gate.warm_up import compile_missing
+from drivegate.output.console import number, print_ending, print_line, table
+from drivegate.output.figures import figure_file
 from drivegate.output.progress import progress_on, with_rate
-from drivegate.studies.map.plan import ADVANCE, CURRENT, SPEED, TORQUE, MapPlan, plant_of, single_parameters
+from drivegate.studies.map.plan import ADVANCE, CURRENT, PARAMETERS, SPEED, TORQUE, MapPlan, plant_of
 from drivegate.studies.map.tasks import compile_solver, compute_piece
 from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.documents.wording import one_line
@@ -56,14 +59,12 @@ class OperatingMap:
     """A finished map."""
 
     plan: MapPlan
-    """What was requested."""
     numbers: NDArray[np.float64]
     """What was computed, shape (points, columns)."""
     verdicts: list[str] = field(default_factory=list)
     """What became of each closed-loop run; empty of other maps."""
 
     def table(self) -> dict[str, Any]:
-        """Return the map as columns."""
         columns: dict[str, Any] = dict(self.plan.axes.coordinates(0, self.plan.axes.points))
         if self.verdicts:
             columns["verdict"] = self.verdicts
@@ -75,9 +76,10 @@ class OperatingMap:
 
 
 def computed(plan: MapPlan, backend: Backend, report_progress: Callable[[int, int], None]) -> OperatingMap:
-    """Compute a map."""
-    for parameter in single_parameters(plan):
-        plant_of(plan.drive, parameter)
+    # A value that the plant cannot have is refused before anything is computed.
+    for name, parameter_values in zip(plan.axes.names, plan.axes.values, strict=True):
+        for value in parameter_values if name in PARAMETERS else ():
+            plant_of(plan.drive, {name: value})
     points, done = plan.axes.points, 0
     values = np.full((points, len(plan.columns)), nan)
     verdicts = [""] * points if plan.kind == "loop" else []
@@ -97,10 +99,12 @@ def computed(plan: MapPlan, backend: Backend, report_progress: Callable[[int, in
 def made_map(
     plan: MapPlan, workers: int | None, *, csv: Path | None, parquet: Path | None, plot: Path | None
 ) -> tuple[dict[str, Any], str]:
-    """Compute a map and write its files; give its document and its title."""
+    """Compute a map and write its files; return its document and its title."""
     compile_missing([plan.drive])
     began = time.monotonic()
-    title = _title_of(plan)
+    title = plan.drive.name if plan.kind == "points" else f"the best of {plan.drive.name}"
+    if plan.candidate is not None:
+        title = f"{plan.candidate.name} on {plan.drive.name}"
     with progress_on(sys.stderr) as display:
         report_progress = with_rate(display, title, plan.axes.points, unit="points")
         made = computed(plan, Backend("local", workers), report_progress)
@@ -110,13 +114,6 @@ def made_map(
         _write_figure(made, plot, title)
     written = [str(path) for path in (csv, parquet, plot) if path is not None]
     return _document_of(made, seconds, written), title
-
-
-def _title_of(plan: MapPlan) -> str:
-    """State whose map it is."""
-    if plan.candidate is not None:
-        return f"{plan.candidate.name} on {plan.drive.name}"
-    return plan.drive.name if plan.kind == "points" else f"the best of {plan.drive.name}"
 
 
 def _document_of(made: OperatingMap, seconds: float, files: Sequence[str]) -> dict[str, Any]:
@@ -146,35 +143,27 @@ def _document_of(made: OperatingMap, seconds: float, files: Sequence[str]) -> di
 
 
 def _write_tables(made: OperatingMap, csv: Path | None, parquet: Path | None) -> None:
-    """Write a map as the tables that are requested."""
     if csv is None and parquet is None:
         return
-    table = made.table()
+    columns = made.table()
     if parquet is not None:
         import pyarrow
         from pyarrow import parquet as writer
 
         buffer = io.BytesIO()
-        writer.write_table(pyarrow.table(table), buffer, compression="zstd", compression_level=3)
+        writer.write_table(pyarrow.table(columns), buffer, compression="zstd", compression_level=3)
         write_atomically(parquet, buffer.getvalue())
     if csv is not None:
         import pandas
 
-        write_atomically(csv, pandas.DataFrame(table).to_csv(index=False, lineterminator="\n"))
+        write_atomically(csv, pandas.DataFrame(columns).to_csv(index=False, lineterminator="\n"))
 
 
 def _write_figure(made: OperatingMap, plot: Path, title: str) -> None:
     """Draw a map: four quantities over speed and torque, or over speed and angle."""
-    from matplotlib import rc_context
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     other = ADVANCE if made.plan.kind == "points" else TORQUE
     chosen, fixed_values = _slice(made, other)
-    buffer = io.BytesIO()
-    with rc_context({"text.parse_math": False, "svg.hashsalt": "drivegate", "svg.fonttype": "none"}):
-        figure = Figure(figsize=(11.0, 8.0), layout="constrained")
-        FigureCanvasAgg(figure)
+    with figure_file(plot, 11.0, 8.0) as figure:
         for axes, (column, label) in zip(figure.subplots(2, 2).flat, _PANELS[made.plan.kind], strict=True):
             values = chosen[made.plan.columns.index(column)]
             if column == "torque_ripple_percent":
@@ -182,9 +171,6 @@ def _write_figure(made: OperatingMap, plot: Path, title: str) -> None:
                 values = np.where(values > _RIPPLE_SHOWN, np.nan, values)
             _draw(axes, made, other, values, label)
         figure.suptitle(one_line(f"{title}{fixed_values}"))
-        kind = plot.suffix.lower().removeprefix(".")
-        figure.savefig(buffer, format=kind, dpi=120, metadata={"Date": None} if kind == "svg" else None)
-    write_atomically(plot, buffer.getvalue())
 
 
 def _slice(made: OperatingMap, other: str) -> tuple[NDArray[np.float64], str]:
@@ -218,3 +204,32 @@ def _draw(axes: Axes, made: OperatingMap, other: str, values: NDArray[np.float64
         axes.figure.colorbar(mesh, ax=axes)
     axes.set_xlabel(_NAMES[SPEED])
     axes.set_ylabel(_NAMES[other])
+
+
+def show_map(console: Console, document: dict[str, Any], title: str) -> None:
+    """Print the ranges of a map and the files of it."""
+    listed = table(
+        "quantity",
+        "lowest",
+        "highest",
+        right=("lowest", "highest"),
+        title=f"{title}: {document['points']} points",
+    )
+    for name, span in document["ranges"].items():
+        listed.add_row(name, number(span["lowest"]), number(span["highest"]))
+    console.print(listed)
+    if document["verdicts"]:
+        print_line(
+            console, ", ".join(f"{count} {verdict}" for verdict, count in document["verdicts"].items())
+        )
+    elif document["without_values"]:
+        print_line(console, f"{document['without_values']} points are out of reach and have no values")
+    if document.get("not_certified"):
+        print_line(
+            console,
+            f"{document['not_certified']} points have no periodic state; their means are over many cycles",
+        )
+    seconds = document["timing"]["seconds"]
+    print_line(console, f"{document['points'] / max(seconds, 1e-9):.3g} points a second", "dim")
+    hint = "" if document["files"] else "the same with --plot map.png and --parquet map.parquet"
+    print_ending(console, document["files"], hint)

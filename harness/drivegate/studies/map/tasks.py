@@ -131,16 +131,11 @@ def _best(plan: MapPlan, first: int, last: int) -> MapPart:
     return MapPart(values)
 
 
-@dataclass(frozen=True)
-class _LoopPoint:
-    scenario: Scenario
-
-
 def _loop(plan: MapPlan, first: int, last: int) -> MapPart:
     assert plan.candidate is not None, "a map of closed-loop runs is a candidate's"
     at = plan.axes.coordinates(first, last)
     scenarios = [
-        _LoopPoint(_steady(drive, scales, float(at[SPEED][place]), float(at[TORQUE][place])))
+        _steady(drive, scales, float(at[SPEED][place]), float(at[TORQUE][place]))
         for piece, drive, scales in drives_of(plan, at)
         for place in range(piece.start, piece.stop)
     ]
@@ -169,8 +164,7 @@ def _steady(drive: DriveDocument, scales: Scales, speed_rpm: float, torque: floa
     )
 
 
-def _run_point(loaded: JudgedCandidate, point: _LoopPoint) -> tuple[str, tuple[float, ...]]:
-    scenario = point.scenario
+def _run_point(loaded: JudgedCandidate, scenario: Scenario) -> tuple[str, tuple[float, ...]]:
     drive = scenario.drive.plant(scenario.scales)
     if not _is_feasible(scenario, drive):
         return NOT_FEASIBLE, (nan,) * len(LOOP_COLUMNS)
@@ -196,10 +190,7 @@ def _measured(record: CurrentRecord, drive: AnyDrive) -> tuple[str, tuple[float,
     margin, _ = window_convergence(window)
     row = window.values
     torque, speed = row.torque, row.speed
-    current_sum, input_power = (
-        row.current_sum,
-        row.input_power,
-    )
+    current_sum, input_power = row.current_sum, row.input_power
     least = nan
     if scenario.initial_speed_rpm > scenario.drive.rating.base_speed_rpm and torque > 0.0 < speed:
         least = oracle.least_current_sum(drive, speed, torque).current_sum

@@ -2,26 +2,23 @@
 
 from __future__ import annotations
 
-import io
 from pathlib import Path
 from shlex import quote
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
+
+from rich.console import Console
 
 from drivegate.checks.margin import margin_in_words
 from drivegate.contracts.catalogue import contract_of
-from drivegate.output.console import plain
-from drivegate.output.legend import side_legend
+from drivegate.output.console import plain, print_ending, print_line
+from drivegate.output.figures import figure_file, side_legend
 from drivegate.output.result_file import COUNTEREXAMPLES
 from drivegate.output.trace_files import write_plot
 from drivegate.results.counterexample import Counterexample
 from drivegate.studies.replay.replay import FIXED, NOT_REPRODUCED, STILL_FAILS, Replay, marked_angle
 from drivegate.studies.simulate import trace_frame
-from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.documents.wording import counted, one_line
 from drivegate_cases.scenario.script import Script
-
-if TYPE_CHECKING:
-    from rich.console import Console
 
 _PANELS: Final = (
     (("speed_reference_rpm", "reference"), ("speed_rpm", "speed"), "speed (rpm)"),
@@ -51,27 +48,25 @@ def show_replay(console: Console, document: dict[str, Any], hint: str) -> None:
     """Print what was measured then and now."""
     name, fault = document["candidate"]["name"], document["fault"]
     good = document["verdict"] == FIXED
-    console.print(
-        plain(f"{document['check']} {document['verdict'].upper()}", "bold green" if good else "bold red")
+    print_line(
+        console, f"{document['check']} {document['verdict'].upper()}", "bold green" if good else "bold red"
     )
-    console.print(plain(f"  {document['requirement']}"))
-    console.print(plain(f"  then {_margin_text(document['then'])}, by {document['found_with']['name']}"))
+    print_line(console, f"  {document['requirement']}")
+    print_line(console, f"  then {_margin_text(document['then'])}, by {document['found_with']['name']}")
     if fault is not None:
-        console.print(plain(f"  now  {fault['kind']}: {fault['message']}, by {name}"))
+        print_line(console, f"  now  {fault['kind']}: {fault['message']}, by {name}")
         for line in fault["traceback"].splitlines():
-            console.print(plain(f"  {line}", "dim"))
+            print_line(console, f"  {line}", "dim")
     elif document["now"] is None:
-        console.print(plain(f"  now  {document['reason']}; {name} ran"))
+        print_line(console, f"  now  {document['reason']}; {name} ran")
     else:
-        console.print(plain(f"  now  {_margin_text(document['now'])}, by {name}"))
-        console.print(plain(f"  limit {document['limit']}; in {document['scenario']}, {_where(document)}"))
+        print_line(console, f"  now  {_margin_text(document['now'])}, by {name}")
+        print_line(console, f"  limit {document['limit']}; in {document['scenario']}, {_where(document)}")
     if document["remark"]:
-        console.print(plain(f"  {document['remark']}", "bold red"))
+        print_line(console, f"  {document['remark']}", "bold red")
     for sentence in document["account"]:
-        console.print(plain(f"  {sentence}"))
-    for path in document["files"]:
-        console.print(plain(f"written: {path}"))
-    console.print(plain(f"next: {hint}", "dim"))
+        print_line(console, f"  {sentence}")
+    print_ending(console, document["files"], hint)
 
 
 def _where(document: dict[str, Any]) -> str:
@@ -128,12 +123,12 @@ def show_all_replays(console: Console, document: dict[str, Any], hint: str) -> N
     counts = [
         f"{count} {words.get(verdict, verdict)}" for verdict, count in document["counts"].items() if count
     ]
-    console.print(plain(f"{counted(len(replays), 'counterexample')}: {', '.join(counts)}", "bold"))
-    console.print(plain(f"next: {hint}", "dim"))
+    print_line(console, f"{counted(len(replays), 'counterexample')}: {', '.join(counts)}", "bold")
+    print_line(console, f"next: {hint}", "dim")
 
 
 def _in_short(replay: dict[str, Any]) -> str:
-    """State in short what a counterexample came to, and was."""
+    """State in short the outcome of a counterexample, and what it was."""
     name, fault = replay["candidate"]["name"], replay["fault"]
     if fault is not None:
         return f"{fault['kind']}: {fault['message']}, by {name}"
@@ -156,15 +151,8 @@ def draw(stored: Counterexample, ended: Replay, plot: Path, title: str) -> None:
 
 def _draw_script(script: Script, ended: Replay, plot: Path, title: str) -> None:
     """Draw what the controller sensed, row by row."""
-    from matplotlib import rc_context
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     edges = [number + 0.5 for number in range(len(script.rows) + 1)]
-    buffer = io.BytesIO()
-    with rc_context({"text.parse_math": False, "svg.hashsalt": "drivegate", "svg.fonttype": "none"}):
-        figure = Figure(figsize=(9.0, 6.0), layout="constrained")
-        FigureCanvasAgg(figure)
+    with figure_file(plot, 9.0, 6.0) as figure:
         all_axes = figure.subplots(len(_PANELS), 1, sharex=True)
         for axes, (first, second, label) in zip(all_axes, _PANELS, strict=True):
             for key, name in (line for line in (first, second) if line is not None):
@@ -185,6 +173,3 @@ def _draw_script(script: Script, ended: Replay, plot: Path, title: str) -> None:
         all_axes[-1].set_xlabel("row: one period of the search")
         measured = ended.margin.measured if ended.margin is not None else ""
         figure.suptitle(one_line(f"{title}, {measured}"), fontsize="small", wrap=True)
-        kind = plot.suffix.lower().removeprefix(".")
-        figure.savefig(buffer, format=kind, dpi=120, metadata={"Date": None} if kind == "svg" else None)
-    write_atomically(plot, buffer.getvalue())

@@ -29,11 +29,8 @@ class Kept:
     """A counterexample of a folder, and who is to run it."""
 
     file: Path
-    """Where it is."""
     stored: Counterexample
-    """What it says."""
     candidate: Candidate
-    """The candidate to run."""
 
 
 def kept_in(folder: Path, given: str | None) -> tuple[Kept, ...]:
@@ -50,12 +47,13 @@ def kept_in(folder: Path, given: str | None) -> tuple[Kept, ...]:
         )
     all_stored = [read_counterexample(file) for file in files]
     candidates: dict[str, Candidate] = {}
-    for stored in all_stored:
+    all_kept = []
+    for file, stored in zip(files, all_stored, strict=True):
         name = stored.candidate.name if given is None else given
         if name not in candidates:
             candidates[name] = candidate_for(stored, given)
-    chosen = [candidates[stored.candidate.name if given is None else given] for stored in all_stored]
-    return tuple(map(Kept, files, all_stored, chosen))
+        all_kept.append(Kept(file, stored, candidates[name]))
+    return tuple(all_kept)
 
 
 def _files(folder: Path) -> list[Path]:
@@ -90,7 +88,6 @@ def replayed_all(all_kept: tuple[Kept, ...], display: Display) -> list[dict[str,
 
 
 def document_of_all(folder: Path, documents: list[dict[str, Any]]) -> dict[str, Any]:
-    """Write what became of all counterexamples as plain data."""
     verdicts = [document["verdict"] for document in documents]
     return {
         "schema": SCHEMA,

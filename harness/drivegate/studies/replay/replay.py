@@ -19,20 +19,19 @@ from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.contracts.catalogue import check_of as check_named
 from drivegate.contracts.catalogue import contract_of, on_drive
+from drivegate.contracts.contract import RecordedTrace
 from drivegate.contracts.current.flowchart.judging import judge_script
 from drivegate.contracts.parting import SEED_IN_RESET, room_for_commands
 from drivegate.contracts.recorded_trace import deciding_moment, trace_of_run
 from drivegate.drives.running import recorded, with_repetitions
 from drivegate.gate.plan import REPEATED
 from drivegate.gate.repetition import Repetition, different_elsewhere, explanation_jobs, repetition_job
-from drivegate.output.causes import account_of_run
 from drivegate.output.waiting import report_slow, with_compiled_kernels
 from drivegate.results.counterexample import Counterexample
 from drivegate.results.provenance import versions
 from drivegate.results.result import finite
 from drivegate.studies.simulate import MOST_ROWS
 from drivegate_cases.documents.wording import one_line
-from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.script import Script
 from drivegate_models.errors import InputError
@@ -52,7 +51,7 @@ _PARTED: Final = (
 
 @dataclass(frozen=True)
 class Replay:
-    """What a counterexample came to when it was run again."""
+    """The outcome of running a counterexample again."""
 
     margin: Margin | None
     """The check's margin; None where the check has nothing to judge."""
@@ -97,7 +96,6 @@ def _is_included(candidate: Candidate) -> bool:
 
 
 def replayed(stored: Counterexample, candidate: Candidate) -> Replay | Fault:
-    """Run a counterexample again."""
     with_compiled_kernels([stored.scenario.drive])
     with Judge(candidate, on_slow=report_slow) as judge:
         replay = judge.run(Job(run_replay, stored))
@@ -110,17 +108,19 @@ def _repeated_elsewhere(judge: Judge, replay: Replay, scenario: Scenario) -> Rep
     if replay.margin is None or not replay.margin.met or replay.run is None:
         return replay
     elsewhere = judge.run(repetition_job(scenario))
-    if isinstance(elsewhere, Fault) or elsewhere.digest == replay.run.digest:
-        return elsewhere if isinstance(elsewhere, Fault) else replay
+    if isinstance(elsewhere, Fault):
+        return elsewhere
+    if elsewhere.digest == replay.run.digest:
+        return replay
     endings: list[Repetition | Fault] = []
     for job in explanation_jobs(scenario):
+        # Without the name, mypy would expect jobs whose results may be faults.
         ending = judge.run(job)
         endings.append(ending)
     return replace(replay, margin=different_elsewhere(scenario, endings))
 
 
 def run_replay(loaded: JudgedCandidate, stored: Counterexample) -> Replay:
-    """Run a counterexample and judge it."""
     if isinstance(stored.scenario, Script):
         return _script_again(loaded, stored.scenario)
     return _scenario_again(loaded, stored.scenario, check_of(stored))
@@ -149,30 +149,25 @@ def _script_again(loaded: JudgedCandidate, script: Script) -> Replay:
 
 
 def check_of(stored: Counterexample) -> Check:
-    """Find the check that a counterexample is about."""
     scenario = stored.scenario
     return check_named("current" if isinstance(scenario, Script) else scenario.drive.contract, stored.check)
 
 
-def account_shown(stored: Counterexample, ended: Replay | Fault) -> tuple[str, ...]:
-    """Describe what was run; nothing where that was on no plant."""
+def _trace(stored: Counterexample, ended: Replay | Fault) -> RecordedTrace | None:
+    """Return the signals of what was run; None where that was on no plant."""
     if isinstance(ended, Fault) or ended.run is None or ended.window is None:
-        return ()
+        return None
     assert isinstance(stored.scenario, Scenario), "a script is run on no plant"
-    return account_of_run(stored.scenario, ended.run, ended.window)
+    return trace_of_run(stored.scenario, ended.run, ended.window)
 
 
 def marked_angle(stored: Counterexample, ended: Replay) -> tuple[float, float] | None:
     """Return from when on, and at what angle, a plot marks the feasible edge; None where there is none."""
-    if ended.run is None or ended.window is None:
-        return None
-    assert isinstance(stored.scenario, Scenario), "a script is run on no plant"
-    trace = trace_of_run(stored.scenario, ended.run, ended.window)
-    return None if trace is None else contract_of(stored.scenario.drive).marked_angle(trace)
+    trace = _trace(stored, ended)
+    return None if trace is None else contract_of(trace.scenario.drive).marked_angle(trace)
 
 
 def verdict_on(ended: Replay | Fault, remark: str) -> str:
-    """State whether a check still fails."""
     if isinstance(ended, Fault):
         return STILL_FAILS
     if ended.margin is None:
@@ -183,7 +178,7 @@ def verdict_on(ended: Replay | Fault, remark: str) -> str:
 
 
 def remark_on(stored: Counterexample, candidate: Candidate, ended: Replay | Fault) -> str:
-    """State where the same candidate came to another margin than then, which the same commands cannot give."""
+    """State that the same candidate has another margin than then, which the same commands cannot give."""
     if (
         isinstance(ended, Fault)
         or ended.margin is None
@@ -197,10 +192,14 @@ def remark_on(stored: Counterexample, candidate: Candidate, ended: Replay | Faul
 
 
 def document_of(stored: Counterexample, candidate: Candidate, ended: Replay | Fault) -> dict[str, Any]:
-    """Write what became of a counterexample as plain data."""
     drive, remark = stored.scenario.drive, remark_on(stored, candidate, ended)
+    trace = _trace(stored, ended)
     check = on_drive(check_of(stored), drive, candidate.declaration)
-    verdict = verdict_on(ended, remark)
+    verdict, reason = verdict_on(ended, remark), ""
+    if verdict == NOT_APPLICABLE:
+        reason = check.reason_not_applicable(candidate.declaration, drive) or (
+            f"applies to {check.scenarios}, which this run is not"
+        )
     margin = None if isinstance(ended, Fault) else ended.margin
     fault = asdict(ended) | {"kind": ended.kind.value} if isinstance(ended, Fault) else None
     failed_code = 3 if check.subject == "plant" and fault is None else 1
@@ -219,17 +218,9 @@ def document_of(stored: Counterexample, candidate: Candidate, ended: Replay | Fa
         "now": None if margin is None else {"margin": margin.value, "measured": margin.measured},
         "window_s": None if isinstance(ended, Fault) or ended.window is None else list(ended.window),
         "rows": None if isinstance(ended, Fault) or ended.rows is None else list(ended.rows),
-        "account": list(account_shown(stored, ended)),
-        "reason": _reason(check, candidate, drive, verdict),
+        "account": [] if trace is None else list(contract_of(drive).account(trace)),
+        "reason": reason,
         "remark": remark,
         "fault": fault,
         "files": [],
     }
-
-
-def _reason(check: Check, candidate: Candidate, drive: DriveDocument, verdict: str) -> str:
-    """State why a check does not apply; nothing where it does."""
-    if verdict != NOT_APPLICABLE:
-        return ""
-    reason = check.reason_not_applicable(candidate.declaration, drive)
-    return reason or f"applies to {check.scenarios}, which this run is not"

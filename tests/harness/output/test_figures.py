@@ -3,7 +3,7 @@
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from drivegate.output.legend import side_legend
+from drivegate.output.figures import side_legend
 
 
 def test_the_legend_hides_no_trace():
