@@ -47,8 +47,7 @@ def junit_xml(result: dict[str, Any]) -> bytes:
     for check in result["checks"]:
         case = _case(suite, f"{name}.{check['id'].partition('-')[0]}", check["id"])
         case.set("time", f"{seconds * check['runs'] / judged:.3f}")
-        _judge(case, check, counted, explained.get(check["id"], ""))
-        _write_outcome(case, result, check)
+        _judge(case, result, check, explained.get(check["id"], ""))
     for entry in result["baseline"] or ():
         _compare(_case(suite, name, f"{entry['check']} against the baseline"), entry, counted)
     for number, (fault, count) in enumerate(distinct_faults(result["faults"]), start=1):
@@ -77,11 +76,11 @@ def _case(suite: ElementTree.Element, group: str, name: str) -> ElementTree.Elem
 
 
 def _judge(
-    case: ElementTree.Element, check: dict[str, Any], counted: Collection[str], explanation: str
+    case: ElementTree.Element, result: dict[str, Any], check: dict[str, Any], explanation: str
 ) -> None:
     verdict = check["verdict"]
     message = one_line(f"{explanation}; {check['message']}" if explanation else check["message"])
-    required = check["level"] in counted
+    required = check["level"] in counted_levels(result.get("fail_on"))
     unjudged = verdict == "inconclusive" and explanation
     if verdict in ("not applicable", "contested", "waived") or (unjudged and not required):
         # The message of a waived check ends with owner, last day and reason.
@@ -89,23 +88,18 @@ def _judge(
     elif verdict in STALE_WAIVERS or (required and verdict == "fail"):
         failure = ElementTree.SubElement(case, "failure", type=verdict, message=message)
         margin = "–" if check["margin"] is None else margin_in_words(check["margin"], 4)
-        failure.text = one_line(f"{check['requirement']} Limit: {check['limit']}. Margin: {margin}.")
+        lines = [f"{check['requirement']} Limit: {check['limit']}. Margin: {margin}."]
+        if check["counterexample"] is not None:
+            # It brings the oracle, which a result without failures does not need.
+            from drivegate.output.causes import account_of
+
+            lines += account_of(result, check)
+        failure.text = "\n".join(map(one_line, lines)).rstrip("\n")
     elif required and verdict != "pass":
         ElementTree.SubElement(case, "error", type=one_line(verdict), message=message)
     else:
         output = ElementTree.SubElement(case, "system-out")
         output.text = one_line(f"{check['level']}, {verdict}: {message}")
-
-
-def _write_outcome(case: ElementTree.Element, result: dict[str, Any], check: dict[str, Any]) -> None:
-    """Add the account of the counterexample to a failure."""
-    failure = case.find("failure")
-    if failure is None or check["counterexample"] is None:
-        return
-    # It brings the oracle, which a result without failures does not need.
-    from drivegate.output.causes import account_of
-
-    failure.text = "\n".join([failure.text or "", *map(one_line, account_of(result, check))]).rstrip("\n")
 
 
 def _compare(case: ElementTree.Element, entry: dict[str, Any], counted: Collection[str]) -> None:

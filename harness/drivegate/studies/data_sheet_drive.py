@@ -186,7 +186,7 @@ def data_sheet_drive(name: str, answers: Mapping[str, Amount]) -> DriveDocument:
             "peak_current_a": _converted(answers["peak_current"], "peak value of a phase"),
         },
     }
-    document: dict[str, Any] = {
+    document = {
         "schema": 1,
         "name": name,
         "kind": PM_AC,
@@ -194,9 +194,9 @@ def data_sheet_drive(name: str, answers: Mapping[str, Amount]) -> DriveDocument:
             table: {key: f"data sheet: {answer.text}; {how}" for key, (_, answer, how) in keys.items()}
             for table, keys in values.items()
         },
+        **{table: {key: value for key, (value, _, _) in keys.items()} for table, keys in values.items()},
     }
-    tables = {table: {key: value for key, (value, _, _) in keys.items()} for table, keys in values.items()}
-    return parse_document({**document, **tables}, DriveDocument, "the data sheet")
+    return parse_document(document, DriveDocument, "the data sheet")
 
 
 def _of_phase(answer: Amount, value: float) -> tuple[float, Amount, str]:

@@ -73,10 +73,8 @@ def show_run(console: Console, contract: Contract, document: dict[str, Any], hin
     console.print(listed)
     if document["windows"]:
         columns = contract.window_columns
-        headings = tuple(heading for _, heading in columns)
-        windows = table(
-            "steady from (s)", "to (s)", *headings, right=("steady from (s)", "to (s)", *headings)
-        )
+        headings = ("steady from (s)", "to (s)", *(heading for _, heading in columns))
+        windows = table(*headings, right=headings)
         for row in document["windows"]:
             values = (number(row[key]) for key, _ in columns)
             windows.add_row(number(row["start_s"], 1), number(row["end_s"], 1), *values)

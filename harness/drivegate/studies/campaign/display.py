@@ -10,7 +10,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from drivegate.output.console import number, plain, print_line, table
+from drivegate.output.console import number, plain, print_ending, print_line, table
 from drivegate_cases.documents.wording import significant
 
 _WORDS: Final = ("check", "level")
@@ -35,9 +35,7 @@ def show_campaign(console: Console, document: dict[str, Any]) -> None:
     for page in document["pages"]:
         contents = "has the margins of all runs, and the commands that run the worst of them again"
         print_line(console, f"next: {page} {contents}", "dim")
-    hint = _hint(document)
-    if hint:
-        print_line(console, f"next: {hint}", "dim")
+    print_ending(console, (), _hint(document))
 
 
 def _rows(document: dict[str, Any], candidate: dict[str, Any]) -> list[dict[str, str]]:

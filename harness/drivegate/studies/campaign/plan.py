@@ -209,7 +209,11 @@ def with_parameters(case: Scenario, parameters: Mapping[str, float], *, name: st
     changes: dict[str, Any] = {"name": name[:200], "seed": seed}
     scales = {key: value for key, value in parameters.items() if key in SCALES}
     if scales:
-        changes["scales"] = _scaled(case, scales)
+        own = case.scales.model_dump()
+        changes["scales"] = own | {
+            key: own[key] + value if key == "friction_added_n_m" else own[key] * value
+            for key, value in scales.items()
+        }
     drive = {key: value for key, value in parameters.items() if key not in (*SCALES, *SHARES, SPEED)}
     if drive:
         changes["drive"] = _changed_drive(case, drive)
@@ -251,15 +255,6 @@ def _shared_load(case: Scenario, share: float) -> dict[str, Any]:
             "leave 'load_share' out, or take a case with another load"
         )
     return {**load.model_dump(), "factor": _times(load.factor, share)}
-
-
-def _scaled(case: Scenario, scales: Mapping[str, float]) -> dict[str, float]:
-    own = case.scales.model_dump()
-    changed = {
-        key: own[key] + value if key == "friction_added_n_m" else own[key] * value
-        for key, value in scales.items()
-    }
-    return {**own, **changed}
 
 
 def _times(profile: Profile, share: float) -> Profile:

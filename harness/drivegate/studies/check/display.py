@@ -53,19 +53,15 @@ def show_checked(console: Console, checked: Checked) -> None:
         listed.add_row(plain(check["id"]), plain(check["level"]), verdict, margin, plain(check["message"]))
     console.print(listed)
     if document["baseline"]:
-        _show_comparisons(console, document["baseline"])
+        compared = table("against the baseline", "level", "verdict", "message")
+        for entry in document["baseline"]:
+            verdict = verdict_text(entry["verdict"])
+            compared.add_row(plain(entry["check"]), plain(entry["level"]), verdict, plain(entry["message"]))
+        console.print(compared)
     for check in failed:
         _show_counterexample(console, document, check, folder)
     if folder is not None:
         print_line(console, f"next: {_next_step(checked, folder)}", "dim")
-
-
-def _show_comparisons(console: Console, entries: list[dict[str, Any]]) -> None:
-    listed = table("against the baseline", "level", "verdict", "message")
-    for entry in entries:
-        verdict = verdict_text(entry["verdict"])
-        listed.add_row(plain(entry["check"]), plain(entry["level"]), verdict, plain(entry["message"]))
-    console.print(listed)
 
 
 def _show_fault(console: Console, fault: dict[str, Any], count: int) -> None:

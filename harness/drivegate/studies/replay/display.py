@@ -21,8 +21,8 @@ from drivegate_cases.documents.wording import counted, one_line
 from drivegate_cases.scenario.script import Script
 
 _PANELS: Final = (
-    (("speed_reference_rpm", "reference"), ("speed_rpm", "speed"), "speed (rpm)"),
-    (("current_sum_a", "Σ|i|"), None, "current (A)"),
+    ((("speed_reference_rpm", "reference"), ("speed_rpm", "speed")), "speed (rpm)"),
+    ((("current_sum_a", "Σ|i|"),), "current (A)"),
 )
 
 
@@ -154,17 +154,12 @@ def _draw_script(script: Script, ended: Replay, plot: Path, title: str) -> None:
     edges = [number + 0.5 for number in range(len(script.rows) + 1)]
     with figure_file(plot, 9.0, 6.0) as figure:
         all_axes = figure.subplots(len(_PANELS), 1, sharex=True)
-        for axes, (first, second, label) in zip(all_axes, _PANELS, strict=True):
-            for key, name in (line for line in (first, second) if line is not None):
+        for axes, (lines, label) in zip(all_axes, _PANELS, strict=True):
+            for key, name in lines:
                 axes.stairs([getattr(row, key) for row in script.rows], edges, baseline=None, label=name)
             if ended.rows is not None:
-                axes.axvspan(
-                    ended.rows[0] - 0.5,
-                    ended.rows[1] + 0.5,
-                    color="tab:orange",
-                    alpha=0.15,
-                    label="judged here",
-                )
+                first, last = ended.rows
+                axes.axvspan(first - 0.5, last + 0.5, color="tab:orange", alpha=0.15, label="judged here")
             axes.set_ylabel(label)
             axes.ticklabel_format(axis="y", useOffset=False)
             axes.grid(visible=True, alpha=0.3)
