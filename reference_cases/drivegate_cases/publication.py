@@ -34,7 +34,6 @@ class Quantity(Section):
     )
 
     def agrees(self, ours: float) -> bool:
-        """Return whether a value of ours meets the published one."""
         allowed = self.tolerance or 0.0
         above_lower = self.bound == "at_most" or ours >= self.value - allowed
         below_upper = self.bound == "at_least" or ours <= self.value + allowed
@@ -132,13 +131,11 @@ def _refuse_repeats(ids: list[str]) -> None:
 
 @cache
 def publication() -> Publication:
-    """Load what the paper states and leaves open."""
     with as_file(files("drivegate_cases") / "facts.toml") as path:
         return read_document(path, Publication)
 
 
 def facts() -> tuple[Fact, ...]:
-    """Take the facts that the paper states."""
     return publication().fact
 
 
@@ -149,6 +146,5 @@ def open_assumptions() -> tuple[Assumption, ...]:
 
 @cache
 def findings() -> tuple[Finding, ...]:
-    """Load the findings that every reproduction reports."""
     with as_file(files("drivegate_cases") / "findings.toml") as path:
         return read_document(path, Findings).finding

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
-from drivegate.drives.ability import Ability
+from drivegate.drives.ability import Ability, RunTime
 from drivegate.drives.angle_ability import ANGLE_ABILITY
 from drivegate.drives.duty_ability import DUTY_ABILITY
 from drivegate.drives.kinds import DEFAULT_DRIVE, HALF_BRIDGE, PM_AC, STAR
@@ -21,46 +21,34 @@ ABILITIES: Final[Mapping[str, Ability]] = {
     STAR.name: ANGLE_ABILITY,
     PM_AC.name: DUTY_ABILITY,
 }
-"""What a drive can do, by its kind."""
 
 
 def ability_of(drive: DriveDocument) -> Ability:
-    """Return what a drive of that kind can do, whoever controls it."""
     return ABILITIES[drive.kind]
 
 
 @dataclass(frozen=True)
 class TooSlow:
-    """A drive whose runs would take too long."""
-
-    time: float
-    """Time that it needs (s)."""
-    longest: float
-    """Longest time that is accepted (s)."""
-    until: str
-    """What happens in that time, in words."""
+    found: RunTime
     change: Mapping[str, float]
     """A value that a check accepts, by its key."""
 
     @property
     def accepted(self) -> tuple[Mapping[str, float], ...]:
-        """The change that a check accepts."""
         return (self.change,)
 
     def sentence(self) -> str:
-        """Return what takes too long, and the value that a check accepts."""
         return (
-            f"it needs {self.time:.3g} s {self.until}, but must need at most {self.longest:g} s; a check accepts "
-            f"{setting_words(self.change)}"
+            f"it needs {self.found.time:.3g} s {self.found.until}, but must need at most {self.found.longest:g} s; "
+            f"a check accepts {setting_words(self.change)}"
         )
 
     def document(self) -> dict[str, object]:
-        """Return the same as plain data."""
         return {
             "key": next(iter(self.change)),
             "message": self.sentence(),
-            "needed_time_s": self.time,
-            "longest_time_s": self.longest,
+            "needed_time_s": self.found.time,
+            "longest_time_s": self.found.longest,
             "accepted": [dict(self.change)],
         }
 
@@ -102,4 +90,4 @@ def _too_slow(document: DriveDocument) -> TooSlow | None:
     lighter = {"inertia_kg_m2": rounded_to_digits(found.share * document.machine.inertia_kg_m2, up=False)}
     faster = {"base_speed_rpm": rounded_to_digits(document.rating.base_speed_rpm / found.share, up=True)}
     is_enough = run_time(document.replaced(**lighter)).time <= found.longest
-    return TooSlow(found.time, found.longest, found.until, lighter if is_enough else faster)
+    return TooSlow(found, lighter if is_enough else faster)

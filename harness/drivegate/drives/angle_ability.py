@@ -14,7 +14,7 @@ from drivegate.candidates.declaration import NOTHING_DECLARED
 from drivegate.contracts.current.numbers import numbers as drive_numbers
 from drivegate.drives.ability import Ability, RunTime
 from drivegate.drives.constant_power import ConstantPower, constant_power
-from drivegate.drives.envelope import envelope, recommended_line, speeds_of
+from drivegate.drives.envelope import recommended_line, speed_point, speeds_of
 from drivegate.drives.envelope_document import envelope_document
 from drivegate.drives.power_reach import PowerReach
 from drivegate.drives.rating import RatedDrive, rated_drive
@@ -50,7 +50,6 @@ def facts(document: Mapping[str, Any]) -> list[str]:
 
 
 def required(drive: DriveDocument) -> list[str]:
-    """State what is required of the controllers of a drive, in its own numbers."""
     numbers = drive_numbers(drive, NOTHING_DECLARED)
     return [
         "required of a search: from {settling} after a change on the speed stays within {k1} (k1), Σ|i| within {k2} "
@@ -161,8 +160,6 @@ def _greatest(drive: RatedDrive, speed: float) -> float:
 
 
 class _AngleAbility(Ability):
-    """What half-bridge and star drives can do."""
-
     facts = staticmethod(facts)
     required = staticmethod(required)
 
@@ -196,8 +193,8 @@ class _AngleAbility(Ability):
         drive = rated_drive(document)
         line = recommended_line(drive)
         points = []
-        for point in envelope(drive, line, speeds_of(drive.rating)):
-            points.append(point)
+        for speed in speeds_of(drive.rating):
+            points.append(speed_point(drive, line, speed))
             report(len(points))
         return envelope_document(drive, line, points)
 
@@ -212,4 +209,3 @@ class _AngleAbility(Ability):
 
 
 ANGLE_ABILITY: Final = _AngleAbility()
-"""Of half-bridge and star drives."""

@@ -32,8 +32,6 @@ def last_met(is_met: Callable[[float], bool], met: float, missed: float, halving
 
 @dataclass(frozen=True)
 class ConstantPower:
-    """The range of constant power."""
-
     speeds: tuple[float, ...]
     """Speeds from the lowest at which rated power is required to overspeed (rad/s)."""
     powers: tuple[float, ...]

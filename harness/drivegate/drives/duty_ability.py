@@ -154,8 +154,6 @@ def _most_efficient(charted: dict[str, Any]) -> str:
 
 
 class _DutyAbility(Ability):
-    """What drives that take duty ratios can do."""
-
     speeds = staticmethod(_speeds)
     envelope = staticmethod(duty_envelope)
     facts = staticmethod(_facts)
@@ -204,4 +202,3 @@ class _DutyAbility(Ability):
 
 
 DUTY_ABILITY: Final = _DutyAbility()
-"""Of drives that take duty ratios."""

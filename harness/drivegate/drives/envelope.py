@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import isfinite, nan
 from typing import Final
@@ -109,14 +108,8 @@ def least_in_hand(drive: RatedDrive, line: AdvanceLine) -> tuple[float, float] |
     return speed, in_hand
 
 
-def envelope(drive: RatedDrive, line: AdvanceLine, speeds: Sequence[float]) -> Iterator[SpeedPoint]:
-    """Compute what a drive can do, one speed (rad/s) after the other."""
-    for speed in speeds:
-        yield speed_point(drive, line, speed)
-
-
 def speed_point(drive: RatedDrive, line: AdvanceLine, speed: float) -> SpeedPoint:
-    """Compute what a drive can do at one speed (rad/s)."""
+    """Compute what a drive can do at a speed (rad/s)."""
     constants = drive.constants
     torque = drive.demanded_torque(speed)
     greatest = oracle.greatest_torque_at_limit(constants, speed)

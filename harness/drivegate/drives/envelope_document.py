@@ -11,10 +11,10 @@ from typing import Any, Final
 from drivegate.drives.ability import rating_document
 from drivegate.drives.envelope import (
     SpeedPoint,
-    envelope,
     few_speeds_of,
     least_in_hand,
     recommended_line,
+    speed_point,
     speed_without_advance,
 )
 from drivegate.drives.kinds import kind_of
@@ -66,7 +66,6 @@ class TimeScales:
 
 
 def time_scales(drive: RatedDrive, points: Sequence[SpeedPoint]) -> TimeScales:
-    """Derive the time scales of a drive from its constants and from what it can do."""
     constants, rating = drive.constants, drive.rating
     at_base, at_highest = (
         constants.inertia * speed / drive.demanded_torque(speed)
@@ -111,7 +110,7 @@ def envelope_of(document: DriveDocument) -> dict[str, Any] | None:
         return None
     drive = rated_drive(document)
     line = recommended_line(drive)
-    points = tuple(envelope(drive, line, few_speeds_of(drive.rating)))
+    points = [speed_point(drive, line, speed) for speed in few_speeds_of(drive.rating)]
     return envelope_document(drive, line, points)
 
 
@@ -122,28 +121,28 @@ def envelope_document(drive: RatedDrive, line: AdvanceLine, points: Sequence[Spe
     few = few_speeds_of(rating)
     shared = [point for point in points if point.speed in few]
     loaded = [point for point in shared if _is_loaded(point, rating)]
-    without_advance = speed_without_advance(drive)
+    without_advance, in_hand = speed_without_advance(drive), least_in_hand(drive, line)
+    scales = time_scales(drive, shared)
+    units = {"electrical_frequency": "hz"}
     return {
         "rating": rating_document(drive.document),
         "has_band": drive.has_band,
         "line": {
             "start_deg": degrees(line.start),
             "slope_deg_per_rpm": degrees(line.slope) * RADIANS_PER_RPM,
-            **_least_in_hand(drive, line),
+            "least_in_hand_percent": None if in_hand is None else 100.0 * in_hand[1],
+            "least_in_hand_at_rpm": None if in_hand is None else _rpm(in_hand[0]),
         },
         "rated_torque_without_advance_up_to_rpm": None if without_advance is None else _rpm(without_advance),
         "greatest_ripple_percent": max(
             (100.0 * point.ripple for point in loaded if point.ripple == point.ripple), default=None
         ),
-        "time_scales": _time_scales(time_scales(drive, shared)),
+        "time_scales": {
+            **{f"{name}_{units.get(name, 's')}": value for name, value in asdict(scales).items()},
+            "largest_control_period_s": scales.control_period,
+        },
         "points": [_point(point) for point in points],
     }
-
-
-def _time_scales(scales: TimeScales) -> dict[str, float]:
-    units = {"electrical_frequency": "hz"}
-    named = {f"{name}_{units.get(name, 's')}": value for name, value in asdict(scales).items()}
-    return named | {"largest_control_period_s": scales.control_period}
 
 
 def _rpm(speed: float) -> float:
@@ -154,15 +153,6 @@ def _rpm(speed: float) -> float:
 def _is_loaded(point: SpeedPoint, rating: Rating) -> bool:
     rounding = 1e-9 * rating.highest_speed
     return rating.lowest_speed - rounding <= point.speed <= rating.highest_speed + rounding
-
-
-def _least_in_hand(drive: RatedDrive, line: AdvanceLine) -> dict[str, float | None]:
-    """Return how much torque the line has above rated torque where it is least."""
-    found = least_in_hand(drive, line)
-    if found is None:
-        return {"least_in_hand_percent": None, "least_in_hand_at_rpm": None}
-    speed, in_hand = found
-    return {"least_in_hand_percent": 100.0 * in_hand, "least_in_hand_at_rpm": _rpm(speed)}
 
 
 def _point(point: SpeedPoint) -> dict[str, float]:

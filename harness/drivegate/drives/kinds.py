@@ -20,9 +20,7 @@ class DriveKind(ABC):
     """A kind of drive; it imports no compiled code until its loop is prepared."""
 
     name: ClassVar[str]
-    """The kind, as documents of drives have it."""
     contract: ClassVar[str]
-    """Name of the contract of its controllers."""
     default_drive: ClassVar[str]
     """Name of the packaged drive that stands for this kind."""
     compiling_s: ClassVar[int]
@@ -88,13 +86,11 @@ DRIVE_KINDS: Final[Mapping[str, DriveKind]] = {kind.name: kind for kind in (HALF
 DEFAULT_KIND: Final = HALF_BRIDGE
 """The kind that controllers are made for by default."""
 DEFAULT_DRIVE: Final = DEFAULT_KIND.default_drive
-"""Name of the drive that is meant by default."""
 DEFAULT_DRIVES: Final[Mapping[str, str]] = {"current": DEFAULT_DRIVE, "duty": PM_AC.default_drive}
 """Name of the drive that a candidate of each contract is judged on by default."""
 
 
 def kind_of(drive: DriveDocument) -> DriveKind:
-    """Return the kind that a drive belongs to."""
     return DRIVE_KINDS[drive.kind]
 
 

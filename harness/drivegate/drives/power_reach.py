@@ -38,7 +38,6 @@ class PowerReach:
 
     @property
     def is_met(self) -> bool:
-        """Whether the drive delivers rated power at every speed."""
         return bool((self.greatest >= self.needed).all())
 
 
@@ -49,13 +48,11 @@ class UnreachableRating:
     speed: float
     """Where most is missing (rad/s)."""
     rated_power: float
-    """Rated power (W)."""
     needed_torque: float
     """Torque that it needs there (N·m)."""
     greatest_torque: float
     """Greatest torque that the drive delivers there at the current limit (N·m)."""
     current_limit: float
-    """The current limit (A)."""
     reserve: float
     """Share of the torque that is reserved for the regulator (1)."""
     nearest_power: float
@@ -77,7 +74,6 @@ class UnreachableRating:
         return tuple(changes for changes in (power, limit, self.nearest_speeds) if changes)
 
     def sentence(self) -> str:
-        """Return what is out of reach, and the values that a check accepts."""
         most = max(self.greatest_torque, 0.0)
         reserved = f", with {100.0 * self.reserve:.2g} % reserved for the regulator" if self.reserve else ""
         return (
@@ -92,7 +88,6 @@ class UnreachableRating:
         return met if self.nearest_limit is not None else f"{met}; more current alone would not help"
 
     def document(self) -> dict[str, object]:
-        """Return what is out of reach as plain data, in people's units."""
         stretch = self.nearest_range
         return {
             "key": "rated_power_w",

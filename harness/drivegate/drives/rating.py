@@ -21,8 +21,6 @@ MOST_CHOPS: Final = 500.0
 
 @dataclass(frozen=True)
 class Rating:
-    """What a drive is rated for."""
-
     base_speed: float
     """Speed up to which torque is constant, and above which power is (rad/s)."""
     lowest_speed: float
@@ -37,19 +35,14 @@ class Rating:
 
 @dataclass(frozen=True)
 class RatedDrive:
-    """A drive with its rating."""
-
     document: DriveDocument
-    """The drive as a document."""
     constants: AnyDrive
     """The plant's constants, its band none where it is so narrow that it chops more than `MOST_CHOPS` times.
     """
     ideal: AnyDrive
     """The same with the ideal current regulator."""
     rating: Rating
-    """What it is rated for."""
     limits: Limits
-    """What its controllers are judged by."""
     has_band: bool = True
     """Whether the document's band is in the constants, or none was given."""
 

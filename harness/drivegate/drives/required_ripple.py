@@ -59,7 +59,6 @@ class UnreachableRipple:
         return ({"torque_n_m": torque},)
 
     def sentence(self) -> str:
-        """Return what is out of reach, and the value that a check accepts."""
         point = f"{self.torque_nm:.3g} N·m at {self.speed_rpm:g} rpm"
         accepted = "".join(f"; a check accepts {setting_words(changes)}" for changes in self.accepted)
         if not isfinite(self.least):
@@ -81,7 +80,6 @@ class UnreachableRipple:
         return _percent_with_reserve(self.greatest) if isfinite(self.greatest) else 0
 
     def document(self) -> dict[str, object]:
-        """Return what is out of reach as plain data, in people's units."""
         found = isfinite(self.least)
         return {
             "key": "requirements.ripple_percent" if found else "requirements.point",

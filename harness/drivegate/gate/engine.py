@@ -17,6 +17,7 @@ from drivegate.candidates.kinds import KINDS
 from drivegate.checks.check import JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin, margin_in_words
 from drivegate.containment.candidate_isolation import isolating_layers
+from drivegate.containment.messages import Job
 from drivegate.containment.pool import WorkEnded, WorkerPool
 from drivegate.contracts.catalogue import all_checks, all_contracts, contract_of
 from drivegate.drives.abilities import refuse_unreachable
@@ -38,9 +39,10 @@ from drivegate.gate.focus import Focus
 from drivegate.gate.options import CheckOptions
 from drivegate.gate.plan import EXAMPLES, REPEATED, Origin, Work, planned_work
 from drivegate.gate.progress import Progress
-from drivegate.gate.recording import behaviour_job, recording_job, recording_plans, with_recordings
+from drivegate.gate.recording import behaviour_job, recording_plans, run_recorded, with_recordings
 from drivegate.gate.repetition import repeated_elsewhere
 from drivegate.gate.same_drive import require_same_drive
+from drivegate.gate.shard import searched_checks
 from drivegate.gate.shrinking import Shrunk, simplest_failures, with_simplest
 from drivegate.gate.warm_up import compile_kernels, judges_on, uncompiled_kinds
 from drivegate.gate.witnesses import Accusation, Acquittal, Defence, accusations, with_witnesses
@@ -63,12 +65,7 @@ from drivegate.results.waivers import present_day, under_waivers
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.errors import InputError
 
-_TELLING: Final = frozenset(
-    check.id
-    for contract in all_contracts()
-    for check in contract.checks
-    if check.level == "required" and check.subject == "candidate" and not check.volatile
-)
+_SHOWN: Final = frozenset(check for contract in all_contracts() for check in searched_checks(contract))
 """Checks whose margins progress shows; one of 0 that is met is a clamped command's."""
 _VOLATILE: Final = frozenset(check.id for check in all_checks().values() if check.volatile)
 
@@ -81,7 +78,6 @@ class _Plan:
     options: CheckOptions
     """With the focus that suits the drive."""
     how: CheckPlan
-    """On which drive, and how, the candidate is checked."""
     uncompiled: tuple[str, ...]
     """Kinds of drives whose kernels are compiled first."""
     today: date | None
@@ -124,9 +120,10 @@ def _planned(candidate: Candidate, options: CheckOptions) -> _Plan:
     uncompiled = uncompiled_kinds([drive])
     if not uncompiled:
         refuse_unreachable(drive)
+    own: DriveFrom = "default" if candidate.drive is None else "manifest"
     how = CheckPlan(
         drive,
-        _drive_from(candidate, options.drive),
+        own if options.drive is None else "user",
         options.effort,
         options.seed,
         options.workers or os.cpu_count() or 1,
@@ -192,7 +189,6 @@ def _run(plan: _Plan, progress: Progress) -> Iterator[Event]:
 
 
 def _finished(plan: _Plan, progress: Progress, timing: dict[str, Any]) -> ResultDocument:
-    """Judge the candidate."""
     candidate, options, how, runs = plan.candidate, plan.options, plan.how, progress.all_runs
     outcomes = progress.outcomes
     _add_differing(outcomes, progress)
@@ -238,7 +234,6 @@ def _finished(plan: _Plan, progress: Progress, timing: dict[str, Any]) -> Result
 
 
 def _compared(plan: _Plan, runs: Sequence[JudgedRun]) -> tuple[ComparisonSection, ...] | None:
-    """Compare the margins with those of the baseline."""
     options = plan.options
     if options.baseline is None:
         return None
@@ -252,12 +247,6 @@ def _add_differing(outcomes: Sequence[CheckSection], progress: Progress) -> None
         if outcome.id == REPEATED and outcome.verdict == "fail":
             message = f"the same scenario was answered differently when it was repeated: {outcome.measured}"
             progress.add_fault(Fault(FaultKind.NON_DETERMINISTIC, message, "step"))
-
-
-def _drive_from(candidate: Candidate, named: DriveDocument | None) -> DriveFrom:
-    if named is not None:
-        return "user"
-    return "default" if candidate.drive is None else "manifest"
 
 
 def _compile(kinds: tuple[str, ...], drive: DriveDocument, is_ended: Callable[[], bool]) -> Iterator[Event]:
@@ -308,7 +297,6 @@ def _repeat(pool: WorkerPool, progress: Progress) -> None:
 
 
 def _shrink(pool: WorkerPool, effort: str, progress: Progress) -> Iterator[Event]:
-    """Make the failures simpler, and give the outcomes their counterexamples."""
     failures = simplest_failures(progress.outcomes, progress.all_runs)
     shrinking = [failure for failure in failures if failure.shrinks() and not progress.cuts_short()]
     shrunk: dict[str, Shrunk | Fault | None] = {}
@@ -343,9 +331,8 @@ def _hear(pool: WorkerPool, drive: DriveDocument, progress: Progress, *, counts:
 
 
 def _record(pool: WorkerPool, progress: Progress) -> None:
-    """Keep the signals of the runs that reports show."""
     plans = [] if progress.cuts_short() else recording_plans(progress.outcomes)
-    mapped = pool.map([recording_job(plan) for plan in plans])
+    mapped = pool.map([Job(run_recorded, plan) for plan in plans])
     endings = list(mapped)
     for ending in endings:
         progress.add_fault(ending)
@@ -377,7 +364,7 @@ def _worst(runs: Sequence[JudgedRun], focus: Focus) -> str:
         margin
         for run in runs
         for margin in run.margins
-        if margin.check in _TELLING
+        if margin.check in _SHOWN
         and focus.judges(margin.check)
         and not margin.advisory
         and not (margin.met and margin.value == 0.0)

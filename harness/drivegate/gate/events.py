@@ -18,25 +18,18 @@ class CheckPlan:
     """How a candidate is checked."""
 
     drive: DriveDocument
-    """The drive that it is judged on."""
     drive_from: DriveFrom
-    """Who named it."""
     effort: str
     """``quick``, ``default`` or ``nightly``."""
     seed: int
-    """Seed of the search."""
     workers: int
-    """Number of processes."""
     isolation: tuple[str, ...] | None = None
     """The layers that isolate the candidate's processes; None for a built-in controller, which has none."""
 
 
 @dataclass(frozen=True)
 class CheckStarted:
-    """A candidate's check begins."""
-
     candidate_name: str
-    """The candidate."""
     planned_runs: int | None
     """Number of runs at most; None of a check, whose runs are planned once its drive is known to be within reach."""
     plan: CheckPlan | None = None
@@ -48,7 +41,6 @@ class Compiling:
     """The kernels are being compiled, which is done once for each installation and takes a minute."""
 
     kinds: tuple[str, ...]
-    """The kinds of drives whose kernels are compiled."""
 
 
 @dataclass(frozen=True)
@@ -61,10 +53,7 @@ class Running:
 
 @dataclass(frozen=True)
 class RunDone:
-    """Some runs have been made."""
-
     done: int
-    """Runs accounted for so far."""
     planned: int
     """Number of runs at most."""
     scenario: str
@@ -74,27 +63,19 @@ class RunDone:
 
 
 @dataclass(frozen=True)
-class Shrinking:
-    """A failure has been made as simple as it could be had."""
-
+class _FailureDone:
     check: str
     """Identifier of the check that fails; empty before the first one is done."""
     done: int
-    """Failures that are done with."""
     planned: int
-    """Number of failures."""
 
 
-@dataclass(frozen=True)
-class WitnessesHeard:
+class Shrinking(_FailureDone):
+    """A failure has been made as simple as it could be had."""
+
+
+class WitnessesHeard(_FailureDone):
     """Known good controllers have been run where a check fails."""
-
-    check: str
-    """Identifier of the check; empty before the first one is done."""
-    done: int
-    """Failures that are done with."""
-    planned: int
-    """Number of failures."""
 
 
 @dataclass(frozen=True)
@@ -104,10 +85,7 @@ class Recording:
 
 @dataclass(frozen=True)
 class CheckFinished:
-    """A candidate's check has ended."""
-
     result: ResultDocument
-    """The result."""
 
 
 Event: TypeAlias = (

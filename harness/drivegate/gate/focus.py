@@ -45,7 +45,6 @@ class Focus:
             raise InputError(f"--only: no named check applies, so nothing is judged ({reasons}); name others")
 
     def judges(self, check: str) -> bool:
-        """Return True if a check is judged."""
         return not self.only or check in self.only
 
     def outcomes(self, outcomes: Iterable[CheckSection]) -> tuple[CheckSection, ...]:
@@ -66,7 +65,6 @@ class Focus:
 
 
 WHOLE: Final = Focus()
-"""The whole check."""
 
 
 def is_called(check: str, name: str) -> bool:

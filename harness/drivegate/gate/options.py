@@ -27,7 +27,6 @@ class CheckOptions:
     effort: str = "default"
     """``quick``, ``default`` or ``nightly``."""
     seed: int = 0
-    """Seed of the search."""
     workers: int | None = None
     """Number of processes; None for as many as there are processors."""
     max_time: float | None = None
@@ -39,13 +38,11 @@ class CheckOptions:
     baseline: Baseline | None = None
     """Earlier result that margins are compared with."""
     waivers: Sequence[Waiver] = ()
-    """Failures that are accepted."""
     fail_on: Literal["required", "advisory"] = "required"
     """``required``, or ``advisory`` where advisory checks count like required ones."""
     contested: Literal["pass", "fail"] = "pass"
     """``fail`` where failures count that no known good controller avoids in the same scenario, else ``pass``."""
     focus: Focus = WHOLE
-    """What the check is confined to."""
     on_slow: Callable[[SlowRun], None] | None = None
     """Called with a run that will take long."""
     is_ended: Callable[[], bool] = lambda: False

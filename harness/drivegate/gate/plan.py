@@ -58,16 +58,12 @@ _OF_ONE_CHECK: Final = {Origin.SCRIPTS: "FLO-1", Origin.TIMED: TIM_1.id}
 
 @dataclass(frozen=True)
 class Work:
-    """A job and what it is."""
-
     job: Job[ShardOutcome]
-    """The job."""
     runs: int
     """Number of runs at most."""
     label: str
     """Name of its last scenario."""
     origin: Origin
-    """Where its scenarios come from."""
 
 
 def planned_work(
@@ -86,10 +82,12 @@ def planned_work(
     fixed = contract_of(drive).fixed_scenarios(drive, declaration)
     repeated = _repeated(fixed[2:])
     examples = EXAMPLES[effort]
+    judges_scripts = focus.judges(_OF_ONE_CHECK[Origin.SCRIPTS])
     shards = [
         DrawnRuns(drive, seed * SHARDS + shard, examples, search=search, only=focus.only)
         for shard in range(SHARDS)
     ]
+    scripts = contract_of(drive).scripted_runs(drive, declaration, seed, SCRIPTS[effort])
     work = [
         *(_stored(stored, Origin.LAST_FAILED, focus) for stored in focus.first),
         _as_they_are(fixed[:2], Origin.FIXED, focus, repeat=True),
@@ -97,16 +95,20 @@ def planned_work(
             _as_they_are((scenario,), Origin.FIXED, focus, repeat=scenario in repeated)
             for scenario in fixed[2:]
         ),
-        *(_stored(stored, Origin.CORPUS, focus) for stored in corpus if _is_judged(stored, focus)),
+        *(
+            _stored(stored, Origin.CORPUS, focus)
+            for stored in corpus
+            if judges_scripts or not isinstance(stored.scenario, Script)
+        ),
         *(_as_they_are((scenario,), Origin.BASELINE, focus) for scenario in _not_among(fixed, baseline)),
-        *_scripts(drive, declaration, seed, SCRIPTS[effort]),
+        *([] if scripts is None else [Work(*scripts, "scripts", Origin.SCRIPTS)]),
         *(
             Work(Job(run_drawn, drawn), examples, f"shard {number}", Origin.DRAWN)
             for number, drawn in enumerate(shards, start=1)
         ),
         *_joint(drive, seed, JOINT[effort], focus),
         # Last, so that fewer processes are at work beside it.
-        Work(Job(time_steps, TimedSteps(fixed[0])), 1, fixed[0].name, Origin.TIMED),
+        Work(Job(time_steps, fixed[0]), 1, fixed[0].name, Origin.TIMED),
     ]
     return [item for item in work if _serves(item.origin, focus)]
 
@@ -133,11 +135,6 @@ def _serves(origin: Origin, focus: Focus) -> bool:
     return bool(others if origin is Origin.FIXED else others - {REPEATED})
 
 
-def _is_judged(stored: Counterexample, focus: Focus) -> bool:
-    """Return False for a script where its check is not judged; what else is needed shows where it is run."""
-    return not isinstance(stored.scenario, Script) or focus.judges(_OF_ONE_CHECK[Origin.SCRIPTS])
-
-
 def _stored(stored: Counterexample, origin: Origin, focus: Focus) -> Work:
     if isinstance(stored.scenario, Script):
         return Work(Job(run_stored_script, stored.scenario), 1, stored.scenario.name, origin)
@@ -148,11 +145,6 @@ def run_stored_script(loaded: JudgedCandidate, script: Script) -> ShardOutcome:
     """Run a script of the corpus; this is what the worker process does."""
     margin = contract_of(script.drive).script_margin(loaded, script)
     return ShardOutcome(() if margin is None else (JudgedRun(script.to_mapping(), (margin,)),))
-
-
-def _scripts(drive: DriveDocument, declaration: Declaration, seed: int, examples: int) -> list[Work]:
-    planned = contract_of(drive).scripted_runs(drive, declaration, seed, examples)
-    return [] if planned is None else [Work(*planned, "scripts", Origin.SCRIPTS)]
 
 
 def _joint(drive: DriveDocument, seed: int, times: int, focus: Focus) -> list[Work]:
@@ -199,18 +191,9 @@ def _not_among(fixed: Iterable[Scenario], baseline: Baseline | None) -> list[Sce
     return chosen
 
 
-@dataclass(frozen=True)
-class TimedSteps:
-    """Steps to be timed."""
-
-    scenario: Scenario
-    """The run whose first Senses the controller is timed on."""
-
-
-def time_steps(loaded: JudgedCandidate, plan: TimedSteps) -> ShardOutcome:
-    """Record a run, then time the candidate's steps on what it sensed there."""
+def time_steps(loaded: JudgedCandidate, scenario: Scenario) -> ShardOutcome:
+    """Record a run, then time the candidate's steps on its first Senses."""
     controller = loaded.controller()
-    scenario = plan.scenario
     record = recorded(loaded, scenario, controller, trace_every=1)
     step_time = contract_of(scenario.drive).step_seconds(controller, record)
     way = way_of_running(loaded.candidate.kind, controller)
@@ -232,7 +215,6 @@ def way_of_running(kind: str, controller: AnyController) -> str:
 
 
 def timing_margin(way: str, step_time: float, control_period: float) -> Margin:
-    """Judge the time of a step."""
     share = step_time / control_period
     measured = f"{1e6 * step_time:.3g} µs a step ({way}), {100.0 * share:.3g} % of the control period"
     return Margin(TIM_1.id, below(step_time, LARGEST_SHARE * control_period), measured, is_timed=True)

@@ -49,7 +49,6 @@ class Progress:
             self.incomplete = "interrupted"
 
     def add(self, work: Work, outcome: ShardOutcome | Fault) -> None:
-        """Add what a job came to."""
         if isinstance(outcome, Fault):
             self.add_fault(outcome)
         else:

@@ -23,20 +23,14 @@ _MOST_ROWS: Final = 60_000
 
 @dataclass(frozen=True)
 class RecordPlan:
-    """A run to be recorded."""
-
     scenario: dict[str, Any]
-    """The scenario as plain data."""
     checks: tuple[str, ...]
-    """Checks that look at it."""
     failed: tuple[str, ...] = ()
     """Those of them whose counterexample it is."""
 
 
 @dataclass(frozen=True)
 class Recorded:
-    """A recorded run."""
-
     columns: dict[str, list[float]]
     """Lists of equal length by the name of the column."""
     windows: dict[str, tuple[float, float]]
@@ -68,11 +62,6 @@ def recording_plans(outcomes: Iterable[CheckSection]) -> list[RecordPlan]:
     return plans
 
 
-def recording_job(plan: RecordPlan) -> Job[Recorded]:
-    """Plan the work of a recording."""
-    return Job(run_recorded, plan)
-
-
 def run_recorded(loaded: JudgedCandidate, plan: RecordPlan) -> Recorded:
     """Run a scenario again and keep its signals; this is what the worker process does."""
     scenario = parse_document(plan.scenario, Scenario, "the recorded scenario")
@@ -93,7 +82,6 @@ def run_recorded(loaded: JudgedCandidate, plan: RecordPlan) -> Recorded:
 def with_recordings(
     outcomes: Iterable[CheckSection], endings: Iterable[Recorded | Fault]
 ) -> tuple[tuple[CheckSection, ...], tuple[dict[str, list[float]], ...]]:
-    """Put what was recorded into a result."""
     traces: list[dict[str, list[float]]] = []
     places: dict[str, RecordingSection] = {}
     for ending in endings:
@@ -113,10 +101,7 @@ def with_recordings(
 
 @dataclass(frozen=True)
 class BehaviourPlan:
-    """What is to be run."""
-
     drive: DriveDocument
-    """The drive."""
     step: dict[str, Any] | None
     """Scenario that shows how steps are followed, as plain data."""
 

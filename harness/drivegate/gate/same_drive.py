@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
 
 from drivegate.drives.kinds import DEFAULT_DRIVE
+from drivegate.results.baseline import Baseline
+from drivegate.results.counterexample import Counterexample
+from drivegate.results.waivers import Waiver
 from drivegate_cases.documents.wording import shown
+from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.errors import InputError
-
-if TYPE_CHECKING:
-    from drivegate.results.baseline import Baseline
-    from drivegate.results.counterexample import Counterexample
-    from drivegate.results.waivers import Waiver
-    from drivegate_cases.drive.drive_document import DriveDocument
 
 
 def require_same_drive(

@@ -15,6 +15,7 @@ from drivegate.checks.check import InfeasibleScenario, JudgedRun, NotRun, ShardO
 from drivegate.checks.margin import Margin
 from drivegate.containment.messages import JudgedCandidate
 from drivegate.contracts.catalogue import contract_of
+from drivegate.contracts.contract import Contract
 from drivegate.contracts.parting import room_for_commands
 from drivegate.drives.running import recorded, with_repetitions
 from drivegate_cases.drive.drive_document import DriveDocument
@@ -34,7 +35,6 @@ class FixedRuns:
     """Scenarios to be run as they are."""
 
     scenarios: tuple[Scenario, ...]
-    """The scenarios."""
     repeat: bool = False
     """Whether the first of them is run again afterwards, on the same instance and on a new one."""
     only_fair: bool = False
@@ -49,7 +49,6 @@ class DrawnRuns:
     """A shard of the search."""
 
     drive: DriveDocument
-    """The drive."""
     seed: int
     """Seed of this shard; shards of consecutive seeds take turns at the families of scenarios."""
     examples: int
@@ -68,7 +67,6 @@ def content_key(scenario: Mapping[str, Any]) -> str:
 
 
 def run_fixed(loaded: JudgedCandidate, plan: FixedRuns) -> ShardOutcome:
-    """Run scenarios as they are."""
     scenarios, infeasible = _fair(plan.scenarios) if plan.only_fair else (plan.scenarios, ())
     if not plan.repeat:
         declaration = loaded.candidate.declaration
@@ -98,6 +96,15 @@ def _fair(
     )
 
 
+def searched_checks(contract: Contract) -> frozenset[str]:
+    """Return the required checks of a contract whose margins do not depend on the machine, without the plant's."""
+    return frozenset(
+        check.id
+        for check in contract.checks
+        if check.level == "required" and check.subject == "candidate" and not check.volatile
+    )
+
+
 class _Collector:
     """Runs what Hypothesis draws, and keeps what comes of it.
 
@@ -110,11 +117,7 @@ class _Collector:
         self._controller = loaded.controller()
         self._unrelated = unrelated
         self.contract = contract_of(drive)
-        self.searched = frozenset(
-            check.id
-            for check in self.contract.checks
-            if check.level == "required" and check.subject == "candidate" and not check.volatile
-        )
+        self.searched = searched_checks(self.contract)
         fixed = self.contract.fixed_scenarios(drive, loaded.candidate.declaration)
         self._known = {content_key(scenario.to_mapping()) for scenario in fixed}
         self._tickets: set[int] = set()
@@ -232,10 +235,7 @@ def _scores(margins: Iterable[Margin], searched: Collection[str]) -> dict[str, f
 
 @dataclass(frozen=True)
 class JointRuns:
-    """A part of the runs of joint changes."""
-
     drive: DriveDocument
-    """The drive."""
     seed: int
     """Seed of what the covering array leaves open."""
     part: int
@@ -246,7 +246,6 @@ class JointRuns:
 
 
 def run_joint(loaded: JudgedCandidate, plan: JointRuns) -> ShardOutcome:
-    """Draw a part of the joint changes and run them as they are."""
     declaration = loaded.candidate.declaration
     scenarios = contract_of(plan.drive).joint_scenarios(
         plan.drive, declaration, plan.seed, plan.part, plan.parts

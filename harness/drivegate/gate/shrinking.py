@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
@@ -30,12 +30,9 @@ _GONE: Final = f"run again, it did not fail: two runs of the same scenario diffe
 
 @dataclass(frozen=True)
 class ShrinkPlan:
-    """What is to be made simpler."""
-
     scenario: Mapping[str, Any]
     """A scenario as plain data that breaks the check, or a script."""
     check: str
-    """Identifier of the check."""
     budget: int = 60
     """Number of runs that may be spent."""
     worst: float | None = None
@@ -45,14 +42,10 @@ class ShrinkPlan:
 
 @dataclass(frozen=True)
 class Shrunk:
-    """What the shrinking came to."""
-
     scenario: dict[str, Any]
     """The simplest scenario found that breaks the check, as plain data."""
     margin: Margin
-    """The check's margin on it."""
     runs: int
-    """Number of runs that were spent."""
 
 
 def run_shrink(loaded: JudgedCandidate, plan: ShrinkPlan) -> Shrunk | None:
@@ -89,7 +82,6 @@ class _Trials:
 
     @property
     def spent(self) -> bool:
-        """Whether no more runs may be made."""
         return self.runs >= self._budget
 
     def failure(self, scenario: Scenario) -> Margin | None:
@@ -133,21 +125,16 @@ def _simplest(scenario: Scenario, margin: Margin, trials: _Trials) -> tuple[Scen
 def _simpler(
     scenario: Scenario, simplification: Simplification, trials: _Trials
 ) -> tuple[Scenario, Margin] | None:
-    """Find the first simpler scenario that still breaks the check."""
-    for candidate in _candidates(scenario, simplification, trials):
-        if trials.spent:
-            return None
-        margin = trials.failure(candidate)
-        if margin is not None:
-            return candidate, margin
-    return None
-
-
-def _candidates(scenario: Scenario, simplification: Simplification, trials: _Trials) -> Iterator[Scenario]:
     for fields in simplification(scenario):
         simpler = simplified(scenario, fields)
-        if simpler is not None and trials.is_due(simpler):
-            yield simpler
+        if simpler is None or not trials.is_due(simpler):
+            continue
+        if trials.spent:
+            return None
+        margin = trials.failure(simpler)
+        if margin is not None:
+            return simpler, margin
+    return None
 
 
 @dataclass(frozen=True)
@@ -155,11 +142,8 @@ class FailedRun:
     """The simplest run that breaks a check of the candidate."""
 
     check: str
-    """Identifier of the check."""
     margin: Margin
-    """Its margin."""
     run: JudgedRun
-    """The run."""
     worst: float | None = None
     """Least margin that the check is reported with."""
 
@@ -168,7 +152,6 @@ class FailedRun:
         return self.check != REPEATED and self.run.scenario.get("kind") != "script"
 
     def job(self, effort: str) -> Job[Shrunk | None]:
-        """Plan the search for a simpler one."""
         return Job(run_shrink, ShrinkPlan(self.run.scenario, self.check, _BUDGET[effort], self.worst))
 
 
@@ -188,7 +171,6 @@ def with_simplest(
     failures: Iterable[FailedRun],
     shrunk: Mapping[str, Shrunk | Fault | None],
 ) -> tuple[CheckSection, ...]:
-    """Put the simplest counterexamples that were found into the outcomes."""
     failed = {failure.check: failure for failure in failures}
     return tuple(
         _with_simplest(outcome, failed[outcome.id], shrunk) if outcome.id in failed else outcome
@@ -211,7 +193,6 @@ def _with_simplest(
 def shown_by(
     outcome: CheckSection, scenario: Mapping[str, Any], margin: Margin, runs: int = 0
 ) -> CheckSection:
-    """Show a failure by a counterexample, which was found in a number of runs."""
     found = FoundSection.model_construct(
         margin=margin.value, measured=margin.measured, size=size_of(scenario), runs=runs
     )

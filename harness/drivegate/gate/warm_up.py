@@ -93,7 +93,6 @@ def compile_kernels(kinds: Collection[str], is_ended: Callable[[], bool] = lambd
 
 
 def judges_on(drive: DriveDocument) -> Preparation:
-    """Return how judges of runs on a drive are prepared."""
     return Preparation(__name__, load_kernels.__name__, drive.kind)
 
 

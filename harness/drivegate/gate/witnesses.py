@@ -39,12 +39,10 @@ class Accusation:
     """A failed check of the candidate, and scenarios in which it fails."""
 
     check: str
-    """Identifier of the check."""
     failures: tuple[tuple[Mapping[str, Any], Margin], ...]
     """The scenarios as plain data with the candidate's margins, the counterexample first."""
 
     def job(self) -> Job[Acquittal | Defence | Fault]:
-        """Plan the runs of the witnesses."""
         return Job(hear_witnesses, self)
 
 
@@ -53,7 +51,6 @@ class Defence:
     """A witness has met the requirement, so the accusation stands."""
 
     witnessed: WitnessedSection
-    """What the witness did."""
     place: int
     """Which of the accusation's scenarios it was run in."""
 
@@ -63,7 +60,6 @@ class Acquittal:
     """No witness has met the requirement, so the accusation is contested."""
 
     witnesses: tuple[str, ...]
-    """Their names."""
 
 
 def witnesses_for(drive: DriveDocument) -> tuple[Witness, ...]:
@@ -72,7 +68,6 @@ def witnesses_for(drive: DriveDocument) -> tuple[Witness, ...]:
 
 
 def witnesses_on(check: str, drive: DriveDocument) -> tuple[Witness, ...]:
-    """Return those of them that are heard on a check."""
     return tuple(witness for witness in witnesses_for(drive) if witness.is_heard_on(check))
 
 
@@ -137,15 +132,12 @@ def hear_witnesses(loaded: JudgedCandidate, accusation: Accusation) -> Acquittal
 def _best_margin(witness: Witness, scenario: Scenario, declaration: Declaration, check: str) -> Margin | None:
     """Judge a witness by the declaration, or by the drive alone: it need not keep another one's promise."""
     judged_by = dict.fromkeys((declaration, replace(declaration, current_bandwidth=None)))
-    margins = (_margin(witness, scenario, each, check) for each in judged_by)
+    records = (_record(witness, scenario, each) for each in judged_by)
+    judge = check_of(scenario.drive.contract, check)
+    margins = (judge.evaluate(record) for record in records if record is not None)
     return max(
         (margin for margin in margins if margin is not None), key=lambda each: each.value, default=None
     )
-
-
-def _margin(witness: Witness, scenario: Scenario, declaration: Declaration, check: str) -> Margin | None:
-    record = _record(witness, scenario, declaration)
-    return None if record is None else check_of(scenario.drive.contract, check).evaluate(record)
 
 
 @lru_cache(maxsize=_KEPT_RUNS)

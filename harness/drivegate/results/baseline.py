@@ -5,11 +5,11 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Final, Literal
+from typing import Annotated, Any, ClassVar, Final, Literal
 
 from pydantic import BeforeValidator, ConfigDict, Field
 
-from drivegate.checks.check import Check
+from drivegate.checks.check import Check, JudgedRun
 from drivegate.results.counterexample import require_kind, resolved_scenario
 from drivegate.results.document import ComparisonSection
 from drivegate.results.result import RESULT_SCHEMA
@@ -18,9 +18,6 @@ from drivegate_cases.documents.reading import read_mapping
 from drivegate_cases.documents.wording import shown_path
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import InputError
-
-if TYPE_CHECKING:
-    from drivegate.checks.check import JudgedRun
 
 FEWEST_PAIRS: Final = 5
 """Pairs below which no test could show anything: with 4, the least p-value there is is 1/16."""
@@ -52,7 +49,6 @@ class Baseline(Document):
 
 
 def read_baseline(path: Path) -> Baseline:
-    """Read an earlier result."""
     mapping = read_mapping(path)
     if mapping.get("kind") == "checks":
         raise InputError(
@@ -75,7 +71,6 @@ def scenario_key(scenario: Mapping[str, Any]) -> str:
 def compared(
     baseline: Baseline, runs: Iterable[JudgedRun], checks: Iterable[Check]
 ) -> tuple[ComparisonSection, ...]:
-    """Compare the margins of every check of the candidate with the earlier ones."""
     now: dict[str, dict[str, float]] = {}
     for run in runs:
         margins = {margin.check: margin.value for margin in run.margins}

@@ -96,7 +96,6 @@ class Counterexample(Document):
 
 
 def read_counterexample(path: str | Path) -> Counterexample:
-    """Read the file of a counterexample."""
     mapping = read_mapping(path)
     require_kind(mapping, KIND, path)
     return parse_document(mapping, Counterexample, str(path), folder=Path(path).parent)
@@ -113,7 +112,6 @@ def require_kind(mapping: Mapping[str, Any], kind: str, path: str | Path) -> Non
 
 
 def read_corpus(folder: Path) -> tuple[Counterexample, ...]:
-    """Read every counterexample of a folder."""
     try:
         if not folder.is_dir():
             problem = "is no folder" if folder.exists() else "does not exist"

@@ -53,7 +53,6 @@ class CandidateSection(Section):
 
     @classmethod
     def of(cls, candidate: Candidate) -> CandidateSection:
-        """Describe a candidate."""
         return cls.model_construct(
             name=candidate.name,
             kind=candidate.kind,
@@ -171,7 +170,6 @@ class FaultSection(Section):
 
     @classmethod
     def of(cls, fault: Fault) -> FaultSection:
-        """Describe a fault."""
         stated = asdict(fault) | {"kind": fault.kind.value}
         return cls.model_construct(time_s=stated.pop("time"), **stated)
 
@@ -353,7 +351,6 @@ class ResultDocument(Document):
 
 
 def result_schema() -> dict[str, Any]:
-    """Make the JSON Schema of the result document."""
     schema = ResultDocument.model_json_schema(by_alias=True)
     properties = schema["properties"]
     properties["schema"] = {"const": RESULT_SCHEMA, "description": "number of the document's schema"}

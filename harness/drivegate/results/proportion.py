@@ -24,7 +24,6 @@ class Proportion:
 
 
 def proportion(happened: int, runs: int, confidence: float = CONFIDENCE) -> Proportion:
-    """Estimate a probability from a count."""
     # The quantiles by themselves: scipy.stats takes a second to import.
     from scipy.special import betaincinv
 

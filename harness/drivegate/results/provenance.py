@@ -77,7 +77,6 @@ def machine() -> dict[str, Any]:
 
 @cache
 def _commit() -> str | None:
-    """State the commit of drivegate's sources."""
     git = shutil.which("git")
     own = Path(__file__).resolve()
     if git is None:

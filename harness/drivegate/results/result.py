@@ -36,16 +36,12 @@ def content_hash(document: Mapping[str, Any]) -> str:
     return hash_of_content(hashed)
 
 
-def _finite_table(table: dict[str, Any]) -> dict[str, Any]:
-    return {key: finite(item) for key, item in table.items()}
-
-
 def finite(value: Any) -> Any:
     """Replace numbers that JSON cannot write by null, and tuples by lists."""
     if isinstance(value, float):
         return value if math.isfinite(value) else None
     if isinstance(value, dict):
-        return _finite_table(value)
+        return {key: finite(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
         return [finite(item) for item in value]
     return value

@@ -153,7 +153,6 @@ def candidate_verdict(
     *,
     fail_on: str = "required",
 ) -> tuple[str, int]:
-    """Judge the candidate."""
     levels = counted_levels(fail_on)
     required = [outcome for outcome in outcomes if outcome.level in levels]
     found = {outcome.verdict for outcome in required}

@@ -50,15 +50,6 @@ class Waiver(Section):
     expires: Annotated[date, BeforeValidator(_day)] = Field(description="last day on which it holds")
     margin: float = Field(lt=0.0, description="margin below which it no longer holds, below 0")
 
-    def expired(self, today: date) -> bool:
-        """Return True if the waiver's last day is over."""
-        return today > self.expires
-
-    def as_document(self) -> dict[str, Any]:
-        """Write what a result shows of the waiver."""
-        keys = {"drive", "reason", "owner", "expires", "margin"}
-        return self.model_dump(mode="json", include=keys, exclude_none=True)
-
 
 class WaiverFile(Document):
     """A file of waivers."""
@@ -67,7 +58,6 @@ class WaiverFile(Document):
 
 
 def read_waivers(path: Path, candidates: Collection[str]) -> tuple[Waiver, ...]:
-    """Read a file of waivers for the candidates of a call."""
     waivers = read_document(path, WaiverFile).waiver
     problems = [
         f"waiver {number} {problem}"
@@ -100,7 +90,6 @@ def _problems(waiver: Waiver, earlier: Iterable[Waiver], candidates: Collection[
 def under_waivers(
     outcomes: Iterable[CheckSection], candidate: str, waivers: Iterable[Waiver], today: date
 ) -> tuple[CheckSection, ...]:
-    """Apply the waivers to a candidate's outcomes."""
     own = {waiver.check: waiver for waiver in waivers if waiver.candidate == candidate}
     return tuple(
         _waived(outcome, own[outcome.id], today) if outcome.id in own else outcome for outcome in outcomes
@@ -109,23 +98,22 @@ def under_waivers(
 
 def _waived(outcome: CheckSection, waiver: Waiver, today: date) -> CheckSection:
     verdict, sentence = outcome.verdict, f"there is a waiver of {waiver.owner} for it"
+    holds = outcome.margin is not None and outcome.margin >= waiver.margin
     if outcome.verdict == "pass":
         verdict = "unexpectedly passes"
         sentence = f"the waiver of {waiver.owner} is not needed any more and is to be removed"
-    elif outcome.verdict == "fail" and waiver.expired(today):
+    elif outcome.verdict == "fail" and today > waiver.expires:
         verdict = "waiver expired"
         sentence = f"the waiver of {waiver.owner} held until {waiver.expires}"
-    elif outcome.verdict == "fail" and not _holds(waiver, outcome.margin):
+    elif outcome.verdict == "fail" and not holds:
         sentence = f"the waiver of {waiver.owner} holds down to a margin of {waiver.margin:g} only"
     elif outcome.verdict == "fail":
         verdict = "waived"
         sentence = f"waived by {waiver.owner} until {waiver.expires}: {waiver.reason}"
     message = f"{outcome.message}; {one_line(sentence)}"
-    return outcome.model_copy(update={"verdict": verdict, "message": message, "waiver": waiver.as_document()})
-
-
-def _holds(waiver: Waiver, margin: float | None) -> bool:
-    return margin is not None and margin >= waiver.margin
+    shown_keys = {"drive", "reason", "owner", "expires", "margin"}
+    table = waiver.model_dump(mode="json", include=shown_keys, exclude_none=True)
+    return outcome.model_copy(update={"verdict": verdict, "message": message, "waiver": table})
 
 
 def present_day() -> date:

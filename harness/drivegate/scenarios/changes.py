@@ -54,26 +54,20 @@ def coming_on_to(ramp_s: float, share: float, later: Profile = ()) -> Profile:
 
 
 def with_load_shares(scenario: Scenario, *changes: tuple[float, float]) -> Scenario:
-    """Step a switched load."""
-    load = scenario.load
-    assert not isinstance(load, (LockedLoad, VehicleLoad)), "only a switched load has shares"
     later = tuple(
         point for (_, before), (time, after) in pairwise(changes) for point in ((time, before), (time, after))
     )
-    factor = coming_on_to(scale_of(scenario.drive).load_ramp_s, changes[0][1], later)
-    stepped_load = load.model_copy(update={"factor": factor})
-    return _with_change(scenario, factor[-1][0], load=stepped_load)
+    ramp_s = scale_of(scenario.drive).load_ramp_s
+    return with_load_factor(scenario, coming_on_to(ramp_s, changes[0][1], later))
 
 
 def with_load_factor(scenario: Scenario, factor: Profile) -> Scenario:
-    """Let a switched load follow a course of shares."""
     load = scenario.load
     assert not isinstance(load, (LockedLoad, VehicleLoad)), "only a switched load has shares"
     return _with_change(scenario, factor[-1][0], load=load.model_copy(update={"factor": factor}))
 
 
 def with_speed(scenario: Scenario, profile: Profile) -> Scenario:
-    """Change the speed reference during a run."""
     return _with_change(scenario, profile[-1][0], speed_rpm=profile, initial_speed_rpm=profile[0][1])
 
 
@@ -85,7 +79,6 @@ def with_supply(scenario: Scenario, profile: Profile) -> Scenario:
 
 
 def with_scales(scenario: Scenario, **factors: float) -> Scenario:
-    """Let the plant differ from the nominal drive."""
     return titled(scenario.replaced(scales=factors))
 
 
@@ -107,7 +100,6 @@ def with_restarts(scenario: Scenario, *times_s: float) -> Scenario:
 def with_current_error(
     scenario: Scenario, phase: int, *, gain: float = 1.0, offset_a: float = 0.0
 ) -> Scenario:
-    """Let the current sensor of one phase be wrong."""
     error = CurrentError(phase=phase, gain=gain, offset_a=offset_a)
     return titled(scenario.replaced(current_errors=(*scenario.current_errors, error)))
 
@@ -121,12 +113,10 @@ def with_dropout(
 
 
 def with_glitch(scenario: Scenario, counts: int, at_s: float) -> Scenario:
-    """Let the encoder's counter see false edges."""
     return _with_change(scenario, at_s, glitches=(*scenario.glitches, Glitch(time_s=at_s, counts=counts)))
 
 
 def with_imbalance(scenario: Scenario, profile: Profile) -> Scenario:
-    """Let the halves of the supply differ."""
     return _with_change(scenario, profile[-1][0], imbalance=profile)
 
 

@@ -29,7 +29,6 @@ def sequence(values: list[float], scale: float = 1.0) -> str:
 
 
 def in_words(values: list[float], unit: str, scale: float = 1.0) -> str:
-    """State values one after the other."""
     return f"{', then '.join(figure(scale * value) for value in values)} {unit}"
 
 

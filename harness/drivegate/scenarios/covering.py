@@ -72,7 +72,6 @@ def is_possible(levels: Sequence[str]) -> bool:
 
 
 def possible_pairs() -> Iterator[frozenset[tuple[str, str]]]:
-    """List all pairs of levels that some row must have."""
     for (one, ones), (other, others) in combinations(FACTORS.items(), 2):
         for level in ones:
             for opposite in others:

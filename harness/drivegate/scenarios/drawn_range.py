@@ -8,7 +8,7 @@ from typing import Final, NamedTuple
 
 from drivegate.scenarios.drive_scale import rated_torque_at
 from drivegate_cases.drive.plant import NOMINAL
-from drivegate_cases.scenario.courses import DISTURBANCES, Quantity
+from drivegate_cases.scenario.courses import DISTURBANCES
 from drivegate_cases.scenario.load import DynamometerLoad, LockedLoad
 from drivegate_cases.scenario.piecewise import breakpoints, value_from, value_until
 from drivegate_cases.scenario.scenario import Scenario
@@ -20,8 +20,6 @@ _ROUNDING: Final = 0.005
 
 
 class Interval(NamedTuple):
-    """All numbers from the least to the greatest."""
-
     least: float
     greatest: float
 
@@ -30,7 +28,6 @@ class Interval(NamedTuple):
         return Interval(min([self.least, *values]), max([self.greatest, *values]))
 
     def contains(self, values: list[float]) -> bool:
-        """Return True if all values are in the interval, but for rounding."""
         least, greatest = (1.0 - _ROUNDING) * self.least, (1.0 + _ROUNDING) * self.greatest
         return all(least <= value <= greatest for value in values)
 
@@ -61,12 +58,10 @@ class DrawnRange:
             interval.extended(before).contains(after)
             for interval, before, after in zip(drawn, old, new, strict=True)
         )
-        return in_range and _is_disturbed_no_further(simpler, start)
-
-
-def _is_disturbed_no_further(simpler: Scenario, start: Scenario) -> bool:
-    old, new = _deviations(start), _deviations(simpler)
-    return all(size <= (1.0 + _ROUNDING) * old[key] for key, size in new.items())
+        known = _deviations(start)
+        return in_range and all(
+            size <= (1.0 + _ROUNDING) * known[key] for key, size in _deviations(simpler).items()
+        )
 
 
 def _demands(scenario: Scenario) -> tuple[list[float], list[float], list[float], list[float]]:
@@ -100,19 +95,17 @@ def _corners(scenario: Scenario) -> Iterator[tuple[float, float]]:
 
 
 def _deviations(scenario: Scenario) -> Mapping[str, float]:
-    """Measure how far each quantity is from nominal at most."""
-    scales = scenario.scales
+    """Measure how far each quantity is from nominal at most, over the nominal value unless that is 0."""
+    scales, deviations = scenario.scales, {}
+    for quantity in DISTURBANCES:
+        nominal = quantity.nominal_in(scenario.drive)
+        farthest = max(abs(value - nominal) for _, value in quantity.profile(scenario))
+        deviations[quantity.name] = farthest / (nominal or 1.0)
     return {
-        **{quantity.name: _farthest(scenario, quantity) for quantity in DISTURBANCES},
+        **deviations,
         **{f"scales.{key}": abs(getattr(scales, key) - value) for key, value in NOMINAL},
         "gain": max((abs(error.gain - 1.0) for error in scenario.current_errors), default=0.0),
         "offset": max((abs(error.offset_a) for error in scenario.current_errors), default=0.0),
         "dropout": max((dropout.duration_s for dropout in scenario.dropouts), default=0.0),
         "glitch": max((abs(glitch.counts) for glitch in scenario.glitches), default=0),
     }
-
-
-def _farthest(scenario: Scenario, quantity: Quantity) -> float:
-    """Measure how far a quantity is from its nominal value, over that one unless it is 0."""
-    nominal = quantity.nominal_in(scenario.drive)
-    return max(abs(value - nominal) for _, value in quantity.profile(scenario)) / (nominal or 1.0)

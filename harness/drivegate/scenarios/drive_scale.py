@@ -160,7 +160,6 @@ class DriveScale:
 
 @lru_cache(maxsize=_KEPT)
 def scale_of(drive: DriveDocument) -> DriveScale:
-    """Return what scenarios need to know of a drive."""
     rating = drive.rating
     base, highest, power = rating.base_speed_rpm, rating.highest_speed_rpm, rating.rated_power_w
     grain = nearest_step(0.01 * base)
@@ -217,7 +216,6 @@ def _base_frequency(drive: DriveDocument) -> float:
 
 
 def scale_of_mapping(drive: Mapping[str, Any]) -> DriveScale:
-    """Measure a drive that is plain data."""
     return _scale_of_text(json.dumps(drive, sort_keys=True))
 
 

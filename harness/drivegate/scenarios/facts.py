@@ -21,5 +21,4 @@ def facts_of(scenario: Mapping[str, Any]) -> tuple[str, ...]:
 
 
 def facts_in_short(scenario: Mapping[str, Any]) -> str:
-    """State the facts of a scenario in one line."""
     return ", ".join(facts_of(scenario)) or PLAIN_RUN

@@ -35,7 +35,6 @@ _SIGNALS = {"speed": sensors.SPEED, "currents": sensors.CURRENTS, "supply": sens
 
 
 def plant_load(scenario: Scenario) -> load.Load:
-    """Return a scenario's load as the plant takes it."""
     given = scenario.load
     if isinstance(given, LockedLoad):
         return load.Load(load.LOCKED)
@@ -60,7 +59,6 @@ def plant_load(scenario: Scenario) -> load.Load:
 
 
 def plant_schedule(scenario: Scenario) -> Schedule:
-    """Return what happens in a scenario as the plant takes it."""
     return Conditions(*(_course(scenario, COURSES[name]) for name in Conditions._fields))
 
 
@@ -71,7 +69,6 @@ def _course(scenario: Scenario, quantity: Quantity) -> Course:
 
 
 def plant_course(scenario: Scenario, profile: Profile, unit: float = 1.0) -> Course:
-    """Return one of a scenario's profiles as the plant takes it."""
     times, values = profile_arrays(profile, scenario.control_period_s)
     return Course(times, values * unit)
 
@@ -106,7 +103,6 @@ def plant_dropouts(scenario: Scenario) -> NDArray[np.float64]:
 
 
 def _signal(lost: Dropout) -> int:
-    """Number the signal that is lost."""
     return _SIGNALS[lost.signal] if lost.phase is None else sensors.FIRST_PHASE + lost.phase - 1
 
 
@@ -130,7 +126,6 @@ def plant_encoder(
 
 
 def plant_hall(scenario: Scenario, given: HallSensors | ShuntSensors, generator: np.random.Generator) -> Hall:
-    """Make the Hall switches of a scenario, as at its start."""
     greatest = math.radians(given.placement_error_deg)
     return turning_hall(
         pole_pairs=scenario.drive.machine.pole_pairs,

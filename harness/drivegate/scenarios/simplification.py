@@ -32,13 +32,11 @@ _LOAD_KINDS: Final = {
     "vehicle": 4,
 }
 Fields: TypeAlias = dict[str, Any]
-"""Fields of a scenario that change."""
 Simplification: TypeAlias = Callable[[Scenario], Iterator[Fields]]
 """From a scenario to changes that make it simpler in one respect, the boldest first."""
 
 
 def size_of(scenario: Mapping[str, Any]) -> int:
-    """Measure how complicated a scenario is."""
     if scenario.get("kind") == "script":
         return _leaves(scenario)
     failures = sum(len(scenario.get(key, ())) for key in _FAILURES)

@@ -32,26 +32,18 @@ def write_atomically(path: str | Path, content: str | bytes) -> None:
 def _replace_flushed(partial: Path, target: Path, data: bytes) -> None:
     """Write the file beside its place and rename it, leaving nothing beside on failure."""
     try:
-        _write_flushed(partial, data)
+        # A file that does not exist yet gets the permissions that the user's mask leaves.
+        with partial.open("xb") as stream:
+            stream.write(data)
+            stream.flush()
+            os.fsync(stream.fileno())
         partial.replace(target)
     except BaseException:
         with contextlib.suppress(OSError):
             partial.unlink()
         raise
-    _flush_folder(target.parent)
-
-
-def _write_flushed(path: Path, data: bytes) -> None:
-    """Create a file that does not exist yet, with the permissions that the user's mask leaves."""
-    with path.open("xb") as stream:
-        stream.write(data)
-        stream.flush()
-        os.fsync(stream.fileno())
-
-
-def _flush_folder(folder: Path) -> None:
-    """Make the rename itself survive a loss of power."""
-    descriptor = os.open(folder, os.O_RDONLY)
+    # The folder too, so that the rename itself survives a loss of power.
+    descriptor = os.open(target.parent, os.O_RDONLY)
     try:
         os.fsync(descriptor)
     finally:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Final
 
 from drivegate_cases.documents.reading import file_bytes
-from drivegate_cases.documents.wording import nearest, one_line, shown, shown_path, with_point
+from drivegate_cases.documents.wording import nearest, one_line, pointed, shown, shown_path
 from drivegate_models.errors import InputError
 
 _LARGEST_FILE_BYTES: Final = 4 * 1024 * 1024
@@ -34,7 +34,11 @@ def read_columns(
         numbers = []
         for row in rows:
             if any(cell.strip() for cell in row):
-                _check_cells(row, header, rows.line_num, where)
+                if any(cell.strip() for cell in row[len(header) :]):
+                    raise InputError(
+                        f"{where} has {len(row)} cells in line {rows.line_num}, but {len(header)} columns in its first "
+                        "line; numbers must have a decimal point, since a comma ends a cell"
+                    )
                 values = [nan] * len(places)
                 for name, column, needed in columns:
                     values[places[name]] = _number(row, column, name, rows.line_num, where, needed)
@@ -68,15 +72,6 @@ def _check_separator(header: list[str], required: Sequence[str], where: str) -> 
             )
 
 
-def _check_cells(row: list[str], header: list[str], line: int, where: str) -> None:
-    """Refuse cells without a column, as decimal commas make them."""
-    if any(cell.strip() for cell in row[len(header) :]):
-        raise InputError(
-            f"{where} has {len(row)} cells in line {line}, but {len(header)} columns in its first line; numbers must "
-            "have a decimal point, since a comma ends a cell"
-        )
-
-
 def _column(name: str, header: list[str], required: Sequence[str], where: str) -> int:
     if name in header:
         return header.index(name)
@@ -97,11 +92,6 @@ def _number(row: list[str], column: int, name: str, line: int, where: str, neede
         value = nan
     if not isfinite(value):
         raise InputError(
-            f"{where}: '{name}' is {shown(cell)} in line {line}, but must be a number{_pointed(cell)}"
+            f"{where}: '{name}' is {shown(cell)} in line {line}, but must be a number{pointed(cell)}"
         )
     return value
-
-
-def _pointed(cell: str) -> str:
-    right = with_point(cell)
-    return f" with a decimal point, {right}" if right else ""

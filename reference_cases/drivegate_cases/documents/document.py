@@ -66,7 +66,6 @@ class Document(Section):
         return mapping
 
     def to_mapping(self) -> dict[str, Any]:
-        """Write the document as plain data."""
         return self.model_dump(mode="json", by_alias=True, exclude_none=True)
 
     def to_json(self) -> str:

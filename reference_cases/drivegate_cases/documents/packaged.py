@@ -10,7 +10,6 @@ from drivegate_models.errors import InputError
 
 
 def packaged_names(folder: str) -> tuple[str, ...]:
-    """List what a folder of the package holds."""
     entries = (files("drivegate_cases") / folder).iterdir()
     return tuple(
         sorted(entry.name.removesuffix(".toml") for entry in entries if entry.name.endswith(".toml"))
@@ -26,10 +25,11 @@ def load_named(
     relative_to: Path | None = None,
 ) -> DocumentT:
     """Load a document of the package by its name, or any other by its path."""
-    if _is_path(name_or_path):
+    name = str(name_or_path)
+    is_path = "/" in name or "\\" in name or name.lower().endswith(SUFFIXES)
+    if isinstance(name_or_path, Path) or is_path:
         path = Path(name_or_path)
         return read_document(path if relative_to is None else relative_to / path, model)
-    name = str(name_or_path)
     known = packaged_names(folder)
     if name not in known:
         raise InputError(
@@ -38,9 +38,3 @@ def load_named(
         )
     with as_file(files("drivegate_cases") / folder / f"{name}.toml") as path:
         return read_document(path, model)
-
-
-def _is_path(name_or_path: str | Path) -> bool:
-    if isinstance(name_or_path, Path):
-        return True
-    return "/" in name_or_path or "\\" in name_or_path or name_or_path.lower().endswith(SUFFIXES)

@@ -1,7 +1,7 @@
 """Reporting everything that is wrong with a document in one sentence, from pydantic's list of errors."""
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from types import UnionType
 from typing import Any, Final, Literal, Union, get_args, get_origin
 
@@ -9,7 +9,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from drivegate_cases.documents.wording import nearest, one_line, short_line, shortened, shown, with_point
+from drivegate_cases.documents.wording import nearest, one_line, pointed, short_line, shortened, shown
 
 Location = Sequence[int | str]
 
@@ -26,7 +26,8 @@ def described(error: ValidationError, model: type[BaseModel], longest: int = 240
     reported: list[str] = []
     room = longest
     for place, details in enumerate(errors):
-        part = _described_one(details, model)
+        path = [step for step, _ in _walk(model, details["loc"])]
+        part = _REPORTS.get(details["type"], _report_wrong_value)(details, path, model)
         if part in reported:
             continue
         least = 0 if place == len(errors) - 1 else _LONGEST_REST
@@ -38,14 +39,7 @@ def described(error: ValidationError, model: type[BaseModel], longest: int = 240
     return "; ".join(reported)
 
 
-def _described_one(details: ErrorDetails, model: type[BaseModel]) -> str:
-    path = [step for step, _ in _walk(model, details["loc"])]
-    report = _REPORTS.get(details["type"], _report_wrong_value)
-    return report(details, path, model)
-
-
 def key_name(path: Location) -> str:
-    """Write the place of a value in a document."""
     text = ""
     for step in path:
         if isinstance(step, int):
@@ -101,8 +95,7 @@ def _report_wrong_value(details: ErrorDetails, path: Location, _: type[BaseModel
     if requirement is None:
         requirement = re.sub(r"^\w+ should", "must", one_line(details["msg"]))
     if details["type"] in ("float_type", "int_type") and isinstance(details["input"], str):
-        right = with_point(details["input"])
-        requirement += f" with a decimal point, {right}" if right else ""
+        requirement += pointed(details["input"])
     place = f"the key '{key_name(path)}'" if path else "the document"
     return f"{place} is {shown(details['input'])}, but {requirement}"
 
@@ -146,12 +139,16 @@ def _walk(model: type[BaseModel], location: Location) -> Iterator[tuple[int | st
 
 def _inside(annotation: Any, members: list[type[BaseModel]], step: int | str) -> Any:
     """Find the type of what stands at a key or an index of a value of the given type."""
-    for member in members:
-        for name, field in _fields(member):
-            if step in (name, field.alias):
-                return field.annotation
+    field = _field_at(step, members)
+    if field is not None:
+        return field.annotation
     items = [item for member in _members(annotation) for item in get_args(member) if item is not Ellipsis]
     return items[-1] if items else None
+
+
+def _field_at(step: int | str, members: list[type[BaseModel]]) -> FieldInfo | None:
+    fields = (item for member in members for item in member.model_fields.items())
+    return next((field for name, field in fields if step in (name, field.alias)), None)
 
 
 def _members(annotation: Any) -> tuple[Any, ...]:
@@ -167,10 +164,6 @@ def _is_model(annotation: Any) -> bool:
     return isinstance(annotation, type) and issubclass(annotation, BaseModel)
 
 
-def _fields(model: type[BaseModel]) -> Iterable[tuple[str, FieldInfo]]:
-    return model.model_fields.items()
-
-
 def _kinds(model: type[BaseModel]) -> tuple[Any, ...]:
     """Take the values of a model's ``kind`` key, by which a union of models is distinguished."""
     kind = model.model_fields.get("kind")
@@ -181,15 +174,11 @@ def _sibling_keys(model: type[BaseModel], location: Location) -> list[str]:
     """Take the keys that are known in the table where an error's last step stands."""
     _, annotation = list(_walk(model, location))[-1]
     models = [member for member in _members(annotation) if _is_model(member)]
-    return [field.alias or name for member in models for name, field in _fields(member)]
+    return [field.alias or name for member in models for name, field in member.model_fields.items()]
 
 
 def _description(model: type[BaseModel], location: Location) -> str | None:
     """Take the description of the key that an error's last step names."""
     step, annotation = list(_walk(model, location))[-1]
-    for member in _members(annotation):
-        if _is_model(member):
-            for name, field in _fields(member):
-                if step in (name, field.alias):
-                    return field.description
-    return None
+    field = _field_at(step, [member for member in _members(annotation) if _is_model(member)])
+    return None if field is None else field.description

@@ -84,7 +84,9 @@ def read_mapping(path: str | Path) -> dict[str, Any]:
     excess = excess_of(value)
     if excess:
         raise InputError(f"{where} {excess}")
-    return _table_at_top(value, where)
+    if not isinstance(value, dict):
+        raise InputError(f"{where} holds {shown(value)} at its top, but must hold a table of keys and values")
+    return value
 
 
 def _is_json(path: str | Path) -> bool:
@@ -172,14 +174,7 @@ def _refuse_constant(constant: str) -> NoReturn:
     raise ValueError(f"{constant} is no JSON number, and every number must be finite")
 
 
-def _table_at_top(value: Any, where: str) -> dict[str, Any]:
-    if not isinstance(value, dict):
-        raise InputError(f"{where} holds {shown(value)} at its top, but must hold a table of keys and values")
-    return value
-
-
 def parse_overrides(pairs: Sequence[str], known: Collection[str]) -> dict[str, Any]:
-    """Read pairs of key and value."""
     values: dict[str, Any] = {}
     for pair in pairs:
         key, equals, text = (part.strip() for part in pair.partition("="))

@@ -21,7 +21,6 @@ _COMMA_NUMBER: Final = re.compile(r"[+-]?\d[\d.]*,\d+(?:[eE][+-]?\d+)?")
 
 
 def significant(value: float, digits: int) -> float:
-    """Round to significant digits."""
     return float(f"{value:.{digits}g}")
 
 
@@ -48,7 +47,6 @@ def nearest(name: str, known: Iterable[str]) -> str | None:
 
 
 def counted(count: int, noun: str) -> str:
-    """Return a number with its noun."""
     return f"{count} {noun}{'' if count == 1 else 's'}"
 
 
@@ -65,8 +63,13 @@ def with_point(text: str) -> str | None:
     return number.replace(".", "").replace(",", ".")
 
 
+def pointed(text: str) -> str:
+    """Return what a sentence about a number adds for a decimal comma; empty for any other text."""
+    right = with_point(text)
+    return f" with a decimal point, {right}" if right else ""
+
+
 def one_line(text: str) -> str:
-    """Make any text printable on one line."""
     return "".join(
         character if character.isprintable() else character.encode("unicode_escape").decode("ascii")
         for character in text
@@ -82,7 +85,6 @@ def shortened(text: str, longest: int) -> str:
 
 
 def short_line(text: str, longest: int = _LONGEST_VALUE) -> str:
-    """Make any text printable on one line, and short."""
     # Of a very long text only the ends are made printable, and escapes may make them longer.
     return shortened(one_line(shortened(text, longest)), longest)
 
@@ -97,5 +99,4 @@ def shown(value: object) -> str:
 
 
 def shown_path(path: str | Path) -> str:
-    """Write the name of a file so that it fits into one line."""
     return short_line(str(path), _LONGEST_PATH) or "''"

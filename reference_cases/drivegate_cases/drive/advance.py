@@ -4,17 +4,13 @@ from __future__ import annotations
 
 from functools import lru_cache
 from math import isnan, pi, radians
-from typing import TYPE_CHECKING, Protocol
 
 from pydantic import Field
 
 from drivegate_cases.documents.document import Section
 from drivegate_cases.documents.wording import one_line
+from drivegate_cases.drive.usual_values import DriveValues
 from drivegate_models.errors import InputError
-
-if TYPE_CHECKING:
-    from drivegate_cases.drive.rating import Rating
-    from drivegate_models.steady.plant import AnyDrive
 
 _LINES_KEPT = 256
 
@@ -30,29 +26,7 @@ class Advance(Section):
     )
 
 
-class RatedDrive(Protocol):
-    """What the line of a drive follows from; what it has computed is kept by its hash."""
-
-    def __hash__(self) -> int:
-        """Hash the values."""
-
-    @property
-    def name(self) -> str:
-        """Name of the drive."""
-
-    @property
-    def rating(self) -> Rating:
-        """What it is made for."""
-
-    @property
-    def advance(self) -> Advance | None:
-        """The line that it states."""
-
-    def plant(self) -> AnyDrive:
-        """Make the plant's parameters."""
-
-
-def advance_line(drive: RatedDrive) -> tuple[float, float]:
+def advance_line(drive: DriveValues) -> tuple[float, float]:
     """Return the line's angle at base speed (rad electrical) and its slope (rad electrical per rad/s of the shaft).
 
     If the drive states no line, it is computed by the oracle with ideal current regulators, once a process. If rated
@@ -65,7 +39,7 @@ def advance_line(drive: RatedDrive) -> tuple[float, float]:
 
 
 @lru_cache(maxsize=_LINES_KEPT)
-def _computed_line(drive: RatedDrive) -> tuple[float, float]:
+def _computed_line(drive: DriveValues) -> tuple[float, float]:
     from drivegate_models.steady.advance_line import recommended_line
 
     rating = drive.rating

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Annotated, Any, Final
+from typing import Annotated, Any, Final
 
 from pydantic import Field, ValidationError
 
 from drivegate_cases.documents.wording import rounded_to_digits, shown
 from drivegate_cases.drive.rating import FOLLOWING
+from drivegate_cases.drive.usual_values import DriveValues, unusual_values
 from drivegate_models.units import RADIANS_PER_RPM
-
-if TYPE_CHECKING:
-    from drivegate_cases.drive.usual_values import DriveValues
 
 _Sentence = Annotated[str, Field(max_length=1000)]
 _COPIED: Final = re.compile(r"not stated; as in .*(, which has (?P<value>.*)| until it is changed)")
@@ -66,8 +64,6 @@ def completed(
 
 def _wrong_units(drive: DriveValues) -> tuple[str, ...]:
     """Describe what looks like a wrong unit in a drive whose power does not follow."""
-    from drivegate_cases.drive.usual_values import unusual_values
-
     supposed = drive.inverter.supply_voltage_v * drive.rating.current_limit_a
     return unusual_values(drive.replaced(rated_power_w=supposed, continuous_current_a=None))
 

@@ -22,13 +22,13 @@ from drivegate_cases.drive.data_sheet import (
     completed,
     following,
 )
-from drivegate_cases.drive.plant import NOMINAL, OF_SHAPE, Inverter, Machine, Scales
+from drivegate_cases.drive.plant import NOMINAL, OF_SHAPE, Inverter, Machine, Scales, plant_constants
 from drivegate_cases.drive.rating import Rating
 from drivegate_cases.drive.requirements import NO_REQUIREMENTS, Requirements, check_points
+from drivegate_cases.drive.usual_values import UsualRange, ranges_of_current_fed
 from drivegate_models.units import RADIANS_PER_RPM
 
 if TYPE_CHECKING:
-    from drivegate_cases.drive.usual_values import UsualRange
     from drivegate_models.contract.current.signals import Nameplate
     from drivegate_models.steady.plant import AnyDrive
 
@@ -63,7 +63,6 @@ class DriveDocument(Document):
         "advance": Advance,
         "requirements": Requirements,
     }
-    """The tables of values, by name."""
     contract: ClassVar[str] = "current"
     """Contract of the controllers: what they answer with."""
     sensor_kinds: ClassVar[tuple[str, ...]] = ("ideal", "mcs96", "hall")
@@ -177,7 +176,6 @@ class DriveDocument(Document):
         return self
 
     def check_tables(self) -> None:
-        """Refuse values that do not fit those of other tables."""
         band, limit = self.inverter.hysteresis_band_a, self.rating.current_limit_a
         if band > limit:
             raise ValueError(
@@ -189,7 +187,6 @@ class DriveDocument(Document):
         self._check_chopping()
 
     def _check_kind(self) -> None:
-        """Refuse what the kind of drive cannot have."""
         phases = self.machine.phases
         if self.kind == "star" and (phases < _FEWEST_OF_STAR or phases % 2 == 0):
             raise ValueError(
@@ -273,12 +270,9 @@ class DriveDocument(Document):
 
     def usual_ranges(self) -> tuple[tuple[UsualRange, ...], ...]:
         """Return the ranges that only a wrong unit leaves, those first that others are measured by."""
-        from drivegate_cases.drive.usual_values import ranges_of_current_fed
-
         return ranges_of_current_fed(self)
 
     def value(self, key: str) -> Any:
-        """Return the value of a key of any table, by its bare name."""
         return getattr(getattr(self, self.table_of_key()[key]), key)
 
     def replaced(self, **changes: Any) -> Self:
@@ -335,8 +329,6 @@ class DriveDocument(Document):
 
     def plant(self, scales: Scales | None = None) -> AnyDrive:
         """Make the plant's parameters, in SI units."""
-        from drivegate_cases.drive.plant import plant_constants
-
         limit = self.rating.current_limit_a
         return plant_constants(self.kind, self.machine, self.inverter, limit, scales or NOMINAL)
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, Self
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import AfterValidator, Field, field_validator, model_validator
 
 from drivegate_cases.documents.document import Section
 
@@ -18,32 +18,26 @@ if TYPE_CHECKING:
     from drivegate_models.steady.plant import AnyDrive
 
 PolePairs = Annotated[int, Field(ge=1, le=200, description="electrical cycles in a turn of the shaft")]
-"""Number of pole pairs."""
 
 Resistance = Annotated[float, Field(ge=0.0, le=1e4, description="resistance of one phase, in ohm")]
-"""Resistance of one phase (Ω)."""
 
 CoreLossConductance = Annotated[
     float,
     Field(ge=0.0, le=1e2, description="conductance that stands for the core loss of a phase, in siemens"),
 ]
-"""Conductance that stands for the core loss of a phase (S)."""
 
 Inertia = Annotated[
     float, Field(gt=0.0, le=1e6, description="inertia of the shaft, in kilogram square metres")
 ]
-"""Inertia of the shaft (kg·m²)."""
 
 Friction = Annotated[
     float, Field(ge=0.0, le=1e5, description="friction torque at any speed, in newton metres")
 ]
-"""Friction torque at any speed (N·m)."""
 
 ViscousFriction = Annotated[
     float,
     Field(ge=0.0, le=1e5, description="friction torque over speed, in newton metre seconds per radian"),
 ]
-"""Friction torque over speed (N·m·s/rad)."""
 
 
 OF_SHAPE: Final[Mapping[str, tuple[str, Any]]] = {
@@ -98,7 +92,7 @@ class Machine(Section):
     emf_flat_deg: float | None = Field(
         default=None, ge=0.0, lt=180.0, description="flat width of a trapezoidal EMF, in electrical degrees"
     )
-    emf_table: EmfTable = Field(
+    emf_table: Annotated[EmfTable, AfterValidator(check_emf_table)] = Field(
         default=(),
         description="list of [electrical degrees, share of the peak] over 0 to 180, of a table's EMF",
     )
@@ -106,11 +100,6 @@ class Machine(Section):
     inertia_kg_m2: Inertia
     friction_n_m: Friction = 0.0
     viscous_friction_n_m_s_per_rad: ViscousFriction = 0.0
-
-    @field_validator("emf_table")
-    @classmethod
-    def _table_is_a_shape(cls, table: EmfTable) -> EmfTable:
-        return check_emf_table(table)
 
     @model_validator(mode="after")
     def _shape_has_its_values(self) -> Self:

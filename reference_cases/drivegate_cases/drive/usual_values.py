@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Final, Protocol, Self
 
@@ -16,50 +16,51 @@ _MOST_ASKED: Final = 3
 
 
 class DriveValues(Protocol):
-    """The values of a drive of any kind, and what follows from them."""
+    """The values of a drive of any kind, and what follows from them; `document.DriveDocument` describes each.
+
+    Modules that the document imports take this in its place.
+    """
+
+    def __hash__(self) -> int: ...
 
     @property
-    def rating(self) -> Rating:
-        """What the drive is made for."""
+    def name(self) -> str: ...
 
     @property
-    def machine(self) -> Any:
-        """Windings and shaft."""
+    def rating(self) -> Rating: ...
 
     @property
-    def inverter(self) -> Any:
-        """Supply and bridge."""
+    def machine(self) -> Any: ...
 
     @property
-    def requirements(self) -> Any:
-        """Limits of the checks, as its file states them."""
+    def inverter(self) -> Any: ...
 
     @property
-    def has_split_supply(self) -> bool:
-        """Whether its phases are between legs and the tap of a split supply."""
+    def advance(self) -> Any: ...
 
     @property
-    def position(self) -> str:
-        """What shows the shaft in every run."""
+    def requirements(self) -> Any: ...
 
     @property
-    def provenance(self) -> dict[str, dict[str, str]]:
-        """Where its values come from."""
+    def has_split_supply(self) -> bool: ...
 
-    def value(self, key: str) -> Any:
-        """Return the value of a key of any table, by its bare name."""
+    @property
+    def position(self) -> str: ...
 
-    def replaced(self, **changes: Any) -> Self:
-        """Return a drive that differs in a few keys."""
+    @property
+    def provenance(self) -> dict[str, dict[str, str]]: ...
 
-    def usual_ranges(self) -> tuple[tuple[Any, ...], ...]:
-        """Return the ranges that only a wrong unit leaves, those first that others are measured by."""
+    def value(self, key: str) -> Any: ...
 
-    def torque_of_current(self, current: float) -> float:
-        """Return the most torque of a peak phase current (A) while the voltage is ample (N·m)."""
+    def replaced(self, **changes: Any) -> Self: ...
 
-    def greatest_torque(self, current: float, speed: float) -> float:
-        """Return the greatest torque within a current limit (A) and the supply, at a speed (rad/s); in N·m."""
+    def usual_ranges(self) -> tuple[tuple[Any, ...], ...]: ...
+
+    def torque_of_current(self, current: float) -> float: ...
+
+    def greatest_torque(self, current: float, speed: float) -> float: ...
+
+    def plant(self) -> Any: ...
 
 
 @dataclass(frozen=True)
@@ -67,12 +68,10 @@ class UsualRange:
     """What a key of a drive usually is in drives of its kind."""
 
     key: str
-    """The key."""
     lowest: float
     highest: float
     """The range, so wide that only a wrong unit leaves it."""
     unit: str
-    """The unit that is expected."""
     kind: str
     """What the range follows from, in words."""
     mistaken: tuple[tuple[str, float], ...] = ()
@@ -87,7 +86,6 @@ class UsualRange:
         return value == 0.0 or self.lowest <= value <= self.highest
 
     def warning(self, value: float) -> str:
-        """State a value that is not usual in one sentence."""
         names = [name for name, size in self.mistaken if self.holds(value * size)]
         names += [name for name, converted in self.other_quantities if self.holds(converted(value))]
         questions = [f"is it in {_either(names[:_MOST_ASKED])}"] if names else []
@@ -112,12 +110,11 @@ def _short(value: float) -> str:
 
 def unusual_values(drive: DriveValues) -> tuple[str, ...]:
     """Describe each value that is far outside the usual range; a value that others are compared with comes alone."""
-    return next(filter(None, (_unusual(drive, ranges) for ranges in drive.usual_ranges())), ())
-
-
-def _unusual(drive: DriveValues, ranges: Iterable[UsualRange]) -> tuple[str, ...]:
-    values = ((usual, float(drive.value(usual.key))) for usual in ranges)
-    return tuple(usual.warning(value) for usual, value in values if not usual.holds(value))
+    for ranges in drive.usual_ranges():
+        values = [(usual, float(drive.value(usual.key))) for usual in ranges]
+        if unusual := tuple(usual.warning(value) for usual, value in values if not usual.holds(value)):
+            return unusual
+    return ()
 
 
 def ranges_of_supply_and_speed(supply_key: str) -> tuple[UsualRange, ...]:
@@ -179,7 +176,6 @@ class UsualScale:
     """Base speed and pole pairs, as a sentence names them."""
 
     def resistance(self) -> UsualRange:
-        """Return the range of a phase's resistance."""
         return UsualRange(
             "resistance_ohm",
             1e-3 * self.impedance,
@@ -190,7 +186,6 @@ class UsualScale:
         )
 
     def inductance(self, key: str, pole_pairs: int) -> UsualRange:
-        """Return the range of a phase's inductance, which has the given key."""
         inductance = self.impedance / (pole_pairs * self.speed)
         return UsualRange(
             key,
@@ -202,7 +197,6 @@ class UsualScale:
         )
 
     def shaft_and_core(self) -> tuple[UsualRange, ...]:
-        """Return the ranges of inertia, friction and core loss."""
         return (
             UsualRange(
                 "inertia_kg_m2",

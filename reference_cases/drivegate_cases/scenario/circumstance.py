@@ -21,7 +21,6 @@ class Circumstance(Enum):
 
 
 def circumstance(scenario: Scenario) -> Circumstance:
-    """State what is not nominal about a run."""
     is_faulty = any(quantity.role == "fault" and quantity.key(scenario) for quantity in COURSES.values())
     if is_faulty or scenario.dropouts or scenario.glitches:
         return Circumstance.FAULTS

@@ -8,18 +8,18 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any, Final, Literal, Self, TypeAlias
+from typing import Annotated, Any, Final, Literal, Self, TypeAlias
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, model_validator
 
 from drivegate_cases.documents.document import Section
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.plant import FACTOR_SYMBOLS, Scales
-from drivegate_cases.scenario.piecewise import Profile, check_times
+from drivegate_cases.scenario.piecewise import Profile, values_within
 from drivegate_models.units import RADIANS_PER_RPM
 
-_LEAST_FACTOR, _GREATEST_FACTOR = 0.1, 10.0
-_GREATEST_FRICTION_N_M = 1e5
+_Factors = Annotated[Profile, values_within(0.1, 10.0, "must have factors from 0.1 to 10")]
+_AddedFriction = Annotated[Profile, values_within(0.0, 1e5, "must have torques from 0 to 100000 N·m")]
 _PERCENT = 0.01
 
 
@@ -30,37 +30,19 @@ class Drift(Section):
     the friction where a brake drags.
     """
 
-    resistance: Profile | None = Field(
+    resistance: _Factors | None = Field(
         default=None, description="factor on the phase resistance, a list of [seconds, factor]"
     )
-    emf_constant: Profile | None = Field(
+    emf_constant: _Factors | None = Field(
         default=None, description="factor on the EMF constant, a list of [seconds, factor]"
     )
-    inertia: Profile | None = Field(
+    inertia: _Factors | None = Field(
         default=None, description="factor on the inertia of rotor and load, a list of [seconds, factor]"
     )
-    friction_n_m: Profile | None = Field(
+    friction_n_m: _AddedFriction | None = Field(
         default=None,
         description="friction torque added to the drive's own, a list of [seconds, newton metres]",
     )
-
-    @field_validator("resistance", "emf_constant", "inertia")
-    @classmethod
-    def _factors_in_range(cls, profile: Profile | None) -> Profile | None:
-        if profile is None:
-            return None
-        if any(not _LEAST_FACTOR <= factor <= _GREATEST_FACTOR for _, factor in profile):
-            raise ValueError(f"must have factors from {_LEAST_FACTOR:g} to {_GREATEST_FACTOR:g}")
-        return check_times(profile)
-
-    @field_validator("friction_n_m")
-    @classmethod
-    def _friction_in_range(cls, profile: Profile | None) -> Profile | None:
-        if profile is None:
-            return None
-        if any(not 0.0 <= torque <= _GREATEST_FRICTION_N_M for _, torque in profile):
-            raise ValueError(f"must have torques from 0 to {_GREATEST_FRICTION_N_M:g} N·m")
-        return check_times(profile)
 
     @model_validator(mode="after")
     def _has_one(self) -> Self:
@@ -83,7 +65,6 @@ class Quantity:
     name: str
     """Its name among the conditions of the plant."""
     role: Role
-    """What it is in a run."""
     keys: Mapping[str, float]
     """The keys that can state it, each with its unit over the one of the plant (1)."""
     nominal: float | None

@@ -25,7 +25,6 @@ class Dropout(Section):
 
     @property
     def end_s(self) -> float:
-        """Time at which the signal is back (s)."""
         return self.start_s + self.duration_s
 
 

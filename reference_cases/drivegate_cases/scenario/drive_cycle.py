@@ -17,11 +17,9 @@ from drivegate_cases.scenario.piecewise import Profile
 CSV_COLUMNS: Final = ("time_s", "speed_km_h")
 """Columns that a user's file must have; others are left alone."""
 LONGEST_CYCLE_S: Final = 3600.0
-"""Longest cycle (s)."""
 MOST_POINTS: Final = 3601
 """Most points of a cycle, one a second."""
 HIGHEST_SPEED_KM_H: Final = 300.0
-"""Highest speed of a cycle (km/h)."""
 
 
 class DriveCycle(Document):
@@ -52,7 +50,6 @@ class DriveCycle(Document):
 
     @property
     def duration_s(self) -> float:
-        """Length of the cycle (s)."""
         return self.speed_km_h[-1][0]
 
     @property
@@ -65,7 +62,6 @@ class DriveCycle(Document):
 
 
 def cycle_names() -> tuple[str, ...]:
-    """List the cycles that come with drivegate."""
     return packaged_names("cycles")
 
 

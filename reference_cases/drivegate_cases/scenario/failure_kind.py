@@ -8,4 +8,3 @@ FailureKind: TypeAlias = Literal[
 """A leg whose switches both stay off, a current sensor or the shaft's position that stays, a shaft that stands, one
 edge of the position that does not come, or a magnet of the position's sensor that turns on the shaft."""
 FAILURE_KINDS: Final[tuple[FailureKind, ...]] = get_args(FailureKind)
-"""All of them."""

@@ -6,10 +6,10 @@ All but a hoist oppose the rotation, whichever way the shaft turns.
 import math
 from typing import Annotated, Literal
 
-from pydantic import Field, field_validator
+from pydantic import Field
 
 from drivegate_cases.documents.document import Section
-from drivegate_cases.scenario.piecewise import Profile, ProfilePoint, check_times
+from drivegate_cases.scenario.piecewise import Profile, ProfilePoint, values_within
 from drivegate_models.units import RADIANS_PER_RPM
 
 _Torque = Annotated[float, Field(ge=0.0, le=1e6)]
@@ -17,9 +17,6 @@ _FactorPoint = Annotated[
     ProfilePoint,
     Field(description="[time in seconds, share of the load, from 0 without it to 1 with all of it]"),
 ]
-_GREATEST_FACTOR = 10.0
-_GREATEST_TORQUE_NM = 1e6
-_STEEPEST_PERCENT = 100.0
 GRAVITY = 9.80665
 """Standard gravity (m/s²)."""
 
@@ -35,33 +32,17 @@ class DynamometerLoad(LockedLoad):
 
     # A kind is named by a literal of its own, which no other literal is a subtype of.
     kind: Literal["dynamometer"] = Field(description="kind of load")  # type: ignore[assignment]
-    torque_reference_nm: Profile = Field(
-        description="torque that the controller is asked for, a list of [seconds, newton metres]"
-    )
-
-    @field_validator("torque_reference_nm")
-    @classmethod
-    def _torques_in_range(cls, profile: Profile) -> Profile:
-        if any(abs(torque) > _GREATEST_TORQUE_NM for _, torque in profile):
-            raise ValueError(
-                f"must have torques from -{_GREATEST_TORQUE_NM:g} to {_GREATEST_TORQUE_NM:g} N·m"
-            )
-        return check_times(profile)
+    torque_reference_nm: Annotated[
+        Profile, values_within(-1e6, 1e6, "must have torques from -1e+06 to 1e+06 N·m")
+    ] = Field(description="torque that the controller is asked for, a list of [seconds, newton metres]")
 
 
 class _SwitchedLoad(Section):
     """A load that a profile of factors switches on and off."""
 
-    factor: tuple[_FactorPoint, ...] = Field(
-        description="list of [time in seconds, share of the load], best from share 0 at first"
+    factor: Annotated[tuple[_FactorPoint, ...], values_within(0.0, 10.0, "must have shares from 0 to 10")] = (
+        Field(description="list of [time in seconds, share of the load], best from share 0 at first")
     )
-
-    @field_validator("factor")
-    @classmethod
-    def _factors_in_range(cls, factor: Profile) -> Profile:
-        if any(not 0.0 <= share <= _GREATEST_FACTOR for _, share in factor):
-            raise ValueError(f"must have shares from 0 to {_GREATEST_FACTOR:g}")
-        return check_times(factor)
 
 
 class ConstantTorqueLoad(_SwitchedLoad):
@@ -71,7 +52,6 @@ class ConstantTorqueLoad(_SwitchedLoad):
     torque_nm: _Torque = Field(description="torque of the whole load, in newton metres")
 
     def torque_at(self, speed_rpm: float, share: float = 1.0) -> float:
-        """Torque of the load."""
         del speed_rpm
         return share * self.torque_nm
 
@@ -85,7 +65,6 @@ class HoistLoad(_SwitchedLoad):
     )
 
     def torque_at(self, speed_rpm: float, share: float = 1.0) -> float:
-        """Torque of the load."""
         return share * (self.torque_nm if speed_rpm >= 0.0 else -self.torque_nm)
 
 
@@ -96,7 +75,6 @@ class ConstantPowerLoad(_SwitchedLoad):
     power_w: float = Field(ge=0.0, le=1e9, description="power of the whole load, in watts")
 
     def torque_at(self, speed_rpm: float, share: float = 1.0) -> float:
-        """Torque of the load."""
         return share * self.power_w / (abs(speed_rpm) * 2.0 * math.pi / 60.0)
 
 
@@ -108,7 +86,6 @@ class FanLoad(_SwitchedLoad):
     speed_rpm: float = Field(gt=0.0, le=1e6, description="speed at which the fan demands torque_nm, in rpm")
 
     def torque_at(self, speed_rpm: float, share: float = 1.0) -> float:
-        """Torque of the load."""
         ratio = speed_rpm / self.speed_rpm
         return share * self.torque_nm * (ratio * ratio)
 
@@ -129,16 +106,12 @@ class VehicleLoad(Section):
     air_density_kg_m3: float = Field(
         default=1.2, ge=0.0, le=100.0, description="density of the air, in kilograms per cubic metre"
     )
-    grade_percent: Profile = Field(
-        default=((0.0, 0.0),), description="grade of the road, a list of [seconds, percent], positive uphill"
+    grade_percent: Annotated[Profile, values_within(-100.0, 100.0, "must have grades from -100 to 100 %")] = (
+        Field(
+            default=((0.0, 0.0),),
+            description="grade of the road, a list of [seconds, percent], positive uphill",
+        )
     )
-
-    @field_validator("grade_percent")
-    @classmethod
-    def _grades_in_range(cls, grade: Profile) -> Profile:
-        if any(abs(percent) > _STEEPEST_PERCENT for _, percent in grade):
-            raise ValueError(f"must have grades from -{_STEEPEST_PERCENT:g} to {_STEEPEST_PERCENT:g} %")
-        return check_times(grade)
 
     @property
     def lever_m(self) -> float:
@@ -151,7 +124,6 @@ class VehicleLoad(Section):
         return self.mass_kg * self.lever_m * self.lever_m
 
     def torque_at(self, speed_rpm: float, share: float = 0.0) -> float:
-        """Torque that keeps the vehicle at its speed."""
         vehicle_speed = speed_rpm * RADIANS_PER_RPM * self.lever_m
         slope = share / 100.0
         weight = self.mass_kg * GRAVITY / math.hypot(1.0, slope)

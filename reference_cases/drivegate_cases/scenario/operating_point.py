@@ -41,7 +41,6 @@ class PowerSweep(Document):
         return speeds
 
     def torque_at(self, speed_rpm: float) -> float:
-        """Torque that gives the sweep's power at a speed."""
         return self.power_w / (speed_rpm * 2.0 * math.pi / 60.0)
 
 
@@ -56,10 +55,8 @@ def load_power_sweep(name_or_path: str | Path) -> PowerSweep:
 
 
 def operating_point_names() -> tuple[str, ...]:
-    """List the operating points that come with drivegate."""
     return packaged_names("points")
 
 
 def power_sweep_names() -> tuple[str, ...]:
-    """List the power sweeps that come with drivegate."""
     return packaged_names("sweeps")

@@ -8,6 +8,8 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
 from itertools import pairwise
 
+from pydantic import AfterValidator
+
 ProfilePoint = tuple[float, float]
 Profile = tuple[ProfilePoint, ...]
 
@@ -28,6 +30,17 @@ def check_times(points: Profile) -> Profile:
             f"must have at most two points at one time, which are a step, but has more at {crowded[0]} s"
         )
     return points
+
+
+def values_within(least: float, greatest: float, requirement: str) -> AfterValidator:
+    """Make the rule that a profile's values are in a range, which is `requirement` in words, and its times in order."""
+
+    def check(points: Profile) -> Profile:
+        if not all(least <= value <= greatest for _, value in points):
+            raise ValueError(requirement)
+        return check_times(points)
+
+    return AfterValidator(check)
 
 
 def value_from(points: Profile, time: float) -> float:

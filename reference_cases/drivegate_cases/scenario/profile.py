@@ -23,7 +23,6 @@ class Dwell:
     end: float
     """Time at which the stretch begins and ends (s)."""
     speed_rpm: float
-    """Speed reference (rpm)."""
     load_factor: float
     """Share of the load; 1 for a locked shaft, the grade (%) for a vehicle."""
     supply_v: float
@@ -37,7 +36,6 @@ class Dwell:
 
     @property
     def duration(self) -> float:
-        """Length of the stretch (s)."""
         return self.end - self.start
 
 

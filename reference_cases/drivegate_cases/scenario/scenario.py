@@ -1,8 +1,9 @@
 """A run as plain data: drive, plant, supply, speed reference, load, duration and seed."""
 
 from itertools import pairwise
+from math import ulp
 from pathlib import Path
-from typing import Any, ClassVar, Final, Self
+from typing import Annotated, Any, ClassVar, Final, Self
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
@@ -20,7 +21,7 @@ from drivegate_cases.scenario.load import (
     LockedLoad,
     VehicleLoad,
 )
-from drivegate_cases.scenario.piecewise import Profile, breakpoints, check_times, value_from, value_until
+from drivegate_cases.scenario.piecewise import Profile, breakpoints, value_from, value_until, values_within
 from drivegate_cases.scenario.sensors import (
     IDEAL,
     Sensors,
@@ -36,8 +37,6 @@ from drivegate_models.contract.current.signals import Nameplate
 LONGEST_CONTROL_PERIOD_S = 0.0005
 SHORTEST_CONTROL_PERIOD_S = 1e-6
 _HIGHEST_SPEED_RPM = 1e6
-_HIGHEST_VOLTAGE_V = 1e5
-_GREATEST_IMBALANCE = 0.5
 _LATEST_START_S = 1e7
 _LEFT_OUT: Final[Any] = None
 
@@ -82,10 +81,16 @@ class Scenario(Document):
         default=(),
         description="list of times at which the controller is reset while the drive runs on, in seconds",
     )
-    speed_rpm: Profile = Field(
-        description="speed reference, a list of [time in seconds, speed in rpm], negative backward"
-    )
-    supply_v: Profile | None = Field(
+    speed_rpm: Annotated[
+        Profile,
+        values_within(
+            -_HIGHEST_SPEED_RPM, _HIGHEST_SPEED_RPM, "must have speeds of at most 1e+06 rpm either way"
+        ),
+    ] = Field(description="speed reference, a list of [time in seconds, speed in rpm], negative backward")
+    supply_v: (
+        Annotated[Profile, values_within(ulp(0.0), 1e5, "must have voltages above 0 and up to 100000 V")]
+        | None
+    ) = Field(
         default=None,
         description="voltage of each half of the supply, or half the voltage of a link without a tap, "
         "a list of [seconds, volts], by default the drive's",
@@ -98,10 +103,12 @@ class Scenario(Document):
     current_errors: tuple[CurrentError, ...] = Field(
         default=(), description="list of tables of current sensors that are wrong, one a phase"
     )
-    imbalance: Profile | None = Field(
-        default=None,
-        description="share by which the upper half of the supply is above, and the lower half below, its voltage, "
-        "a list of [seconds, share]",
+    imbalance: Annotated[Profile, values_within(-0.5, 0.5, "must have shares from -0.5 to 0.5")] | None = (
+        Field(
+            default=None,
+            description="share by which the upper half of the supply is above, and the lower half below, its voltage, "
+            "a list of [seconds, share]",
+        )
     )
     drift: Drift | None = Field(default=None, description="table of how parameters change during the run")
     dropouts: tuple[Dropout, ...] = Field(default=(), description="list of tables of signals that are lost")
@@ -149,31 +156,6 @@ class Scenario(Document):
             raise ValueError("must have times above 0 that increase")
         return times
 
-    @field_validator("speed_rpm")
-    @classmethod
-    def _speeds_in_range(cls, profile: Profile) -> Profile:
-        if any(abs(speed) > _HIGHEST_SPEED_RPM for _, speed in profile):
-            raise ValueError(f"must have speeds of at most {_HIGHEST_SPEED_RPM:g} rpm either way")
-        return check_times(profile)
-
-    @field_validator("supply_v")
-    @classmethod
-    def _voltages_in_range(cls, profile: Profile | None) -> Profile | None:
-        if profile is None:
-            return None
-        if any(not 0.0 < voltage <= _HIGHEST_VOLTAGE_V for _, voltage in profile):
-            raise ValueError(f"must have voltages above 0 and up to {_HIGHEST_VOLTAGE_V:g} V")
-        return check_times(profile)
-
-    @field_validator("imbalance")
-    @classmethod
-    def _imbalance_in_range(cls, profile: Profile | None) -> Profile | None:
-        if profile is None:
-            return None
-        if any(abs(share) > _GREATEST_IMBALANCE for _, share in profile):
-            raise ValueError(f"must have shares from -{_GREATEST_IMBALANCE:g} to {_GREATEST_IMBALANCE:g}")
-        return check_times(profile)
-
     @model_validator(mode="after")
     def _keys_fit_together(self) -> Self:
         self._check_whole_periods()
@@ -198,7 +180,6 @@ class Scenario(Document):
         return self
 
     def _check_kind(self) -> None:
-        """Refuse what the kind of drive cannot have."""
         own = f'but this one\'s kind is "{self.drive.kind}"'
         if (others := self.drive.excluded_loads.get(self.load.kind)) is not None:
             raise ValueError(f"the load '{self.load.kind}' is {others}, {own}")
@@ -230,7 +211,6 @@ class Scenario(Document):
             )
 
     def _check_sense(self) -> None:
-        """Refuse speeds backward of a drive that turns one way."""
         if (because := self.drive.one_way_because) is None:
             return
         slowest = {
@@ -333,7 +313,6 @@ class Scenario(Document):
         return COURSES["torque_reference"].profile(self)
 
     def nameplate(self) -> Nameplate:
-        """Return what the controller knows of its drive."""
         nameplate = self.drive.nameplate(self.control_period_s)
         if isinstance(self.load, VehicleLoad):
             return nameplate._replace(inertia=nameplate.inertia + self.load.inertia_kg_m2)
@@ -341,7 +320,6 @@ class Scenario(Document):
 
     @property
     def control_periods(self) -> int:
-        """Number of control periods in the run."""
         return round(self.duration_s / self.control_period_s)
 
 
@@ -351,5 +329,4 @@ def load_scenario(name_or_path: str | Path) -> Scenario:
 
 
 def scenario_names() -> tuple[str, ...]:
-    """List the scenarios that come with drivegate."""
     return packaged_names("scenarios")

@@ -51,6 +51,5 @@ class Script(Document):
         return self
 
     def nameplate(self) -> Nameplate:
-        """Return what the controller knows of its drive."""
         drive: DriveDocument = self.drive
         return drive.nameplate(self.control_period_s)

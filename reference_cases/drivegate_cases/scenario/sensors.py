@@ -21,11 +21,9 @@ _CURRENT_NOISE = 0.00077
 _VOLTAGE_RANGE = 2.08
 _VOLTAGE_NOISE = 0.00042
 EncoderLines = Annotated[int, Field(ge=1, le=1_000_000, description="lines of the quadrature encoder a turn")]
-"""Lines of an encoder."""
 SpeedWindow = Annotated[
     float, Field(ge=1e-5, le=1.0, description="time over which encoder edges are counted, in seconds")
 ]
-"""Over what an encoder's speed is a mean."""
 PlacementError = Annotated[
     float,
     Field(
@@ -34,7 +32,6 @@ PlacementError = Annotated[
         description="greatest error of an edge's place, in electrical degrees; that of each of the six is drawn",
     ),
 ]
-"""How far Hall switches are off their places."""
 Hysteresis = Annotated[
     float,
     Field(
@@ -43,13 +40,11 @@ Hysteresis = Annotated[
         description="by how much every edge comes later in the sense of rotation, in electrical degrees",
     ),
 ]
-"""Hysteresis of Hall switches."""
 TrackOffset = Annotated[float, Field(ge=-0.2, le=0.2, description="offset of the track over its amplitude")]
 """Offset of the sine or the cosine that a position sensor has one period of in a turn."""
 ClockResolution = Annotated[
     float, Field(gt=0.0, le=1e-3, description="resolution of the edges' times, in seconds")
 ]
-"""How exactly a timer measures when an edge came."""
 CurrentRange = Annotated[
     float | None,
     Field(
@@ -62,7 +57,6 @@ CurrentRange = Annotated[
 CurrentGainSpread = Annotated[
     float, Field(ge=0.0, le=0.5, description="greatest error of a current sensor's gain, as a share")
 ]
-"""Spread of the current sensors."""
 CurrentOffset = Annotated[
     float | None,
     Field(
@@ -71,7 +65,6 @@ CurrentOffset = Annotated[
         description="greatest offset of a current sensor, in amperes, by default 0.19 % of the current limit",
     ),
 ]
-"""Offset of the current sensors."""
 CurrentNoise = Annotated[
     float | None,
     Field(
@@ -80,7 +73,6 @@ CurrentNoise = Annotated[
         description="standard deviation of a current sensor's noise, in amperes, by default 0.077 % of the limit",
     ),
 ]
-"""Noise of the current sensors."""
 VoltageRange = Annotated[
     float | None,
     Field(
@@ -89,7 +81,6 @@ VoltageRange = Annotated[
         description="greatest half-supply voltage shown, in volts, by default 2.08 times the supply",
     ),
 ]
-"""Range of the converter of the supply's voltage."""
 VoltageNoise = Annotated[
     float | None,
     Field(
@@ -98,9 +89,7 @@ VoltageNoise = Annotated[
         description="standard deviation of the voltage's noise, in volts, by default 0.042 % of the supply",
     ),
 ]
-"""Noise of the supply's voltage."""
 ConverterBits = Annotated[int, Field(ge=4, le=24, description="bits of the converter")]
-"""Bits of both converters."""
 
 
 class IdealSensors(Section):
@@ -373,7 +362,6 @@ class ConverterRanges:
 
 
 def converter_ranges(drive: DriveDocument) -> ConverterRanges:
-    """Choose the converters for a drive."""
     limit, supply = drive.rating.current_limit_a, drive.inverter.supply_voltage_v
     return ConverterRanges(
         current_range_a=significant(_CURRENT_RANGE * limit, 2),

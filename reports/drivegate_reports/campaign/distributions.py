@@ -33,10 +33,7 @@ _ROOM: Final = 0.05
 
 @dataclass(frozen=True)
 class CheckDistribution:
-    """The margins of one check."""
-
     check: str
-    """The check."""
     margins: NDArray[np.float64]
     """From the least to the greatest, at equal shares of the runs (1), shape (n,)."""
     violated: str
@@ -44,7 +41,6 @@ class CheckDistribution:
 
 
 def alternative(rows: Sequence[CheckDistribution]) -> str:
-    """Describe the figure in words, for who cannot see it."""
     told = "; ".join(
         f"{row.check}: least {plain_number(row.margins[0])}, median {plain_number(_median(row))}, "
         f"greatest {plain_number(row.margins[-1])}, {row.violated} violated"

@@ -25,14 +25,12 @@ Row = Mapping[str, Any]
 
 
 def write(document: Mapping[str, Any], folder: Path) -> Path:
-    """Write the page."""
     path = folder / REPORT_FILE
     write_atomically(path, page(document))
     return path
 
 
 def page(document: Mapping[str, Any]) -> str:
-    """Make the page."""
     from drivegate_reports.page.page import page_text
 
     return page_text("campaign.html.j2", view=view_of(document))
@@ -40,8 +38,6 @@ def page(document: Mapping[str, Any]) -> str:
 
 @dataclass(frozen=True)
 class ShareRow:
-    """How often something happened, as a row."""
-
     name: str
     level: str
     requirement: str
@@ -67,7 +63,6 @@ class WorstRow:
     what: str
     """The check, or the kind of fault."""
     run: str
-    """Number of the run."""
     facts: str
     """Its case and the values of its parameters."""
     margin: str
@@ -81,10 +76,7 @@ class WorstRow:
 
 @dataclass(frozen=True)
 class CandidateView:
-    """One candidate as the page shows it."""
-
     name: str
-    """The candidate."""
     tone: str
     outcome: str
     sentence: str
@@ -101,19 +93,14 @@ class CandidateView:
 
 @dataclass(frozen=True)
 class CampaignView:
-    """A campaign as the page shows it."""
-
     name: str
     confidence: str
     """Its name, and the confidence of the intervals."""
     facts: tuple[tuple[str, str], ...]
-    """Names and values."""
     candidates: tuple[CandidateView, ...]
-    """In the order of the file."""
 
 
 def view_of(document: Row) -> CampaignView:
-    """Prepare a summary for the page."""
     require_document(document, KIND, SCHEMA, "the summary")
     confidence = f"{100.0 * document['confidence']:g} %"
     shares = document["quantiles"]

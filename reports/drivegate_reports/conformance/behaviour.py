@@ -36,8 +36,6 @@ _RELEASE: Final = " (left), and with a torque reference out of reach and then no
 
 @dataclass(frozen=True)
 class ShownBehaviour:
-    """How a candidate behaves."""
-
     figures: tuple[PageFigure, ...]
     """Step, currents, torque and losses, as far as they were measured."""
     points: tuple[tuple[str, ...], ...]

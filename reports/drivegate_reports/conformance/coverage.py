@@ -23,7 +23,6 @@ class Evidence:
     """What a check rests on, and which runs exercise it."""
 
     facts: tuple[str, ...]
-    """Facts of the publication."""
     scenarios: str
     """Scenarios that it applies to, in words."""
     families: tuple[str, ...]
@@ -40,7 +39,6 @@ def drive_of(document: Mapping[str, Any]) -> DriveDocument:
 
 
 def evidence_of(check: str, drive: DriveDocument) -> Evidence | None:
-    """Look a check up, with the numbers of a drive."""
     listed = next((one for one in contract_of(drive).checks if one.id == check), None)
     if listed is None:
         return None
@@ -50,7 +48,6 @@ def evidence_of(check: str, drive: DriveDocument) -> Evidence | None:
 
 
 def coverage_gaps(document: Mapping[str, Any]) -> tuple[str, ...]:
-    """List what a result leaves unjudged."""
     judged = {str(check["id"]): check for check in document["checks"]}
     drive = drive_of(document)
     names = [check.id for check in contract_of(drive).checks]

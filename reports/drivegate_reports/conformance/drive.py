@@ -23,14 +23,10 @@ _KEPT: Final = 20
 
 @dataclass(frozen=True)
 class ShownDrive:
-    """The drive of a result."""
-
     name: str
-    """Its name."""
     facts: tuple[str, ...]
     """Line of initial angles, times and what they mean for a controller, in sentences."""
     required: tuple[str, ...]
-    """What is required of its controllers."""
     figures: tuple[PageFigure, ...]
     """What it can do over speed, and of a PM AC drive where in the plane of d and q current."""
 
@@ -42,18 +38,18 @@ def shown_drive(document: Mapping[str, Any], drive: DriveDocument) -> ShownDrive
 
 @lru_cache(maxsize=_KEPT)
 def _drawn(envelope_text: str, drive: DriveDocument) -> ShownDrive | None:
-    """Draw what a drive can do from its envelope in JSON."""
     ability, envelope = ability_of(drive), json.loads(envelope_text)
     if not envelope and not kind_of(drive).has_angles:
         # Results of such drives leave it out.
         envelope = finite(ability.envelope(drive, lambda _: None))
     if not envelope:
         return None
+    draw_figures = _FIGURES.get(drive.contract)
     return ShownDrive(
         name=clean(drive.name),
         facts=tuple(_sentence(words) for words in ability.facts(envelope)),
         required=tuple(_sentence(words) for words in ability.required(drive)),
-        figures=_FIGURES.get(drive.contract, _no_figures)(envelope, drive),
+        figures=() if draw_figures is None else draw_figures(envelope, drive),
     )
 
 
@@ -64,7 +60,6 @@ class StatedValue:
     key: str
     """Its table and key in the drive's document."""
     value: str
-    """The value, in the unit that the key names."""
     source: str
     """What the document says of it."""
 
@@ -96,10 +91,6 @@ def _over_speed_and_in_plane(envelope: Mapping[str, Any], drive: DriveDocument) 
         page_figure("drive-envelope", duty_envelope.TITLE, over_speed, *words),
         page_figure("drive-plane", rotor_plane.TITLE, plane, *of_plane),
     )
-
-
-def _no_figures(_envelope: Mapping[str, Any], _drive: DriveDocument) -> tuple[PageFigure, ...]:
-    return ()
 
 
 _FIGURES: Final = {"current": _over_speed, "duty": _over_speed_and_in_plane}

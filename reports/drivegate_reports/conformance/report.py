@@ -13,13 +13,10 @@ if TYPE_CHECKING:
     from drivegate_cases.drive.drive_document import DriveDocument
 
 REPORT_FILE: Final = "report.html"
-"""Name of the page in the report's folder."""
 TEMPLATE: Final = "conformance.html.j2"
-"""Template of the page."""
 
 
 def write(document: Mapping[str, Any], folder: Path) -> Path:
-    """Write the conformance report."""
     path = folder / REPORT_FILE
     write_atomically(path, page(document))
     return path
@@ -44,7 +41,6 @@ def prepare(drive: DriveDocument) -> None:
 
 
 def page(document: Mapping[str, Any]) -> str:
-    """Make the page."""
     from drivegate_reports.conformance import words
     from drivegate_reports.conformance.behaviour import shown_behaviour
     from drivegate_reports.conformance.coverage import coverage_gaps, drive_of, evidence_of

@@ -17,6 +17,7 @@ from drivegate.contracts.drawings import TIME, Panel, panels_for
 from drivegate.contracts.duty.words import duty_signals
 from drivegate.contracts.recorded_trace import recorded_closeup, recorded_trace
 from drivegate_cases.documents.document import parse_document
+from drivegate_cases.documents.wording import counted
 from drivegate_cases.scenario.script import Script
 from drivegate_models.errors import InputError
 from drivegate_reports.conformance.figures import (
@@ -68,12 +69,9 @@ def _merged(whole: Columns, near: Columns) -> Columns:
 
 @dataclass(frozen=True)
 class ShownRun:
-    """The run that is shown for a check."""
-
     account: tuple[str, ...]
     """What happened in it, in sentences."""
     figure: PageFigure
-    """Its signals."""
     drawn_before: bool
     """Whether the figure stands with an earlier check already."""
     ripple: PageFigure | None = None
@@ -86,7 +84,6 @@ class ShownRun:
 
 @reused_run_panels()
 def shown_runs(document: Mapping[str, Any]) -> dict[str, ShownRun]:
-    """Draw the runs of a result document."""
     shown: dict[str, ShownRun] = {}
     drawn: dict[tuple[int, tuple[float, float]], PageFigure] = {}
     for check in sorted(document["checks"], key=lambda check: check["counterexample"] is None):
@@ -94,24 +91,20 @@ def shown_runs(document: Mapping[str, Any]) -> dict[str, ShownRun]:
         if trace is None:
             script = _script_of(check)
             if script is not None:
-                figure = _script_figure(script, f"script-{clean(check['id'], 40)}")
-                shown[str(check["id"])] = ShownRun(
-                    (_what_was_sensed(script, check),), figure, drawn_before=False
-                )
+                shown[str(check["id"])] = _shown_script(script, check)
             continue
         contract = contract_of(trace.scenario.drive)
-        drawing = _DRAWINGS.get(contract.name, _PLAIN)
         key = (check["recording"]["trace"], trace.judged_s)
         known = key in drawn
         if not known:
-            drawn[key] = drawing.run(trace, f"run-{len(drawn) + 1}")
-        words = tuple(map(clean, contract.account(trace)))
+            drawn[key] = _RUN_OF.get(contract.name, _plain_figure)(trace, f"run-{len(drawn) + 1}")
+        ripple = _RIPPLE_OF.get(contract.name)
         near = recorded_closeup(check, contract.recorded_names)
         shown[str(check["id"])] = ShownRun(
-            words,
+            tuple(map(clean, contract.account(trace))),
             drawn[key],
             known,
-            drawing.ripple(check, trace),
+            None if ripple is None else ripple(check, trace),
             None if near is None else _closeup(check, contract, *near),
             "" if known and near is None else trace_data(trace, near, contract.panels),
         )
@@ -150,10 +143,6 @@ def _duty_figure(trace: RecordedTrace, name: str) -> PageFigure:
     return page_figure(name, title, lambda: duty_run.draw(signals), words, duty_run.CAPTION)
 
 
-def _no_ripple_figure(_check: Mapping[str, Any], _trace: RecordedTrace) -> None:
-    return None
-
-
 def _ripple_figure(check: Mapping[str, Any], trace: RecordedTrace) -> PageFigure | None:
     ripple = None if check["counterexample"] is None else ripple_of(str(check["id"]), run_signals(trace))
     if ripple is None:
@@ -163,27 +152,18 @@ def _ripple_figure(check: Mapping[str, Any], trace: RecordedTrace) -> PageFigure
     return page_figure(name, torque_ripple.TITLE, lambda: torque_ripple.draw(ripple), *words)
 
 
-@dataclass(frozen=True)
-class _Drawing:
-    """How the runs of one contract are drawn."""
-
-    run: Callable[[RecordedTrace, str], PageFigure]
-    """Draw the signals of a run."""
-    ripple: Callable[[Mapping[str, Any], RecordedTrace], PageFigure | None]
-    """Draw the torque over one electrical period, where a check of the ripple fails."""
-
-
 def _plain_figure(trace: RecordedTrace, name: str) -> PageFigure:
     title, words = f"Run {clean(trace.scenario.name)}", plain_run.alternative(trace)
     return page_figure(name, title, lambda: plain_run.draw(trace), words, plain_run.CAPTION)
 
 
-_PLAIN: Final = _Drawing(_plain_figure, _no_ripple_figure)
-"""How the runs of a contract are drawn that has no drawing of its own."""
-_DRAWINGS: Final[Mapping[str, _Drawing]] = {
-    "current": _Drawing(_figure, _ripple_figure),
-    "duty": _Drawing(_duty_figure, _no_ripple_figure),
+_RUN_OF: Final[Mapping[str, Callable[[RecordedTrace, str], PageFigure]]] = {
+    "current": _figure,
+    "duty": _duty_figure,
 }
+"""What draws the signals of a run, by the name of a contract that has a drawing of its own."""
+_RIPPLE_OF: Final = {"current": _ripple_figure}
+"""What draws the torque over one electrical period, where a check of the ripple fails."""
 
 
 def _script_of(check: Mapping[str, Any]) -> Script | None:
@@ -197,18 +177,15 @@ def _script_of(check: Mapping[str, Any]) -> Script | None:
         return None
 
 
-def _what_was_sensed(script: Script, check: Mapping[str, Any]) -> str:
-    rows = "1 row" if len(script.rows) == 1 else f"{len(script.rows)} rows"
-    return clean(f"Script of {rows}, each held for one period of the search: {check['measured']}.")
-
-
-def _script_figure(script: Script, name: str) -> PageFigure:
-    title, words = f"Script {clean(script.name)}", script_figure.alternative(script)
-    return page_figure(name, title, lambda: script_figure.draw(script), words, script_figure.CAPTION)
+def _shown_script(script: Script, check: Mapping[str, Any]) -> ShownRun:
+    sensed = f"Script of {counted(len(script.rows), 'row')}, each held for one period of the search"
+    name, title = f"script-{clean(check['id'], 40)}", f"Script {clean(script.name)}"
+    words = script_figure.alternative(script), script_figure.CAPTION
+    figure = page_figure(name, title, lambda: script_figure.draw(script), *words)
+    return ShownRun((clean(f"{sensed}: {check['measured']}."),), figure, drawn_before=False)
 
 
 def margin_figure(document: Mapping[str, Any]) -> PageFigure | None:
-    """Draw the margins of all runs."""
     rows = [
         margin_distribution.CheckMargins(clean(check["id"], 40), margins)
         for check in document["checks"]

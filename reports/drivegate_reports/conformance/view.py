@@ -19,11 +19,9 @@ from drivegate.results.waivers import DAY_VARIABLE, present_day
 from drivegate_reports.page.page import LONGEST_BLOCK, LONGEST_TEXT, clean, require_document
 
 MOST_FAULTS: Final = 20
-"""Most faults that are shown one by one."""
 
 
 def printable(section: Mapping[str, Any]) -> dict[str, Any]:
-    """Make the texts of a section printable and bounded."""
     return {
         key: clean(item, LONGEST_BLOCK if key == "traceback" else LONGEST_TEXT)
         if isinstance(item, str)

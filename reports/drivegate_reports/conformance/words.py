@@ -44,18 +44,15 @@ def tone_of(section: Mapping[str, Any]) -> str:
 
 
 def is_known(margin: object) -> TypeGuard[float]:
-    """Return True if a margin is a finite number."""
     return isinstance(margin, int | float) and math.isfinite(margin)
 
 
 def margin_bar(margin: float) -> MarginBar:
-    """Turn a margin into a bar."""
     length = min(abs(margin), 1.0) * 48.0
     return MarginBar(50.0 if margin >= 0.0 else 50.0 - length, max(length, 0.6))
 
 
 def margin_text(margin: object) -> str:
-    """Write a margin, or a dash where it is not known."""
     return _signed(margin) if is_known(margin) else "–"
 
 
@@ -64,13 +61,11 @@ def _signed(margin: float) -> str:
 
 
 def shown_run(check: Mapping[str, Any]) -> Mapping[str, Any] | None:
-    """Choose the counterexample of a check, else its worst scenario."""
     run: Mapping[str, Any] | None = check["scenario"]
     return run if check["counterexample"] is None else check["counterexample"]
 
 
 def run_in_short(check: Mapping[str, Any]) -> str:
-    """Describe the run that is shown for a check in one line."""
     scenario = shown_run(check) or {}
     try:
         return clean(scenario_in_short(dict(scenario)))
@@ -79,7 +74,6 @@ def run_in_short(check: Mapping[str, Any]) -> str:
 
 
 def block(value: object) -> str:
-    """Write plain data as a bounded block of lines."""
     return clean(plain_data(value), LONGEST_BLOCK)
 
 
@@ -89,18 +83,15 @@ def outcome_in_words(check: Mapping[str, Any]) -> str:
 
 
 def counterexample_file(check: Mapping[str, Any]) -> str:
-    """Name the file of a counterexample beside the page."""
     return clean(counterexample_name(str(check["id"])))
 
 
 def replay_command(check: Mapping[str, Any], specification: str) -> str:
-    """Write the command that runs a counterexample again."""
     file, plot = quote(counterexample_file(check)), quote(str(check["id"]))
     return f"drivegate replay {file} --candidate {quote(specification)} --plot {plot}.svg"
 
 
 def waiver_items(check: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """List names and values of the waiver of a check."""
     return [
         (clean(key).replace("_", " "), clean(value)) for key, value in (check.get("waiver") or {}).items()
     ]

@@ -74,7 +74,6 @@ def page_text(template: str, *, traces: bool = False, **values: Any) -> str:
 
 @cache
 def environment() -> Environment:
-    """Make the environment of the templates."""
     from jinja2 import Environment as NewEnvironment
     from jinja2 import PackageLoader, StrictUndefined
 

@@ -24,6 +24,9 @@ ORANGE: Final = "#E69F00"
 PURPLE: Final = "#CC79A7"
 GREY: Final = "#8A8F98"
 
+DASHED: Final = (0, (4, 3))
+DOTTED: Final = (0, (1, 2))
+
 _INK: Final = {
     BLUE: "#00598C",
     VERMILION: "#A34700",
@@ -37,7 +40,6 @@ _TEXT = "#22262E"
 _GRID = "#E3E6EA"
 
 WIDTH_INCH: Final = 6.8
-"""Width of every figure (inch)."""
 
 _HOUSE: Final[dict[str, Any]] = {
     "font.family": "sans-serif",
@@ -119,13 +121,18 @@ def new_grid(height: float, rows: int, columns: int) -> Figure:
     return figure
 
 
+def leave_room_for_labels(panel: Axes, end: float, begin: float = 0.0, share: float = 1.2) -> None:
+    """Leave room behind the end of the data, where its lines are labelled and the axis has no ticks."""
+    panel.set_xlim(begin, begin + share * (end - begin))
+    panel.set_xticks([tick for tick in panel.get_xticks() if begin <= tick <= 1.001 * end])
+
+
 def ink(colour: str) -> str:
     """Return the darker shade of a colour in which text is readable on white."""
     return _INK[colour]
 
 
 def signed(value: float, digits: int) -> str:
-    """Write a number with its sign."""
     text = f"{value:+.{digits}f}"
     return text[1:] if float(text) == 0.0 else text.replace("-", "−")
 
@@ -189,11 +196,8 @@ class PageFigure:
     name: str
     """Unique in the page."""
     title: str
-    """What it is about."""
     svg: str
-    """The ``svg`` element."""
     alternative: str
-    """The figure in words."""
     caption: str
     """What it shows and under which conditions."""
 
@@ -201,7 +205,6 @@ class PageFigure:
 def page_figure(
     name: str, title: str, draw: Callable[[], Figure], alternative: str, caption: str
 ) -> PageFigure:
-    """Draw a figure for a page."""
     with house_style():
         svg = inline_svg(draw(), name)
     return PageFigure(name, title, svg, alternative, caption)

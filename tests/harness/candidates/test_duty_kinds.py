@@ -21,7 +21,7 @@ from drivegate.contracts.duty.run import DUTY_RATIOS
 from drivegate.contracts.duty.scenarios.building import torque_scenario
 from drivegate.drives.kinds import drive_for
 from drivegate.drives.running import recorded
-from drivegate.gate.plan import TimedSteps, time_steps
+from drivegate.gate.plan import time_steps
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario, load_scenario
 from drivegate_models.errors import InputError
@@ -257,7 +257,7 @@ def test_what_a_python_class_does_wrong_is_a_verdict_with_its_step(
 
 
 def test_steps_in_python_are_timed_as_such(tmp_path: Path) -> None:
-    plan = TimedSteps(torque_scenario(INTERIOR, 600.0, (0.0,)))
+    plan = torque_scenario(INTERIOR, 600.0, (0.0,))
     with Judge(resolve_candidate(python_source(tmp_path))) as judge:
         timed = judge.run(Job(time_steps, plan))
     assert "(Python)" in timed.runs[0].margins[0].measured

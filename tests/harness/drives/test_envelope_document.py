@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from drivegate.drives.angle_ability import facts, required
-from drivegate.drives.envelope import envelope, few_speeds_of, recommended_line, speeds_of
+from drivegate.drives.envelope import few_speeds_of, recommended_line, speed_point, speeds_of
 from drivegate.drives.envelope_document import envelope_document, envelope_of
 from drivegate.drives.rating import rated_drive
 from drivegate.results.result import finite
@@ -29,7 +29,8 @@ def test_few_speeds_are_of_the_many_with_base_highest_and_overspeed_among_them()
 def test_at_few_speeds_a_drive_can_do_the_same_as_at_many(fan) -> None:
     drive = rated_drive(fan)
     line = recommended_line(drive)
-    whole = finite(envelope_document(drive, line, list(envelope(drive, line, speeds_of(drive.rating)))))
+    points = [speed_point(drive, line, speed) for speed in speeds_of(drive.rating)]
+    whole = finite(envelope_document(drive, line, points))
     few = finite(envelope_of(fan))
     assert {key: few[key] for key in few if key != "points"} == {
         key: whole[key] for key in whole if key != "points"

@@ -12,13 +12,14 @@ from tests.harness.made import made_outcome
 from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import Judge
+from drivegate.containment.messages import Job
 from drivegate.contracts.current.columns import RECORDED
 from drivegate.contracts.current.figures import recorded_signals
 from drivegate.contracts.recorded_trace import MOST_POINTS, thinned
 from drivegate.gate.recording import (
     RecordPlan,
-    recording_job,
     recording_plans,
+    run_recorded,
     with_recordings,
 )
 from drivegate.results.document import CheckSection, RecordingSection
@@ -69,7 +70,7 @@ def test_a_run_is_recorded_with_the_stretch_that_was_judged() -> None:
     scenario = load_scenario("lock-up").to_mapping()
     plan = RecordPlan(scenario, ("CUR-1", "CNV-1"), ("CUR-1", "CNV-1"))
     with Judge(resolve_candidate("published")) as worker:
-        ended = worker.run(recording_job(plan))
+        ended = worker.run(Job(run_recorded, plan))
     assert not isinstance(ended, Fault)
     assert ended.windows["CUR-1"] == (0.0, 20.0), "the whole run is judged"
     start, end = ended.windows["CNV-1"]

@@ -22,11 +22,12 @@ from drivegate_cases.drive.plant import (
 )
 from drivegate_cases.drive.pm_ac.inverter import UPDATES, PmAcInverter
 from drivegate_cases.drive.pm_ac.requirements import NO_PM_AC_REQUIREMENTS, PmAcRequirements
+from drivegate_cases.drive.pm_ac.usual_values import ranges_of_pm_ac
 from drivegate_cases.drive.rating import Rating
+from drivegate_cases.drive.usual_values import UsualRange
 from drivegate_models.units import RADIANS_PER_RPM
 
 if TYPE_CHECKING:
-    from drivegate_cases.drive.usual_values import UsualRange
     from drivegate_models.contract.duty.signals import DutyNameplate
     from drivegate_models.pm_ac.plant.drive import PmAcDrive
 
@@ -52,7 +53,6 @@ class PmAcMachine(Section):
 
     @property
     def phases(self) -> int:
-        """Number of phases."""
         return _PHASES
 
     @property
@@ -133,7 +133,6 @@ class PmAcDocument(DriveDocument):
 
     @property
     def control_period_s(self) -> float:
-        """Time between two steps of the controller (s)."""
         return self.inverter.control_period_s
 
     @property
@@ -143,36 +142,28 @@ class PmAcDocument(DriveDocument):
 
     @property
     def one_way_because(self) -> str | None:
-        """Return why its shaft never turns backward, in a clause; None where it may."""
         return (
             "the key 'reverses' in the drive's [rating] is false" if self.rating.reverses is False else None
         )
 
     @property
     def real_sensors(self) -> str:
-        """Kind of the sensors that it has where they are not ideal."""
         return "shunts"
 
     @property
     def position(self) -> Position:
-        """What shows the shaft in every run."""
         return "exact" if self.sensing is None else self.sensing.position
 
     def usual_ranges(self) -> tuple[tuple[UsualRange, ...], ...]:
-        """Return the ranges that only a wrong unit leaves, those first that others are measured by."""
-        from drivegate_cases.drive.pm_ac.usual_values import ranges_of_pm_ac
-
         return ranges_of_pm_ac(self)
 
     def torque_of_current(self, current: float) -> float:
-        """Return the most torque of a peak phase current (A) while the voltage is ample (N·m)."""
         from drivegate_models.pm_ac.fundamental import most_torque_per_ampere, steady_state
 
         plant = self.plant()
         return float(steady_state(plant, 0.0, *most_torque_per_ampere(plant, current)).torque)
 
     def greatest_torque(self, current: float, speed: float) -> float:
-        """Return the greatest torque within a current limit (A) and the link, at a speed (rad/s); in N·m."""
         from drivegate_cases.drive.pm_ac.greatest_torque import greatest_within
         from drivegate_models.pm_ac.oracle import undistorted_limits
 
@@ -181,7 +172,6 @@ class PmAcDocument(DriveDocument):
         return torque if isfinite(torque) else 0.0
 
     def plant(self, scales: Scales | None = None) -> PmAcDrive:  # type: ignore[override]
-        """Make the plant's parameters, in SI units."""
         from drivegate_models.pm_ac.plant.drive import Modulator, make_pm_ac_drive
 
         differs = scales or NOMINAL
@@ -211,7 +201,6 @@ class PmAcDocument(DriveDocument):
         )
 
     def nameplate(self, control_period: float) -> Any:
-        """Make what a controller of duty ratios is given before a run of a speed reference, in SI units."""
         return self.duty_nameplate(control_period, torque_reference=False)
 
     def duty_nameplate(self, control_period: float, *, torque_reference: bool) -> DutyNameplate:

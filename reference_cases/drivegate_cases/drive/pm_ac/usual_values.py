@@ -6,18 +6,16 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import pi, sqrt
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from drivegate_cases.drive.usual_values import (
+    DriveValues,
     UsualRange,
     range_of_current,
     ranges_of_supply_and_speed,
     usual_scale,
 )
 from drivegate_models.units import RADIANS_PER_RPM
-
-if TYPE_CHECKING:
-    from drivegate_cases.drive.usual_values import DriveValues
 
 _KRPM: Final = 1000.0 * RADIANS_PER_RPM
 _SQRT3: Final = sqrt(3.0)
@@ -80,7 +78,6 @@ FLUX_CONSTANTS: Final[Mapping[str, FluxConstant]] = MappingProxyType(
 """The constants that data sheets state, by their unit in small letters and without spaces."""
 
 
-_LINE_OF_PHASE: Final = sqrt(3.0)
 _CONSTANTS: Final = {
     "millivolt seconds": MILLIVOLT_SECONDS,
     "newton metres per ampere": TORQUE_PER_PEAK_AMPERE,
@@ -94,9 +91,8 @@ _HIGHEST_EMF: Final = 1.3
 
 
 def ranges_of_pm_ac(drive: DriveValues) -> tuple[tuple[UsualRange, ...], ...]:
-    """Return the ranges in the order in which they are compared."""
     link, pole_pairs = drive.inverter.link_voltage_v, drive.machine.pole_pairs
-    phase_voltage = link / _LINE_OF_PHASE
+    phase_voltage = link / _SQRT3
     scale = usual_scale(drive, phase_voltage, link)
     flux = phase_voltage / (pole_pairs * scale.speed)
     return (

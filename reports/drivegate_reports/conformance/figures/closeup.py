@@ -8,23 +8,20 @@ from drivegate.checks.margin import Moment
 from drivegate.contracts.contract import Columns
 from drivegate.contracts.drawings import TIME, Line, Panel, panels_for
 from drivegate.output.panels import MomentTime, draw_moment, quantity_of
-from drivegate_reports.page.style import BLUE, GREEN, GREY, VERMILION, label_ends, new_figure
+from drivegate_reports.page.style import BLUE, DASHED, GREEN, GREY, VERMILION, label_ends, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 _INKS = (VERMILION, BLUE, GREEN)
-_DASHED = (0, (4, 3))
 
 
 def title(moment: Moment) -> str:
-    """Name the stretch of the run."""
     return f"What decides: {moment.start_s:.6g} s to {moment.end_s:.6g} s"
 
 
 def alternative(moment: Moment, panels: tuple[Panel, ...]) -> str:
-    """Describe the figure in words, for who cannot see it."""
     axis = MomentTime(moment)
     words = [f"{axis.of(moment.end_s) - axis.of(moment.start_s):.3g} {axis.unit} of the run."]
     if moment.column:
@@ -37,7 +34,6 @@ def alternative(moment: Moment, panels: tuple[Panel, ...]) -> str:
 
 
 def caption(moment: Moment) -> str:
-    """State what the figure shows."""
     marked = " Dashed red: references and limits; the ring is what was measured." if moment.column else ""
     return f"The moment of the run that decides, with its signals control period by control period.{marked}"
 
@@ -81,4 +77,4 @@ def _draw_panel(axes: Axes, axis: MomentTime, columns: Columns, panel: Panel) ->
 
 
 def _style(line: Line) -> object:
-    return _DASHED if line.is_reference else "-"
+    return DASHED if line.is_reference else "-"

@@ -9,15 +9,24 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate_reports.page.style import BLUE, GREEN, GREY, ORANGE, VERMILION, label_ends, new_grid
+from drivegate_reports.page.style import (
+    BLUE,
+    DASHED,
+    DOTTED,
+    GREEN,
+    GREY,
+    ORANGE,
+    VERMILION,
+    label_ends,
+    leave_room_for_labels,
+    new_grid,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 TITLE: Final = "What the drive can do over speed"
-_DASHED: Final = (0, (4, 3))
-_DOTTED: Final = (0, (1, 2))
 _FINE: Final = 8
 
 
@@ -29,7 +38,6 @@ def column(envelope: Mapping[str, Any], key: str) -> NDArray[np.float64]:
 
 
 def alternative(envelope: Mapping[str, Any]) -> str:
-    """Describe the figure in words, for who cannot see it."""
     rating, speed = envelope["rating"], column(envelope, "speed_rpm")
     torque, power, ripple = (
         column(envelope, key) for key in ("greatest_torque_nm", "greatest_power_w", "ripple_percent")
@@ -51,7 +59,6 @@ def alternative(envelope: Mapping[str, Any]) -> str:
 
 
 def caption(envelope: Mapping[str, Any], ripple_percent: float) -> str:
-    """State what the figure shows."""
     rating = envelope["rating"]
     return (
         f"At {rating['current_limit_a']:g} A; dotted: base speed and the highest of constant power. No controller "
@@ -67,7 +74,6 @@ def _limit(ripple_percent: float) -> str:
 
 
 def draw(envelope: Mapping[str, Any], ripple_percent: float) -> Figure:
-    """Draw torque, power, angle and ripple over speed."""
     figure = new_grid(3.1, 2, 2)
     panels = figure.axes
     speed, rating = column(envelope, "speed_rpm"), envelope["rating"]
@@ -76,15 +82,19 @@ def draw(envelope: Mapping[str, Any], ripple_percent: float) -> Figure:
     _draw_angle(panels[2], envelope, speed)
     _draw_ripple(panels[3], envelope, speed, ripple_percent)
     for panel in panels:
-        for key in ("base_speed_rpm", "highest_speed_rpm"):
-            panel.axvline(rating[key], color=GREY, linewidth=0.8, linestyle=_DOTTED)
-        panel.set_xlim(0.0, 1.4 * speed[-1])
-        panel.set_xticks([tick for tick in panel.get_xticks() if 0.0 <= tick <= 1.001 * speed[-1]])
+        mark_speeds(panel, rating, float(speed[-1]), 1.4)
     for panel in panels[:2]:
         panel.tick_params(labelbottom=False)
     for panel in panels[2:]:
         panel.set_xlabel("speed (rpm)")
     return figure
+
+
+def mark_speeds(panel: Axes, rating: Mapping[str, float], highest_rpm: float, share: float) -> None:
+    """Mark base speed and the highest of constant power, and leave room for labels behind the last speed."""
+    for key in ("base_speed_rpm", "highest_speed_rpm"):
+        panel.axvline(rating[key], color=GREY, linewidth=0.8, linestyle=DOTTED)
+    leave_room_for_labels(panel, highest_rpm, share=share)
 
 
 def _draw_torque(panel: Axes, envelope: Mapping[str, Any], speed: NDArray[np.float64]) -> None:
@@ -93,7 +103,7 @@ def _draw_torque(panel: Axes, envelope: Mapping[str, Any], speed: NDArray[np.flo
     lines = []
     for key, name, colour, style in (
         ("greatest_torque_nm", "most", BLUE, "-"),
-        ("rated_torque_nm", "rated", GREY, _DASHED),
+        ("rated_torque_nm", "rated", GREY, DASHED),
         ("torque_without_advance_nm", "most at 0°", VERMILION, "-"),
     ):
         torque = column(envelope, key)
@@ -111,7 +121,7 @@ def _draw_power(panel: Axes, envelope: Mapping[str, Any], speed: NDArray[np.floa
     drawn = column(envelope, "input_power_w")
     panel.plot(speed, most, color=BLUE, marker=".", markersize=4)
     panel.plot(speed, drawn, color=ORANGE, linewidth=1.3)
-    panel.plot([0.0, *speed], [0.0, *rated], color=GREY, linestyle=_DASHED)
+    panel.plot([0.0, *speed], [0.0, *rated], color=GREY, linestyle=DASHED)
     panel.set_ylim(bottom=0.0)
     panel.set_ylabel("power (W)")
     lines = [("most", most[-1], BLUE), ("input, rated", drawn[-1], ORANGE), ("rated", rated[-1], GREY)]
@@ -122,7 +132,7 @@ def _draw_angle(panel: Axes, envelope: Mapping[str, Any], speed: NDArray[np.floa
     base = envelope["rating"]["base_speed_rpm"]
     edge, best, line = (column(envelope, key) for key in ("edge_deg", "advance_deg", "line_deg"))
     panel.fill_between(speed, 0.0, edge, color=GREY, alpha=0.18, linewidth=0)
-    panel.plot(speed, edge, color=GREY, linestyle=_DASHED)
+    panel.plot(speed, edge, color=GREY, linestyle=DASHED)
     panel.plot(speed, best, color=ORANGE, marker=".", markersize=4)
     # It jumps at base speed, which two speeds would draw as a slope.
     place = int(np.searchsorted(speed, base * (1.0 - 1e-9)))
@@ -144,7 +154,7 @@ def _draw_ripple(
     ripple = column(envelope, "ripple_percent")
     panel.plot(speed, ripple, color=ORANGE, marker=".", markersize=4)
     if np.isfinite(ripple_percent):
-        panel.plot([0.0, speed[-1]], [ripple_percent] * 2, color=VERMILION, linewidth=1.2, linestyle=_DASHED)
+        panel.plot([0.0, speed[-1]], [ripple_percent] * 2, color=VERMILION, linewidth=1.2, linestyle=DASHED)
     panel.set_ylim(bottom=0.0)
     panel.set_ylabel("ripple (%)")
     _label(panel, speed, ("least Σ|i|", ripple[-1], ORANGE), ("limit", ripple_percent, VERMILION))

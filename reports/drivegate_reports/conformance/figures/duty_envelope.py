@@ -8,22 +8,18 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from drivegate.contracts.duty.best_operation import known_map
-from drivegate_reports.conformance.figures.drive_envelope import column
-from drivegate_reports.page.style import BLUE, GREY, label_ends, new_figure
+from drivegate_reports.conformance.figures.drive_envelope import column, mark_speeds
+from drivegate_reports.page.style import BLUE, DASHED, GREY, label_ends, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 TITLE: Final = "What the drive can do over speed"
-_DASHED: Final = (0, (4, 3))
-_DOTTED: Final = (0, (1, 2))
 _LEVELS: Final = (70.0, 80.0, 85.0, 90.0, 94.0, 96.0, 98.0)
-_WITH_LABELS: Final = 1.2
 
 
 def alternative(envelope: Mapping[str, Any]) -> str:
-    """Describe the figure in words, for who cannot see it."""
     rating, speed = envelope["rating"], column(envelope, "speed_rpm")
     torque, power = column(envelope, "greatest_torque_nm"), column(envelope, "greatest_power_w")
     known = np.isfinite(torque)
@@ -44,7 +40,6 @@ def alternative(envelope: Mapping[str, Any]) -> str:
 
 
 def caption(envelope: Mapping[str, Any]) -> str:
-    """State what the figure shows."""
     return (
         f"Within {envelope['rating']['current_limit_a']:g} A and the undistorted "
         f"{envelope['undistorted_voltage_v']:.4g} V of a phase; dotted: base speed and the highest of constant power. "
@@ -53,7 +48,6 @@ def caption(envelope: Mapping[str, Any]) -> str:
 
 
 def draw(envelope: Mapping[str, Any]) -> Figure:
-    """Draw torque and power over speed."""
     figure, panels = new_figure(4.2, 2, (1.6, 1.0), fitted=False, apart=0.12)
     speed, rating = column(envelope, "speed_rpm"), envelope["rating"]
     _draw_efficiency(panels[0], envelope["efficiency_map"])
@@ -63,11 +57,8 @@ def draw(envelope: Mapping[str, Any]) -> Figure:
         (panels[1], column(envelope, "greatest_power_w"), rated_power),
     ):
         panel.plot(speed, most, color=BLUE, marker=".", markersize=4)
-        panel.plot(speed, rated, color=GREY, linewidth=1.3, linestyle=_DASHED)
-        for key in ("base_speed_rpm", "highest_speed_rpm"):
-            panel.axvline(rating[key], color=GREY, linewidth=0.8, linestyle=_DOTTED)
-        panel.set_xlim(0.0, _WITH_LABELS * speed[-1])
-        panel.set_xticks([tick for tick in panel.get_xticks() if 0.0 <= tick <= 1.001 * speed[-1]])
+        panel.plot(speed, rated, color=GREY, linewidth=1.3, linestyle=DASHED)
+        mark_speeds(panel, rating, float(speed[-1]), 1.2)
         panel.set_ylim(0.0, 1.07 * float(np.nanmax([*most, *rated])))
         ends = [("most", float(most[-1]), BLUE), ("rated", float(rated[-1]), GREY)]
         label_ends(panel, 1.012 * float(speed[-1]), *(end for end in ends if np.isfinite(end[1])))

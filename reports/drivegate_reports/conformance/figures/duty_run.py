@@ -11,7 +11,7 @@ from drivegate_reports.conformance.figures.run_panels import (
     finish_run_panels,
     new_run_panels,
 )
-from drivegate_reports.page.style import BLUE, GREEN, GREY, VERMILION, label_ends
+from drivegate_reports.page.style import BLUE, DASHED, GREEN, GREY, VERMILION, label_ends
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,11 +21,9 @@ CAPTION: Final = (
     "Means over equal stretches of the run. Dashed: references, the current limit, and the undistorted voltage of the "
     "link."
 )
-_DASHED: Final = (0, (4, 3))
 
 
 def alternative(signals: DutySignals) -> str:
-    """Describe the figure in words, for who cannot see it."""
     last = {name: float(values[-1]) for name, values in signals.columns.items()}
     return (
         f"Four panels over {signals.scenario.duration_s:g} s. The speed ends at {last['speed_rpm']:.5g} rpm, "
@@ -36,7 +34,6 @@ def alternative(signals: DutySignals) -> str:
 
 
 def draw(signals: DutySignals) -> Figure:
-    """Draw speed, torque, currents and voltage over time."""
     figure, panels = new_run_panels()
     _draw_speed(panels[0], signals)
     _draw_torque(panels[1], signals)
@@ -50,7 +47,7 @@ def _draw(panel: Axes, signals: DutySignals, *lines: tuple[str, str, str, bool])
     """Draw columns, each with a label at its end: column, label, colour, and whether it is dashed."""
     time = signals.columns["time_s"]
     for column, _, colour, dashed in lines:
-        style = _DASHED if dashed else "-"
+        style = DASHED if dashed else "-"
         panel.plot(time, signals.columns[column], color=colour, linestyle=style, linewidth=1.3)
     ends = [(label, float(signals.columns[column][-1]), colour) for column, label, colour, _ in lines]
     label_ends(panel, LABELS_AT * signals.scenario.duration_s, *ends)
@@ -76,11 +73,11 @@ def _draw_currents(panel: Axes, signals: DutySignals) -> None:
     )
     _draw(panel, signals, *((*line, False) for line in lines))
     limit = signals.scenario.drive.rating.current_limit_a
-    panel.axhline(limit, color=GREY, linewidth=1.0, linestyle=_DASHED)
+    panel.axhline(limit, color=GREY, linewidth=1.0, linestyle=DASHED)
     panel.set_ylabel("current (A)")
 
 
 def _draw_voltage(panel: Axes, signals: DutySignals) -> None:
     _draw(panel, signals, (VOLTAGE, "used", BLUE, False))
-    panel.plot(signals.columns["time_s"], signals.undistorted_v, color=GREY, linewidth=1.2, linestyle=_DASHED)
+    panel.plot(signals.columns["time_s"], signals.undistorted_v, color=GREY, linewidth=1.2, linestyle=DASHED)
     panel.set_ylabel("voltage (V)")

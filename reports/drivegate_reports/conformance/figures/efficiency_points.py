@@ -7,13 +7,12 @@ from typing import TYPE_CHECKING, Final
 
 from drivegate.results.sections import EfficiencyPointSection
 from drivegate_cases.documents.wording import figure
-from drivegate_reports.page.style import BLUE, VERMILION, label, new_figure
+from drivegate_reports.page.style import BLUE, DASHED, VERMILION, label, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 TITLE: Final = "Loss at the eight operating points"
-_DASHED: Final = (0, (4, 3))
 
 
 def name_of(point: EfficiencyPointSection) -> str:
@@ -22,13 +21,11 @@ def name_of(point: EfficiencyPointSection) -> str:
 
 
 def alternative(points: Sequence[EfficiencyPointSection]) -> str:
-    """Describe the figure in words, for who cannot see it."""
     told = [f"{_excess(point)} at {name_of(point)}" for point in points]
     return f"Loss above the least possible: {'; '.join(told)}."
 
 
 def caption(limit_percent: float) -> str:
-    """State what the figure shows."""
     return (
         "Copper and core loss of the fundamental over the least that gives the same torque within the limits of "
         "current and voltage. The points are derived from those of IEC 61800-9-2: shares of base speed and rated "
@@ -37,13 +34,12 @@ def caption(limit_percent: float) -> str:
 
 
 def draw(points: Sequence[EfficiencyPointSection], limit_percent: float) -> Figure:
-    """Draw a bar for each point."""
     drawn, (panel,) = new_figure(0.9 + 0.26 * len(points), 1)
     excess = [point.above_least_percent or 0.0 for point in points]
     places = range(len(points))
     colours = [BLUE if value <= limit_percent else VERMILION for value in excess]
     panel.barh(places, excess, height=0.6, color=colours)
-    panel.axvline(limit_percent, color=VERMILION, linewidth=1.2, linestyle=_DASHED)
+    panel.axvline(limit_percent, color=VERMILION, linewidth=1.2, linestyle=DASHED)
     end = 1.2 * max(*excess, limit_percent)
     for place, point, value, colour in zip(places, points, excess, colours, strict=True):
         label(panel, max(value, 0.0) + 0.01 * end, place, _excess(point), colour, va="center", fontsize=8.5)

@@ -25,7 +25,6 @@ class CheckMargins:
     """The margins of one check over all runs that decide."""
 
     check: str
-    """The check."""
     margins: NDArray[np.float64]
     """From the least to the greatest (1), shape (n,)."""
 
@@ -34,7 +33,6 @@ TITLE = "Margins of all runs"
 
 
 def alternative(rows: Sequence[CheckMargins]) -> str:
-    """Describe the figure in words, for who cannot see it."""
     margins = "; ".join(
         f"{row.check} least {plain_number(row.margins[0])}, median {plain_number(float(np.median(row.margins)))}"
         for row in rows
@@ -43,7 +41,6 @@ def alternative(rows: Sequence[CheckMargins]) -> str:
 
 
 def caption(rows: Sequence[CheckMargins]) -> str:
-    """State what the figure shows."""
     beyond = sum(int(np.count_nonzero(np.abs(row.margins) > SHOWN)) for row in rows)
     hidden = f" {beyond} marks lie beyond the axis and are drawn at its border." if beyond else ""
     return (
@@ -53,7 +50,6 @@ def caption(rows: Sequence[CheckMargins]) -> str:
 
 
 def draw(rows: Sequence[CheckMargins]) -> Figure:
-    """Draw a row of marks for each check."""
     figure, (panel,) = new_figure(0.9 + _ROW_INCH * len(rows), 1)
     for place, row in enumerate(rows):
         shown = np.clip(row.margins, -SHOWN, SHOWN)

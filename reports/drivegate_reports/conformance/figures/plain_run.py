@@ -15,13 +15,11 @@ _TIME: Final = "time_s"
 
 
 def alternative(trace: RecordedTrace) -> str:
-    """Describe the figure in words, for who cannot see it."""
     ends = (f"{name} ends at {values[-1]:.5g}" for name, values in trace.columns.items() if name != _TIME)
     return f"Over {trace.scenario.duration_s:g} s, {', '.join(ends)}."
 
 
 def draw(trace: RecordedTrace) -> Figure:
-    """Draw every column over time."""
     from matplotlib.figure import Figure
 
     columns = {name: values for name, values in trace.columns.items() if name != _TIME}

@@ -14,20 +14,18 @@ from drivegate_reports.conformance.figures.run_panels import (
     finish_run_panels,
     new_run_panels,
 )
-from drivegate_reports.page.style import BLUE, GREEN, GREY, VERMILION, label_ends
+from drivegate_reports.page.style import BLUE, DASHED, GREEN, GREY, VERMILION, label_ends
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_DASHED: Final = (0, (4, 3))
 _JUDGED: Final = "#F4E3C1"
 _STANDS_RPM: Final = 1.0
 _SLOW_SHARE: Final = 0.5
 
 
 def alternative(signals: RunSignals) -> str:
-    """Describe the figure in words, for who cannot see it."""
     error = signals.speed_error_rpm
     return (
         f"Four panels over {signals.scenario.duration_s:g} s. The speed error lies between {error.min():.3g} and "
@@ -41,7 +39,6 @@ def alternative(signals: RunSignals) -> str:
 
 
 def draw(signals: RunSignals) -> Figure:
-    """Draw speed, angle, currents and torque over time."""
     figure, panels = new_run_panels()
     _draw_speed(panels[0], signals)
     _draw_angle(panels[1], signals)
@@ -62,7 +59,7 @@ def _end_labels(panel: Axes, signals: RunSignals, *lines: tuple[str, float, str]
 
 
 def _draw_speed(panel: Axes, signals: RunSignals) -> None:
-    panel.plot(signals.time_s, signals.speed_reference_rpm, color=GREY, linewidth=1.2, linestyle=_DASHED)
+    panel.plot(signals.time_s, signals.speed_reference_rpm, color=GREY, linewidth=1.2, linestyle=DASHED)
     panel.plot(signals.time_s, signals.speed_rpm, color=BLUE, linewidth=1.4)
     panel.set_ylabel("speed (rpm)")
     if np.ptp(panel.get_ylim()) < 20.0:
@@ -79,10 +76,10 @@ def _draw_angle(panel: Axes, signals: RunSignals) -> None:
     point = judged_point(signals)
     if point is not None:
         reach = [max(point.begins_s, 0.0), signals.judged_s[1]]
-        panel.plot(reach, [point.edge_deg] * 2, color=VERMILION, linewidth=1.2, linestyle=_DASHED)
+        panel.plot(reach, [point.edge_deg] * 2, color=VERMILION, linewidth=1.2, linestyle=DASHED)
         lines.append(("feasible edge", point.edge_deg, VERMILION))
         if point.best_deg - point.edge_deg > 1.0:
-            panel.plot(reach, [point.best_deg] * 2, color=GREEN, linewidth=1.2, linestyle=_DASHED)
+            panel.plot(reach, [point.best_deg] * 2, color=GREEN, linewidth=1.2, linestyle=DASHED)
             lines.append(("least Σ|i|", point.best_deg, GREEN))
     panel.set_ylabel("angle (el. deg)")
     _end_labels(panel, signals, *lines)
@@ -99,7 +96,7 @@ def _draw_currents(panel: Axes, signals: RunSignals) -> None:
 def _draw_torque(panel: Axes, signals: RunSignals) -> None:
     panel.plot(signals.time_s, signals.torque_nm, color=BLUE, linewidth=1.2)
     load = meaningful_load(signals)
-    panel.plot(signals.time_s, load, color=GREY, linewidth=1.2, linestyle=_DASHED)
+    panel.plot(signals.time_s, load, color=GREY, linewidth=1.2, linestyle=DASHED)
     panel.set_ylabel("torque (N·m)")
     lines = [("motor", float(signals.torque_nm[-1]), BLUE)]
     if np.isfinite(load[-1]):

@@ -8,15 +8,23 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from drivegate_reports.page.style import BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION, new_grid
+from drivegate_reports.page.style import (
+    BLUE,
+    DASHED,
+    DOTTED,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    VERMILION,
+    new_grid,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 TITLE: Final = "Currents of the rotor frame between their limits"
-_DASHED: Final = (0, (4, 3))
-_DOTTED: Final = (0, (1, 2))
 _ROOM: Final = 1.08
 _FURTHEST: Final = 2.0
 
@@ -26,14 +34,12 @@ class Way:
     """The way of the currents through a run."""
 
     title: str
-    """What the run is."""
     direct: Sequence[float]
     quadrature: Sequence[float]
     """Currents along and across the magnet's axis (A)."""
 
 
 def alternative(trajectories: Mapping[str, Any], limit: float, ways: Sequence[Way]) -> str:
-    """Describe the figure in words, for who cannot see it."""
     best, most = trajectories["most_torque_per_ampere"][-1], trajectories["greatest_torque"]
     words = [
         f"The plane of d and q current within a circle of {limit:g} A. Most torque per ampere goes from no current to "
@@ -54,7 +60,6 @@ def alternative(trajectories: Mapping[str, Any], limit: float, ways: Sequence[Wa
 
 
 def caption(trajectories: Mapping[str, Any]) -> str:
-    """State what the figure shows of any controller."""
     limits = zip(("dashed", "dotted"), trajectories["voltage_limits"], strict=False)
     ellipses = ", ".join(f"{style} at {row['speed_rpm']:g} rpm" for style, row in limits)
     return (
@@ -105,7 +110,7 @@ def _reach(limit: float, ways: Sequence[Way]) -> tuple[tuple[float, float], tupl
 def _draw_limits(panel: Axes, trajectories: Mapping[str, Any], limit: float) -> None:
     turn = np.linspace(0.0, 2.0 * np.pi, 121)
     panel.plot(limit * np.cos(turn), limit * np.sin(turn), color=GREY, linewidth=1.2)
-    for row, style in zip(trajectories["voltage_limits"], (_DASHED, _DOTTED), strict=False):
+    for row, style in zip(trajectories["voltage_limits"], (DASHED, DOTTED), strict=False):
         panel.plot(row["direct_a"], row["quadrature_a"], color=VERMILION, linewidth=1.1, linestyle=style)
     for key, colour in (("most_torque_per_ampere", GREEN), ("greatest_torque", ORANGE)):
         rows = trajectories[key]

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from drivegate_reports.page.style import new_figure
+from drivegate_reports.page.style import leave_room_for_labels, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -15,7 +15,6 @@ if TYPE_CHECKING:
 
 LABELS_AT: Final = 1.012
 """Where labels of lines begin, over the end of the run (1)."""
-_WITH_LABELS: Final = 1.2
 
 
 @dataclass
@@ -65,12 +64,10 @@ def _empty(panel: Axes) -> None:
 
 
 def finish_run_panels(panels: list[Axes], end_s: float) -> None:
-    """Give drawn panels the same axis of time."""
     for panel in panels[:-1]:
         panel.tick_params(labelbottom=False)
     for panel in panels:
-        panel.set_xlim(0.0, _WITH_LABELS * end_s)
-        panel.set_xticks([tick for tick in panel.get_xticks() if 0.0 <= tick <= 1.001 * end_s])
+        leave_room_for_labels(panel, end_s)
         panel.ticklabel_format(axis="y", useOffset=False)
         panel.margins(y=0.1)
     panels[-1].set_xlabel("time (s)")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from drivegate_cases.scenario.script import Script
-from drivegate_reports.page.style import BLUE, GREY, label_ends, new_figure
+from drivegate_reports.page.style import BLUE, DASHED, GREY, label_ends, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -16,12 +16,10 @@ CAPTION: Final = (
     "A script has no plant: each row is held for one period of the search, which has to answer the changes "
     "as the flowchart does."
 )
-_DASHED: Final = (0, (4, 3))
 _MOST_TICKS: Final = 12
 
 
 def alternative(script: Script) -> str:
-    """Describe the figure in words, for who cannot see it."""
     errors = [row.speed_rpm - row.speed_reference_rpm for row in script.rows]
     sums = [row.current_sum_a for row in script.rows]
     return (
@@ -32,7 +30,6 @@ def alternative(script: Script) -> str:
 
 
 def draw(script: Script) -> Figure:
-    """Draw what the controller sensed."""
     figure, (speed, current) = new_figure(3.6, 2, fitted=False)
     count = len(script.rows)
     edges = np.arange(count + 1) + 0.5
@@ -43,7 +40,7 @@ def draw(script: Script) -> Figure:
         ends = []
         for key, name, colour in lines:
             values = [getattr(row, key) for row in script.rows]
-            style = _DASHED if colour == GREY else "-"
+            style = DASHED if colour == GREY else "-"
             panel.stairs(values, edges, baseline=None, color=colour, linewidth=1.4, linestyle=style)
             ends.append((name, float(values[-1]), colour))
         panel.set_xlim(edges[0], edges[-1] + 0.2 * count)

@@ -7,19 +7,27 @@ from typing import TYPE_CHECKING, Final
 from drivegate.contracts.duty.checks.steps import REACHED
 from drivegate.results.sections import StepSection
 from drivegate_cases.documents.wording import figure
-from drivegate_reports.page.style import BLUE, GREEN, GREY, VERMILION, label, label_ends, new_figure
+from drivegate_reports.page.style import (
+    BLUE,
+    DASHED,
+    GREEN,
+    GREY,
+    VERMILION,
+    label,
+    label_ends,
+    leave_room_for_labels,
+    new_figure,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 TITLE: Final = "Step of the torque reference"
-_DASHED: Final = (0, (4, 3))
 _WITH_LABELS: Final = 1.25
 
 
 def alternative(step: StepSection) -> str:
-    """Describe the figure in words, for who cannot see it."""
     risen = "90 % is not reached" if step.rise_ms is None else f"90 % is reached after {step.rise_ms:.4g} ms"
     return (
         f"Two panels over {step.time_ms[-1]:.3g} ms. The torque goes from {step.before_nm:.4g} to "
@@ -30,7 +38,6 @@ def alternative(step: StepSection) -> str:
 
 
 def caption(step: StepSection) -> str:
-    """State what the figure shows."""
     return (
         f"The step with the least margin, at {step.speed_rpm:g} rpm: means over control periods, currents at their "
         f"ends. Allowed are {step.allowed_ms:.3g} ms to 90 % and an overshoot of {step.overshoot_limit_percent:.3g} %, "
@@ -39,15 +46,13 @@ def caption(step: StepSection) -> str:
 
 
 def draw(step: StepSection) -> Figure:
-    """Draw torque and currents around a step."""
     drawn, panels = new_figure(3.6, 2, (1.4, 1.0), fitted=False, apart=0.14)
     _draw_torque(panels[0], step)
     _draw_currents(panels[1], step)
     begin, end = step.time_ms[0], step.time_ms[-1]
     for panel in panels:
         panel.axvline(0.0, color=GREY, linewidth=0.8)
-        panel.set_xlim(begin, begin + _WITH_LABELS * (end - begin))
-        panel.set_xticks([tick for tick in panel.get_xticks() if begin <= tick <= 1.001 * end])
+        leave_room_for_labels(panel, end, begin, _WITH_LABELS)
     panels[0].tick_params(labelbottom=False)
     panels[1].set_xlabel("time since the step (ms)")
     return drawn
@@ -56,7 +61,7 @@ def draw(step: StepSection) -> Figure:
 def _draw_torque(panel: Axes, step: StepSection) -> None:
     size, end = step.after_nm - step.before_nm, step.time_ms[-1]
     wanted = [step.before_nm, step.before_nm, step.after_nm, step.after_nm]
-    panel.plot([step.time_ms[0], 0.0, 0.0, end], wanted, color=GREY, linewidth=1.2, linestyle=_DASHED)
+    panel.plot([step.time_ms[0], 0.0, 0.0, end], wanted, color=GREY, linewidth=1.2, linestyle=DASHED)
     limit = step.after_nm + 0.01 * step.overshoot_limit_percent * size
     panel.fill_between([0.0, end], step.after_nm, limit, color=GREEN, alpha=0.14, linewidth=0)
     panel.plot(step.time_ms, step.torque_nm, color=BLUE, linewidth=1.4)

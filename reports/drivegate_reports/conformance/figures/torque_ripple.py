@@ -17,7 +17,7 @@ from drivegate_models.steady.plant import AnyDrive
 from drivegate_models.steady.steady_state import steady_state
 from drivegate_models.steady.waveform import periodic_waveforms
 from drivegate_models.units import RADIANS_PER_RPM
-from drivegate_reports.page.style import BLUE, GREEN, VERMILION, label_ends, new_figure
+from drivegate_reports.page.style import BLUE, DASHED, GREEN, VERMILION, label_ends, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -26,7 +26,6 @@ _OF_STEADY_STATES: Final = ("RIP-1", "RIP-2")
 _SHORT: Final = 0.999
 TITLE: Final = "Torque over one electrical period"
 _PERIOD_DEG: Final = 360.0
-_DASHED: Final = (0, (4, 3))
 
 
 @dataclass(frozen=True)
@@ -44,13 +43,11 @@ class TorqueCycle:
     speed_rpm: float
     advance_deg: float
     current_reference_a: float
-    """The operating point."""
     certified: bool
     """Whether the state repeats after the one cycle."""
 
     @property
     def ripple_percent(self) -> float:
-        """Peak to peak over mean (%)."""
         return 100.0 * (self.highest_nm - self.lowest_nm) / self.mean_nm
 
     @property
@@ -97,7 +94,6 @@ def ripple_of(check: str, signals: RunSignals) -> Ripple | None:
 
 
 def alternative(ripple: Ripple) -> str:
-    """Describe the figure in words, for who cannot see it."""
     low, high = _extremes(ripple)
     return (
         f"The torque goes from {low:.2f} to {high:.2f} N·m around its mean of {ripple.cycle.mean_nm:.2f} N·m, a ripple "
@@ -106,7 +102,6 @@ def alternative(ripple: Ripple) -> str:
 
 
 def caption(ripple: Ripple) -> str:
-    """State what the figure shows."""
     cycle = ripple.cycle
     words = (
         f"Steady state at {cycle.speed_rpm:.0f} rpm, {cycle.advance_deg:.1f}° and {cycle.current_reference_a:.2f} A "
@@ -122,14 +117,13 @@ def caption(ripple: Ripple) -> str:
 
 
 def draw(ripple: Ripple) -> Figure:
-    """Draw the torque, its mean, and the band that the limit leaves around it."""
     figure, (panel,) = new_figure(2.0, 1, fitted=False)
     cycle = ripple.cycle
     half = 0.5 * ripple.limit * cycle.mean_nm
     border = cycle.mean_nm - half, cycle.mean_nm + half
     low, high = _extremes(ripple)
     panel.fill_between([0.0, _PERIOD_DEG], *border, color=GREEN, alpha=0.14, linewidth=0)
-    panel.plot([0.0, _PERIOD_DEG], [cycle.mean_nm] * 2, color=GREEN, linewidth=1.2, linestyle=_DASHED)
+    panel.plot([0.0, _PERIOD_DEG], [cycle.mean_nm] * 2, color=GREEN, linewidth=1.2, linestyle=DASHED)
     panel.plot(cycle.angle_deg, cycle.torque_nm, color=BLUE, linewidth=1.4)
     least, greatest = min(low, border[0]), max(high, border[1])
     room = 0.08 * (greatest - least)

@@ -8,20 +8,18 @@ import numpy as np
 
 from drivegate.results.sections import TorqueSection
 from drivegate_cases.documents.wording import figure
-from drivegate_reports.page.style import BLUE, GREEN, GREY, SKY, label, label_ends, new_figure
+from drivegate_reports.page.style import BLUE, DASHED, GREEN, GREY, SKY, label, label_ends, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 TITLE: Final = "Torque ripple and its spectrum"
-_DASHED: Final = (0, (4, 3))
 _TURN_DEG: Final = 360.0
 _LEAST_PERCENT: Final = 1e-3
 _HZ_PER_KHZ: Final = 1e3
 
 
 def alternative(torque: TorqueSection) -> str:
-    """Describe the figure in words, for who cannot see it."""
     strongest = int(np.argmax(torque.amplitude_percent))
     return (
         f"Two panels. The torque stays between {min(torque.least_nm):.4g} and {max(torque.greatest_nm):.4g} N·m around "
@@ -32,7 +30,6 @@ def alternative(torque: TorqueSection) -> str:
 
 
 def caption(torque: TorqueSection) -> str:
-    """State what the figure shows."""
     turns = "1 electrical period" if torque.turns == 1 else f"{torque.turns} electrical periods"
     return (
         f"Rated torque at {torque.speed_rpm:g} rpm: the recorded commands, given to the exact plant once more. Above, "
@@ -42,14 +39,13 @@ def caption(torque: TorqueSection) -> str:
 
 
 def draw(torque: TorqueSection) -> Figure:
-    """Draw the band of the torque, and the lines of its spectrum."""
     drawn, (band, lines) = new_figure(4.0, 2, fitted=False, apart=0.5)
     band.fill_between(
         torque.angle_deg, torque.least_nm, torque.greatest_nm, color=SKY, alpha=0.5, linewidth=0
     )
     band.plot(torque.angle_deg, torque.greatest_nm, color=BLUE, linewidth=0.9)
     band.plot(torque.angle_deg, torque.least_nm, color=BLUE, linewidth=0.9)
-    band.plot([0.0, _TURN_DEG], [torque.mean_nm] * 2, color=GREEN, linewidth=1.2, linestyle=_DASHED)
+    band.plot([0.0, _TURN_DEG], [torque.mean_nm] * 2, color=GREEN, linewidth=1.2, linestyle=DASHED)
     band.set_xlim(0.0, 1.2 * _TURN_DEG)
     band.set_xticks(np.arange(0.0, _TURN_DEG + 1.0, 60.0))
     band.ticklabel_format(axis="y", useOffset=False)
@@ -72,7 +68,7 @@ def draw(torque: TorqueSection) -> Figure:
     lines.set_xlim(0.0, float(frequency[-1]))
     carrier = torque.carrier_frequency_hz / _HZ_PER_KHZ
     for multiple in (1.0, 2.0):
-        lines.axvline(multiple * carrier, color=GREY, linewidth=0.8, linestyle=_DASHED)
+        lines.axvline(multiple * carrier, color=GREY, linewidth=0.8, linestyle=DASHED)
     strongest = int(np.argmax(torque.amplitude_percent))
     at, height = float(frequency[strongest]), 1.15 * float(amplitude[strongest])
     side = "left" if at < 0.1 * float(frequency[-1]) else "center"

@@ -22,7 +22,7 @@ from drivegate.containment.judge import Judge, own_candidate
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.contracts.catalogue import contract_of
 from drivegate.drives.running import recorded
-from drivegate.gate.plan import NOTHING_DECLARED, TimedSteps, time_steps
+from drivegate.gate.plan import NOTHING_DECLARED, time_steps
 from drivegate.gate.shard import FixedRuns, run_fixed
 from drivegate.results.verdict import check_outcomes, costly_steps
 from drivegate_cases.drive.drive_document import load_drive
@@ -287,7 +287,7 @@ def test_a_step_is_judged_by_what_the_manifest_allows_in_every_run(
     scenario, key = scenario_of("paper-5-phase"), limit.split()[0]
     candidate = resolve_candidate(str(file))
     with Judge(candidate) as judge:
-        timed = judge.once(Job(time_steps, TimedSteps(scenario)))
+        timed = judge.once(Job(time_steps, scenario))
         fixed = judge.once(Job(run_fixed, FixedRuns((scenario,))))
     assert not isinstance(timed, Fault), timed
     assert not isinstance(fixed, Fault), fixed

@@ -24,7 +24,7 @@ from drivegate.contracts.duty.record import DutyRecord
 from drivegate.contracts.duty.scenarios.building import torque_scenario
 from drivegate.drives.kinds import drive_for
 from drivegate.drives.running import recorded
-from drivegate.gate.plan import TimedSteps, time_steps
+from drivegate.gate.plan import time_steps
 from drivegate.gate.shard import FixedRuns, run_fixed
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario
@@ -75,7 +75,7 @@ def test_its_commands_are_played_back_to_the_end(ended, tmp_path: Path, short: S
 def test_it_is_repeated_judged_and_timed(written, tmp_path: Path, short: Scenario) -> None:
     with Judge(resolve_candidate(str(written(tmp_path, duty_source())))) as judge:
         outcome = judge.run(Job(run_fixed, FixedRuns((short,), repeat=True)))
-        timed = judge.run(Job(time_steps, TimedSteps(torque_scenario(INTERIOR, 600.0, (0.0,)))))
+        timed = judge.run(Job(time_steps, torque_scenario(INTERIOR, 600.0, (0.0,))))
     margins = {margin.check: margin for run in outcome.runs for margin in run.margins}
     assert margins["DET-1"].measured == "2 repetitions are the same"
     assert margins["DUT-1"].met

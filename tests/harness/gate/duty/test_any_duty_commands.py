@@ -24,7 +24,7 @@ from drivegate.containment.messages import JudgedCandidate
 from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.duty.run import DUTY_RATIOS, LEGS
 from drivegate.contracts.duty.scenarios.building import torque_of, torque_scenario
-from drivegate.gate.recording import behaviour_job, recording_job, recording_plans, with_recordings
+from drivegate.gate.recording import behaviour_job, recording_plans, run_recorded, with_recordings
 from drivegate.gate.shard import FixedRuns, run_fixed
 from drivegate.output.result_reports import all_formats, read_result, write_result
 from drivegate.results.provenance import provenance
@@ -127,8 +127,7 @@ def test_any_commands_of_duty_ratios_get_a_verdict_and_a_report(
         assert_a_verdict(ending)
     outcomes = check_outcomes(runs, NOTHING_DECLARED, document, complete=not faults)
     plans = recording_plans(outcomes)
-    jobs = [recording_job(plan) for plan in plans]
-    outcomes, traces = with_recordings(outcomes, [job.target(loaded, job.payload) for job in jobs])
+    outcomes, traces = with_recordings(outcomes, [run_recorded(loaded, plan) for plan in plans])
     verdict, exit_code = candidate_verdict(outcomes, faults)
     result = made_result(
         candidate,

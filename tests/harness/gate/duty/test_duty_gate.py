@@ -25,7 +25,7 @@ from drivegate.gate.engine import check_candidate
 from drivegate.gate.events import CheckFinished
 from drivegate.gate.focus import Focus
 from drivegate.gate.options import CheckOptions
-from drivegate.gate.plan import TimedSteps, time_steps
+from drivegate.gate.plan import time_steps
 from drivegate.gate.recording import behaviour_job
 from drivegate.gate.shard import DrawnRuns, FixedRuns, run_drawn, run_fixed
 from drivegate.results.verdict import check_outcomes
@@ -235,7 +235,7 @@ def test_drawn_runs_depend_on_their_seed_alone() -> None:
 
 def test_a_step_is_timed_on_what_was_sensed() -> None:
     loaded = own_candidate(resolve_candidate("foc"))
-    (run,) = time_steps(loaded, TimedSteps(revealing_runs()[0])).runs
+    (run,) = time_steps(loaded, revealing_runs()[0]).runs
     (margin,) = run.margins
     assert margin.check == "TIM-1"
     assert "native" in margin.measured

@@ -9,7 +9,7 @@ from drivegate.candidates.python.bridge import PythonController
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import own_candidate
 from drivegate.containment.messages import JudgedCandidate
-from drivegate.gate.plan import TimedSteps, time_steps, timing_margin, way_of_running
+from drivegate.gate.plan import time_steps, timing_margin, way_of_running
 from drivegate_cases.scenario.scenario import load_scenario
 
 LIMIT = 0.1 * 0.0005
@@ -74,7 +74,7 @@ def test_how_a_step_runs_is_reported():
 @pytest.mark.parametrize("name", ["reference", "published", "initial"])
 def test_the_built_in_controllers_take_little_time(name, short_run):
     candidate = loaded(name)
-    outcome = time_steps(candidate, TimedSteps(short_run))
+    outcome = time_steps(candidate, short_run)
     (run,) = outcome.runs
     (margin,) = run.margins
     assert run.scenario == short_run.to_mapping()
@@ -86,7 +86,7 @@ def test_a_step_that_takes_a_fifth_of_the_period_fails(tmp_path, monkeypatch, sh
     (tmp_path / "slow.py").write_text(SLOW)
     monkeypatch.chdir(tmp_path)
     short = short_run.replaced(duration_s=0.2)
-    (run,) = time_steps(loaded("slow.py:Slow"), TimedSteps(short)).runs
+    (run,) = time_steps(loaded("slow.py:Slow"), short).runs
     assert not run.margins[0].met, run.margins[0].measured
     assert "(Python)" in run.margins[0].measured
 
@@ -94,5 +94,5 @@ def test_a_step_that_takes_a_fifth_of_the_period_fails(tmp_path, monkeypatch, sh
 def test_a_rare_slow_step_does_not_decide(tmp_path, monkeypatch, short_run):
     (tmp_path / "slow.py").write_text(SLOW)
     monkeypatch.chdir(tmp_path)
-    (run,) = time_steps(loaded("slow.py:Rarely"), TimedSteps(short_run)).runs
+    (run,) = time_steps(loaded("slow.py:Rarely"), short_run).runs
     assert run.margins[0].met, run.margins[0].measured
