@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Literal, Protocol, TypeAlias
@@ -35,7 +35,6 @@ class Record:
     """A finished run with what belongs to it."""
 
     scenario: Scenario
-    """The scenario."""
     run: Run
     """The observation; each contract has its own type."""
     declaration: Declaration
@@ -95,9 +94,9 @@ class Check:
     """Identifier, such as ``ADV-1``."""
     requirement: str
     """The requirement in one sentence."""
-    source: str
-    """Facts of the publication that it rests on, such as ``P5``."""
-    level: Literal["required", "advisory"]
+    source: str = "the contract"
+    """Facts of the publication that it is derived from, such as ``P5``, where it is not the contract's own."""
+    level: Literal["required", "advisory"] = "required"
     """Whether a failure fails the candidate."""
     limit: str
     """The limit in people's units."""
@@ -155,6 +154,25 @@ class ShardOutcome:
     """In the order in which they were made."""
     infeasible: tuple[InfeasibleScenario, ...] = ()
     """Drawn scenarios that no controller could do, which were not run."""
+
+
+def deciding_stretch(
+    check: Check,
+    record: Record,
+    margin: Margin | None,
+    stretches: Iterable[tuple[float, float]],
+    part: Callable[[Sequence[int]], Record],
+) -> tuple[float, float]:
+    """Find the stretch (s) of a run that alone gives the same margin; the whole run where none decides.
+
+    `part` returns the record of the run with some of the stretches, by their places.
+    """
+    if margin is not None and check.evaluate(part(())) is None:
+        for place, stretch in enumerate(stretches):
+            alone = check.evaluate(part((place,)))
+            if alone is not None and alone.value == margin.value:
+                return stretch
+    return 0.0, record.scenario.duration_s
 
 
 def judged(record: Record, checks: Iterable[Check]) -> JudgedRun:

@@ -14,7 +14,6 @@ LARGEST_SHARE = 0.1
 TIM_1 = Check(
     id="TIM-1",
     requirement="A step's compute time stays below 10 % of the control period, on the machine that checks.",
-    source="the contract",
     level="advisory",
     limit="10 % of the control period",
     scenarios="steps on the Senses of a recorded run, timed in blocks",
@@ -39,8 +38,6 @@ def repeats_itself(record: Record) -> Margin | None:
 DET_1 = Check(
     id="DET-1",
     requirement="The same scenario twice gives the same outputs, and reset forgets everything.",
-    source="the contract",
-    level="required",
     limit="bit for bit",
     scenarios="repeated runs: after another scenario on the same instance, on a new instance, and in another process",
     formula="1 when all commands of every repetition are the same, else -1",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from typing import Any, Final
 
@@ -24,6 +25,13 @@ TWENTY = 20
 def stepped(before: float, after: float, at_s: float, *, over_s: float = 0.0) -> Profile:
     """Make a profile that changes once."""
     return ((0.0, before), (at_s, before), (tidy(at_s + over_s), after))
+
+
+def in_steps(values: Sequence[float], times_s: Iterable[float]) -> Profile:
+    """Make a profile that changes at once from each value to the next, at some times."""
+    steps = zip(pairwise(values), times_s, strict=True)
+    changes = (point for (before, after), at in steps for point in ((at, before), (at, after)))
+    return ((0.0, values[0]), *changes)
 
 
 def pulsed(before: float, during: float, at_s: float, lasts_s: float) -> Profile:
@@ -54,11 +62,11 @@ def coming_on_to(ramp_s: float, share: float, later: Profile = ()) -> Profile:
 
 
 def with_load_shares(scenario: Scenario, *changes: tuple[float, float]) -> Scenario:
-    later = tuple(
-        point for (_, before), (time, after) in pairwise(changes) for point in ((time, before), (time, after))
+    """Step a switched load."""
+    shares = in_steps([share for _, share in changes], [time for time, _ in changes[1:]])
+    return with_load_factor(
+        scenario, coming_on_to(scale_of(scenario.drive).load_ramp_s, changes[0][1], shares[1:])
     )
-    ramp_s = scale_of(scenario.drive).load_ramp_s
-    return with_load_factor(scenario, coming_on_to(ramp_s, changes[0][1], later))
 
 
 def with_load_factor(scenario: Scenario, factor: Profile) -> Scenario:
@@ -110,6 +118,13 @@ def with_dropout(
     """Lose a sensor's signal for a moment, or that of one phase alone."""
     lost = Dropout.model_validate({"signal": signal, "phase": phase, "start_s": at_s, "duration_s": lasts_s})
     return _with_change(scenario, lost.end_s, dropouts=(*scenario.dropouts, lost))
+
+
+def with_lost_samples(scenario: Scenario, phase: int, times_s: Iterable[float]) -> Scenario:
+    """Lose single samples of the current of a phase."""
+    for time in times_s:
+        scenario = with_dropout(scenario, "currents", time, scenario.control_period_s, phase=phase)
+    return scenario
 
 
 def with_glitch(scenario: Scenario, counts: int, at_s: float) -> Scenario:

@@ -16,12 +16,14 @@ from drivegate_cases.scenario.sensors import IDEAL, PLAIN
 from drivegate_models.errors import InputError
 
 _FACT, _FAILURE, _PARAMETER, _POINT, _LOAD, _SEED, _DIGIT = 1500, 2000, 1000, 300, 100, 20, 5
-_FAILURES: Final = ("dropouts", "glitches", "current_errors", "restarts_s")
-_PLAIN: Final = {
+FAILURES: Final = ("dropouts", "glitches", "restarts_s", "current_errors")
+"""Keys of what can go wrong more than once."""
+PLAIN_BEGINNING: Final[dict[str, float]] = {
     "control_period_s": LONGEST_CONTROL_PERIOD_S,
     "clock_start_s": 0.0,
     "initial_angle_deg": 0.0,
 }
+"""How a plain run begins, and how often it steps."""
 _LOAD_KINDS: Final = {
     "locked": 0,
     "dynamometer": 0,
@@ -39,11 +41,11 @@ Simplification: TypeAlias = Callable[[Scenario], Iterator[Fields]]
 def size_of(scenario: Mapping[str, Any]) -> int:
     if scenario.get("kind") == "script":
         return _leaves(scenario)
-    failures = sum(len(scenario.get(key, ())) for key in _FAILURES)
+    failures = sum(len(scenario.get(key, ())) for key in FAILURES)
     faults = sum(
         quantity.role == "fault" and quantity.key(scenario) is not None for quantity in COURSES.values()
     )
-    moved = sum(scenario.get(key, plain) != plain for key, plain in _PLAIN.items())
+    moved = sum(scenario.get(key, plain) != plain for key, plain in PLAIN_BEGINNING.items())
     load = scenario["load"]
     profiles = [profile for _, profile in stated_profiles(scenario)]
     numbers = [number for profile in profiles for point in profile for number in point]
@@ -52,7 +54,7 @@ def size_of(scenario: Mapping[str, Any]) -> int:
         for failure in scenario.get(key, ()):
             numbers += [value for value in failure.values() if not isinstance(value, str)]
     numbers += scenario.get("restarts_s", ())
-    numbers += [scenario[key] for key in _PLAIN if key in scenario]
+    numbers += [scenario[key] for key in PLAIN_BEGINNING if key in scenario]
     scales = scenario.get("scales", {})
     numbers += scales.values()
     parts = (
@@ -86,6 +88,17 @@ def _sensor_size(sensors: str | Mapping[str, Any]) -> int:
     return _PARAMETER + _LOAD * len(
         [key for key, value in keys.items() if getattr(plain, key) not in (None, value)]
     )
+
+
+def to_whole(grain: float) -> Callable[[float], float]:
+    """Return the function that rounds to whole grains."""
+    return lambda value: round(round(value / grain) * grain, 9)
+
+
+def nominal_parameters(scenario: Scenario) -> Iterator[Fields]:
+    """Make one parameter of the plant nominal."""
+    for key in type(NOMINAL).model_fields:
+        yield {"scales": scenario.scales.model_copy(update={key: getattr(NOMINAL, key)})}
 
 
 def _digits(number: float) -> int:

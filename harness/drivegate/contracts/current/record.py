@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 from drivegate.candidates.declaration import Declaration
-from drivegate.checks.check import Check, Record, Unseen
+from drivegate.checks.check import Check, Record, Unseen, deciding_stretch
 from drivegate.checks.margin import Margin
 from drivegate.contracts.current.run import observed_windows
 from drivegate_cases.drive.plant import Scales
@@ -29,11 +29,9 @@ class SteadyWindow:
     """A stretch in which convergence is judged."""
 
     scenario: Scenario
-    """The scenario that it belongs to."""
     dwell: Dwell
-    """The constant conditions it belongs to."""
+    """The constant conditions that it belongs to."""
     values: WindowObservation
-    """What was observed."""
 
     @property
     def speed(self) -> float:
@@ -86,6 +84,11 @@ class CurrentRecord(Record):
         """What is not nominal about the run."""
         return circumstance(self.scenario)
 
+    def nominal_windows(self) -> Iterator[SteadyWindow]:
+        """Go through the stretches in which the search is judged, if everything about the run is nominal."""
+        if self.circumstance is Circumstance.NOMINAL:
+            yield from self.windows()
+
     def windows(self) -> Iterator[SteadyWindow]:
         """Go through the stretches in which the search is judged."""
         lowest, highest = self.declaration.speed_range_rpm or (0.0, math.inf)
@@ -114,7 +117,7 @@ def unseen_record(declaration: Declaration, scenario: Scenario) -> CurrentRecord
 class _PartialRecord(CurrentRecord):
     """A run of which only some of the steady stretches are shown."""
 
-    shown: tuple[int, ...] = ()
+    shown: Sequence[int] = ()
     """Their places among all of them."""
 
     def windows(self) -> Iterator[SteadyWindow]:
@@ -125,18 +128,12 @@ class _PartialRecord(CurrentRecord):
 
 def judged_window(check: Check, record: CurrentRecord, margin: Margin | None) -> tuple[float, float]:
     """Find the steady stretch that alone gives the same margin; the whole run where none decides."""
-    whole = (0.0, record.scenario.duration_s)
-    if margin is None or check.evaluate(_part(record, ())) is not None:
-        return whole
+
+    def part(shown: Sequence[int]) -> CurrentRecord:
+        return _PartialRecord(
+            record.scenario, record.run, record.declaration, record.repeated_digests, shown=shown
+        )
+
     begin = {end: start for start, end in observed_windows(record.scenario)}
-    for place, window in enumerate(record.windows()):
-        alone = check.evaluate(_part(record, (place,)))
-        if alone is not None and alone.value == margin.value:
-            return begin[window.dwell.end], window.dwell.end
-    return whole
-
-
-def _part(record: CurrentRecord, shown: tuple[int, ...]) -> CurrentRecord:
-    return _PartialRecord(
-        record.scenario, record.run, record.declaration, record.repeated_digests, shown=shown
-    )
+    stretches = [(begin[window.dwell.end], window.dwell.end) for window in record.windows()]
+    return deciding_stretch(check, record, margin, stretches, part)

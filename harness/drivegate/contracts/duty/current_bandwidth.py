@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from decimal import Decimal
 from math import ceil, floor, pi
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
+from drivegate.candidates.declaration import Declaration
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_models.errors import InputError
-
-if TYPE_CHECKING:
-    from drivegate.candidates.declaration import Declaration
-    from drivegate_cases.drive.pm_ac.document import PmAcDocument
 
 REMAINING: Final = 0.1
 """Share of a step of the currents that remains where 90 % of it are reached (1)."""

@@ -4,19 +4,21 @@ from __future__ import annotations
 
 from functools import lru_cache
 from math import copysign, isfinite
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
+from drivegate.candidates.declaration import Declaration
 from drivegate.contracts.duty.document import duty_document
+from drivegate.contracts.duty.scenarios.feasibility import unfair_because
+from drivegate.contracts.duty.scenarios.windows import duty_dwells
+from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import limits_of
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.scenario.piecewise import Profile
+from drivegate_cases.scenario.reference import Reference
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_models.pm_ac.fundamental import most_torque_per_ampere, steady_state
+from drivegate_models.pm_ac.oracle import CURRENT, least_at, undistorted_limits
 from drivegate_models.units import RADIANS_PER_RPM
-
-if TYPE_CHECKING:
-    from drivegate.candidates.declaration import Declaration
-    from drivegate_cases.drive.drive_document import DriveDocument
-    from drivegate_cases.drive.pm_ac.document import PmAcDocument
-    from drivegate_cases.scenario.piecewise import Profile
-    from drivegate_cases.scenario.reference import Reference
-    from drivegate_cases.scenario.scenario import Scenario
 
 STEPPED: Final[tuple[Reference, ...]] = ("torque",)
 """References of the scenarios of a candidate that follows a q current."""
@@ -26,9 +28,6 @@ _KEPT: Final = 20_000
 @lru_cache(maxsize=_KEPT)
 def quadrature_for(drive: PmAcDocument, torque: float) -> float:
     """Return the q current of least current (A) for a torque (N·m) by the nameplate, that of the limit at most."""
-    from drivegate_models.pm_ac.fundamental import most_torque_per_ampere
-    from drivegate_models.pm_ac.oracle import CURRENT, least_at, undistorted_limits
-
     plant = drive.plant()
     least = least_at(plant, undistorted_limits(plant), 0.0, torque, CURRENT)
     if isfinite(least.quadrature):
@@ -44,10 +43,6 @@ def quadrature_profile(scenario: Scenario, torques: Profile) -> Profile:
 
 def is_current_in_reach(scenario: Scenario) -> bool:
     """Return True if every q current of a scenario needs no field weakening, with the d current of MTPA or without."""
-    from drivegate.contracts.duty.scenarios.feasibility import unfair_because
-    from drivegate.contracts.duty.scenarios.windows import duty_dwells
-    from drivegate_models.pm_ac.oracle import undistorted_limits
-
     drive = duty_document(scenario.drive)
     plant, share = drive.plant(), limits_of(drive).weakening_voltage
     is_enough = all(
@@ -60,8 +55,6 @@ def is_current_in_reach(scenario: Scenario) -> bool:
 
 def voltage_along_none(drive: PmAcDocument, speed_rpm: float, torque: float) -> float:
     """Return the peak voltage of a phase (V) for the q current of a torque (N·m) without a d current."""
-    from drivegate_models.pm_ac.fundamental import steady_state
-
     speed = speed_rpm * RADIANS_PER_RPM
     return float(steady_state(drive.plant(), speed, 0.0, quadrature_for(drive, torque)).voltage)
 

@@ -7,7 +7,7 @@ knowing the plant. It detects no failure, so it has no say on `SAF-1`.
 from __future__ import annotations
 
 from math import isfinite, pi, sqrt
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 from drivegate.contracts.duty.checks.judged import greatest_at, least_within, undistorted
 from drivegate_cases.scenario.courses import COURSES
@@ -16,9 +16,7 @@ from drivegate_cases.scenario.piecewise import value_from
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.contract.duty.signals import TORQUE_REFERENCE, DutyCommand, DutyNameplate, DutySense
 from drivegate_models.machine.sine import cosine_sine
-
-if TYPE_CHECKING:
-    from drivegate_models.pm_ac.plant.drive import PmAcDrive
+from drivegate_models.pm_ac.plant.drive import PmAcDrive, drifted
 
 _THIRD: Final = complex(-0.5, 0.5 * sqrt(3.0))
 # Shares of the voltage and of the current limit that references use. The rest is for the regulators (1).
@@ -105,8 +103,6 @@ class InformedController:
 
     def _drive(self, time: float) -> PmAcDrive:
         """Return the plant as it is at a time."""
-        from drivegate_models.pm_ac.plant.drive import drifted
-
         scenario = self._scenario
         if scenario.drift is None:
             return self._nominal

@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from drivegate.contracts.duty.best_operation import efficiency
 from drivegate.contracts.duty.checks.current import losses
-from drivegate.contracts.duty.checks.judged import least_within, plant_of, undistorted
+from drivegate.contracts.duty.checks.judged import least_within, undistorted
 from drivegate.contracts.duty.checks.steps import step_responses
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow, exact_mean
 from drivegate.contracts.duty.torque import torque_course
@@ -29,7 +29,8 @@ def steady_points(record: DutyRecord) -> list[Row]:
 
 def _steady_point(record: DutyRecord, window: DutyWindow) -> Row:
     own, cool = losses(record, window)
-    least = least_within(plant_of(record), window.speed, window.link, own.torque, "current")
+    power = record.run.column("input_power")[record.periods(window.start_s, window.end_s)]
+    least = least_within(record.plant, window.speed, window.link, own.torque, "current")
     return {
         "speed_rpm": window.dwell.speed_rpm,
         **_required(record, window),
@@ -37,7 +38,7 @@ def _steady_point(record: DutyRecord, window: DutyWindow) -> Row:
         "direct_current_a": own.direct,
         "quadrature_current_a": own.quadrature,
         "current_above_least_percent": _above(own.current, least.current),
-        "input_power_w": _input_power(record, window),
+        "input_power_w": exact_mean(power),
         "loss_w": own.loss,
         "least_loss_w": cool.loss if isfinite(cool.loss) else None,
         "loss_above_least_percent": _above(own.loss, cool.loss),
@@ -62,13 +63,6 @@ def _required(record: DutyRecord, window: DutyWindow) -> Row:
         "reference_nm": load.torque_at(speed, window.dwell.load_factor),
         "held": error <= limits.speed_tolerance_rpm,
     }
-
-
-def _input_power(record: DutyRecord, window: DutyWindow) -> float:
-    """Return the mean power that the link gives (W)."""
-    period = record.scenario.control_period_s
-    power = record.run.column("input_power")[round(window.start_s / period) : round(window.end_s / period)]
-    return exact_mean(power)
 
 
 def _above(own: float, least: float) -> float | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -11,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.candidates.declaration import Declaration
-from drivegate.checks.check import Check, NotRun, Record, Unseen
+from drivegate.checks.check import Check, NotRun, Record, Unseen, deciding_stretch
 from drivegate.checks.margin import Margin
 from drivegate.contracts.duty.current_reference import quadrature_for
 from drivegate.contracts.duty.document import duty_document
@@ -25,6 +26,7 @@ from drivegate_cases.scenario.load import DynamometerLoad
 from drivegate_cases.scenario.profile import Dwell
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import IdealSensors
+from drivegate_models.pm_ac.plant.drive import PmAcDrive
 from drivegate_models.units import RADIANS_PER_RPM
 
 
@@ -83,6 +85,13 @@ class DutyRecord(Record):
         return duty_document(self.scenario.drive)
 
     @property
+    def plant(self) -> PmAcDrive:
+        """The plant that the run was made on."""
+        drive: Any = self.drive
+        plant: PmAcDrive = drive
+        return plant
+
+    @property
     def limits(self) -> Limits:
         """What the drive's controllers are judged by."""
         return limits_of(self.document)
@@ -117,13 +126,22 @@ class DutyRecord(Record):
         disturbed = self.scenario.dropouts or self.scenario.glitches
         return bool(disturbed) or not isinstance(self.scenario.sensors, IdealSensors)
 
+    def periods(self, start_s: float, end_s: float) -> slice:
+        """Return the control periods from one time to another (s)."""
+        period = self.scenario.control_period_s
+        return slice(round(start_s / period), round(end_s / period))
+
+    @property
+    def nominal(self) -> tuple[DutyWindow, ...]:
+        """The stretches in which a steady state is judged, if the drive is the nominal one."""
+        return self.steady if self.is_nominal else ()
+
     @cached_property
     def steady(self) -> tuple[DutyWindow, ...]:
         """The stretches in which a steady state is judged."""
-        period = self.scenario.control_period_s
         found = []
         for dwell, start, end in duty_windows(self.scenario):
-            rows = slice(round(start / period), round(end / period))
+            rows = self.periods(start, end)
             mean = {name: exact_mean(self.run.column(name)[rows]) for name in _MEANS}
             voltage = exact_mean(self.run.voltages[rows])
             found.append(DutyWindow(dwell, start, end, voltage=voltage, **mean))
@@ -181,17 +199,12 @@ class _PartialRecord(DutyRecord):
 
 def judged_window(check: Check, record: DutyRecord, margin: Margin | None) -> tuple[float, float]:
     """Find the steady stretch that alone gives the same margin; the whole run where none decides."""
-    whole = (0.0, record.scenario.duration_s)
-    if margin is None or check.evaluate(_part(record)) is not None:
-        return whole
-    for window in record.steady:
-        alone = check.evaluate(_part(record, window))
-        if alone is not None and alone.value == margin.value:
-            return window.start_s, window.end_s
-    return whole
 
+    def part(places: Sequence[int]) -> DutyRecord:
+        shown = tuple(record.steady[place] for place in places)
+        return _PartialRecord(
+            record.scenario, record.run, record.declaration, record.repeated_digests, shown=shown
+        )
 
-def _part(record: DutyRecord, *shown: DutyWindow) -> DutyRecord:
-    return _PartialRecord(
-        record.scenario, record.run, record.declaration, record.repeated_digests, shown=shown
-    )
+    stretches = [(window.start_s, window.end_s) for window in record.steady]
+    return deciding_stretch(check, record, margin, stretches, part)

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import fsum, isinf, pi
-from typing import Any, Final, TypeAlias
+from typing import Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -128,9 +128,7 @@ class TorqueCourse:
 
 def torque_course(record: DutyRecord, first: int, count: int) -> TorqueCourse:
     """Follow the torque of a run at a held speed over some control periods; the first one is at least number 2."""
-    drive: Any = record.drive
-    plant: PmAcDrive = drive
-    replay = _Replay(record, plant, first)
+    replay = _Replay(record, record.plant, first)
     for row in range(first, first + count):
         replay.advance(row)
     starts, lengths, means, rises, least, greatest, direct, quadrature = (

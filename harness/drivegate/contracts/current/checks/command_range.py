@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 
-from drivegate.checks.check import Check, Record
+from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, Mark, Moment, Point, normalised
 from drivegate.contracts.current.checks.declared_speeds import below_base, unless_speeds
 from drivegate.contracts.current.record import CurrentRecord
@@ -38,9 +37,8 @@ def angle_range(record: CurrentRecord) -> Margin:
     return Margin("ADV-2", value, f"{_in_words(lowest, 4)} to {_in_words(highest, 4)}")
 
 
-def below_base_moment(record: Record) -> Moment | None:
+def below_base_moment(record: CurrentRecord) -> Moment | None:
     """Show the advance angle around the first step below base speed that has one."""
-    assert isinstance(record, CurrentRecord), "the check is of this contract"
     run = record.run.observed
     if run.steps_below_base == 0.0 or run.angle_below_base == 0.0:
         return None
@@ -48,21 +46,18 @@ def below_base_moment(record: Record) -> Moment | None:
     return _moment(record, "advance_deg", place, "°", (0.0,))
 
 
-def angle_moment(record: Record) -> Moment:
+def angle_moment(record: CurrentRecord) -> Moment:
     """Show the advance angle where it comes nearest to an end of its range, or leaves it furthest."""
-    return _furthest(record, "advance_deg", "°", lambda _: math.degrees(LARGEST_ANGLE))
+    return _furthest(record, "advance_deg", "°", math.degrees(LARGEST_ANGLE))
 
 
-def reference_moment(record: Record) -> Moment:
+def reference_moment(record: CurrentRecord) -> Moment:
     """Show the current reference where it comes nearest to an end of its range, or leaves it furthest."""
-    return _furthest(
-        record, "current_reference_a", " A", lambda judged: judged.scenario.drive.rating.current_limit_a
-    )
+    return _furthest(record, "current_reference_a", " A", record.scenario.drive.rating.current_limit_a)
 
 
-def _furthest(record: Record, column: str, unit: str, limit: Callable[[CurrentRecord], float]) -> Moment:
-    assert isinstance(record, CurrentRecord), "the check is of this contract"
-    values, highest = record.run.trace[column], limit(record)
+def _furthest(record: CurrentRecord, column: str, unit: str, highest: float) -> Moment:
+    values = record.run.trace[column]
     return _moment(record, column, int(np.argmin(np.minimum(values, highest - values))), unit, (0.0, highest))
 
 
@@ -102,7 +97,6 @@ ADV_1 = Check(
     families=("standstill", "base speed"),
     requirement="The advance angle is 0 whenever the speed in that step's own Sense is below base speed.",
     source="P5",
-    level="required",
     limit="exactly 0° below {base}",
     scenarios="runs that come below base speed",
     formula="1 when every such angle is exactly 0, else minus the largest of them in degrees",
@@ -116,7 +110,6 @@ ADV_2 = Check(
     every_run=True,
     requirement="The advance angle stays within 0° to 90°.",
     source="P10",
-    level="required",
     limit="0° to 90°",
     scenarios="every run",
     formula="distance from the nearer end / 90°, before the plant clamps the angle",
@@ -129,7 +122,6 @@ CMD_1 = Check(
     every_run=True,
     requirement="The current reference stays within 0 to the limit.",
     source="P3",
-    level="required",
     limit="0 to {current}",
     scenarios="every run",
     formula="distance from the nearer end / {current}, before the plant clamps the reference",

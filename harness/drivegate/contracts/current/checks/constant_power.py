@@ -12,19 +12,16 @@ from drivegate.contracts.current.checks.declared_speeds import (
     unless_speeds,
 )
 from drivegate.contracts.current.record import CurrentRecord, SteadyWindow
-from drivegate_cases.scenario.circumstance import Circumstance
 
 
 def holds_constant_power(record: CurrentRecord) -> Margin | None:
     """Judge whether rated power is held within k1 (paper, "Constant Power Operation", Fig. 3)."""
-    return _held("CPW-1", record, [window for window in record.windows() if is_in(constant_power, window)])
+    return _held("CPW-1", record, constant_power)
 
 
 def holds_constant_power_beyond(record: CurrentRecord) -> Margin | None:
     """Judge whether rated power is held within k1 beyond the range of constant power (paper, Fig. 10)."""
-    return _held(
-        "CPW-2", record, [window for window in record.windows() if is_in(beyond_constant_power, window)]
-    )
+    return _held("CPW-2", record, beyond_constant_power)
 
 
 def is_in(judged: JudgedSpeeds, window: SteadyWindow) -> bool:
@@ -33,20 +30,13 @@ def is_in(judged: JudgedSpeeds, window: SteadyWindow) -> bool:
     return lowest <= window.dwell.speed_rpm <= highest
 
 
-def _held(check: str, record: CurrentRecord, windows: list[SteadyWindow]) -> Margin | None:
-    if record.circumstance is not Circumstance.NOMINAL:
+def _held(check: str, record: CurrentRecord, judged: JudgedSpeeds) -> Margin | None:
+    windows = [w for w in record.nominal_windows() if is_in(judged, w) and w.requires_rated_power]
+    worst = max(windows, key=lambda window: window.values.speed_error, default=None)
+    if worst is None:
         return None
-    loaded = [window for window in windows if window.requires_rated_power]
-    if not loaded:
-        return None
-    worst = max(loaded, key=_speed_error)
-    error = _speed_error(worst)
-    measured = f"{speed_in_words(worst)}{described(worst)}"
-    return Margin(check, at_most(error, speed_tolerance(worst)), measured)
-
-
-def _speed_error(window: SteadyWindow) -> float:
-    return window.values.speed_error
+    margin = at_most(worst.values.speed_error, speed_tolerance(worst))
+    return Margin(check, margin, f"{speed_in_words(worst)}{described(worst)}")
 
 
 CPW_1 = Check(
@@ -54,7 +44,6 @@ CPW_1 = Check(
     families=("constant power",),
     requirement="Constant power: {power} is held within k1 at every speed from {lowest} to {highest}.",
     source="P5, P10",
-    level="required",
     limit="k1 = {k1}",
     scenarios="every steady stretch of {stretch} or more that requires {power}, on the nominal drive",
     formula="1 - |speed error| / k1",

@@ -13,7 +13,6 @@ from drivegate.contracts.current.numbers import given_below_limit
 from drivegate.contracts.current.record import CurrentRecord, SteadyWindow, rated_torque
 from drivegate_cases.documents.wording import figure
 from drivegate_cases.drive.limits import limits_of, mean_time
-from drivegate_cases.scenario.circumstance import Circumstance
 from drivegate_cases.scenario.load import LockedLoad
 from drivegate_cases.scenario.sensors import IdealSensors, counted_s
 from drivegate_models.machine.friction import friction_torque
@@ -144,24 +143,20 @@ def is_beyond_range(window: SteadyWindow) -> bool:
 
 def converges(record: CurrentRecord) -> Margin | None:
     """Judge whether the search has converged where nothing had changed before."""
-    if record.circumstance is not Circumstance.NOMINAL:
-        return None
-    return worst_convergence("CNV-1", (window for window in record.windows() if not window.is_after_change))
+    windows = record.nominal_windows()
+    return worst_convergence("CNV-1", (window for window in windows if not window.is_after_change))
 
 
 def converges_again(record: CurrentRecord) -> Margin | None:
     """Judge whether the search has converged again after a change of load, speed reference or supply."""
-    if record.circumstance is not Circumstance.NOMINAL:
-        return None
-    return worst_convergence("CNV-3", (window for window in record.windows() if window.is_after_change))
+    windows = record.nominal_windows()
+    return worst_convergence("CNV-3", (window for window in windows if window.is_after_change))
 
 
 def reaches_optimum(record: CurrentRecord) -> Margin | None:
     """Judge the current sum of every converged window against the least one of the same plant (Figs. 5, 7)."""
-    if record.circumstance is not Circumstance.NOMINAL:
-        return None
-    margins = [_excess(record, window) for window in record.windows() if window.torque_required > 0.0]
-    return worst_required(margins)
+    loaded = (window for window in record.nominal_windows() if window.torque_required > 0.0)
+    return worst_required([_excess(record, window) for window in loaded])
 
 
 def _excess(record: CurrentRecord, window: SteadyWindow) -> Margin:
@@ -227,7 +222,6 @@ CNV_1 = Check(
         "advance angle within {angle}; required up to {highest}, the range of constant power, advisory beyond."
     ),
     source="P6",
-    level="required",
     limit="k1 = {k1}, k2 = {k2} of Σ|i|, {angle}",
     scenarios="every first loaded steady stretch of {stretch} or more above base speed, on the nominal drive",
     formula=(
@@ -248,7 +242,6 @@ CNV_2 = Check(
         "advisory."
     ),
     source="P6, P11, P12",
-    level="required",
     limit="{optimum} above the least Σ|i|",
     scenarios="every loaded steady stretch of {stretch} or more above base speed, on the nominal drive",
     formula="1 - (Σ|i| - least Σ|i|) / ({optimum} of the least Σ|i|)",
@@ -264,7 +257,6 @@ CNV_3 = Check(
         "converges again as CNV-1 requires."
     ),
     source="P6",
-    level="required",
     limit="k1 = {k1}, k2 = {k2} of Σ|i|, {angle}",
     scenarios="every loaded steady stretch of {stretch} or more above base speed after a change, on the nominal drive",
     formula="as CNV-1",

@@ -71,7 +71,6 @@ NEU_1 = Check(
     ),
     source="Kirchhoff's law",
     subject="plant",
-    level="required",
     limit="1e-9 relative in every control period",
     scenarios="every run of a drive with an isolated neutral",
     formula="1 - greatest of |Σ i| / Σ|i| and |energy of upper half - of lower half| / exchanged / 1e-9",

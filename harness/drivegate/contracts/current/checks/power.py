@@ -56,7 +56,6 @@ PWR_1 = Check(
     ),
     source="P4",
     subject="plant",
-    level="required",
     limit="1e-9 relative in every control period",
     scenarios="every run",
     formula="1 - greatest |exchanged - 2 returned - spent| / throughput / 1e-9",
@@ -71,7 +70,6 @@ PWR_2 = Check(
         "of that step alone or their mean over the time that the candidate declares."
     ),
     source="P4",
-    level="required",
     limit="1e-9 relative, or one step of the converter",
     scenarios="every run of a candidate that estimates its input power",
     formula=(

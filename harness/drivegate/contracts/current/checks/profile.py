@@ -22,7 +22,6 @@ FLO_1 = Check(
         "declares, for any sequence of speeds and powers."
     ),
     source="P6",
-    level="required",
     limit="exact",
     scenarios="scripts of Senses, for candidates of the profile 'flowchart'",
     formula="1 when every angle is one that Fig. 4 allows, else minus the distance to the nearest such angle / step",

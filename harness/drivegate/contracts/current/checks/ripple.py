@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 from drivegate.candidates.declaration import Declaration
 from drivegate.checks.check import Check, ReasonNotApplicable
@@ -15,7 +16,6 @@ from drivegate_cases.documents.wording import figure
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import limits_of
 from drivegate_cases.drive.requirements import points_of
-from drivegate_cases.scenario.circumstance import Circumstance
 from drivegate_models.steady.oracle import point_at_torque
 
 _ROUNDING = 1e-6
@@ -35,14 +35,16 @@ def _is_constant_power(window: SteadyWindow) -> bool:
     return is_in(constant_power, window) and window.requires_rated_power
 
 
-def _ideal_ripple(check: str, record: CurrentRecord, windows: list[SteadyWindow]) -> Margin | None:
+def _ideal_ripple(
+    check: str, record: CurrentRecord, is_judged: Callable[[SteadyWindow], bool]
+) -> Margin | None:
     """Return the worst margin of the steady states with the ideal regulator at the angles converged to."""
     limit = limits_of(record.scenario.drive).ripple
     if math.isinf(limit):
         return None
     ideal = record.drive._replace(hysteresis_band=0.0)
     margins = []
-    for window in windows:
+    for window in filter(is_judged, record.nominal_windows()):
         angle = window.values.angle
         torque = window.values.torque
         where = f"at {math.degrees(angle):.2f}°, {figure(window.dwell.speed_rpm)} rpm and {torque:.3g} N·m"
@@ -67,25 +69,20 @@ def ripple_at_converged_angle(record: CurrentRecord) -> Margin | None:
     The ripple is that of the periodic steady state with the ideal regulator (no band) at the candidate's mean
     angle and mean torque; its extremes are exact.
     """
-    if record.circumstance is not Circumstance.NOMINAL:
-        return None
-    return _ideal_ripple("RIP-1", record, [w for w in record.windows() if _is_required_point(w)])
+    return _ideal_ripple("RIP-1", record, _is_required_point)
 
 
 def ripple_at_constant_power(record: CurrentRecord) -> Margin | None:
     """Judge the torque ripple at the angle that the candidate converged to under rated power (Fig. 6)."""
-    if record.circumstance is not Circumstance.NOMINAL:
-        return None
-    return _ideal_ripple("RIP-2", record, [w for w in record.windows() if _is_constant_power(w)])
+    return _ideal_ripple("RIP-2", record, _is_constant_power)
 
 
 def closed_loop_ripple(record: CurrentRecord) -> Margin | None:
     """Judge the torque ripple of the closed loop, with hysteresis band and speed regulator."""
-    unlimited = math.isinf(limits_of(record.scenario.drive).closed_loop_ripple)
-    if unlimited or record.circumstance is not Circumstance.NOMINAL:
+    if math.isinf(limits_of(record.scenario.drive).closed_loop_ripple):
         return None
-    margins = [_closed_loop_margin(window) for window in record.windows() if window.torque_required > 0.0]
-    return worst_required(margins)
+    loaded = (window for window in record.nominal_windows() if window.torque_required > 0.0)
+    return worst_required(list(map(_closed_loop_margin, loaded)))
 
 
 def _closed_loop_margin(window: SteadyWindow) -> Margin:
@@ -114,7 +111,6 @@ RIP_1 = Check(
     families=("required point",),
     requirement="Torque ripple at {points}, ideal regulator, at the angle that the candidate converged to.",
     source="P8",
-    level="required",
     limit="{ripple} peak to peak over mean",
     scenarios="steady stretches of {stretch} or more at {points}, on the nominal drive",
     formula="1 - ripple / {ripple}, ripple = (max - min) / mean torque of one electrical period",

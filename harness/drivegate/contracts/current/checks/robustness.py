@@ -7,7 +7,7 @@ from dataclasses import replace
 from drivegate.checks.check import Check, Evaluate
 from drivegate.checks.margin import Margin, worst_required
 from drivegate.contracts.current.checks.convergence import ABOVE_BASE_SPEED, worst_convergence
-from drivegate.contracts.current.record import CurrentRecord, SteadyWindow
+from drivegate.contracts.current.record import CurrentRecord
 from drivegate.scenarios.drive_scale import scale_of
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.plant import Scales
@@ -42,19 +42,14 @@ def robust_convergence(check: str, judged: Circumstance) -> Evaluate:
         if record.circumstance is not judged:
             return None
         margins = [
-            replace(margin, measured=f"{requirement}: {margin.measured}")
+            replace(margin, measured=f"{'CNV-3' if window.is_after_change else 'CNV-1'}: {margin.measured}")
             for window in record.windows()
             if is_claimed(window.scales, record.scenario.drive)
-            for requirement in [_requirement(window)]
             if (margin := worst_convergence(check, [window])) is not None
         ]
         return worst_required(margins)
 
     return evaluate
-
-
-def _requirement(window: SteadyWindow) -> str:
-    return "CNV-3" if window.is_after_change else "CNV-1"
 
 
 ROB_1 = Check(
@@ -65,7 +60,6 @@ ROB_1 = Check(
         "and up to {friction} of friction added."
     ),
     source="P11",
-    level="required",
     limit="k1 = {k1}, k2 = {k2} of Σ|i|, {angle}",
     scenarios=(
         "every loaded steady stretch of {stretch} or more above base speed, on a plant that differs from its nameplate"
@@ -80,7 +74,6 @@ ROB_2 = Check(
     families=("sensor", "phase"),
     requirement="CNV-1 and CNV-3 hold through {sensors}.",
     source="P6, P11",
-    level="required",
     limit="k1 = {k1}, k2 = {k2} of Σ|i| and what two steps of the speed measurement are worth, {angle}",
     scenarios="every loaded steady stretch of {stretch} or more above base speed, through sensors that are not ideal",
     formula="as CNV-1, on the true speed and the true currents",
@@ -93,7 +86,6 @@ ROB_3 = Check(
     families=("phase", "fault"),
     requirement="CNV-1 and CNV-3 hold after {disturbed_sensors}, and with {disturbed_plant}.",
     source="P6, P11",
-    level="required",
     limit="k1 = {k1}, k2 = {k2} of Σ|i| (through {speed_sensor} as ROB-2), {angle}",
     scenarios="every loaded steady stretch of {stretch} or more above base speed, in runs with such a disturbance",
     formula="as CNV-1",

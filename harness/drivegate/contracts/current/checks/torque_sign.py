@@ -8,7 +8,6 @@ from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, worst_required
 from drivegate.contracts.current.checks.convergence import ABOVE_BASE_SPEED, LOADED, described
 from drivegate.contracts.current.record import CurrentRecord, SteadyWindow, rated_torque
-from drivegate_cases.scenario.circumstance import Circumstance
 
 HALF_LOAD = 0.5
 """Least share of the torque of rated power at which the sign is judged (1)."""
@@ -17,9 +16,7 @@ _ROUNDING = 1e-6
 
 def torque_sign(record: CurrentRecord) -> Margin | None:
     """Judge the least torque of the closed loop's steady stretches under half load and more."""
-    if record.circumstance is not Circumstance.NOMINAL:
-        return None
-    return worst_required([_margin(window) for window in record.windows() if _is_judged(window)])
+    return worst_required([_margin(window) for window in record.nominal_windows() if _is_judged(window)])
 
 
 def _is_judged(window: SteadyWindow) -> bool:

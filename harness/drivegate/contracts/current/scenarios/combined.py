@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from random import Random
 from typing import Final, TypeAlias
 
@@ -28,6 +28,7 @@ from drivegate.scenarios.changes import (
     with_imbalance,
     with_load_factor,
     with_load_shares,
+    with_lost_samples,
     with_real_sensors,
     with_restarts,
     with_scales,
@@ -40,7 +41,6 @@ from drivegate.scenarios.title import titled
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import rounded
 from drivegate_cases.scenario.load import FanLoad
-from drivegate_cases.scenario.piecewise import Profile
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import has_encoder, real_sensors
 from drivegate_models.units import RADIANS_PER_RPM
@@ -123,27 +123,21 @@ def _whole_speeds(lowest: float, highest: float, step: float) -> list[float]:
     return [tidy(step * steps) for steps in range(bottom, top + 1)] or [highest]
 
 
-def _speeds_of_row(drive: DriveDocument, speed_range: SpeedRange | None, row: Row) -> tuple[float, float]:
-    if row["speed course"] == "overspeed":
-        return drive.rating.highest_speed_rpm, drive.rating.overspeed_rpm
-    return loaded_range(drive, speed_range)
-
-
-def _speed_in_turn(speeds: Sequence[float], seed: int, number: int) -> float:
-    """Take a speed in an order of chance: no two rows have the same one before all were had."""
-    shuffled = list(speeds)
-    Random(f"{seed}/speeds").shuffle(shuffled)
-    return shuffled[number % len(shuffled)]
-
-
 def _drawn(
     drive: DriveDocument, speed_range: SpeedRange | None, row: Row, seed: int, number: int
 ) -> Scenario | None:
     if speed_range is not None and row["speed course"] in ("standstill", "overspeed"):
         return None
     random = Random(f"{seed}/{number}")
-    speeds = _whole_speeds(*_speeds_of_row(drive, speed_range, row), scale_of(drive).speed_step_rpm)
-    speed = _speed_in_turn(speeds, seed, number)
+    if row["speed course"] == "overspeed":
+        among = drive.rating.highest_speed_rpm, drive.rating.overspeed_rpm
+    else:
+        among = loaded_range(drive, speed_range)
+    speeds = _whole_speeds(*among, scale_of(drive).speed_step_rpm)
+    # In an order of chance: no two rows have the same speed before all were had.
+    shuffled = list(speeds)
+    Random(f"{seed}/speeds").shuffle(shuffled)
+    speed = shuffled[number % len(shuffled)]
     for attempt in range(ATTEMPTS):
         heaviest = 1.0 - 0.8 * attempt / ATTEMPTS
         other = random.choice(speeds)
@@ -159,7 +153,7 @@ def _base(
     """Make a run with the row's load and courses of speed and load, at the first speed or between both."""
     slow, fast = sorted(speeds) if row["speed course"] in ("up", "down") else (speeds[0], speeds[0])
     scale = scale_of(drive)
-    share = _share(random, heaviest)
+    share = round(0.05 * random.randint(3, max(3, round(20.0 * heaviest))), 2)
     at = _moment(drive, row, random)
     if row["load"] == "vehicle":
         grade = stepped(0.0, 1.0, at) if row["load course"] == "up" else ((0.0, 0.0),)
@@ -202,10 +196,6 @@ def _with_course(run: Scenario, course: str, random: Random, at: float, share: f
     return with_load_factor(run, load_course(course, less, more, at, lasts, scale))
 
 
-def _share(random: Random, heaviest: float) -> float:
-    return round(0.05 * random.randint(3, max(3, round(20.0 * heaviest))), 2)
-
-
 def _moment(drive: DriveDocument, row: Row, random: Random) -> float:
     """Draw when something happens: all at once after a search that has converged, or each for itself during it."""
     scale = scale_of(drive)
@@ -222,21 +212,16 @@ def _changed(run: Scenario, row: Row, random: Random) -> Scenario:
         clock_start_s=_CLOCKS[row["clock"]],
         initial_angle_deg=0.0 if row["rotor"] == "0°" else 12.0 * random.randrange(1, 30),
     )
+    # A drive without what a change is about goes without that change.
+    is_possible = {
+        "unequal halves": run.drive.has_split_supply,
+        "false edges": has_encoder(real_sensors(run.drive), run.drive),
+    }
     for changes in (_PLANTS, _SENSORS, _SUPPLIES, _FAULTS):
         for level in row.values():
-            if level in changes and _is_possible_on(run.drive, level):
+            if level in changes and is_possible.get(level, True):
                 run = changes[level](run, random, _moment(run.drive, row, random))
     return run
-
-
-def _is_possible_on(drive: DriveDocument, level: str) -> bool:
-    """Return True if a drive has what a change is about; without it, that of a row is left out."""
-    match level:
-        case "unequal halves":
-            return drive.has_split_supply
-        case "false edges":
-            return has_encoder(real_sensors(drive), drive)
-    return True
 
 
 def _phase(run: Scenario, random: Random) -> int:
@@ -257,10 +242,6 @@ def _with_offset(run: Scenario, random: Random) -> Scenario:
     return with_current_error(run, phase, offset_a=tidy(step * random.choice((-10, -5, 5, 10))))
 
 
-def _dip(run: Scenario, random: Random, at: float) -> Profile:
-    return pulsed(1.0, random.choice((0.9, 0.95)), at, scale_of(run.drive).units(0.5))
-
-
 def _times(run: Scenario, at: float) -> tuple[float, ...]:
     return moments(at, every_s=scale_of(run.drive).repeated_every_s)
 
@@ -272,13 +253,6 @@ def _with_drift(run: Scenario, random: Random, at: float) -> Scenario:
         resistance=stepped(1.0, random.choice((1.2, 1.4)), at, over_s=over),
         emf_constant=stepped(1.0, random.choice((0.96, 0.98)), at, over_s=over),
     )
-
-
-def _with_lost_samples(run: Scenario, random: Random, at: float) -> Scenario:
-    phase = _phase(run, random)
-    for time in _times(run, at):
-        run = with_dropout(run, "currents", time, run.control_period_s, phase=phase)
-    return run
 
 
 _PLANTS: Final[Mapping[str, Change]] = {
@@ -295,7 +269,9 @@ _SENSORS: Final[Mapping[str, Change]] = {
     "offset of a phase": lambda run, random, _: _with_offset(run, random),
 }
 _SUPPLIES: Final[Mapping[str, Change]] = {
-    "dip": lambda run, random, at: with_supply(run, _dip(run, random, at)),
+    "dip": lambda run, random, at: with_supply(
+        run, pulsed(1.0, random.choice((0.9, 0.95)), at, scale_of(run.drive).units(0.5))
+    ),
     "sag": lambda run, random, at: with_supply(run, stepped(1.0, random.choice((0.92, 0.96)), at)),
     "swell": lambda run, random, at: with_supply(run, stepped(1.0, random.choice((1.05, 1.1)), at)),
 }
@@ -303,7 +279,9 @@ _FAULTS: Final[Mapping[str, Change]] = {
     "speed lost": lambda run, random, at: with_dropout(run, "speed", at, _lost_s(run, random)),
     "currents lost": lambda run, random, at: with_dropout(run, "currents", at, _lost_s(run, random)),
     "supply lost": lambda run, random, at: with_dropout(run, "supply", at, _lost_s(run, random)),
-    "sample of a phase lost twenty times": _with_lost_samples,
+    "sample of a phase lost twenty times": lambda run, random, at: with_lost_samples(
+        run, _phase(run, random), _times(run, at)
+    ),
     "false edges": lambda run, random, at: with_glitch(run, random.choice((-50, -20, 20, 50)), at),
     "unequal halves": lambda run, random, at: with_imbalance(
         run, stepped(0.0, random.choice((-0.03, 0.03)), at)

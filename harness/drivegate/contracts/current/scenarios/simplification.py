@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Final
 
 from drivegate.contracts.current.scenarios.building import TORQUE_DIGITS, coming_on, plain_scenario
@@ -13,7 +13,14 @@ from drivegate.contracts.current.scenarios.courses import (
     fields_of,
 )
 from drivegate.scenarios.drive_scale import scale_of, tidy, whole_tenths
-from drivegate.scenarios.simplification import Fields, Simplification
+from drivegate.scenarios.simplification import (
+    FAILURES,
+    PLAIN_BEGINNING,
+    Fields,
+    Simplification,
+    nominal_parameters,
+    to_whole,
+)
 from drivegate_cases.drive.limits import rounded
 from drivegate_cases.drive.plant import NOMINAL
 from drivegate_cases.scenario.courses import COURSES, DISTURBANCES
@@ -25,7 +32,7 @@ from drivegate_cases.scenario.load import (
     VehicleLoad,
 )
 from drivegate_cases.scenario.profile import dwell_torque, dwells
-from drivegate_cases.scenario.scenario import LONGEST_CONTROL_PERIOD_S, Scenario
+from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import IDEAL, PLAIN
 
 _NAMING: Final = frozenset({"schema_version", "name", "description", "drive"})
@@ -46,12 +53,6 @@ _SHARE_GRAINS: Final[dict[str, tuple[float, ...]]] = {
 _DISTURBED: Final = tuple(
     dict.fromkeys(key.partition(".")[0] for quantity in reversed(DISTURBANCES) for key in quantity.keys)
 )
-_FAILURES: Final = ("dropouts", "glitches", "restarts_s", "current_errors")
-_BEGINNING: Final[Fields] = {
-    "control_period_s": LONGEST_CONTROL_PERIOD_S,
-    "clock_start_s": 0.0,
-    "initial_angle_deg": 0.0,
-}
 
 
 def _plain_but_for_one(scenario: Scenario) -> Iterator[Fields]:
@@ -92,8 +93,8 @@ def _plain_speed(scenario: Scenario) -> Iterator[Fields]:
 
 
 def _fewer_failures(scenario: Scenario) -> Iterator[Fields]:
-    yield dict.fromkeys(_FAILURES, ())
-    for key in _FAILURES:
+    yield dict.fromkeys(FAILURES, ())
+    for key in FAILURES:
         failures = getattr(scenario, key)
         yield {key: ()}
         yield {key: failures[: len(failures) // 2]}
@@ -104,7 +105,7 @@ def _fewer_failures(scenario: Scenario) -> Iterator[Fields]:
 
 def _plainer_beginning(scenario: Scenario) -> Iterator[Fields]:
     """Begin as every plain run does, and step as rarely as may be."""
-    given = {key: value for key, value in _BEGINNING.items() if getattr(scenario, key) != value}
+    given = {key: value for key, value in PLAIN_BEGINNING.items() if getattr(scenario, key) != value}
     yield given
     for key, value in given.items():
         yield {key: value}
@@ -120,8 +121,7 @@ def _plainer_sensors(scenario: Scenario) -> Iterator[Fields]:
 
 def _nominal_parameters(scenario: Scenario) -> Iterator[Fields]:
     yield {"scales": NOMINAL}
-    for key in type(NOMINAL).model_fields:
-        yield {"scales": scenario.scales.model_copy(update={key: getattr(NOMINAL, key)})}
+    yield from nominal_parameters(scenario)
 
 
 def _without_disturbance(scenario: Scenario) -> Iterator[Fields]:
@@ -194,7 +194,7 @@ def _rounder(quantity: str) -> Simplification:
     def candidates(scenario: Scenario) -> Iterator[Fields]:
         course = course_of(scenario, quantity)
         for grain in _grains(scenario, quantity):
-            yield fields_of(scenario, quantity, course.mapped(value=_to(grain)))
+            yield fields_of(scenario, quantity, course.mapped(value=to_whole(grain)))
 
     return candidates
 
@@ -215,7 +215,7 @@ def _grains(scenario: Scenario, quantity: str) -> Iterator[float]:
 def _rounder_times(scenario: Scenario) -> Iterator[Fields]:
     for units in _TIMES:
         grain = scale_of(scenario.drive).units(units)
-        rounded_time = _to(grain)
+        rounded_time = to_whole(grain)
         fields: Fields = {"duration_s": max(rounded_time(scenario.duration_s), grain)}
         changed = scenario
         for quantity in QUANTITIES:
@@ -242,21 +242,21 @@ def _rounder_load(scenario: Scenario) -> Iterator[Fields]:
     if isinstance(load, ConstantPowerLoad):
         rated = scenario.drive.rating.rated_power_w
         for share in (0.5, 0.25, 0.1, 0.05):
-            yield {"load": load.model_copy(update={"power_w": _to(share * rated)(load.power_w)})}
+            yield {"load": load.model_copy(update={"power_w": to_whole(share * rated)(load.power_w)})}
     elif isinstance(load, (ConstantTorqueLoad, FanLoad)):
         for steps in _TORQUE_GRAINS:
             grain = tidy(steps * scale.torque_step_nm)
-            yield {"load": load.model_copy(update={"torque_nm": _to(grain)(load.torque_nm)})}
+            yield {"load": load.model_copy(update={"torque_nm": to_whole(grain)(load.torque_nm)})}
     elif isinstance(load, VehicleLoad):
         for units in (2, 1):
             grain = tidy(units * scale.mass_unit_kg)
-            yield {"load": load.model_copy(update={"mass_kg": max(grain, _to(grain)(load.mass_kg))})}
+            yield {"load": load.model_copy(update={"mass_kg": max(grain, to_whole(grain)(load.mass_kg))})}
 
 
 def _rounder_parameters(scenario: Scenario) -> Iterator[Fields]:
     for grain in (0.5, 0.25, 0.1, 0.05):
         for key in type(NOMINAL).model_fields:
-            value = _to(tidy(grain * _unit(scenario, key)))(getattr(scenario.scales, key))
+            value = to_whole(tidy(grain * _unit(scenario, key)))(getattr(scenario.scales, key))
             yield {"scales": scenario.scales.model_copy(update={key: value})}
 
 
@@ -269,7 +269,7 @@ def _rounder_failures(scenario: Scenario) -> Iterator[Fields]:
     scale = scale_of(scenario.drive)
     for steps in (10, 5, 1):
         grain = tidy(steps * scale.dropout_step_s)
-        lasting = [max(grain, _to(grain)(dropout.duration_s)) for dropout in scenario.dropouts]
+        lasting = [max(grain, to_whole(grain)(dropout.duration_s)) for dropout in scenario.dropouts]
         pairs = zip(scenario.dropouts, lasting, strict=True)
         yield {"dropouts": tuple(old.model_copy(update={"duration_s": time}) for old, time in pairs)}
     for gain_grain, offset_steps in ((0.5, 50), (0.1, 25), (0.05, 5)):
@@ -278,8 +278,8 @@ def _rounder_failures(scenario: Scenario) -> Iterator[Fields]:
             "current_errors": tuple(
                 error.model_copy(
                     update={
-                        "gain": _to(gain_grain)(error.gain),
-                        "offset_a": _to(offset_grain)(error.offset_a),
+                        "gain": to_whole(gain_grain)(error.gain),
+                        "offset_a": to_whole(offset_grain)(error.offset_a),
                     }
                 )
                 for error in scenario.current_errors
@@ -289,11 +289,6 @@ def _rounder_failures(scenario: Scenario) -> Iterator[Fields]:
         signs = [count if glitch.counts > 0 else -count for glitch in scenario.glitches]
         edges = zip(scenario.glitches, signs, strict=True)
         yield {"glitches": tuple(old.model_copy(update={"counts": counts}) for old, counts in edges)}
-
-
-def _to(grain: float) -> Callable[[float], float]:
-    """Round to whole grains."""
-    return lambda value: round(round(value / grain) * grain, 9)
 
 
 SIMPLIFICATIONS: Final[tuple[Simplification, ...]] = (

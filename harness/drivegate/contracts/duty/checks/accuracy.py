@@ -7,12 +7,11 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.checks.check import Check, Record
+from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, at_most
 from drivegate.contracts.duty.checks.judged import (
     UNWEAKENED_FAMILIES,
     at,
-    duty_record,
     is_within_reach,
     worst,
 )
@@ -29,13 +28,9 @@ GROWTH = 1.5
 """Greatest ratio of the speed's swing at the end of a steady stretch to that at its begin (1)."""
 
 
-def steady_reference(record: Record) -> Margin | None:
+def steady_reference(record: DutyRecord) -> Margin | None:
     """Judge the mean of the referenced quantity on the nominal drive."""
-    judged = duty_record(record)
-    if not judged.is_nominal:
-        return None
-    margins = [reference_error("ACC-1", judged, window, 1.0) for window in judged.steady]
-    return worst(margin for margin in margins if margin is not None)
+    return worst(reference_error("ACC-1", record, window, 1.0) for window in record.nominal)
 
 
 def reference_error(
@@ -68,8 +63,6 @@ ACC_1 = Check(
     id="ACC-1",
     families=UNWEAKENED_FAMILIES,
     requirement="In steady state the mean torque or speed is the reference.",
-    source="the contract",
-    level="required",
     limit="torque {torque_error}, speed k1 = {k1}",
     scenarios="steady stretches of the nominal drive, torques up to {weakening} of the greatest possible",
     formula="1 - |mean - reference| / limit",
@@ -78,29 +71,25 @@ ACC_1 = Check(
 )
 
 
-def another_plant(record: Record) -> Margin | None:
+def another_plant(record: DutyRecord) -> Margin | None:
     """Judge runs of a speed reference whose plant the controller does not know."""
-    judged = duty_record(record)
-    if judged.has_nominal_plant or judged.fails:
+    if record.has_nominal_plant or record.fails:
         return None
-    return worst(_margins(judged))
+    return worst(_margins(record))
 
 
-def _margins(record: DutyRecord) -> Iterator[Margin]:
+def _margins(record: DutyRecord) -> Iterator[Margin | None]:
     speed = record.run.column("speed") / RADIANS_PER_RPM
     before = record.scenario.initial_speed_rpm
-    period = record.scenario.control_period_s
     for window in record.steady:
         if window.torque_reference is not None:
             continue
-        error = reference_error("ROB-4", record, window, ERROR_FACTOR)
-        if error is not None:
-            yield error
+        yield reference_error("ROB-4", record, window, ERROR_FACTOR)
         yield _swing(record, window)
         step = window.dwell.speed_rpm - before
         before = window.dwell.speed_rpm
         if step != 0.0:
-            rows = slice(round(window.dwell.start / period), round(window.dwell.end / period))
+            rows = record.periods(window.dwell.start, window.dwell.end)
             yield overshoot_of_speed(speed[rows], window.dwell.speed_rpm, step)
 
 
@@ -118,31 +107,27 @@ def overshoot_of_speed(speed: NDArray[np.float64], end: float, step: float) -> M
 
 def _swing(record: DutyRecord, window: DutyWindow) -> Margin:
     """Judge whether what swings about the mean grows; below the allowed error it may do what it likes."""
-    period = record.scenario.control_period_s
-    values = record.run.column("speed")[round(window.start_s / period) : round(window.end_s / period)]
+    values = record.run.column("speed")[record.periods(window.start_s, window.end_s)]
     half = len(values) // 2
     allowed = record.limits.speed_tolerance_rpm * RADIANS_PER_RPM
     first, last = (max(float(np.ptp(part)), allowed) for part in (values[:half], values[half:]))
-    told = f"speed swings by {last / RADIANS_PER_RPM:.4g} rpm, {last / first:.3g} times as much as before, {at(window)}"
-    return Margin("ROB-4", at_most(last / first, GROWTH), told)
+    growth = last / first
+    measured = f"speed swings by {last / RADIANS_PER_RPM:.4g} rpm, {growth:.3g} times as much as before, {at(window)}"
+    return Margin("ROB-4", at_most(growth, GROWTH), measured)
 
 
-def through_sensors(record: Record) -> Margin | None:
+def through_sensors(record: DutyRecord) -> Margin | None:
     """Judge runs whose controller sees currents, link and shaft through sensors."""
-    judged = duty_record(record)
-    if not judged.is_sensed or not judged.has_nominal_plant or judged.fails:
+    if not record.is_sensed or not record.has_nominal_plant or record.fails:
         return None
-    lost = lost_torque_share(judged.scenario)
-    errors = (reference_error("ROB-5", judged, window, ERROR_FACTOR, lost) for window in judged.steady)
-    return worst(error for error in errors if error is not None)
+    lost = lost_torque_share(record.scenario)
+    return worst(reference_error("ROB-5", record, window, ERROR_FACTOR, lost) for window in record.steady)
 
 
 ROB_4 = Check(
     id="ROB-4",
     families=("parameter",),
     requirement="On a plant that differs from the nameplate the speed is held, and nothing grows.",
-    source="the contract",
-    level="required",
     limit="speed error 2 k1, overshoot 25 %, swing × 1.5",
     scenarios="runs of a speed reference with R × 0.5 to 2, L × 0.7 to 1.3, ψ × 0.8 to 1.05 and J × 0.3 to 2, "
     "also within a run, as of a wheel that is lifted and set down",
@@ -156,8 +141,6 @@ ROB_5 = Check(
     families=("sensor", "position error", "lost sample", "false edge", "joint change"),
     requirement="Through shunts, converters and an encoder or Hall switches the reference is held, also after lost "
     "samples and false edges.",
-    source="the contract",
-    level="required",
     limit="torque 2 × {torque_error} and what an error of the angle costs, speed error 2 k1",
     scenarios="steady stretches of runs with the sensors 'shunts', single samples that are lost, or false edges, "
     "torques up to {weakening} of the greatest possible",

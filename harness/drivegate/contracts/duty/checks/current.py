@@ -5,29 +5,25 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from math import isfinite
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from drivegate.checks.check import Check, Record
+from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, Mark, Moment, Point, at_most
 from drivegate.contracts.duty.checks.judged import (
     STEADY_FAMILIES,
     UNWEAKENED_FAMILIES,
     at,
-    duty_record,
     greatest_required,
     least_free,
     least_within,
-    plant_of,
     undistorted,
     worst,
 )
 from drivegate.contracts.duty.current_reference import unless_current
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
-
-if TYPE_CHECKING:
-    from drivegate_models.pm_ac.fundamental import SteadyState
+from drivegate_models.pm_ac.fundamental import SteadyState, steady_state
+from drivegate_models.pm_ac.rectifying import rectifies
 
 FREE_SHARE = 0.9
 """Share of the undistorted voltage below which nothing has to be weakened (1)."""
@@ -53,21 +49,19 @@ EFFICIENCY_POINTS = (
 _SAME = 1e-3
 
 
-def peak_current(record: Record) -> Margin:
+def peak_current(record: DutyRecord) -> Margin:
     """Judge the greatest phase current from the first answer on."""
-    judged = duty_record(record)
-    currents = judged.run.column("peak_current")[_first_judged(judged) :]
-    peak, limit = float(np.max(currents, initial=0.0)), judged.limits.peak_a
+    currents = record.run.column("peak_current")[_first_judged(record) :]
+    peak, limit = float(np.max(currents, initial=0.0)), record.limits.peak_a
     return Margin("OVC-1", at_most(peak, limit), f"{peak:.5g} A")
 
 
-def peak_moment(record: Record) -> Moment:
+def peak_moment(record: DutyRecord) -> Moment:
     """Show the currents around the greatest one, with its limit."""
-    judged = duty_record(record)
-    first, period = _first_judged(judged), judged.scenario.control_period_s
-    currents = judged.run.column("peak_current")
+    first, period = _first_judged(record), record.scenario.control_period_s
+    currents = record.run.column("peak_current")
     place = first + int(np.argmax(currents[first:])) if first < len(currents) else len(currents) - 1
-    limit = judged.limits.peak_a
+    limit = record.limits.peak_a
     return Moment(
         start_s=max(place - SHOWN_PERIODS, 0) * period,
         end_s=min(place + SHOWN_PERIODS, len(currents)) * period,
@@ -81,23 +75,19 @@ def peak_moment(record: Record) -> Moment:
 
 def _first_judged(record: DutyRecord) -> int:
     """Return the first control period whose current is the controller's doing."""
-    from drivegate_models.pm_ac.rectifying import rectifies
-
     first = record.document.inverter.update_delay
     speed, link = (float(record.run.column(name)[0]) for name in ("speed", "link"))
     # Diodes rectify with the voltage of six steps, which a controller without overmodulation cannot sustain.
-    return first + TAKE_OVER_PERIODS if rectifies(plant_of(record), speed, link) else first
+    return first + TAKE_OVER_PERIODS if rectifies(record.plant, speed, link) else first
 
 
-def steady_current(record: Record) -> Margin | None:
+def steady_current(record: DutyRecord) -> Margin | None:
     """Judge the amplitude of the steady current on the nominal drive."""
-    judged = duty_record(record)
-    windows = judged.steady if judged.is_nominal else ()
     # Without a current that holds the voltage, the drive itself makes the controller exceed the limit.
     return worst(
-        _steady_excess(judged, window)
-        for window in windows
-        if isfinite(greatest_required(judged, window.speed, window.link))
+        _steady_excess(record, window)
+        for window in record.nominal
+        if isfinite(greatest_required(record, window.speed, window.link))
     )
 
 
@@ -109,28 +99,25 @@ def _steady_excess(record: DutyRecord, window: DutyWindow) -> Margin:
     return Margin("OVC-2", at_most(excess, STEADY_EXCESS), measured)
 
 
-def least_current(record: Record) -> Margin | None:
+def least_current(record: DutyRecord) -> Margin | None:
     """Judge the current of steady torque where the voltage is free."""
-    judged = duty_record(record)
-    return worst(_current_excess(judged, window) for window in _free_windows(judged))
+    return worst(_current_excess(record, window) for window in _free_windows(record))
 
 
 def _free_windows(record: DutyRecord) -> Iterator[DutyWindow]:
-    if not record.is_nominal:
-        return
-    for window in record.steady:
+    for window in record.nominal:
         if abs(window.torque) < LEAST_TORQUE_SHARE * record.document.rating.rated_torque_nm:
             continue
-        least = least_free(plant_of(record), window.speed, window.torque)
+        least = least_free(record.plant, window.speed, window.torque)
         if isfinite(least.voltage) and least.voltage < FREE_SHARE * undistorted(window.link):
             yield window
 
 
 def _current_excess(record: DutyRecord, window: DutyWindow) -> Margin:
-    least = least_free(plant_of(record), window.speed, window.torque).current
+    least = least_free(record.plant, window.speed, window.torque).current
     excess = window.current / least - 1.0
-    told = f"{100.0 * excess:.3g} % above {least:.4g} A for {window.torque:.4g} N·m {at(window)}"
-    by_current = Margin("MTP-1", at_most(excess, record.limits.current_excess), told)
+    measured = f"{100.0 * excess:.3g} % above {least:.4g} A for {window.torque:.4g} N·m {at(window)}"
+    by_current = Margin("MTP-1", at_most(excess, record.limits.current_excess), measured)
     # More current is no waste where it saves more in the iron.
     by_loss = at_most(_loss_above_least(record, window), record.limits.current_excess)
     return by_current if by_current.value >= by_loss else replace(by_current, value=by_loss)
@@ -144,22 +131,18 @@ def _loss_above_least(record: DutyRecord, window: DutyWindow) -> float:
 
 def losses(record: DutyRecord, window: DutyWindow) -> tuple[SteadyState, SteadyState]:
     """Return the steady state of a window's currents, and that of least loss for its torque."""
-    from drivegate_models.pm_ac.fundamental import steady_state
-
-    own = steady_state(plant_of(record), window.speed, window.direct, window.quadrature)
-    return own, least_within(plant_of(record), window.speed, window.link, own.torque, "loss")
+    own = steady_state(record.plant, window.speed, window.direct, window.quadrature)
+    return own, least_within(record.plant, window.speed, window.link, own.torque, "loss")
 
 
-def least_loss(record: Record) -> Margin | None:
+def least_loss(record: DutyRecord) -> Margin | None:
     """Judge the loss of the fundamental at the efficiency points."""
-    judged = duty_record(record)
-    return worst(_loss_excess(judged, window) for window in efficiency_windows(judged))
+    return worst(_loss_excess(record, window) for window in efficiency_windows(record))
 
 
 def efficiency_windows(record: DutyRecord) -> Iterator[DutyWindow]:
     """Find the steady states at the efficiency points, on the nominal drive."""
-    if record.is_nominal:
-        yield from (window for window in record.steady if _is_efficiency_point(record, window))
+    return (window for window in record.nominal if _is_efficiency_point(record, window))
 
 
 def _is_efficiency_point(record: DutyRecord, window: DutyWindow) -> bool:
@@ -175,16 +158,14 @@ def _is_efficiency_point(record: DutyRecord, window: DutyWindow) -> bool:
 
 def _loss_excess(record: DutyRecord, window: DutyWindow) -> Margin:
     excess = _loss_above_least(record, window)
-    told = f"{100.0 * excess:.3g} % above the least loss for {window.torque:.4g} N·m {at(window)}"
-    return Margin("EFF-1", at_most(excess, record.limits.loss_excess), told)
+    measured = f"{100.0 * excess:.3g} % above the least loss for {window.torque:.4g} N·m {at(window)}"
+    return Margin("EFF-1", at_most(excess, record.limits.loss_excess), measured)
 
 
 OVC_1 = Check(
     id="OVC-1",
     every_run=True,
     requirement="No phase current exceeds its peak limit, whatever load, reference or supply do.",
-    source="the contract",
-    level="required",
     limit="{peak}",
     scenarios=(
         "every run from the control period in which the first answer acts, or 100 control periods later if the diodes "
@@ -199,8 +180,6 @@ OVC_2 = Check(
     id="OVC-2",
     families=STEADY_FAMILIES,
     requirement="In steady state the current stays within the limit of the nameplate.",
-    source="the contract",
-    level="required",
     limit="1 % above {current}",
     scenarios="steady stretches of the nominal drive where some current within the limit meets the voltage",
     formula="1 - (amplitude of the fundamental / {current} - 1, at least 0) / 1 %",
@@ -211,8 +190,6 @@ MTP_1 = Check(
     id="MTP-1",
     families=UNWEAKENED_FAMILIES,
     requirement="Below weakening a torque takes hardly more than its least current, or than its least loss.",
-    source="the contract",
-    level="required",
     limit="{current_excess} above the least",
     scenarios="steady stretches of nominal drives from 10 % of rated torque on that take 90 % of the voltage at most",
     formula="the greater of 1 - (current / the oracle's least - 1) / {current_excess} and the same of the loss",
@@ -223,7 +200,6 @@ MTP_1 = Check(
 EFF_1 = Check(
     id="EFF-1",
     requirement="At eight operating points derived from those of IEC 61800-9-2 the loss is near the least possible.",
-    source="the contract",
     level="advisory",
     limit="{loss_excess} above the least loss",
     scenarios="steady torque at 0, 50 and 100 % of base speed, 25, 50 and 100 % of rated torque, on the nominal drive",

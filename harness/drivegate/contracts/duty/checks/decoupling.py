@@ -7,9 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.checks.check import Check, Record
+from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, Mark, Moment, Point, at_most
-from drivegate.contracts.duty.checks.judged import duty_record, worst
+from drivegate.contracts.duty.checks.judged import worst
 from drivegate.contracts.duty.checks.steps import (
     SHOWN_BEFORE,
     TorqueStep,
@@ -26,20 +26,18 @@ LINEAR_SHARE = 0.5
 _LEVEL_PERIODS = 25
 
 
-def decoupled_current(record: Record) -> Margin | None:
+def decoupled_current(record: DutyRecord) -> Margin | None:
     """Judge how far a step of the torque moves the d current beyond where it was and where it goes."""
-    judged = duty_record(record)
-    return worst(_moved(judged, step) for step in _judged_steps(judged))
+    return worst(_moved(record, step) for step in _judged_steps(record))
 
 
-def coupling_moment(record: Record) -> Moment | None:
+def coupling_moment(record: DutyRecord) -> Moment | None:
     """Show the d current after the step that moves it most, with the range that it is allowed."""
-    judged = duty_record(record)
-    step = min(_judged_steps(judged), key=lambda step: _moved(judged, step).value, default=None)
+    step = min(_judged_steps(record), key=lambda step: _moved(record, step).value, default=None)
     if step is None:
         return None
-    period = judged.scenario.control_period_s
-    direct, rows, levels, allowed = _course(judged, step)
+    period = record.scenario.control_period_s
+    direct, rows, levels, allowed = _course(record, step)
     outside = np.maximum(min(levels) - direct[rows], direct[rows] - max(levels))
     place = rows.start + int(np.argmax(outside))
     return Moment(
@@ -91,19 +89,17 @@ def _moved(record: DutyRecord, step: TorqueStep) -> Margin:
     judged = direct[rows]
     moved = max(min(levels) - float(np.min(judged)), float(np.max(judged)) - max(levels), 0.0)
     size = _step_size(record, step)
-    told = (
+    measured = (
         f"d current moved by {moved:.4g} A by a q step of {size:.4g} A, from {step.before:.4g} to {step.after:.4g} N·m "
         f"at {step.speed_rpm:.5g} rpm"
     )
-    return Margin("DEC-1", at_most(moved, allowed), told)
+    return Margin("DEC-1", at_most(moved, allowed), measured)
 
 
 DEC_1 = Check(
     id="DEC-1",
     families=("torque step",),
     requirement="A step of the torque moves the d current hardly beyond where it was and where it goes.",
-    source="the contract",
-    level="required",
     limit="{coupling} of the step of the q current",
     scenarios="steps of 10 % of rated torque and more on the nominal drive, so small that no voltage is limited",
     formula="1 - d current outside of its values before and {transient} after / {coupling} of the q step",

@@ -6,25 +6,23 @@ import math
 from collections.abc import Iterator
 from typing import Final
 
-from drivegate.checks.check import Check, Record
+from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, at_most
-from drivegate.contracts.duty.checks.judged import STEADY_FAMILIES, at, duty_record, worst
+from drivegate.contracts.duty.checks.judged import STEADY_FAMILIES, at, worst
 from drivegate.contracts.duty.record import DutyRecord, exact_mean
 
 _ESTIMATE: Final = "torque"
 """Field of a command that has the estimate."""
 
 
-def estimated_torque(record: Record) -> Margin | None:
+def estimated_torque(record: DutyRecord) -> Margin | None:
     """Judge the mean of the estimate in every steady stretch; None where the controller reports none."""
-    judged = duty_record(record)
-    return worst(_errors(judged)) if judged.is_nominal else None
+    return worst(_errors(record))
 
 
 def _errors(record: DutyRecord) -> Iterator[Margin]:
-    period, estimates = record.scenario.control_period_s, record.run.commands[_ESTIMATE]
-    for window in record.steady:
-        mean = exact_mean(estimates[round(window.start_s / period) : round(window.end_s / period)])
+    for window in record.nominal:
+        mean = exact_mean(record.run.commands[_ESTIMATE][record.periods(window.start_s, window.end_s)])
         if not math.isnan(mean):
             words = f"estimate {mean:.4g} N·m of a torque of {window.torque:.4g} N·m {at(window)}"
             yield Margin("EST-1", at_most(abs(mean - window.torque), record.limits.estimate_error_nm), words)
@@ -34,7 +32,6 @@ EST_1 = Check(
     id="EST-1",
     families=STEADY_FAMILIES,
     requirement="In steady state the controller's estimate of the torque is the mean torque.",
-    source="the contract",
     level="advisory",
     limit="torque {estimate_error}",
     scenarios="steady stretches of the nominal drive in which every command has an estimate of the torque",

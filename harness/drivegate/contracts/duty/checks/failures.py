@@ -6,9 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.candidates.declaration import Declaration
-from drivegate.checks.check import Check, Record
+from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, Mark, Moment, at_most
-from drivegate.contracts.duty.checks.judged import duty_record
 from drivegate.contracts.duty.record import DutyRecord
 from drivegate.contracts.duty.run import LEGS
 from drivegate.contracts.duty.scenarios.drawn_range import unnoticed_because
@@ -18,48 +17,46 @@ from drivegate_cases.scenario.load import DynamometerLoad
 from drivegate_models.contract.duty.signals import LEG_OFF
 
 
-def safe_state(record: Record) -> Margin | None:
+def safe_state(record: DutyRecord) -> Margin | None:
     """Judge how soon the drive is in a safe state for good, and its torque until then."""
-    judged = duty_record(record)
-    failure, period = judged.scenario.failure, judged.scenario.control_period_s
-    if failure is None or failure.kind not in judged.declaration.detects or not judged.has_nominal_plant:
+    failure, period = record.scenario.failure, record.scenario.control_period_s
+    if failure is None or failure.kind not in record.declaration.detects or not record.has_nominal_plant:
         return None
-    if unnoticed_because(judged.scenario) is not None:
+    if unnoticed_because(record.scenario) is not None:
         return None
     begin = failure.first_period(period)
-    if failure.kind in SURVIVABLE and not isinstance(judged.scenario.load, DynamometerLoad):
+    if failure.kind in SURVIVABLE and not isinstance(record.scenario.load, DynamometerLoad):
         # What torque a speed regulator wants, nobody else knows, and the speed hardly shows it.
         return None
-    claimed = _claimed(judged)
-    if len(claimed) - begin < _longest_s(judged) / period:
+    claimed = _claimed(record)
+    if len(claimed) - begin < _longest_s(record) / period:
         return None
     if claimed[:begin].any():
         early = float(np.argmax(claimed)) * period
         return Margin("SAF-1", -1.0, f"the safe state is taken at {early:.4g} s, before anything fails")
     if failure.kind in SURVIVABLE and not claimed.any():
-        return _ridden_through(judged, begin)
+        return _ridden_through(record, begin)
     return min(
-        _reached(judged, claimed, begin),
-        _torque_until_then(judged, claimed, begin),
+        _reached(record, claimed, begin),
+        _torque_until_then(record, claimed, begin),
         key=lambda margin: margin.value,
     )
 
 
-def failure_moment(record: Record) -> Moment | None:
+def failure_moment(record: DutyRecord) -> Moment | None:
     """Show the torque from the failure on, until twice the time that is allowed."""
-    judged = duty_record(record)
-    failure, period = judged.scenario.failure, judged.scenario.control_period_s
+    failure, period = record.scenario.failure, record.scenario.control_period_s
     if failure is None:
         return None
-    begin, longest = failure.first_period(period) * period, _longest_s(judged)
-    allowed = judged.limits.failure_torque_nm
-    wanted = judged.run.column("torque_reference")[failure.first_period(period) - 1]
+    begin, longest = failure.first_period(period) * period, _longest_s(record)
+    allowed = record.limits.failure_torque_nm
+    wanted = record.run.column("torque_reference")[failure.first_period(period) - 1]
     levels = [Mark(words=f"± {allowed:.3g} N·m", value=value) for value in (allowed, -allowed)]
-    if isinstance(judged.scenario.load, DynamometerLoad):
+    if isinstance(record.scenario.load, DynamometerLoad):
         levels.append(Mark(words="reference", value=float(wanted)))
     return Moment(
         start_s=max(begin - 0.25 * longest, 0.0),
-        end_s=min(begin + 2.0 * longest, judged.scenario.duration_s),
+        end_s=min(begin + 2.0 * longest, record.scenario.duration_s),
         column="torque_nm",
         origin_s=begin,
         levels=tuple(levels),
@@ -133,8 +130,6 @@ SAF_1 = Check(
         "After each failure that the candidate declares to detect the drive is soon in a safe state for good, and its "
         "torque goes hardly beyond the reference until then; behind an edge that is lost it may also go on."
     ),
-    source="the contract",
-    level="required",
     limit="{safe_time}, and torque {failure_torque} until then and from then on, or always where it goes on",
     scenarios=(
         "runs of the nominal drive in which a phase, a current sensor, the position or the shaft fails, an edge of the "

@@ -1,25 +1,21 @@
-"""What checks share: the record of a run with duty ratios, the worst of several margins, and the drive's optimum.
-
-The compiled plant is imported where it is used: the catalogue has these checks next to those of drives without it.
-"""
+"""What checks share: the record of a run with duty ratios, the worst of several margins, and the drive's optimum."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from functools import lru_cache
 from math import isfinite
-from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias
+from typing import Final, Literal, TypeAlias
 
 from drivegate.checks.check import Record
 from drivegate.checks.margin import Margin
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
 from drivegate.scenarios.rotation import sense_of
+from drivegate_cases.drive.pm_ac.greatest_torque import greatest_within
+from drivegate_models.pm_ac.fundamental import LINEAR_LIMIT, SteadyState
+from drivegate_models.pm_ac.oracle import CURRENT, LOSS, Limits, least_at, undistorted_limits
+from drivegate_models.pm_ac.plant.drive import PmAcDrive
 from drivegate_models.units import RADIANS_PER_RPM
-
-if TYPE_CHECKING:
-    from drivegate_models.pm_ac.fundamental import SteadyState
-    from drivegate_models.pm_ac.oracle import Limits
-    from drivegate_models.pm_ac.plant.drive import PmAcDrive
 
 Purpose: TypeAlias = Literal["current", "loss"]
 """What is to be least."""
@@ -46,17 +42,12 @@ STEADY_FAMILIES: Final = ("torque step", "weakening", *UNWEAKENED_FAMILIES[1:])
 
 def undistorted(link: float) -> float:
     """Return the greatest peak voltage of a phase that a link gives without distortion (V)."""
-    from drivegate_models.pm_ac.fundamental import LINEAR_LIMIT
-
     return LINEAR_LIMIT * link
 
 
 @lru_cache(maxsize=_KEPT)
 def greatest_at(drive: PmAcDrive, speed: float, link: float, *, weakens: bool = True) -> SteadyState:
     """Find the steady state of the greatest torque in the sense of rotation, within the limits of current and link."""
-    from drivegate_cases.drive.pm_ac.greatest_torque import greatest_within
-    from drivegate_models.pm_ac.oracle import undistorted_limits
-
     limits = undistorted_limits(drive, link)
     return _in_sense(speed, greatest_within(drive, limits, abs(speed), weakens=weakens))
 
@@ -64,8 +55,6 @@ def greatest_at(drive: PmAcDrive, speed: float, link: float, *, weakens: bool = 
 @lru_cache(maxsize=_KEPT)
 def least_within(drive: PmAcDrive, speed: float, link: float, torque: float, purpose: Purpose) -> SteadyState:
     """Find the steady state of least current or loss that gives a torque within the limits of current and link."""
-    from drivegate_models.pm_ac.oracle import undistorted_limits
-
     return _least(drive, undistorted_limits(drive, link), speed, torque, purpose)
 
 
@@ -74,14 +63,10 @@ def least_free(
     drive: PmAcDrive, speed: float, torque: float, voltage: float = _UNLIMITED_V, purpose: Purpose = "current"
 ) -> SteadyState:
     """Find the steady state of least current, or loss, for a torque, whatever voltage it takes or within one (V)."""
-    from drivegate_models.pm_ac.oracle import Limits
-
     return _least(drive, Limits(2.0 * drive.current_limit, voltage), speed, torque, purpose)
 
 
 def _least(drive: PmAcDrive, limits: Limits, speed: float, torque: float, purpose: Purpose) -> SteadyState:
-    from drivegate_models.pm_ac.oracle import CURRENT, LOSS, least_at
-
     aim = LOSS if purpose == "loss" else CURRENT
     return _in_sense(speed, least_at(drive, limits, abs(speed), sense_of(speed) * torque, aim))
 
@@ -99,13 +84,6 @@ def duty_record(record: Record) -> DutyRecord:
     return record
 
 
-def plant_of(record: DutyRecord) -> PmAcDrive:
-    """Return the plant that the run was made on."""
-    drive: Any = record.drive
-    plant: PmAcDrive = drive
-    return plant
-
-
 def worst(margins: Iterable[Margin | None]) -> Margin | None:
     """Return the least of the margins of one run, of those that are there; None without any."""
     known = (margin for margin in margins if margin is not None)
@@ -115,7 +93,7 @@ def worst(margins: Iterable[Margin | None]) -> Margin | None:
 def greatest_required(record: DutyRecord, speed: float, link: float) -> float:
     """Return the greatest driving torque with the voltage that a controller must use (N·m); NaN where there is none."""
     voltage, weakens = record.limits.weakening_voltage * link, record.document.weakens
-    return greatest_at(plant_of(record), abs(speed), voltage, weakens=weakens).torque
+    return greatest_at(record.plant, abs(speed), voltage, weakens=weakens).torque
 
 
 def is_within_reach(record: DutyRecord, speed: float, link: float, torque: float) -> bool:

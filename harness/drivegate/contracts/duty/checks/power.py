@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from drivegate.checks.check import Check, Record
+from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, at_most
-from drivegate.contracts.duty.checks.judged import duty_record
+from drivegate.contracts.duty.record import DutyRecord
 
 TOLERANCE = 1e-9
 """Greatest energy that a control period may miss, over its throughput (1)."""
 
 
-def balanced_energy(record: Record) -> Margin:
+def balanced_energy(record: DutyRecord) -> Margin:
     """Judge the plant's energy balance."""
-    missed = duty_record(record).run.worst_balance
+    missed = record.run.worst_balance
     return Margin(
         "PWR-1", at_most(missed, TOLERANCE), f"{missed:.1e} of the throughput" if missed else "exact"
     )
@@ -25,9 +25,7 @@ DUTY_PWR_1 = Check(
         "In every control period the energy from the dc link equals copper, core and device loss, shaft work and the "
         "change of what the windings store."
     ),
-    source="the contract",
     subject="plant",
-    level="required",
     limit="1e-9 of the throughput in every control period",
     scenarios="every run",
     formula=(

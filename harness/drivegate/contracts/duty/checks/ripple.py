@@ -9,11 +9,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.checks.check import Check, Record
+from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, Mark, Moment, at_most
-from drivegate.contracts.duty.checks.judged import at, duty_record, plant_of, undistorted, worst
+from drivegate.contracts.duty.checks.judged import at, undistorted, worst
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
 from drivegate.contracts.duty.run import DUTY_RATIOS, LEGS
+from drivegate_models.pm_ac.fundamental import steady_state
+from drivegate_models.pm_ac.ripple import commanded_swing, ideal_swing
 from drivegate_models.units import RADIANS_PER_RPM
 
 LEAST_TORQUE_SHARE: Final = 0.1
@@ -47,14 +49,12 @@ def _watched(record: DutyRecord, window: DutyWindow) -> int:
 
 def _swing(record: DutyRecord, window: DutyWindow) -> float:
     """Return the greatest less the least torque at any instant of the end of a window (N·m)."""
-    from drivegate_models.pm_ac.ripple import commanded_swing
-
     run, length, count = record.run, record.scenario.control_period_s, _watched(record, window)
     first = round(window.end_s / length) - count - _LEAD
     # The plant begins with its lower switches on, which they are at the start of a carrier's period.
     first -= first % 2
     rows = slice(first, round(window.end_s / length))
-    drive = plant_of(record)
+    drive = record.plant
     delay = 1 if drive.modulator.update_delay > 0 else 0
     commands = run.commands[rows.start - delay : rows.stop - delay]
     ratios: NDArray[np.float64] = np.stack([commands[name] for name in DUTY_RATIOS], axis=1)
@@ -77,9 +77,7 @@ def _swing(record: DutyRecord, window: DutyWindow) -> float:
 
 
 def _ideal_swing(record: DutyRecord, window: DutyWindow) -> float:
-    from drivegate_models.pm_ac.ripple import ideal_swing
-
-    drive, length = plant_of(record), record.scenario.control_period_s
+    drive, length = record.plant, record.scenario.control_period_s
     slowest = max(drive.direct_inductance, drive.quadrature_inductance)
     settled = _TIME_CONSTANTS * slowest / (drive.resistance * length) if drive.resistance > 0.0 else _LONGEST
     return ideal_swing(
@@ -95,15 +93,12 @@ def _ideal_swing(record: DutyRecord, window: DutyWindow) -> float:
 
 def _is_held(record: DutyRecord, window: DutyWindow, most: float) -> bool:
     """Return True if the speed is near its reference, by a difference (rad/s), throughout a window."""
-    length = record.scenario.control_period_s
-    speed = record.run.column("speed")[round(window.start_s / length) : round(window.end_s / length)]
+    speed = record.run.column("speed")[record.periods(window.start_s, window.end_s)]
     return bool(np.max(np.abs(speed - window.speed_reference)) <= most)
 
 
 def _is_rippling(record: DutyRecord, window: DutyWindow) -> bool:
     """Return True if a window has the speed, the torque and the voltage by which ripple is judged."""
-    from drivegate_models.pm_ac.fundamental import steady_state
-
     base = record.document.rating.base_speed_rpm * RADIANS_PER_RPM
     if not _is_held(record, window, HELD_SHARE * base):
         return False
@@ -113,33 +108,31 @@ def _is_rippling(record: DutyRecord, window: DutyWindow) -> bool:
     if is_slow or is_weak or window.voltage > VOLTAGE_SHARE * greatest:
         return False
     # Legs that ignore their duty ratios make another voltage than these ask for; the currents show the true one.
-    own = steady_state(plant_of(record), window.speed, window.direct, window.quadrature)
+    own = steady_state(record.plant, window.speed, window.direct, window.quadrature)
     return bool(own.voltage >= LEAST_VOLTAGE_SHARE * greatest)
 
 
-def modulation_ripple(record: Record) -> Margin | None:
+def modulation_ripple(record: DutyRecord) -> Margin | None:
     """Judge the torque ripple of steady states where the voltage is not limited."""
-    judged = duty_record(record)
-    return worst(margin for _, margin in _over_ideal(judged))
+    return worst(margin for _, margin in _over_ideal(record))
 
 
 def _over_ideal(record: DutyRecord) -> Iterator[tuple[DutyWindow, Margin | None]]:
     limit = record.limits.modulation_ripple
-    for window in record.steady:
-        if record.is_nominal and _is_rippling(record, window):
+    for window in record.nominal:
+        if _is_rippling(record, window):
             ideal = _ideal_swing(record, window)
             yield window, _over("RIP-4", record, window, ideal, limit, "of ideal modulation")
 
 
-def modulation_moment(record: Record) -> Moment | None:
+def modulation_moment(record: DutyRecord) -> Moment | None:
     """Show the torque of the steady state that decides."""
-    judged = duty_record(record)
-    return _moment(judged, _over_ideal(judged))
+    return _moment(record, _over_ideal(record))
 
 
-def dead_time_ripple(record: Record) -> Margin | None:
+def dead_time_ripple(record: DutyRecord) -> Margin | None:
     """Judge the torque ripple at low speed with dead time by that of the same run without it."""
-    return worst(margin for _, margin in _over_free(duty_record(record)))
+    return worst(margin for _, margin in _over_free(record))
 
 
 def _over_free(record: DutyRecord) -> Iterator[tuple[DutyWindow, Margin | None]]:
@@ -152,10 +145,9 @@ def _over_free(record: DutyRecord) -> Iterator[tuple[DutyWindow, Margin | None]]
             yield window, _over("DTM-1", blanked, window, _swing(free, plain), limit, "without dead time")
 
 
-def dead_time_moment(record: Record) -> Moment | None:
+def dead_time_moment(record: DutyRecord) -> Moment | None:
     """Show the torque of the steady state that decides."""
-    judged = duty_record(record)
-    return _moment(judged, _over_free(judged))
+    return _moment(record, _over_free(record))
 
 
 def _moment(record: DutyRecord, windows: Iterable[tuple[DutyWindow, Margin | None]]) -> Moment | None:
@@ -191,8 +183,6 @@ RIP_4 = Check(
     id="RIP-4",
     families=("torque step", "speed step", "load step", "start", "restart"),
     requirement="In steady state the torque ripple is hardly more than that of ideal space-vector modulation.",
-    source="the contract",
-    level="required",
     limit="{modulation_ripple} times the ripple of ideal space-vector modulation at the same currents and speed",
     scenarios="steady stretches of the nominal drive from 10 % of rated torque and 5 % of base speed on, that take 1 "
     "to 95 % of the voltage while the speed stays within 5 % of base speed of its reference",
@@ -205,7 +195,6 @@ DTM_1 = Check(
     id="DTM-1",
     families=("torque step",),
     requirement="At low speed dead time adds hardly anything to the torque ripple.",
-    source="the contract",
     level="advisory",
     limit="{dead_time_ripple} times the ripple without dead time",
     scenarios="steady torques at 5 to 10 % of base speed, run with dead time and without",

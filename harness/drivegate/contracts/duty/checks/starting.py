@@ -7,9 +7,8 @@ from math import degrees
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.checks.check import Check, Record
+from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, Mark, Moment, Point, at_most, normalised
-from drivegate.contracts.duty.checks.judged import duty_record
 from drivegate.contracts.duty.record import DutyRecord
 from drivegate.scenarios.rotation import sense_of
 from drivegate_models.units import RADIANS_PER_RPM
@@ -20,15 +19,14 @@ BACKWARD_DEG = 60.0
 """Greatest turn against the reference (electrical degrees)."""
 
 
-def start(record: Record) -> Margin | None:
+def start(record: DutyRecord) -> Margin | None:
     """Judge a start under the load: the speed at its end, and how far the shaft has turned back."""
-    judged = duty_record(record)
-    scenario = judged.scenario
-    wanted = _wanted(judged)
+    scenario = record.scenario
+    wanted = _wanted(record)
     if wanted is None:
         return None
-    reached = judged.steady[-1].speed / wanted
-    backward = degrees(max(-float(np.min(_turned(judged, wanted))), 0.0))
+    reached = record.steady[-1].speed / wanted
+    backward = degrees(max(-float(np.min(_turned(record, wanted))), 0.0))
     place = f"from {scenario.initial_angle_deg:g}°"
     return min(
         Margin(
@@ -54,19 +52,18 @@ def _turned(record: DutyRecord, wanted: float) -> NDArray[np.float64]:
     return np.cumsum(record.run.column("speed")) * turning
 
 
-def start_moment(record: Record) -> Moment | None:
+def start_moment(record: DutyRecord) -> Moment | None:
     """Show the speed from standstill on, until the shaft has turned back the farthest or should have reached it."""
-    judged = duty_record(record)
-    wanted = _wanted(judged)
+    wanted = _wanted(record)
     if wanted is None:
         return None
-    period, turned = judged.scenario.control_period_s, _turned(judged, wanted)
-    speed = judged.run.column("speed") / RADIANS_PER_RPM
-    last = judged.steady[-1]
+    period, turned = record.scenario.control_period_s, _turned(record, wanted)
+    speed = record.run.column("speed") / RADIANS_PER_RPM
+    last = record.steady[-1]
     backward = degrees(max(-float(np.min(turned)), 0.0))
     if at_most(backward, BACKWARD_DEG) < normalised(last.speed / wanted - REACHED, REACHED):
         place = int(np.argmin(turned))
-        end, words = min(2.0 * (place + 1) * period, judged.scenario.duration_s), f"{backward:.3g}° backward"
+        end, words = min(2.0 * (place + 1) * period, record.scenario.duration_s), f"{backward:.3g}° backward"
     else:
         place = len(speed) - 1
         end, words = last.end_s, f"{100.0 * last.speed / wanted:.4g} % of the speed"
@@ -84,8 +81,6 @@ STA_1 = Check(
     id="STA-1",
     families=("start",),
     requirement="From any angle of the rotor the shaft starts under its load, and does not turn back far.",
-    source="the contract",
-    level="required",
     limit="95 % of the speed, 60° electrical backward",
     scenarios="starts of the nominal drive from standstill, from 24 rotor angles and drawn ones",
     formula="the lesser of speed / 95 % of the reference - 1 and 1 - backward turn / 60°",

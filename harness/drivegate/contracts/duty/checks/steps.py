@@ -6,27 +6,22 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from math import copysign, hypot, isfinite, sqrt
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.checks.check import Check, Record
+from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, Mark, Moment, Point, at_most
 from drivegate.contracts.duty.checks.judged import (
-    duty_record,
     is_within_reach,
     least_free,
-    plant_of,
     undistorted,
 )
 from drivegate.contracts.duty.current_bandwidth import REMAINING, declared_rise_s
 from drivegate.contracts.duty.current_reference import voltage_along_none
 from drivegate.contracts.duty.record import DutyRecord
+from drivegate_models.pm_ac.fundamental import SteadyState, steady_state
 from drivegate_models.units import RADIANS_PER_RPM
-
-if TYPE_CHECKING:
-    from drivegate_models.pm_ac.fundamental import SteadyState
 
 SMALLEST_SHARE = 0.1
 """Least step that is judged, over rated torque (1)."""
@@ -55,12 +50,11 @@ class TorqueStep:
 
 def torque_steps(record: DutyRecord) -> Iterator[TorqueStep]:
     """Find the steps at which nothing but the torque reference changes."""
-    period = record.scenario.control_period_s
     for first, second in pairwise([window.dwell for window in record.steady]):
         before, after = first.torque_reference_nm, second.torque_reference_nm
         if before is None or after is None or first.end != second.start:
             continue
-        rows = slice(round(second.start / period), round(second.end / period))
+        rows = record.periods(second.start, second.end)
         yield TorqueStep(second.start, second.speed_rpm, before, after, rows)
 
 
@@ -80,9 +74,9 @@ class StepResponse:
     """That of the check."""
 
 
-def step_response(record: Record) -> Margin | None:
+def step_response(record: DutyRecord) -> Margin | None:
     """Judge overshoot and rise time of the torque where the voltage leaves room for both."""
-    decisive = decisive_step(duty_record(record))
+    decisive = decisive_step(record)
     return None if decisive is None else decisive.margin
 
 
@@ -97,11 +91,10 @@ def step_responses(record: DutyRecord) -> Iterator[StepResponse]:
         yield from (_response(record, step) for step in torque_steps(record) if is_free(record, step))
 
 
-def step_moment(record: Record) -> Moment | None:
+def step_moment(record: DutyRecord) -> Moment | None:
     """Show the torque after the decisive step, with its reference and what is allowed."""
-    judged = duty_record(record)
-    response = decisive_step(judged)
-    return None if response is None else _moment(judged, response)
+    response = decisive_step(record)
+    return None if response is None else _moment(record, response)
 
 
 def _moment(record: DutyRecord, response: StepResponse) -> Moment:
@@ -150,7 +143,7 @@ def overshoot_of(torque: NDArray[np.float64], end: float, step: float) -> float:
 
 def least_state(record: DutyRecord, step: TorqueStep, torque: float) -> SteadyState:
     """Find the steady state of least current for a torque at the speed of a step, whatever voltage it takes."""
-    return least_free(plant_of(record), step.speed_rpm * RADIANS_PER_RPM, torque)
+    return least_free(record.plant, step.speed_rpm * RADIANS_PER_RPM, torque)
 
 
 def _response(record: DutyRecord, step: TorqueStep) -> StepResponse:
@@ -202,11 +195,9 @@ def _remaining_currents(record: DutyRecord, step: TorqueStep) -> float:
 
     With reluctance the torque is a square of the currents, and follows later than they do.
     """
-    from drivegate_models.pm_ac.fundamental import steady_state
-
     first, last = (least_state(record, step, torque) for torque in (step.before, step.after))
     halfway = steady_state(
-        plant_of(record),
+        record.plant,
         0.0,
         0.5 * (first.direct + last.direct),
         0.5 * (first.quadrature + last.quadrature),
@@ -220,7 +211,7 @@ def _remaining_currents(record: DutyRecord, step: TorqueStep) -> float:
 
 def voltage_time_s(record: DutyRecord, step: TorqueStep) -> float:
     """Return the time in which the voltage that both ends leave moves the currents from one to the other."""
-    drive = plant_of(record)
+    drive = record.plant
     first, last = (least_state(record, step, torque) for torque in (step.before, step.after))
     flux = hypot(
         drive.direct_inductance * (last.direct - first.direct),
@@ -242,8 +233,6 @@ STP_1 = Check(
     id="STP-1",
     families=("torque step",),
     requirement="A step of the torque reference is followed without much overshoot, and in time.",
-    source="the contract",
-    level="required",
     limit="overshoot {overshoot}, {rise}",
     scenarios="steps of 10 % of rated torque and more on the nominal drive, that take 80 % of the voltage at most",
     formula="the lesser of 1 - overshoot / {overshoot} and 1 - time to 90 % / the longest one",

@@ -5,22 +5,21 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Final
 
-from drivegate.checks.check import Check, Record
+from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, at_most
-from drivegate.contracts.duty.checks.judged import at, duty_record, worst
+from drivegate.contracts.duty.checks.judged import at, worst
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
 
 MIRROR_SHARE: Final = 0.02
 """Greatest difference of mean torque and current over rated torque and current limit (1)."""
 
 
-def same_both_ways(record: Record) -> Margin | None:
+def same_both_ways(record: DutyRecord) -> Margin | None:
     """Judge mean torque and currents backward by those of the same run forward."""
-    judged = duty_record(record)
-    if judged.mirror is None:
+    if record.mirror is None:
         return None
-    pairs = zip(judged.steady, judged.mirror.steady, strict=True)
-    return worst(margin for window, forward in pairs for margin in _differences(judged, window, forward))
+    pairs = zip(record.steady, record.mirror.steady, strict=True)
+    return worst(margin for window, forward in pairs for margin in _differences(record, window, forward))
 
 
 def _differences(record: DutyRecord, window: DutyWindow, forward: DutyWindow) -> Iterator[Margin]:
@@ -39,7 +38,6 @@ SYM_1 = Check(
     id="SYM-1",
     families=("torque step", "weakening"),
     requirement="A run backward gives the mirror image of the run forward.",
-    source="the contract",
     level="advisory",
     limit="2 % of rated torque, and of the current limit",
     scenarios="steady torques backward on the nominal drive, run with speed, torque and initial angle negated as well",

@@ -9,19 +9,17 @@ from typing import Final
 import numpy as np
 
 from drivegate.candidates.declaration import Declaration
-from drivegate.checks.check import Check, Record
+from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, Mark, Moment, Point, at_most, normalised
 from drivegate.contracts.duty.checks.current import FREE_SHARE
 from drivegate.contracts.duty.checks.judged import (
     STEADY_FAMILIES,
     Purpose,
     at,
-    duty_record,
     greatest_at,
     greatest_required,
     is_within_reach,
     least_free,
-    plant_of,
     undistorted,
     worst,
 )
@@ -47,17 +45,14 @@ def _unless_weakened(declaration: Declaration, drive: DriveDocument) -> str | No
     )
 
 
-def weakened_torque(record: Record) -> Margin | None:
+def weakened_torque(record: DutyRecord) -> Margin | None:
     """Judge the torque above base speed where all of it is asked for."""
-    judged = duty_record(record)
-    return worst(_share_of_greatest(judged, window) for window in _weakened(judged))
+    return worst(_share_of_greatest(record, window) for window in _weakened(record))
 
 
 def _weakened(record: DutyRecord) -> Iterator[DutyWindow]:
     base = record.document.rating.base_speed_rpm * RADIANS_PER_RPM
-    if not record.is_nominal:
-        return
-    for window in record.steady:
+    for window in record.nominal:
         wanted = window.torque_reference
         if (
             wanted is not None
@@ -77,25 +72,21 @@ def _share_of_greatest(record: DutyRecord, window: DutyWindow) -> Margin:
     wanted = min(sense * (window.torque_reference or 0.0), greatest)
     least = record.limits.weakening * wanted
     voltage = f"with {100.0 * record.limits.weakening_voltage:g} % of the voltage"
-    told = f"{window.torque:.4g} of {sense * wanted:.4g} N·m possible {voltage} {at(window)}"
-    return Margin("FWK-1", normalised(sense * window.torque - least, least), told)
+    measured = f"{window.torque:.4g} of {sense * wanted:.4g} N·m possible {voltage} {at(window)}"
+    return Margin("FWK-1", normalised(sense * window.torque - least, least), measured)
 
 
-def needless_direct_current(record: Record) -> Margin | None:
+def needless_direct_current(record: DutyRecord) -> Margin | None:
     """Judge the d current where the voltage is free."""
-    judged = duty_record(record)
-    if not judged.is_nominal:
-        return None
-    windows = (window for window in judged.steady if window.voltage < FREE_SHARE * undistorted(window.link))
-    margins = [_direct_error(judged, window) for window in windows]
-    return worst(margin for margin in margins if margin is not None)
+    windows = (window for window in record.nominal if window.voltage < FREE_SHARE * undistorted(window.link))
+    return worst(_direct_error(record, window) for window in windows)
 
 
 def _direct_error(record: DutyRecord, window: DutyWindow) -> Margin | None:
     # Weakening may keep this much voltage in reserve, and only what goes further is needless. None is needed where the
     # voltage suffices, which the controller may know better: dead time takes some of it when motoring, and gives it
     # back when braking.
-    plant, voltage = plant_of(record), FREE_SHARE * undistorted(window.link)
+    plant, voltage = record.plant, FREE_SHARE * undistorted(window.link)
     best, cool = (
         least_free(plant, window.speed, window.torque, voltage, purpose).direct for purpose in _PURPOSES
     )
@@ -104,26 +95,26 @@ def _direct_error(record: DutyRecord, window: DutyWindow) -> Margin | None:
         return None
     right = (best, cool, unweakened)
     error = max(min(right) - window.direct, window.direct - max(right), 0.0)
-    told = f"d current {window.direct:.4g} A, {best:.4g} A is best for {window.torque:.4g} N·m {at(window)}"
-    return Margin("FWK-2", at_most(error, record.limits.direct_error_a), told)
+    measured = (
+        f"d current {window.direct:.4g} A, {best:.4g} A is best for {window.torque:.4g} N·m {at(window)}"
+    )
+    return Margin("FWK-2", at_most(error, record.limits.direct_error_a), measured)
 
 
-def way_out_of_weakening(record: Record) -> Margin | None:
+def way_out_of_weakening(record: DutyRecord) -> Margin | None:
     """Judge what happens when the torque reference goes to zero above base speed."""
-    judged = duty_record(record)
-    return worst(_release(judged, step) for step in torque_steps(judged) if _is_release(judged, step))
+    return worst(_release(record, step) for step in torque_steps(record) if _is_release(record, step))
 
 
-def release_moment(record: Record) -> Moment | None:
+def release_moment(record: DutyRecord) -> Moment | None:
     """Show the torque or the current after the release that decides."""
-    judged = duty_record(record)
-    releases = (step for step in torque_steps(judged) if _is_release(judged, step))
-    step = min(releases, key=lambda step: _release(judged, step).value, default=None)
+    releases = (step for step in torque_steps(record) if _is_release(record, step))
+    step = min(releases, key=lambda step: _release(record, step).value, default=None)
     if step is None:
         return None
-    period, limits, rows = judged.scenario.control_period_s, judged.limits, step.rows
-    torque, current = (judged.run.column(name)[rows] for name in ("torque", "peak_current"))
-    size = sense_of(step.speed_rpm) * _step_size(judged, step)
+    period, limits, rows = record.scenario.control_period_s, record.limits, step.rows
+    torque, current = (record.run.column(name)[rows] for name in ("torque", "peak_current"))
+    size = sense_of(step.speed_rpm) * _step_size(record, step)
     if at_most(overshoot_of(torque, step.after, -size), limits.braking) <= at_most(
         float(np.max(current)), limits.peak_a
     ):
@@ -155,7 +146,7 @@ def _is_release(record: DutyRecord, step: TorqueStep) -> bool:
 def _step_size(record: DutyRecord, step: TorqueStep) -> float:
     """Return the torque by which a release is measured: what was possible before it, at least rated torque (N·m)."""
     link = float(record.run.column("link")[step.rows.start])
-    greatest = greatest_at(plant_of(record), abs(step.speed_rpm) * RADIANS_PER_RPM, link).torque
+    greatest = greatest_at(record.plant, abs(step.speed_rpm) * RADIANS_PER_RPM, link).torque
     required = abs(step.before)
     before = min(required, greatest) if isfinite(greatest) else required
     return max(before, record.document.rating.rated_torque_nm)
@@ -168,9 +159,9 @@ def _release(record: DutyRecord, step: TorqueStep) -> Margin:
     braking = overshoot_of(torque, step.after, -sense_of(step.speed_rpm) * size)
     limits = record.limits
     place = f"after {step.time_s:.4g} s at {step.speed_rpm:.5g} rpm"
-    told = f"braking with {braking * size:.4g} N·m, {100.0 * braking:.3g} % of {size:.4g} N·m, {place}"
+    measured = f"braking with {braking * size:.4g} N·m, {100.0 * braking:.3g} % of {size:.4g} N·m, {place}"
     return min(
-        Margin("FWK-3", at_most(braking, limits.braking), told),
+        Margin("FWK-3", at_most(braking, limits.braking), measured),
         Margin("FWK-3", at_most(peak, limits.peak_a), f"{peak:.4g} A {place}"),
         key=lambda margin: margin.value,
     )
@@ -180,8 +171,6 @@ FWK_1 = Check(
     id="FWK-1",
     families=("weakening",),
     requirement="Above base speed the torque reaches nearly the greatest that current and voltage allow.",
-    source="the contract",
-    level="required",
     limit="at least {weakening} of the greatest torque with {weakening_voltage} of the voltage",
     scenarios="steady stretches above {base} on the nominal drive that ask for more than {weakening} of that torque",
     formula=(
@@ -196,8 +185,6 @@ FWK_2 = Check(
     id="FWK-2",
     families=STEADY_FAMILIES,
     requirement="Where 10 % of the voltage is free the d current is that of least current, of least loss, or between.",
-    source="the contract",
-    level="required",
     limit="± {direct_error}",
     scenarios="steady stretches of the nominal drive that use less than 90 % of the undistorted voltage",
     formula="1 - distance of the d current from the oracle's / {direct_error}",
@@ -209,8 +196,6 @@ FWK_3 = Check(
     id="FWK-3",
     families=("torque step", "weakening"),
     requirement="A torque reference that goes to zero above base speed neither brakes nor drives the current too high.",
-    source="the contract",
-    level="required",
     limit="braking {braking} of the step or of rated torque, whichever is more; current {peak}",
     scenarios="steps of the torque reference to zero above {base}",
     formula="the lesser of 1 - braking torque / {braking} of that torque and 1 - greatest phase current / {peak}",

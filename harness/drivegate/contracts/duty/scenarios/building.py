@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from itertools import pairwise
+from itertools import accumulate, pairwise
 from typing import Final
 
 from drivegate.contracts.duty.document import duty_document
 from drivegate.contracts.duty.scenarios.drawn_range import slow_load_share
 from drivegate.contracts.duty.scenarios.windows import WINDOW_SHARE, run_up_s
+from drivegate.scenarios.changes import in_steps
 from drivegate.scenarios.drive_scale import rated_torque_at, tidy
 from drivegate.scenarios.title import titled
 from drivegate_cases.drive.document import Position
@@ -57,23 +58,29 @@ def start_s(drive: PmAcDocument, period: int) -> float:
     return period_start_s(period, drive.control_period_s)
 
 
+def _ends_of_dwells(drive: PmAcDocument, count: int) -> list[float]:
+    """Return the ends of dwells of equal length (s)."""
+    return [start_s(drive, number * dwell_periods(drive)) for number in range(1, count + 1)]
+
+
 def torque_scenario(drive: PmAcDocument, speed_rpm: float, torques_nm: Sequence[float]) -> Scenario:
     """Make a run at a held speed through steps of the torque reference, each long enough to be judged."""
-    each = dwell_periods(drive)
-    profile: Profile = ((0.0, torques_nm[0]),)
-    for number, torque in enumerate(torques_nm[1:], start=1):
-        at = start_s(drive, number * each)
-        profile = (*profile, (at, profile[-1][1]), (at, torque))
+    *times, end = _ends_of_dwells(drive, len(torques_nm))
     return titled(
         Scenario(
             name="torque",
             drive=drive,
-            duration_s=start_s(drive, len(torques_nm) * each),
+            duration_s=end,
             initial_speed_rpm=speed_rpm,
             speed_rpm=((0.0, speed_rpm),),
-            load=DynamometerLoad(kind="dynamometer", torque_reference_nm=profile),
+            load=DynamometerLoad(kind="dynamometer", torque_reference_nm=in_steps(torques_nm, times)),
         )
     )
+
+
+def share_scenario(drive: PmAcDocument, speed_rpm: float, *shares: float) -> Scenario:
+    """Make a run at a held speed through steps of the torque reference, in shares of rated torque there."""
+    return torque_scenario(drive, speed_rpm, [torque_of(drive, speed_rpm, share) for share in shares])
 
 
 def speed_scenario(
@@ -88,20 +95,17 @@ def speed_scenario(
 ) -> Scenario:
     """Make a run through steps of the speed reference under a constant torque, each long enough to be judged."""
     begin = speeds_rpm[0] if initial_speed_rpm is None else initial_speed_rpm
-    profile: Profile = ((0.0, speeds_rpm[0]),)
-    end = dwell_periods(drive, speeds_rpm[0] - begin, inertia_factor)
-    for before, after in pairwise(speeds_rpm):
-        at = start_s(drive, end)
-        profile = (*profile, (at, before), (at, after))
-        end += dwell_periods(drive, after - before, inertia_factor)
+    ways = [after - before for before, after in pairwise((begin, *speeds_rpm))]
+    periods = accumulate(dwell_periods(drive, way, inertia_factor) for way in ways)
+    *times, end = (start_s(drive, period) for period in periods)
     return titled(
         Scenario(
             name="speed",
             drive=drive,
-            duration_s=start_s(drive, end),
+            duration_s=end,
             initial_speed_rpm=begin,
             initial_angle_deg=initial_angle_deg,
-            speed_rpm=profile,
+            speed_rpm=in_steps(speeds_rpm, times),
             load=ConstantTorqueLoad(kind="constant_torque", torque_nm=torque_nm, factor=factor),
             scales=Scales(inertia=inertia_factor),
         )
@@ -119,17 +123,13 @@ def load_step_scenario(
 ) -> Scenario:
     """Make a run at one speed reference through steps of the load, each long enough to be judged."""
     begin = speed_rpm if initial_speed_rpm is None else initial_speed_rpm
-    each, end = dwell_periods(drive), dwell_periods(drive, speed_rpm - begin, inertia_factor)
-    factor: Profile = ((0.0, shares[0]),)
-    for before, after in pairwise(shares):
-        at = start_s(drive, end)
-        factor = (*factor, (at, before), (at, after))
-        end += each
+    each, first = dwell_periods(drive), dwell_periods(drive, speed_rpm - begin, inertia_factor)
+    *times, end = (start_s(drive, first + number * each) for number in range(len(shares)))
     steady = speed_scenario(
         drive, (speed_rpm,), torque_nm=torque_nm, initial_speed_rpm=begin, inertia_factor=inertia_factor
     )
-    load = ConstantTorqueLoad(kind="constant_torque", torque_nm=torque_nm, factor=factor)
-    return titled(steady.replaced(duration_s=start_s(drive, end), load=load))
+    load = steady.load.model_copy(update={"factor": in_steps(shares, times)})
+    return titled(steady.replaced(duration_s=end, load=load))
 
 
 def lifted_scenario(
@@ -162,8 +162,7 @@ def stop_scenario(drive: PmAcDocument, fast_rpm: float, wait_s: float, slow_rpm:
     stops = dwell_periods(drive)
     waited = math.ceil(round((run_up_s(drive, fast_rpm) + wait_s) / drive.control_period_s, 6))
     goes_on = stops + waited
-    at, again = start_s(drive, stops), start_s(drive, goes_on)
-    profile = ((0.0, fast_rpm), (at, fast_rpm), (at, 0.0), (again, 0.0), (again, slow_rpm))
+    profile = in_steps((fast_rpm, 0.0, slow_rpm), (start_s(drive, stops), start_s(drive, goes_on)))
     end = goes_on + dwell_periods(drive, slow_rpm)
     return titled(
         speed_scenario(drive, (fast_rpm,)).replaced(duration_s=start_s(drive, end), speed_rpm=profile)
@@ -175,10 +174,9 @@ def vanishing_load_scenario(
 ) -> Scenario:
     """Make a run at one speed reference whose load vanishes for a moment."""
     begin = start_s(drive, dwell_periods(drive))
-    gone = period_start_s(first_period_from(begin + gone_s, drive.control_period_s), drive.control_period_s)
-    factor = ((0.0, 1.0), (begin, 1.0), (begin, 0.0), (gone, 0.0), (gone, 1.0))
-    steady = speed_scenario(drive, (speed_rpm,), torque_nm=torque_nm, factor=factor[:1])
-    load = ConstantTorqueLoad(kind="constant_torque", torque_nm=torque_nm, factor=factor)
+    gone = _period_from(begin + gone_s, drive.control_period_s)
+    steady = speed_scenario(drive, (speed_rpm,), torque_nm=torque_nm)
+    load = steady.load.model_copy(update={"factor": in_steps((1.0, 0.0, 1.0), (begin, gone))})
     end = round(gone / drive.control_period_s) + dwell_periods(drive)
     return titled(steady.replaced(duration_s=start_s(drive, end), load=load))
 
@@ -212,11 +210,8 @@ def speed_and_load_step_scenario(
 ) -> Scenario:
     """Make a run whose load steps in the very control period in which its speed reference does."""
     run = speed_scenario(drive, speeds_rpm, torque_nm=torque_nm, factor=((0.0, shares[0]),))
-    at = run.speed_rpm[-1][0]
-    factor = ((0.0, shares[0]), (at, shares[0]), (at, shares[1]))
-    return titled(
-        run.replaced(load=ConstantTorqueLoad(kind="constant_torque", torque_nm=torque_nm, factor=factor))
-    )
+    factor = in_steps(shares, (run.speed_rpm[-1][0],))
+    return titled(run.replaced(load=run.load.model_copy(update={"factor": factor})))
 
 
 def restarted(run: Scenario, shares: Sequence[float], clock_start_s: float = 0.0) -> Scenario:
@@ -258,10 +253,12 @@ def with_position_errors(run: Scenario, seed: int, **errors: float) -> Scenario:
 
 def _times_s(run: Scenario, shares: Sequence[float]) -> tuple[float, ...]:
     """Return the starts of the control periods at shares of a run's length (s)."""
-    period = run.control_period_s
-    return tuple(
-        period_start_s(first_period_from(share * run.duration_s, period), period) for share in shares
-    )
+    return tuple(_period_from(share * run.duration_s, run.control_period_s) for share in shares)
+
+
+def _period_from(time_s: float, period_s: float) -> float:
+    """Return the start of the first control period from a time on (s)."""
+    return period_start_s(first_period_from(time_s, period_s), period_s)
 
 
 def _settling_after(times_s: Sequence[float], run: Scenario) -> Scenario:
@@ -281,8 +278,7 @@ def failing(
     run: Scenario, kind: FailureKind, time_s: float, phase: int = 1, slip_deg: float | None = None
 ) -> Scenario:
     """Make something fail in a run, at the start of the first control period from a time on."""
-    period = run.control_period_s
-    time = period_start_s(first_period_from(time_s, period), period)
+    time = _period_from(time_s, run.control_period_s)
     return titled(run.replaced(failure={"kind": kind, "time_s": time, "phase": phase, "slip_deg": slip_deg}))
 
 
@@ -299,10 +295,6 @@ def with_edges(run: Scenario, position: Position, seed: int) -> Scenario:
 
 def supply_step_scenario(base: Scenario, drive: PmAcDocument, shares: Sequence[float]) -> Scenario:
     """Make a run at one operating point through steps of the link's voltage, each long enough to be judged."""
-    each = dwell_periods(drive)
-    nominal = drive.inverter.supply_voltage_v
-    supply: Profile = ((0.0, tidy(shares[0] * nominal)),)
-    for number, share in enumerate(shares[1:], start=1):
-        at = start_s(drive, number * each)
-        supply = (*supply, (at, supply[-1][1]), (at, tidy(share * nominal)))
-    return titled(base.replaced(duration_s=start_s(drive, len(shares) * each), supply_v=supply))
+    *times, end = _ends_of_dwells(drive, len(shares))
+    volts = [tidy(share * drive.inverter.supply_voltage_v) for share in shares]
+    return titled(base.replaced(duration_s=end, supply_v=in_steps(volts, times)))

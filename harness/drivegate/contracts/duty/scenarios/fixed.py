@@ -14,6 +14,7 @@ from drivegate.contracts.duty.scenarios.building import (
     load_step_scenario,
     most_false_edges,
     restarted,
+    share_scenario,
     slow_torque,
     speed_and_load_step_scenario,
     speed_scenario,
@@ -89,14 +90,14 @@ def _sensed(drive: PmAcDocument) -> list[Scenario]:
     slow, fast = speed_of(drive, -0.5), speed_of(drive, 0.4)
     runs = [
         speed_scenario(drive, (slow, fast), torque_nm=torque_of(drive, fast, 0.5)),
-        torque_scenario(drive, slow, tuple(torque_of(drive, slow, part) for part in (0.2, 0.8))),
+        share_scenario(drive, slow, 0.2, 0.8),
     ]
     return [with_real_sensors(run, seed) for seed, run in enumerate(runs, start=1)]
 
 
 def _failures(drive: PmAcDocument) -> list[Scenario]:
     slow, base = speed_of(drive, FAILURE_SPEED_SHARE - 1.0), speed_of(drive, 0.0)
-    torques = [torque_scenario(drive, speed, (torque_of(drive, speed, 0.5),)) for speed in (slow, base)]
+    torques = [share_scenario(drive, speed, 0.5) for speed in (slow, base)]
     sensed = [*torques, *(with_real_sensors(run, 1) for run in torques)]
     kinds: tuple[FailureKind, ...] = ("open-phase", "stuck-current", "lost-position")
     by_edges = [with_edges(run, position, 1) for run in torques for position in edge_positions(drive)]
@@ -125,33 +126,20 @@ def speed_of(drive: PmAcDocument, share: float) -> float:
 
 
 def _torques(drive: PmAcDocument) -> list[Scenario]:
-    found = []
-    for share in (-0.5, 0.5):
-        speed = speed_of(drive, share)
-        whole, half, small = (torque_of(drive, speed, part) for part in (0.9, 0.5, 0.1))
-        found.append(torque_scenario(drive, speed, (0.0, whole, half, small, 0.0)))
-    for share in (-0.7, 0.0, 0.5):
-        speed = speed_of(drive, share)
-        parts = (0.0, -0.6, -1.0, 0.4)
-        found.append(torque_scenario(drive, speed, tuple(torque_of(drive, speed, part) for part in parts)))
-    faster = speed_of(drive, 0.2)
-    held = (torque_scenario(drive, faster, (torque_of(drive, faster, part),)) for part in (0.7, -0.7))
+    found = [share_scenario(drive, speed_of(drive, at), 0.0, 0.9, 0.5, 0.1, 0.0) for at in (-0.5, 0.5)]
+    found += [share_scenario(drive, speed_of(drive, at), 0.0, -0.6, -1.0, 0.4) for at in (-0.7, 0.0, 0.5)]
+    held = (share_scenario(drive, speed_of(drive, 0.2), part) for part in (0.7, -0.7))
     found += [supply_step_scenario(run, drive, (1.0, 0.85, 1.15)) for run in held]
     if drive.weakens:
         found += [release_scenario(drive, share) for share in (0.05, 0.25, 0.5, 1.0)]
-    below = speed_of(drive, -0.7)
-    slow = speed_of(drive, DEAD_TIME_SPEED_SHARE - 1.0)
-    found.append(
-        torque_scenario(drive, slow, tuple(torque_of(drive, slow, part) for part in (0.2, 0.5, 0.9)))
-    )
-    steps = tuple(torque_of(drive, below, part) for part in (0.0, 0.2, 0.0, 0.5, 0.3, -0.3))
-    return [*found, torque_scenario(drive, below, steps), torque_scenario(drive, 0.0, steps)]
+    found.append(share_scenario(drive, speed_of(drive, DEAD_TIME_SPEED_SHARE - 1.0), 0.2, 0.5, 0.9))
+    slow = (speed_of(drive, -0.7), 0.0)
+    return [*found, *(share_scenario(drive, speed, 0.0, 0.2, 0.0, 0.5, 0.3, -0.3) for speed in slow)]
 
 
 def release_scenario(drive: PmAcDocument, share: float = 1.0) -> Scenario:
     """Make the run that asks for more than weakening can give at a speed above base speed, and then for nothing."""
-    speed = speed_of(drive, share)
-    return torque_scenario(drive, speed, (0.0, torque_of(drive, speed, BEYOND_SHARE), 0.0))
+    return share_scenario(drive, speed_of(drive, share), 0.0, BEYOND_SHARE, 0.0)
 
 
 def range_scenario(drive: PmAcDocument) -> Scenario:
@@ -201,7 +189,7 @@ def _slow_speeds(drive: PmAcDocument) -> list[Scenario]:
 def _disturbed(drive: PmAcDocument) -> list[Scenario]:
     """Make the runs in which the controller restarts, its clock passes 31 bits, or samples and edges are wrong."""
     slow, fast = speed_of(drive, -0.5), speed_of(drive, 0.3)
-    torque = torque_scenario(drive, slow, (torque_of(drive, slow, 0.6),))
+    torque = share_scenario(drive, slow, 0.6)
     speed = speed_scenario(drive, (fast,), torque_nm=torque_of(drive, fast, 0.5))
     base = speed_of(drive, 0.0)
     speed_at_base = speed_scenario(drive, (base,), torque_nm=torque_of(drive, base, 0.5))
@@ -220,8 +208,8 @@ def _disturbed(drive: PmAcDocument) -> list[Scenario]:
 def _at_once(drive: PmAcDocument) -> list[Scenario]:
     """Make the runs in which two things happen in the same control period: reference or load, and something else."""
     slow, fast = speed_of(drive, -0.5), speed_of(drive, 0.3)
-    torques = torque_scenario(drive, slow, tuple(torque_of(drive, slow, part) for part in (0.2, 0.8, -0.5)))
-    step = torque_scenario(drive, slow, tuple(torque_of(drive, slow, part) for part in (0.6, 0.3)))
+    torques = share_scenario(drive, slow, 0.2, 0.8, -0.5)
+    step = share_scenario(drive, slow, 0.6, 0.3)
     load = load_step_scenario(drive, fast, torque_of(drive, fast, 0.7), (0.3, 1.0))
     return [
         supply_step_scenario(torques, drive, (1.0, 0.85, 1.1)),
@@ -234,10 +222,8 @@ def _at_once(drive: PmAcDocument) -> list[Scenario]:
 
 def _off_position(drive: PmAcDocument, torque: Scenario, speed: Scenario) -> tuple[Scenario, Scenario]:
     """See the shaft of two runs by a position sensor with errors of 3 electrical degrees each."""
-    part_deg, part = (
-        tidy(3.0 / drive.machine.pole_pairs),
-        round(math.radians(3.0) / drive.machine.pole_pairs, 4),
-    )
+    part_deg = tidy(3.0 / drive.machine.pole_pairs)
+    part = round(math.radians(3.0) / drive.machine.pole_pairs, 4)
     return (
         with_position_errors(torque, 1, eccentricity_deg=part_deg, sine_offset=part),
         with_position_errors(speed, 1, track_gain=part, track_phase_deg=part_deg),
@@ -249,8 +235,8 @@ def _backward(drive: PmAcDocument) -> list[Scenario]:
     slow, fast, top = speed_of(drive, -0.5), speed_of(drive, 0.5), speed_of(drive, 1.0)
     slowest = tidy(2.0 * SLOW_SHARE * drive.rating.base_speed_rpm)
     torques = (
-        torque_scenario(drive, slow, tuple(torque_of(drive, slow, part) for part in (0.9, 0.4, -0.7))),
-        torque_scenario(drive, fast, tuple(torque_of(drive, fast, part) for part in (0.7, -0.7))),
+        share_scenario(drive, slow, 0.9, 0.4, -0.7),
+        share_scenario(drive, fast, 0.7, -0.7),
         *([release_scenario(drive, 0.5)] if drive.weakens else ()),
     )
     start = speed_of(drive, START_SPEED_SHARE - 1.0)

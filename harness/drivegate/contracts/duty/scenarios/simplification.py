@@ -11,7 +11,7 @@ from drivegate.contracts.duty.scenarios.building import TORQUE_DIGITS, speed_sce
 from drivegate.contracts.duty.scenarios.fixed import speed_of
 from drivegate.scenarios.course_words import levels
 from drivegate.scenarios.rotation import is_mirrored, mirrored, sense_of
-from drivegate.scenarios.simplification import Fields, Simplification
+from drivegate.scenarios.simplification import Fields, Simplification, nominal_parameters, to_whole
 from drivegate_cases.drive.limits import nearest_step, rounded
 from drivegate_cases.drive.plant import NOMINAL
 from drivegate_cases.scenario.load import ConstantTorqueLoad, DynamometerLoad, FanLoad, HoistLoad
@@ -41,8 +41,7 @@ def _nominal(scenario: Scenario) -> Iterator[Fields]:
     yield {"scales": NOMINAL, "drift": None, "supply_v": None, "initial_angle_deg": 0.0, "clock_start_s": 0.0}
     yield {"scales": NOMINAL}
     yield {"drift": None}
-    for key in type(NOMINAL).model_fields:
-        yield {"scales": scenario.scales.model_copy(update={key: getattr(NOMINAL, key)})}
+    yield from nominal_parameters(scenario)
     yield {"supply_v": None}
     yield {"initial_angle_deg": 0.0}
     yield {"clock_start_s": 0.0}
@@ -82,9 +81,9 @@ def _fewer_torques(scenario: Scenario) -> Iterator[Fields]:
     torques = levels(scenario.load.torque_reference_nm)
     shorter: list[tuple[float, ...]] = [(torque,) for torque in dict.fromkeys(torques)]
     shorter += [pair for pair in pairwise(torques) if len(torques) > 2]
-    for steps in shorter:
-        if len(steps) < len(torques):
-            yield _with_own(scenario, torque_scenario(drive, speed, steps))
+    for fewer in shorter:
+        if len(fewer) < len(torques):
+            yield _with_own(scenario, torque_scenario(drive, speed, fewer))
 
 
 def _fewer_speeds(scenario: Scenario) -> Iterator[Fields]:
@@ -96,9 +95,9 @@ def _fewer_speeds(scenario: Scenario) -> Iterator[Fields]:
     torque = rounded(load.torque_nm * load.factor[-1][1], TORQUE_DIGITS)
     shorter: list[tuple[float, ...]] = [(speed,) for speed in dict.fromkeys(speeds)]
     shorter += [pair for pair in pairwise(speeds) if len(speeds) > 2]
-    for steps in shorter:
+    for fewer in shorter:
         for size in (torque, 0.0):
-            yield _with_own(scenario, speed_scenario(drive, steps, torque_nm=size))
+            yield _with_own(scenario, speed_scenario(drive, fewer, torque_nm=size))
 
 
 def _with_own(scenario: Scenario, made: Scenario) -> Fields:
@@ -119,8 +118,8 @@ def _rounder_speed(scenario: Scenario) -> Iterator[Fields]:
             plain = sense_of(scenario.speed_rpm[0][1]) * speed_of(drive, share)
             yield {"speed_rpm": ((0.0, plain),), "initial_speed_rpm": plain if starts else begin}
     for share in _SPEED_SHARES:
-        grain = nearest_step(share * base)
-        rounder = tuple((time, round(round(speed / grain) * grain, 9)) for time, speed in scenario.speed_rpm)
+        whole = to_whole(nearest_step(share * base))
+        rounder = tuple((time, whole(speed)) for time, speed in scenario.speed_rpm)
         yield {"speed_rpm": rounder, "initial_speed_rpm": rounder[0][1] if starts else begin}
 
 
@@ -128,16 +127,12 @@ def _rounder_torque(scenario: Scenario) -> Iterator[Fields]:
     load, drive = scenario.load, duty_document(scenario.drive)
     rated = drive.rating.rated_torque_nm
     for share in _TORQUE_SHARES:
-        grain = nearest_step(share * rated)
+        whole = to_whole(nearest_step(share * rated))
         if isinstance(load, DynamometerLoad):
-            rounder = tuple(
-                (time, round(round(torque / grain) * grain, 9)) for time, torque in load.torque_reference_nm
-            )
+            rounder = tuple((time, whole(torque)) for time, torque in load.torque_reference_nm)
             yield {"load": load.model_copy(update={"torque_reference_nm": rounder})}
         elif isinstance(load, (ConstantTorqueLoad, FanLoad, HoistLoad)):
-            yield {
-                "load": load.model_copy(update={"torque_nm": round(round(load.torque_nm / grain) * grain, 9)})
-            }
+            yield {"load": load.model_copy(update={"torque_nm": whole(load.torque_nm)})}
 
 
 DUTY_SIMPLIFICATIONS: Final[tuple[Simplification, ...]] = (

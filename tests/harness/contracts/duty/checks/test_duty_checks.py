@@ -16,7 +16,7 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import own_candidate
 from drivegate.contracts.catalogue import on_drive
 from drivegate.contracts.duty.checks.accuracy import overshoot_of_speed
-from drivegate.contracts.duty.checks.judged import greatest_at, least_free, plant_of, undistorted
+from drivegate.contracts.duty.checks.judged import greatest_at, least_free, undistorted
 from drivegate.contracts.duty.record import DutyRecord
 from drivegate.contracts.duty.scenarios.building import (
     failing,
@@ -422,7 +422,7 @@ def test_steady_current_is_not_judged_where_no_current_within_the_limit_holds_th
 def test_voltage_that_a_drive_lets_its_controller_reserve_is_no_lost_torque(weakened: DutyRecord) -> None:
     window = weakened.steady[1]
     full, required = (
-        greatest_at(plant_of(weakened), window.speed, share * window.link).torque for share in (1.0, 0.96)
+        greatest_at(weakened.plant, window.speed, share * window.link).torque for share in (1.0, 0.96)
     )
     assert required < 0.97 * full
 
@@ -466,7 +466,7 @@ def test_braking_needs_less_voltage_and_so_less_weakening(
     assert braking.torque == pytest.approx(-16.17, rel=0.001)
     # Less voltage than in use, and therefore more weakening, would be needless.
     used = max(braking.voltage, 0.9 * undistorted(braking.link))
-    least = least_free(plant_of(record), braking.speed, braking.torque, used).direct
+    least = least_free(record.plant, braking.speed, braking.torque, used).direct
     assert braking.direct == pytest.approx(least, abs=record.limits.direct_error_a)
     assert (braking.voltage > used * 0.999) is is_weakened
     margin = judged("MTP-1", record)
@@ -483,7 +483,7 @@ def test_a_voltage_that_suffices_needs_no_weakening(run: Run) -> None:
     assert isinstance(drive, PmAcDocument)
     record = run(torque_scenario(drive, 1715.0, (0.0, -6.0)))
     braking = record.steady[-1]
-    plant, share = plant_of(record), 0.9 * undistorted(braking.link)
+    plant, share = record.plant, 0.9 * undistorted(braking.link)
     free, within = (least_free(plant, braking.speed, braking.torque, voltage) for voltage in (1e9, share))
     assert braking.voltage < share < free.voltage
     assert within.direct < free.direct - record.limits.direct_error_a

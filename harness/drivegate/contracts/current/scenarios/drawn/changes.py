@@ -7,7 +7,13 @@ import math
 from hypothesis import strategies as st
 
 from drivegate.contracts.current.scenarios.building import coming_on, steady_scenario, vehicle_scenario
-from drivegate.contracts.current.scenarios.drawn.steps import change_times, loaded_speeds, shares, steady_runs
+from drivegate.contracts.current.scenarios.drawn.steps import (
+    Drawn,
+    change_times,
+    loaded_speeds,
+    shares,
+    steady_runs,
+)
 from drivegate.contracts.current.scenarios.feasibility import COASTING_SHARE
 from drivegate.scenarios.changes import (
     pulsed,
@@ -30,9 +36,7 @@ _MASSES = (3, 4)
 _GEARS = (6, 8)
 
 
-def load_step_scenarios(
-    drive: DriveDocument, speed_range: SpeedRange | None = None
-) -> st.SearchStrategy[Scenario]:
+def load_step_scenarios(drive: DriveDocument, speed_range: SpeedRange | None = None) -> Drawn:
     """Draw steps of the load, up or down, lasting or soon taken back."""
     tenth = scale_of(drive).tenth_s
 
@@ -56,9 +60,7 @@ def load_step_scenarios(
     )
 
 
-def speed_step_scenarios(
-    drive: DriveDocument, speed_range: SpeedRange | None = None
-) -> st.SearchStrategy[Scenario]:
+def speed_step_scenarios(drive: DriveDocument, speed_range: SpeedRange | None = None) -> Drawn:
     """Draw changes of the speed reference under load: up at once or as a ramp, down slower than the shaft coasts."""
     tenth = scale_of(drive).tenth_s
 
@@ -83,9 +85,7 @@ def speed_step_scenarios(
     )
 
 
-def required_point_scenarios(
-    drive: DriveDocument, speed_range: SpeedRange | None = None
-) -> st.SearchStrategy[Scenario]:
+def required_point_scenarios(drive: DriveDocument, speed_range: SpeedRange | None = None) -> Drawn:
     """Draw ways to the required points: load and speed reference arrive there in any order, at once or slowly."""
     tenth = scale_of(drive).tenth_s
     lowest, highest = loaded_range(drive, speed_range)
@@ -127,9 +127,7 @@ def coasting_time(drive: DriveDocument, slower_rpm: float, torque_nm: float) -> 
     return tenth * math.ceil(max(slower_rpm, 0.0) * RADIANS_PER_RPM / fastest / tenth)
 
 
-def supply_scenarios(
-    drive: DriveDocument, speed_range: SpeedRange | None = None
-) -> st.SearchStrategy[Scenario]:
+def supply_scenarios(drive: DriveDocument, speed_range: SpeedRange | None = None) -> Drawn:
     """Draw dips and swells of the supply, for a moment or for good."""
     tenth = scale_of(drive).tenth_s
 
@@ -149,9 +147,7 @@ def supply_scenarios(
     )
 
 
-def vehicle_scenarios(
-    drive: DriveDocument, speed_range: SpeedRange | None = None
-) -> st.SearchStrategy[Scenario]:
+def vehicle_scenarios(drive: DriveDocument, speed_range: SpeedRange | None = None) -> Drawn:
     """Draw runs of a light vehicle, on a flat road at first."""
 
     def build(mass: int, gear: int, at: float, half_percents: int, speed: float) -> Scenario:

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from drivegate.contracts.current.scenarios.building import lifted_scenario
 from drivegate.contracts.current.scenarios.drawn.changes import load_step_scenarios
-from drivegate.contracts.current.scenarios.drawn.steps import change_times, nonzero, steady_runs
+from drivegate.contracts.current.scenarios.drawn.steps import Drawn, change_times, nonzero, steady_runs
 from drivegate.scenarios.changes import (
     CLOCKS_S,
     moments,
@@ -19,6 +19,7 @@ from drivegate.scenarios.changes import (
     with_dropout,
     with_glitch,
     with_imbalance,
+    with_lost_samples,
     with_real_sensors,
     with_restarts,
     with_scales,
@@ -36,9 +37,7 @@ ROTOR_STEP_DEG: Final = 12
 _ANGLES: Final = 360 // ROTOR_STEP_DEG
 
 
-def beginning_scenarios(
-    drive: DriveDocument, speed_range: SpeedRange | None = None
-) -> st.SearchStrategy[Scenario]:
+def beginning_scenarios(drive: DriveDocument, speed_range: SpeedRange | None = None) -> Drawn:
     """Draw control periods of 50 to 500 µs, clocks that do not begin at 0, and rotor angles."""
     runs = st.one_of(steady_runs(drive, speed_range), load_step_scenarios(drive, speed_range))
     periods = st.sampled_from(PERIODS_US)
@@ -60,9 +59,7 @@ def beginning_scenarios(
     )
 
 
-def restart_scenarios(
-    drive: DriveDocument, speed_range: SpeedRange | None = None
-) -> st.SearchStrategy[Scenario]:
+def restart_scenarios(drive: DriveDocument, speed_range: SpeedRange | None = None) -> Drawn:
     """Draw resets of the running controller, one or twenty in a row."""
     return st.builds(
         lambda often, at, run: with_restarts(run, *_times(run, at, often)),
@@ -72,9 +69,7 @@ def restart_scenarios(
     )
 
 
-def phase_scenarios(
-    drive: DriveDocument, speed_range: SpeedRange | None = None
-) -> st.SearchStrategy[Scenario]:
+def phase_scenarios(drive: DriveDocument, speed_range: SpeedRange | None = None) -> Drawn:
     """Draw current sensors of one phase with a wrong gain or offset, or with samples that are lost."""
     runs, offset_step = steady_runs(drive, speed_range), scale_of(drive).offset_step_a
     phases = st.integers(1, drive.machine.phases)
@@ -90,22 +85,21 @@ def phase_scenarios(
         nonzero(10),
         runs,
     )
-    return st.one_of(
-        gains, offsets, st.builds(_with_lost_samples, st.booleans(), phases, change_times(drive), runs)
+    lost = st.builds(
+        lambda often, phase, at, run: with_lost_samples(run, phase, _times(run, at, often)),
+        st.booleans(),
+        phases,
+        change_times(drive),
+        runs,
     )
+    return st.one_of(gains, offsets, lost)
 
 
 def _times(run: Scenario, at: float, often: bool) -> tuple[float, ...]:
     return moments(at, every_s=scale_of(run.drive).repeated_every_s) if often else (at,)
 
 
-def _with_lost_samples(often: bool, phase: int, at: float, run: Scenario) -> Scenario:
-    for time in _times(run, at, often):
-        run = with_dropout(run, "currents", time, run.control_period_s, phase=phase)
-    return run
-
-
-def _any_runs(drive: DriveDocument, speed_range: SpeedRange | None) -> st.SearchStrategy[Scenario]:
+def _any_runs(drive: DriveDocument, speed_range: SpeedRange | None) -> Drawn:
     """Draw steady runs, those at rated power apart, and load steps."""
     return st.one_of(
         steady_runs(drive, speed_range),
@@ -114,9 +108,7 @@ def _any_runs(drive: DriveDocument, speed_range: SpeedRange | None) -> st.Search
     )
 
 
-def parameter_scenarios(
-    drive: DriveDocument, speed_range: SpeedRange | None = None
-) -> st.SearchStrategy[Scenario]:
+def parameter_scenarios(drive: DriveDocument, speed_range: SpeedRange | None = None) -> Drawn:
     """Draw plants whose parameters are not the nameplate's, one of them or several."""
     friction_step = scale_of(drive).torque_step_nm
     values = {
@@ -137,21 +129,17 @@ def _factors(lowest: int, highest: int, step: float) -> st.SearchStrategy[float]
     return st.integers(lowest, highest).map(lambda count: round(1.0 + step * count, 2))
 
 
-def sensor_scenarios(
-    drive: DriveDocument, speed_range: SpeedRange | None = None
-) -> st.SearchStrategy[Scenario]:
+def sensor_scenarios(drive: DriveDocument, speed_range: SpeedRange | None = None) -> Drawn:
     """Draw runs through the sensors that the drive has."""
     return _seen(_any_runs(drive, speed_range))
 
 
-def _seen(runs: st.SearchStrategy[Scenario]) -> st.SearchStrategy[Scenario]:
+def _seen(runs: Drawn) -> Drawn:
     """Put the drive's own sensors before runs."""
     return st.builds(lambda seed, run: with_real_sensors(run, seed), st.integers(0, 999), runs)
 
 
-def fault_scenarios(
-    drive: DriveDocument, speed_range: SpeedRange | None = None
-) -> st.SearchStrategy[Scenario]:
+def fault_scenarios(drive: DriveDocument, speed_range: SpeedRange | None = None) -> Drawn:
     """Draw lost signals, drift and lifted wheels, and false edges and unequal halves where a drive can have them."""
     runs, step = steady_runs(drive, speed_range), scale_of(drive).dropout_step_s
     lost = st.builds(
@@ -172,21 +160,17 @@ def fault_scenarios(
         runs,
     )
     supplies = (unequal,) if drive.has_split_supply else ()
-    return st.one_of(lost, *encoders, *supplies, _drifts(drive, runs), _lifts(drive, runs))
-
-
-def _lifts(drive: DriveDocument, runs: st.SearchStrategy[Scenario]) -> st.SearchStrategy[Scenario]:
-    scale = scale_of(drive)
-    return st.builds(
-        lambda run, at, halves, lifted: lifted_scenario(run, at, scale.units(0.5 * halves), lifted),
+    lifts = st.builds(
+        lambda run, at, halves, lifted: lifted_scenario(run, at, scale_of(drive).units(0.5 * halves), lifted),
         runs,
         change_times(drive),
         st.integers(1, 10),
         st.sampled_from((0.3, 0.5)),
     )
+    return st.one_of(lost, *encoders, *supplies, _drifts(drive, runs), lifts)
 
 
-def _drifts(drive: DriveDocument, runs: st.SearchStrategy[Scenario]) -> st.SearchStrategy[Scenario]:
+def _drifts(drive: DriveDocument, runs: Drawn) -> Drawn:
     scale = scale_of(drive)
 
     def build(at: float, over: int, amounts: tuple[int, int], run: Scenario) -> Scenario:

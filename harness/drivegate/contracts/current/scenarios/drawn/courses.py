@@ -7,7 +7,13 @@ import math
 from hypothesis import strategies as st
 
 from drivegate.contracts.current.scenarios.building import TORQUE_DIGITS, coming_on, steady_scenario
-from drivegate.contracts.current.scenarios.drawn.steps import LOAD_STEP, change_times, loaded_speeds, shares
+from drivegate.contracts.current.scenarios.drawn.steps import (
+    LOAD_STEP,
+    Drawn,
+    change_times,
+    loaded_speeds,
+    shares,
+)
 from drivegate.contracts.current.scenarios.feasibility import COASTING_SHARE
 from drivegate.scenarios.changes import coming_on_to, pulsed, repeated, stepped, with_load_factor, with_speed
 from drivegate.scenarios.drive_scale import DriveScale, SpeedRange, scale_of, tidy
@@ -23,9 +29,7 @@ STANDSTILL_UNITS = 2.0
 _HEAVIEST_AT_STANDSTILL = 0.5
 
 
-def load_course_scenarios(
-    drive: DriveDocument, speed_range: SpeedRange | None = None
-) -> st.SearchStrategy[Scenario]:
+def load_course_scenarios(drive: DriveDocument, speed_range: SpeedRange | None = None) -> Drawn:
     """Draw loads that come or go as a ramp, vanish for a while or for good, or change twenty times in a row."""
     scale = scale_of(drive)
 
@@ -36,9 +40,7 @@ def load_course_scenarios(
         lasts = tidy(scale.tenth_s * tenths)
         return with_load_factor(whole, load_course(course, before, after, at, lasts, scale))
 
-    def drawn(
-        course: str, lasting: st.SearchStrategy[int], other: st.SearchStrategy[float]
-    ) -> st.SearchStrategy[Scenario]:
+    def drawn(course: str, lasting: st.SearchStrategy[int], other: st.SearchStrategy[float]) -> Drawn:
         speeds = loaded_speeds(drive, speed_range)
         return st.builds(
             build, st.just(course), st.booleans(), change_times(drive), shares(), lasting, other, speeds
@@ -71,9 +73,7 @@ def load_course(
     return coming_on_to(scale.load_ramp_s, before, profile[1:])
 
 
-def standstill_scenarios(
-    drive: DriveDocument, speed_range: SpeedRange | None = None
-) -> st.SearchStrategy[Scenario]:
+def standstill_scenarios(drive: DriveDocument, speed_range: SpeedRange | None = None) -> Drawn:
     """Draw references that begin at zero, or go down to it and up again, under loads that no advance is needed for."""
     if speed_range is not None and speed_range[0] > 0.0:
         return st.nothing()

@@ -25,43 +25,36 @@ from drivegate.contracts.current.scenarios.drawn.circumstances import (
 )
 from drivegate.contracts.current.scenarios.drawn.courses import load_course_scenarios, standstill_scenarios
 from drivegate.contracts.current.scenarios.drawn.steps import (
+    Drawn,
     loaded_speeds,
     shares,
     steady_runs,
     steps_between,
 )
 from drivegate.contracts.current.scenarios.feasibility import coasted_rate
-from drivegate.scenarios.drawn_range import LIGHTEST_SHARE, NONE, DrawnRange, Interval
 from drivegate.scenarios.drive_scale import SpeedRange, scale_of, tidy
 from drivegate_cases.drive.drive_document import DriveDocument
-from drivegate_cases.scenario.scenario import Scenario
 
-Family: TypeAlias = Callable[[DriveDocument, SpeedRange | None], st.SearchStrategy[Scenario]]
+Family: TypeAlias = Callable[[DriveDocument, SpeedRange | None], Drawn]
 """From a drive and the speeds that a candidate is made for to scenarios of one kind."""
 
 FALL_SHARE = 0.2
 """Step of the rate at which an unloaded reference falls, as a share of a grain of speed in a unit of time (1)."""
 
 
-def steady_scenarios(
-    drive: DriveDocument, speed_range: SpeedRange | None = None
-) -> st.SearchStrategy[Scenario]:
+def steady_scenarios(drive: DriveDocument, speed_range: SpeedRange | None = None) -> Drawn:
     """Draw runs at one speed under one load."""
     return steady_runs(drive, speed_range)
 
 
-def constant_power_scenarios(
-    drive: DriveDocument, speed_range: SpeedRange | None = None
-) -> st.SearchStrategy[Scenario]:
+def constant_power_scenarios(drive: DriveDocument, speed_range: SpeedRange | None = None) -> Drawn:
     """Draw runs at rated power."""
     return loaded_speeds(drive, speed_range).map(
         lambda speed: steady_scenario(drive, speed, power_share=1.0, constant_power=True)
     )
 
 
-def overspeed_scenarios(
-    drive: DriveDocument, speed_range: SpeedRange | None = None
-) -> st.SearchStrategy[Scenario]:
+def overspeed_scenarios(drive: DriveDocument, speed_range: SpeedRange | None = None) -> Drawn:
     """Draw runs beyond the required speeds, at rated power or under any lighter load."""
     step = scale_of(drive).speed_step_rpm
     lowest, highest = drive.rating.highest_speed_rpm + step, drive.rating.overspeed_rpm
@@ -82,9 +75,7 @@ def overspeed_scenarios(
     return st.one_of(rated, lighter)
 
 
-def base_speed_scenarios(
-    drive: DriveDocument, speed_range: SpeedRange | None = None
-) -> st.SearchStrategy[Scenario]:
+def base_speed_scenarios(drive: DriveDocument, speed_range: SpeedRange | None = None) -> Drawn:
     """Draw unloaded runs through base speed."""
     scale = scale_of(drive)
     grain, base = scale.speed_grain_rpm, scale.base_speed_rpm
@@ -122,20 +113,9 @@ FAMILY_GROUPS: Final[tuple[tuple[Family, ...], ...]] = (
 
 def drawn_scenarios(
     drive: DriveDocument, speed_range: SpeedRange | None = None, group: int | None = None
-) -> st.SearchStrategy[Scenario]:
+) -> Drawn:
     """Draw a scenario of any family, or of one group of them."""
     groups = FAMILY_GROUPS if group is None else (FAMILY_GROUPS[group % len(FAMILY_GROUPS)],)
     drawn = [family(drive, speed_range) for families in groups for family in families]
     filled = [strategy for strategy in drawn if not strategy.is_empty]
     return st.one_of(filled or [steady_scenarios(drive, speed_range)])
-
-
-def drawn_range(scenario: Scenario) -> DrawnRange:
-    """Return the range of loaded runs whose controller answers with a current reference and an angle."""
-    scale = scale_of(scenario.drive)
-    return DrawnRange(
-        loaded_rpm=Interval(scale.lowest_loaded_rpm, scale.highest_loaded_rpm),
-        idle_rpm=Interval(0.0, scale.highest_loaded_rpm),
-        driving_share=Interval(LIGHTEST_SHARE, 1.0),
-        braking_share=NONE,
-    )

@@ -6,6 +6,7 @@ Hypothesis climbs from the number drawn last to the first, so what matters most,
 from __future__ import annotations
 
 import math
+from typing import TypeAlias
 
 from hypothesis import strategies as st
 
@@ -14,6 +15,8 @@ from drivegate.scenarios.drive_scale import SpeedRange, loaded_range, scale_of, 
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.scenario import Scenario
 
+Drawn: TypeAlias = st.SearchStrategy[Scenario]
+"""Scenarios to draw from."""
 LOAD_STEP = 0.05
 """Step of drawn loads, as a share of rated power (1)."""
 LIGHTEST_STEPS = 18
@@ -57,7 +60,7 @@ def nonzero(greatest: int) -> st.SearchStrategy[int]:
 
 def steady_runs(
     drive: DriveDocument, speed_range: SpeedRange | None, *, lightest: int = LIGHTEST_STEPS
-) -> st.SearchStrategy[Scenario]:
+) -> Drawn:
     """Draw runs at one speed under one load, of constant torque or constant power."""
     return st.builds(
         lambda constant_power, share, speed: steady_scenario(

@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from hypothesis import strategies as st
 
 from drivegate.contracts.duty.scenarios.building import (
     hoist_scenario,
     load_step_scenario,
+    share_scenario,
     slow_torque,
     speed_scenario,
     stop_scenario,
     supply_step_scenario,
     torque_of,
-    torque_scenario,
     vanishing_load_scenario,
     with_fan,
 )
 from drivegate.contracts.duty.scenarios.drawn.steps import (
+    Drawn,
     any_speed,
     shares_between,
     speeds_between,
@@ -36,12 +39,10 @@ from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.scenario import Scenario
 
 
-def torque_step_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
+def torque_step_scenarios(drive: PmAcDocument) -> Drawn:
     """Draw steps of the torque reference up to the rated one either way, from standstill to the highest speed."""
     return st.builds(
-        lambda shares, speed: torque_scenario(
-            drive, speed, [torque_of(drive, speed, share) for share in shares]
-        ),
+        lambda shares, speed: share_scenario(drive, speed, *shares),
         st.tuples(
             shares_between(0.0, 1.0), shares_between(-BRAKING_SHARE, 1.0), shares_between(-BRAKING_SHARE, 1.0)
         ),
@@ -49,17 +50,17 @@ def torque_step_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
     )
 
 
-def weakening_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
+def weakening_scenarios(drive: PmAcDocument) -> Drawn:
     """Draw torque references above base speed that ask for more than rated power, and then for nothing."""
     rating = drive.rating
     return st.builds(
-        lambda share, speed: torque_scenario(drive, speed, (0.0, torque_of(drive, speed, share), 0.0)),
+        lambda share, speed: share_scenario(drive, speed, 0.0, share, 0.0),
         shares_between(1.5, BEYOND_SHARE),
         speeds_between(drive, 1.02 * rating.base_speed_rpm, rating.highest_speed_rpm),
     )
 
 
-def speed_step_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
+def speed_step_scenarios(drive: PmAcDocument) -> Drawn:
     """Draw steps between any two speeds under a constant torque of up to 70 % of the rated one."""
     return st.builds(
         lambda share, first, second: speed_scenario(
@@ -71,7 +72,7 @@ def speed_step_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
     )
 
 
-def reversal_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
+def reversal_scenarios(drive: PmAcDocument) -> Drawn:
     """Draw steps from a speed forward to one backward, under a torque or a fan of up to 70 % of rated torque."""
 
     def made(share: float, first: float, second: float, is_fan: bool) -> Scenario:
@@ -84,7 +85,7 @@ def reversal_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
     )
 
 
-def hoist_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
+def hoist_scenarios(drive: PmAcDocument) -> Drawn:
     """Draw a weight of up to 60 % of rated torque, lifted or lowered, that comes on, or reverses between both."""
     heaviest = shares_between(0.1, HEAVIEST_FAILURE_SHARE)
     base = drive.rating.base_speed_rpm
@@ -99,7 +100,7 @@ def hoist_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
     return st.builds(made, heaviest, speeds, speeds, st.sampled_from(("lift", "lower", "reversal")))
 
 
-def load_step_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
+def load_step_scenarios(drive: PmAcDocument) -> Drawn:
     """Draw steps of the load between shares of up to 85 % of rated torque, or a load that vanishes for a moment."""
     steps = st.builds(
         lambda shares, speed: load_step_scenario(drive, speed, torque_of(drive, speed, 1.0), shares),
@@ -117,7 +118,7 @@ def load_step_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
     return st.one_of(steps, steps, moments)
 
 
-def low_speed_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
+def low_speed_scenarios(drive: PmAcDocument) -> Drawn:
     """Draw runs that end at 1 to 10 % of base speed: from standstill, a higher speed, or a stop of 0.1 to 3 s.
 
     The load is up to 20 % of rated torque at the end of this range, and less in proportion to the speed below it.
@@ -144,7 +145,7 @@ def low_speed_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
     )
 
 
-def start_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
+def start_scenarios(drive: PmAcDocument) -> Drawn:
     """Draw starts from standstill at any angle of the rotor, up to base speed under up to 80 % of rated torque."""
     return st.builds(
         lambda angle, share, speed: speed_scenario(
@@ -160,29 +161,38 @@ def start_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
     )
 
 
-def supply_step_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
+def supply_step_scenarios(drive: PmAcDocument) -> Drawn:
     """Draw steps of the link's voltage within 85 to 115 % of the nominal one, at one operating point."""
-    return st.builds(
-        lambda share, levels, speed: supply_step_scenario(
-            load_step_scenario(drive, speed, torque_of(drive, speed, share), (1.0,)),
-            drive,
-            (1.0, *(round(1.0 + SHARE_STEP * level, 2) for level in levels)),
-        ),
+    return _supply_steps(
+        drive,
+        lambda share, speed: load_step_scenario(drive, speed, torque_of(drive, speed, share), (1.0,)),
         shares_between(0.0, 0.8),
-        st.tuples(st.integers(-3, 3), st.integers(-3, 3)),
         turning_speeds(drive),
     )
 
 
-def torque_supply_step_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
+def torque_supply_step_scenarios(drive: PmAcDocument) -> Drawn:
     """Draw the same steps under a torque reference of up to the rated torque either way."""
+    return _supply_steps(
+        drive,
+        lambda share, speed: share_scenario(drive, speed, share),
+        shares_between(-BRAKING_SHARE, 1.0),
+        any_speed(drive),
+    )
+
+
+def _supply_steps(
+    drive: PmAcDocument,
+    run: Callable[[float, float], Scenario],
+    shares: st.SearchStrategy[float],
+    speeds: st.SearchStrategy[float],
+) -> Drawn:
+    """Draw runs from a share of rated torque and a speed, each with two steps of the link's voltage."""
     return st.builds(
         lambda share, levels, speed: supply_step_scenario(
-            torque_scenario(drive, speed, (torque_of(drive, speed, share),)),
-            drive,
-            (1.0, *(round(1.0 + SHARE_STEP * level, 2) for level in levels)),
+            run(share, speed), drive, (1.0, *(round(1.0 + SHARE_STEP * level, 2) for level in levels))
         ),
-        shares_between(-BRAKING_SHARE, 1.0),
+        shares,
         st.tuples(st.integers(-3, 3), st.integers(-3, 3)),
-        any_speed(drive),
+        speeds,
     )

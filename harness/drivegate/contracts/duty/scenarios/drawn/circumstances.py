@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Final
+from typing import Any, Final
 
 from hypothesis import strategies as st
 
@@ -12,16 +12,17 @@ from drivegate.contracts.duty.scenarios.building import (
     load_step_scenario,
     most_false_edges,
     restarted,
+    share_scenario,
     speed_and_load_step_scenario,
     supply_step_scenario,
     torque_of,
-    torque_scenario,
     with_false_edges,
     with_lost_samples,
     with_position_errors,
 )
 from drivegate.contracts.duty.scenarios.drawn.steps import (
     GREATEST_SEED,
+    Drawn,
     held_or_loaded_runs,
     runs_from_below,
     shares_between,
@@ -43,7 +44,7 @@ LATEST_S: Final = 1e-3
 """Greatest latency of a position sensor (s)."""
 
 
-def parameter_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
+def parameter_scenarios(drive: PmAcDocument) -> Drawn:
     """Draw plants that differ from the nameplate, in steps of the speed or of the load.
 
     R × 0.5 to 2, L × 0.7 to 1.3, ψ × 0.8 to 1.05 and J × 0.3 to 2, also while a wheel is lifted and set down.
@@ -79,23 +80,23 @@ def parameter_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
     return st.one_of(others, others, lifted)
 
 
-def sensor_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
+def sensor_scenarios(drive: PmAcDocument) -> Drawn:
     """Draw sensors, with steps of the speed or of the load from 10 % of base speed on.
 
     Shunts are in line, or below the lower switches up to base speed. The shaft has an encoder of 256 to 4096 lines, or
     what the drive states.
     """
-    has_encoder = position_of(SHUNTS, drive) == "encoder"
+
+    def seen(run: Scenario, shunts: str, lines: int, seed: int) -> Scenario:
+        # Below the lower switches no shunts see two phases at full voltage.
+        fast = max(abs(speed) for _, speed in run.speed_rpm) > drive.rating.base_speed_rpm
+        given: dict[str, Any] = {"shunts": "in-line" if fast else shunts}
+        if position_of(SHUNTS, drive) == "encoder":
+            given["encoder_lines"] = lines
+        return titled(run.replaced(sensors=SHUNTS.model_copy(update=given), seed=seed))
+
     return st.builds(
-        lambda run, shunts, lines, seed: titled(
-            run.replaced(
-                sensors=SHUNTS.model_copy(
-                    update={"shunts": _possible(drive, run, shunts)}
-                    | ({"encoder_lines": lines} if has_encoder else {})
-                ),
-                seed=seed,
-            )
-        ),
+        seen,
         runs_from_below(drive).map(lambda run: run(1.0)),
         st.sampled_from(("in-line", "low-side")),
         st.sampled_from((256, 512, 1024, 4096)),
@@ -103,13 +104,7 @@ def sensor_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
     )
 
 
-def _possible(drive: PmAcDocument, run: Scenario, shunts: str) -> str:
-    """Choose shunts that see two phases at all times: below the lower switches none do at full voltage."""
-    fast = max(abs(speed) for _, speed in run.speed_rpm) > drive.rating.base_speed_rpm
-    return "in-line" if fast else shunts
-
-
-def restart_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
+def restart_scenarios(drive: PmAcDocument) -> Drawn:
     """Draw resets of the controller while the drive runs, one or five, and clocks that do not begin at 0."""
     resets = st.sampled_from(((0.5,), (0.3, 0.35, 0.4, 0.45, 0.5)))
     beginnings = st.one_of(
@@ -121,7 +116,7 @@ def restart_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
     )
 
 
-def position_error_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
+def position_error_scenarios(drive: PmAcDocument) -> Drawn:
     """Draw a position sensor without edges: eccentric, with unequal tracks, and late, of up to 9 electrical degrees."""
     if drive.position != "exact":
         return st.nothing()
@@ -153,7 +148,7 @@ def position_error_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]
     )
 
 
-def lost_sample_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
+def lost_sample_scenarios(drive: PmAcDocument) -> Drawn:
     """Draw single samples of currents, speed or link voltage that read 0, one or five of them."""
     signals = (
         ("currents", None),
@@ -171,7 +166,7 @@ def lost_sample_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
     )
 
 
-def false_edge_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
+def false_edge_scenarios(drive: PmAcDocument) -> Drawn:
     """Draw false edges of an encoder that turn the rotor's frame by up to 3 electrical degrees."""
     most = most_false_edges(drive)
     if most == 0 or drive.position == "hall":
@@ -185,7 +180,7 @@ def false_edge_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
     )
 
 
-def joint_change_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
+def joint_change_scenarios(drive: PmAcDocument) -> Drawn:
     """Draw steps of a torque, of a load, or of speed and load, with a link step, a lost sample or a restart at once.
 
     Torques are up to 85 % of the rated one either way, and loads 30 to 70 %: with less, a search for the least loss has
@@ -199,7 +194,7 @@ def joint_change_scenarios(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
         is_torque: bool, torques: tuple[float, float], loads: tuple[float, float], speed: float
     ) -> Scenario:
         if is_torque:
-            return torque_scenario(drive, speed, [torque_of(drive, speed, share) for share in torques])
+            return share_scenario(drive, speed, *torques)
         return load_step(loads, speed)
 
     torques = st.tuples(*[shares_between(-HEAVIEST_SHARE, HEAVIEST_SHARE)] * 2)

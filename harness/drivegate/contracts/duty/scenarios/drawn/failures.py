@@ -10,12 +10,12 @@ from hypothesis import strategies as st
 from drivegate.contracts.duty.scenarios.building import (
     edge_positions,
     failing,
+    share_scenario,
     speed_scenario,
     torque_of,
-    torque_scenario,
     with_edges,
 )
-from drivegate.contracts.duty.scenarios.drawn.steps import shares_between, speeds_between
+from drivegate.contracts.duty.scenarios.drawn.steps import Drawn, shares_between, speeds_between
 from drivegate.contracts.duty.scenarios.drawn_range import FAILURE_TORQUE_SHARE, HEAVIEST_FAILURE_SHARE
 from drivegate.scenarios.changes import with_real_sensors
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
@@ -35,7 +35,7 @@ def failure_scenarios(
     drive: PmAcDocument,
     detected: Collection[FailureKind] = FAILURE_KINDS,
     references: Collection[FollowedReference] = ("speed", "torque"),
-) -> st.SearchStrategy[Scenario]:
+) -> Drawn:
     """Draw failures in the second half of a run from 20 to 100 % of base speed under 30 to 60 % of rated torque.
 
     `detected` is what may fail. A rotor locks up under a speed reference, and an edge is lost under a torque.
@@ -53,7 +53,7 @@ def failure_scenarios(
     ) -> Scenario:
         kind, reference = which
         torque = torque_of(drive, speed, share)
-        held = torque_scenario(drive, speed, (torque,))
+        held = share_scenario(drive, speed, share)
         run = held if reference == "torque" else speed_scenario(drive, (speed,), torque_nm=torque)
         if kind == "lost-edge":
             # The number of a phase, which an edge has none of, shows whose edge it is.

@@ -30,13 +30,14 @@ from drivegate.contracts.duty.scenarios.drawn.circumstances import (
     sensor_scenarios,
 )
 from drivegate.contracts.duty.scenarios.drawn.failures import failure_scenarios, that_can_fail
+from drivegate.contracts.duty.scenarios.drawn.steps import Drawn
 from drivegate.scenarios.rotation import goes_backward, is_mirrored, mirrored
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.failure_kind import FailureKind
 from drivegate_cases.scenario.reference import FollowedReference, Reference, reference_of
 from drivegate_cases.scenario.scenario import Scenario
 
-Family: TypeAlias = Callable[[PmAcDocument], st.SearchStrategy[Scenario]]
+Family: TypeAlias = Callable[[PmAcDocument], Drawn]
 """From a drive to scenarios of one kind."""
 FAMILY_GROUPS: Final[tuple[tuple[Family, ...], ...]] = (
     (torque_step_scenarios,),
@@ -78,7 +79,7 @@ def drawn_scenarios(
     detected: Collection[FailureKind] = (),
     *,
     reverses: bool = True,
-) -> st.SearchStrategy[Scenario]:
+) -> Drawn:
     """Draw a scenario of any family, or of one group of them, as far as a candidate follows or detects it.
 
     One in four turns backward where both candidate and drive reverse.
@@ -101,13 +102,12 @@ def drawn_scenarios(
     drawn = st.one_of([family(drive) for families in chosen for family in families])
     if not reverses:
         return drawn
-    turned = st.integers(0, _BACKWARD_SHARE - 1).map(lambda number: number == _BACKWARD_SHARE - 1)
-    return st.builds(_turned, drawn, turned)
 
+    def turned(run: Scenario, backward: bool) -> Scenario:
+        return mirrored(run) if backward and is_mirrored(run) and not goes_backward(run) else run
 
-def _turned(run: Scenario, backward: bool) -> Scenario:
-    """Mirror a run that is to go backward, and does not already."""
-    return mirrored(run) if backward and is_mirrored(run) and not goes_backward(run) else run
+    backward = st.integers(0, _BACKWARD_SHARE - 1).map(lambda number: number == _BACKWARD_SHARE - 1)
+    return st.builds(turned, drawn, backward)
 
 
 def _reference(family: Family) -> Reference | None:
@@ -117,9 +117,7 @@ def _reference(family: Family) -> Reference | None:
     return "torque" if family in _OF_TORQUE else "speed"
 
 
-def _following(
-    family: Family, references: Collection[FollowedReference], drive: PmAcDocument
-) -> st.SearchStrategy[Scenario]:
+def _following(family: Family, references: Collection[FollowedReference], drive: PmAcDocument) -> Drawn:
     """Draw the runs of a family that have one of the references."""
     drawn = family(drive)
     return drawn.filter(lambda run: reference_of(run) in references) if family in _OF_EITHER else drawn

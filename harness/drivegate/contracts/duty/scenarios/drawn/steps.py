@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Final
+from typing import Final, TypeAlias
 
 from hypothesis import strategies as st
 
 from drivegate.contracts.duty.scenarios.building import (
     load_step_scenario,
+    share_scenario,
     speed_scenario,
     torque_of,
-    torque_scenario,
 )
 from drivegate.contracts.duty.scenarios.drawn_range import HEAVIEST_SHARE, SHARE_STEP, TURNING_SHARE
 from drivegate.scenarios.drive_scale import tidy
@@ -19,6 +19,8 @@ from drivegate_cases.drive.limits import nearest_step
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.scenario import Scenario
 
+Drawn: TypeAlias = st.SearchStrategy[Scenario]
+"""Scenarios to draw from."""
 GREATEST_SEED: Final = 10_000
 """Greatest seed of sensors that is drawn; the least is 1."""
 
@@ -88,13 +90,12 @@ def runs_from_below(drive: PmAcDocument) -> st.SearchStrategy[Callable[[float], 
     return st.one_of(speeds, loads)
 
 
-def held_or_loaded_runs(drive: PmAcDocument) -> st.SearchStrategy[Scenario]:
+def held_or_loaded_runs(drive: PmAcDocument) -> Drawn:
     """Draw runs at one operating point up to base speed, of a torque or of a speed."""
 
     def made(share: float, speed: float, gives_torque: bool) -> Scenario:
-        torque = torque_of(drive, speed, share)
         if gives_torque:
-            return torque_scenario(drive, speed, (torque,))
-        return speed_scenario(drive, (speed,), torque_nm=torque)
+            return share_scenario(drive, speed, share)
+        return speed_scenario(drive, (speed,), torque_nm=torque_of(drive, speed, share))
 
     return st.builds(made, shares_between(0.1, 0.7), speeds_up_to_base(drive), st.booleans())
