@@ -38,7 +38,6 @@ class Record:
     run: Run
     """The observation; each contract has its own type."""
     declaration: Declaration
-    """What the candidate declares about itself."""
     repeated_digests: tuple[int, ...] = ()
     """Digests of further runs of the same scenario; empty where it ran once."""
     costs: StepCosts = NO_COSTS
@@ -113,7 +112,6 @@ class Check:
     families: tuple[str, ...] = ()
     """Families of drawn scenarios that exercise it, where it does not judge every run."""
     evaluate: Evaluate = judged_elsewhere
-    """The margin of a run."""
     moment: StateMoment = no_moment
     """The moment that decides the margin of a run, and what figures mark in it."""
     reason_not_applicable: ReasonNotApplicable = always_applicable
@@ -124,7 +122,7 @@ class Check:
 
 @dataclass(frozen=True)
 class JudgedRun:
-    """A run's scenario and margins; what a worker hands back."""
+    """A run's scenario and margins; what a worker returns."""
 
     scenario: dict[str, Any]
     """The scenario as plain data."""
@@ -148,7 +146,7 @@ class InfeasibleScenario:
 
 @dataclass(frozen=True)
 class ShardOutcome:
-    """What a job came to."""
+    """The result of a job."""
 
     runs: tuple[JudgedRun, ...]
     """In the order in which they were made."""
@@ -176,7 +174,6 @@ def deciding_stretch(
 
 
 def judged(record: Record, checks: Iterable[Check]) -> JudgedRun:
-    """Apply checks to a run."""
     margins = (check.evaluate(record) for check in checks)
     return JudgedRun(
         record.scenario.to_mapping(),

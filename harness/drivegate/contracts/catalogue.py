@@ -37,7 +37,6 @@ CONTRACTS: Final[Mapping[str, Callable[[], Contract]]] = {"current": _current, "
 
 
 def contract_named(name: str) -> Contract:
-    """Return a contract by its name."""
     return CONTRACTS[name]()
 
 

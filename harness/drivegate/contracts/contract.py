@@ -35,9 +35,7 @@ class RecordedTrace:
     """The signals of a run, each a mean over a stretch of it."""
 
     scenario: Scenario
-    """The scenario of the run."""
     columns: Columns
-    """Its signals."""
     judged_s: tuple[float, float]
     """Start and end of the stretch that the check was judged on (s)."""
 
@@ -47,7 +45,6 @@ class Witness:
     """A built-in controller that passes the packaged drives of some kinds."""
 
     candidate: str
-    """The string that names it."""
     kinds: tuple[str, ...]
     """Kinds of drives whose packaged ones it passes; on others it is no witness."""
     knows_plant: bool = False
@@ -77,7 +74,6 @@ class Contract(ABC):
     name: ClassVar[str]
     """Its name in manifests, drives and results."""
     candidates: ClassVar[str]
-    """What its candidates are called."""
     usual_candidate: ClassVar[str]
     """Name of a built-in controller that runs on every drive of this contract."""
     rehearsed: ClassVar[str]
@@ -87,7 +83,6 @@ class Contract(ABC):
     checks: ClassVar[tuple[Check, ...]]
     """The checks of a run, in the order in which they are reported."""
     families: ClassVar[tuple[str, ...]]
-    """Names of the families of drawn scenarios."""
     simplifications: ClassVar[tuple[Simplification, ...]]
     """The ways in which a scenario can be simplified, in the order in which they are tried."""
     layout: ClassVar[Layout]

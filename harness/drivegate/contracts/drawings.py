@@ -23,7 +23,6 @@ class Line(NamedTuple):
     """A column as a line of a figure."""
 
     column: str
-    """Its name."""
     name: str
     """Its name in the figure."""
     is_reference: bool = False
@@ -36,7 +35,6 @@ class Panel(NamedTuple):
     label: str
     """Quantity and unit."""
     lines: tuple[Line, ...]
-    """The lines."""
 
 
 TIME: Final = "time_s"
@@ -77,13 +75,10 @@ class SpeedLoadMap:
     """A figure of operating points over speed and torque, in a map for each candidate."""
 
     key: str
-    """The figure."""
     title: str
     caption: str
     scale: str
-    """Words of the scale."""
     digits: int = 1
-    """Digits after the point."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,7 +86,6 @@ class RunCurves:
     """What follows a change, over time, in a drawing for each of some runs."""
 
     most: int
-    """How many runs are drawn."""
     panels: tuple[tuple[str, str], ...]
     """Key and label of each panel; the first is an error."""
     caption: str
@@ -133,7 +127,6 @@ class RowMarks:
     load_label: str
     """What it is called, with its unit."""
     panels: tuple[MarkPanel, ...]
-    """The panels."""
 
 
 Drawing: TypeAlias = DifferenceBars | SpeedCurves | SpeedLoadMap | RunCurves | CycleCurves | RowMarks

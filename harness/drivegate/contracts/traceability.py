@@ -33,7 +33,6 @@ def families_of(check: str, contract: str = "current") -> tuple[str, ...]:
 
 
 def facts_of(check: Check) -> tuple[Fact, ...]:
-    """List the facts that a check rests on."""
     named = check.source.split(", ")
     return tuple(fact for fact in facts() if fact.id in named)
 

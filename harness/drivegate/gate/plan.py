@@ -12,9 +12,8 @@ from drivegate.candidates.kinds import KINDS
 from drivegate.candidates.python.bridge import PythonController
 from drivegate.candidates.step_costs import greatest_costs
 from drivegate.checks.check import JudgedRun, ShardOutcome
-from drivegate.checks.every_contract import LARGEST_SHARE, TIM_1
+from drivegate.checks.every_contract import LARGEST_SHARE, TIM_1, counted_margin
 from drivegate.checks.margin import Margin, below
-from drivegate.checks.target_costs import counted_margin
 from drivegate.containment.contained_controller import ContainedController
 from drivegate.containment.messages import AnyController, Job, JudgedCandidate
 from drivegate.contracts.catalogue import contract_of

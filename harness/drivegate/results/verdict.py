@@ -9,8 +9,8 @@ from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.fault import Fault
 from drivegate.candidates.step_costs import StepCosts, greatest_costs
 from drivegate.checks.check import Check, JudgedRun
+from drivegate.checks.every_contract import costs_in_words, on_target
 from drivegate.checks.margin import Margin
-from drivegate.checks.target_costs import costs_in_words, on_target
 from drivegate.contracts.catalogue import all_checks, contract_of, on_drive
 from drivegate.results.document import CheckSection, ComparisonSection
 from drivegate.results.result import MOST_MARGINS, STALE_WAIVERS, counted_levels

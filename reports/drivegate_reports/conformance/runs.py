@@ -14,7 +14,6 @@ from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.contract import Columns, Contract, RecordedTrace
 from drivegate.contracts.current.words import run_signals
 from drivegate.contracts.drawings import TIME, Panel, panels_for
-from drivegate.contracts.duty.words import duty_signals
 from drivegate.contracts.recorded_trace import recorded_closeup, recorded_trace
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.documents.wording import counted
@@ -138,9 +137,8 @@ def _figure(trace: RecordedTrace, name: str) -> PageFigure:
 
 
 def _duty_figure(trace: RecordedTrace, name: str) -> PageFigure:
-    signals = duty_signals(trace)
-    title, words = f"Run {clean(signals.scenario.name)}", duty_run.alternative(signals)
-    return page_figure(name, title, lambda: duty_run.draw(signals), words, duty_run.CAPTION)
+    title, words = f"Run {clean(trace.scenario.name)}", duty_run.alternative(trace)
+    return page_figure(name, title, lambda: duty_run.draw(trace), words, duty_run.CAPTION)
 
 
 def _ripple_figure(check: Mapping[str, Any], trace: RecordedTrace) -> PageFigure | None:

@@ -44,12 +44,7 @@ class _CurrentContract(CurrentColumns):
     rehearsed = "published"
     witnesses = (
         Witness("reference", _KINDS),
-        Witness(
-            "informed",
-            _KINDS,
-            knows_plant=True,
-            made_for=InformedController,
-        ),
+        Witness("informed", _KINDS, knows_plant=True, made_for=InformedController),
     )
     checks = CHECKS
     families = (

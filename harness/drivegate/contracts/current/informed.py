@@ -60,7 +60,6 @@ class InformedController:
         self._place = 0
 
     def step(self, sense: Sense) -> Command:
-        """Return the command of a control period."""
         plate = self._plate
         error = sense.speed_reference - sense.speed
         wanted = self._integral + self._integral_step * error

@@ -50,7 +50,6 @@ def numbers(drive: DriveDocument, _declaration: Declaration) -> dict[str, str]:
 
 
 def sensors_of(drive: DriveDocument) -> str:
-    """State what sensors a drive has."""
     return _SENSORS[real_sensors(drive).kind]
 
 

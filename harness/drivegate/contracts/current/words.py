@@ -36,7 +36,6 @@ class RunSignals:
     """A run's signals, and the stretch that a check was judged on."""
 
     scenario: Scenario
-    """What was run."""
     time_s: NDArray[np.float64]
     """Middle of each point's stretch (s), shape (n,)."""
     speed_reference_rpm: NDArray[np.float64]
@@ -65,7 +64,6 @@ class RunSignals:
 
 
 def run_signals(trace: RecordedTrace) -> RunSignals:
-    """Return the signals of a recorded run."""
     return RunSignals(scenario=trace.scenario, judged_s=trace.judged_s, **trace.columns)
 
 
@@ -130,9 +128,9 @@ def _answers(scenario: Scenario, dwell: Dwell) -> JudgedPoint | None:
 
 
 def account(signals: RunSignals) -> tuple[str, ...]:
-    """Return an account of a run."""
     point = judged_point(signals)
-    sentences = [_what_was_run(signals)]
+    words = titled(signals.scenario).description.rstrip(".")
+    sentences = [f"Run: {words}; {signals.scenario.duration_s:g} s."]
     if lost_at(signals) is None:
         sentences += _held(signals)
     else:
@@ -146,20 +144,9 @@ def lost_at(signals: RunSignals) -> float | None:
     return _lasting(signals, np.abs(signals.speed_error_rpm) > _band_rpm(signals), begin)
 
 
-def passes_edge(signals: RunSignals) -> bool:
-    """Return True if the angle passed the smallest one that gives the judged load."""
-    point = judged_point(signals)
-    return point is not None and bool(_edge_passed(signals, point))
-
-
 def _band_rpm(signals: RunSignals) -> float:
     """k1: the speed error that the checks of convergence allow (rpm)."""
     return limits_of(signals.scenario.drive).speed_tolerance_rpm
-
-
-def _what_was_run(signals: RunSignals) -> str:
-    words = titled(signals.scenario).description.rstrip(".")
-    return f"Run: {words}; {signals.scenario.duration_s:g} s."
 
 
 def _loaded_from(signals: RunSignals, point: JudgedPoint | None) -> float:
@@ -179,7 +166,8 @@ def _lost(signals: RunSignals, point: JudgedPoint | None) -> list[str]:
     if (when := _lasting(signals, signals.current_reference_a > 0.999 * limit, begin)) is not None:
         events.append((when, f"at {when:.2f} s the current reference reached its limit of {limit:g} A"))
     if (when := _lasting(signals, np.abs(signals.speed_error_rpm) > _band_rpm(signals), begin)) is not None:
-        way = "below" if _value_at(signals, signals.speed_error_rpm, when + LASTING_S) < 0.0 else "above"
+        later = float(np.interp(when + LASTING_S, signals.time_s, signals.speed_error_rpm))
+        way = "below" if later < 0.0 else "above"
         events.append(
             (
                 when,
@@ -187,8 +175,8 @@ def _lost(signals: RunSignals, point: JudgedPoint | None) -> list[str]:
             )
         )
     events += _rest(signals)
-    sentences = [_sentence(text) for _, text in sorted(events, key=lambda event: event[0])]
-    return [*sentences, _end(signals)]
+    texts = [text for _, text in sorted(events, key=lambda event: event[0])]
+    return [*(f"{text[0].upper()}{text[1:]}." for text in texts), _end(signals)]
 
 
 def _not_to_blame(signals: RunSignals) -> list[str]:
@@ -287,21 +275,14 @@ def _lasting(signals: RunSignals, holds: NDArray[np.bool_], begin: float) -> flo
     return float(signals.time_s[starts[longest]]) if lengths[longest] >= LASTING_S else None
 
 
-def _value_at(signals: RunSignals, values: NDArray[np.float64], time: float) -> float:
-    return float(np.interp(time, signals.time_s, values))
-
-
-def _sentence(text: str) -> str:
-    return f"{text[0].upper()}{text[1:]}."
-
-
 def loss_of_speed(signals: RunSignals) -> str | None:
     """Return how the speed was lost; None where it was maintained."""
     if lost_at(signals) is None:
         return None
     if abs(signals.speed_rpm[-1]) < _STANDING * float(np.max(np.abs(signals.speed_reference_rpm))):
         return "the motor stalls"
-    if passes_edge(signals):
+    point = judged_point(signals)
+    if point is not None and _edge_passed(signals, point):
         return "the search takes the angle past the feasible edge, and the speed is lost"
     limit = signals.scenario.drive.rating.current_limit_a
     if signals.speed_error_rpm[-1] < 0.0 and signals.current_reference_a[-1] > 0.999 * limit:

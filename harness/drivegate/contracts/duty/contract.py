@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 from drivegate.candidates.declaration import Declaration
 from drivegate.checks.check import Record
 from drivegate.containment.messages import AnyController
-from drivegate.contracts.contract import RecordedTrace, Witness
+from drivegate.contracts.contract import Witness
 from drivegate.contracts.duty.checks.catalogue import DUTY_CHECKS
 from drivegate.contracts.duty.columns import DutyColumns
 from drivegate.contracts.duty.current_reference import STEPPED, is_current_in_reach, without_weakening
@@ -27,7 +27,7 @@ from drivegate.contracts.duty.scenarios.feasibility import unfair_because
 from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios
 from drivegate.contracts.duty.scenarios.simplification import DUTY_SIMPLIFICATIONS
 from drivegate.contracts.duty.timed_steps import duty_step_seconds, given_duty_steps
-from drivegate.contracts.duty.words import duty_account, duty_signals
+from drivegate.contracts.duty.words import account
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.contract.duty.signals import DutyNameplate
@@ -56,13 +56,7 @@ class _DutyContract(DutyColumns):
         # This is the first one but for the currents that it chooses.
         Witness("foc-loss-model", _KINDS, only_on=("EFF-1",)),
         # This detects no failure.
-        Witness(
-            "informed",
-            _KINDS,
-            knows_plant=True,
-            made_for=InformedController,
-            silent_on=("SAF-1",),
-        ),
+        Witness("informed", _KINDS, knows_plant=True, made_for=InformedController, silent_on=("SAF-1",)),
     )
     checks = DUTY_CHECKS
     families = (
@@ -100,6 +94,7 @@ class _DutyContract(DutyColumns):
     plant_state = staticmethod(plant_state)
     signals = staticmethod(signals)
     likely_causes = staticmethod(likely_causes_in_words)
+    account = staticmethod(account)
     summary = staticmethod(summary)
     observe = staticmethod(observe)
 
@@ -151,9 +146,6 @@ class _DutyContract(DutyColumns):
 
     def nameplate(self, scenario: Scenario, **options: Any) -> DutyNameplate:
         return duty_nameplate(scenario, **options)
-
-    def account(self, trace: RecordedTrace) -> tuple[str, ...]:
-        return duty_account(duty_signals(trace))
 
     def comparison(self) -> Comparison:
         from drivegate.contracts.duty.comparison.declaration import COMPARISON

@@ -65,7 +65,6 @@ def summary(record: DutyRecord) -> Row:
 
 
 def _summary(scenario: Scenario, run: DutyClosedLoopRun) -> Row:
-    """Summarise a run."""
     columns, duration = signals(run), scenario.duration_s
     return {
         "steps": len(run.trace),
@@ -82,7 +81,6 @@ def _summary(scenario: Scenario, run: DutyClosedLoopRun) -> Row:
 
 
 def _windows(record: DutyRecord) -> list[Row]:
-    """Summarise the stretches in which a steady state is judged."""
     return [
         {
             "start_s": window.start_s,

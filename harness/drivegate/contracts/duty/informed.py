@@ -69,7 +69,6 @@ class InformedController:
         self._angle: float | None = None
 
     def step(self, sense: DutySense) -> DutyCommand:
-        """Return the command of a control period."""
         drive = self._drive(sense.time - self._start)
         speed, angle = drive.pole_pairs * sense.speed, self._electrical_angle(drive.pole_pairs, sense)
         link = max(sense.supply_voltage, 1e-9)
@@ -96,7 +95,8 @@ class InformedController:
             self._predicted = self._next(drive, now, voltage, speed)
         self._acting = [*self._acting, at_rest][1:] if self._delay else []
         phases = middle * _turn(angle + (self._delay + 0.5) * turn)
-        per_ampere = 1.5 * drive.pole_pairs * (drive.magnet_flux + self._saliency(drive) * currents.real)
+        saliency = drive.direct_inductance - drive.quadrature_inductance
+        per_ampere = 1.5 * drive.pole_pairs * (drive.magnet_flux + saliency * currents.real)
         return DutyCommand(
             duty_ratios=self._ratios(drive, at_rest, phases, link), torque=per_ampere * currents.imag
         )
@@ -145,10 +145,6 @@ class InformedController:
         if not self._follows_torque and (given == torque or (torque - given) * error < 0.0):
             self._torque += self._speed_step * error
         return complex(state.direct, state.quadrature)
-
-    @staticmethod
-    def _saliency(drive: PmAcDrive) -> float:
-        return drive.direct_inductance - drive.quadrature_inductance
 
     @staticmethod
     def _inductive(drive: PmAcDrive, currents: complex) -> complex:

@@ -21,7 +21,6 @@ class LikelyCause:
     """A cause, and the signs of it."""
 
     words: str
-    """What is wrong, in one clause."""
     signs: frozenset[str]
     """What fails: checks, each with what its measured value shows where that distinguishes causes."""
     confirmed_by: str
@@ -35,8 +34,8 @@ class LikelyCause:
         return self.confirmed_by.split()[0]
 
 
-def _cause(words: str, signs: str, confirmed_by: str, *faults: str) -> LikelyCause:
-    return LikelyCause(words, frozenset(signs.split()), confirmed_by, faults)
+def _cause(words: str, signs: str, confirmed_by: str, faults: str) -> LikelyCause:
+    return LikelyCause(words, frozenset(signs.split()), confirmed_by, tuple(faults.split()))
 
 
 LIKELY_CAUSES: Final = (
@@ -45,118 +44,86 @@ LIKELY_CAUSES: Final = (
         "ACC-1 ACC-1:torque DEC-1 EFF-1 FWK-1 FWK-3 FWK-3:braking OVC-1 OVC-2 ROB-4 ROB-4:error ROB-5 SAF-1 STA-1 "
         "STP-1 STP-1:late",
         "STA-1 confirms it: the shaft does not start, or turns backward",
-        "wrong-pole-pairs",
-        "swapped-phases",
-        "reversed-currents",
-        "swapped-hall-switches",
-        "short-encoder-counter",
+        "wrong-pole-pairs swapped-phases reversed-currents swapped-hall-switches short-encoder-counter",
     ),
     _cause(
         "a current sensor has an offset",
         "ACC-1 EFF-1 FWK-1 OVC-2 RIP-4 ROB-4 ROB-5 STP-1",
         "RIP-4 confirms it: the torque swings once a cycle",
-        "current-sensor-offset",
-        "small-current-offset",
-        "offsets-under-current",
-        "offsets-after-idling",
+        "current-sensor-offset small-current-offset offsets-under-current offsets-after-idling",
     ),
     _cause(
         "currents or torque are scaled wrong, by a sensor's gain or the magnet's flux",
         "ACC-1 ACC-1:torque EST-1 ROB-5 STP-1 STP-1:late",
         "ACC-1 confirms it: the torque is off in proportion to its reference",
-        "current-sensor-gain",
-        "weak-magnets-assumed",
-        "current-sensors-low",
-        "swings-damped-one-way",
+        "current-sensor-gain weak-magnets-assumed current-sensors-low swings-damped-one-way",
     ),
     _cause(
         "the angle of the shaft has an offset",
         "ACC-1 ACC-1:torque FWK-1 FWK-2 FWK-2:negative SYM-1",
         "SYM-1 confirms it: a run backward is not the mirror image",
-        "angle-offset",
-        "start-angle-assumed",
-        "phase-after-false-edges",
+        "angle-offset start-angle-assumed phase-after-false-edges",
     ),
     _cause(
         "the inductances of d and q are swapped or taken for equal, or the d current has the wrong sign",
         "ACC-1 EFF-1 FWK-2 FWK-2:positive MTP-1 OVC-1 OVC-2 STP-1 STP-1:late",
         "MTP-1 confirms it: the torque takes more than its least current",
-        "saliency-ignored",
-        "swapped-axes",
-        "direct-inductance-doubled",
-        "field-strengthened",
+        "saliency-ignored swapped-axes direct-inductance-doubled field-strengthened",
     ),
     _cause(
         "weakening stays on where the voltage is free",
         "ACC-1 EFF-1 FWK-2 FWK-2:negative MTP-1 OVC-2 STP-1 STP-1:late",
         "FWK-2 confirms it: there is d current at standstill",
-        "stuck-weakening",
-        "strong-magnets-assumed",
-        "weakening-kept-near-base",
+        "stuck-weakening strong-magnets-assumed weakening-kept-near-base",
     ),
     _cause(
         "the current regulator is too slow, or its voltage is limited too early",
         "DEC-1 STP-1 STP-1:late",
         "STP-1 confirms it: the torque rises late",
-        "slow-currents",
-        "clamped-phases",
+        "slow-currents clamped-phases",
     ),
     _cause(
         "the gains of the current regulator are too high",
         "DEC-1 STP-1 STP-1:overshoot",
         "STP-1 confirms it: the torque overshoots",
-        "nervous-currents",
-        "eager-integrals",
+        "nervous-currents eager-integrals",
     ),
     _cause(
         "the delay of a control period is not compensated, or by the wrong angle",
         "DEC-1 FWK-3 FWK-3:braking",
         "DEC-1 confirms it: a step of the torque moves the d current",
-        "delay-turned-back",
-        "delay-overcompensated",
-        "late-samples",
-        "one-way-prediction",
+        "delay-turned-back delay-overcompensated late-samples one-way-prediction",
     ),
     _cause(
         "the speed or its regulator is wrong, in scale or integral part",
         "ACC-1 ACC-1:speed ROB-4 ROB-4:error ROB-5",
         "ROB-4 confirms it: the speed is off",
-        "speed-misread",
-        "no-speed-integral",
-        "slow-torque",
-        "speed-clipped",
+        "speed-misread no-speed-integral slow-torque speed-clipped",
     ),
     _cause(
         "the speed regulator assumes another inertia",
         "ROB-4 ROB-4:overshoot",
         "ROB-4 confirms it: the speed overshoots with another inertia",
-        "light-rotor-assumed",
-        "heavy-rotor-assumed",
+        "light-rotor-assumed heavy-rotor-assumed",
     ),
     _cause(
         "less voltage or current is used than there is",
         "FWK-1 FWK-2 FWK-2:negative",
         "FWK-1 confirms it: torque is missing above base speed",
-        "supply-underestimated",
-        "resistance-overestimated",
-        "shallow-weakening",
-        "shrunken-ratios",
-        "shy-current-limit",
+        "supply-underestimated resistance-overestimated shallow-weakening shrunken-ratios shy-current-limit "
         "braking-reserve",
     ),
     _cause(
         "the current limit is taken too high",
         "FWK-3 FWK-3:current OVC-1 OVC-2",
         "OVC-2 confirms it: the steady current exceeds the limit",
-        "generous-current-limit",
-        "lenient-current-limit",
+        "generous-current-limit lenient-current-limit",
     ),
     _cause(
         "commands are not limited to what the bridge can do",
         "DUT-1",
         "DUT-1 confirms it: duty ratios or control period leave their range",
-        "unclamped-ratios",
-        "long-period",
+        "unclamped-ratios long-period",
     ),
     _cause(
         "dead time is not compensated, or too much",
@@ -174,41 +141,22 @@ LIKELY_CAUSES: Final = (
         "a failure is detected late, not at all, or where there is none",
         "SAF-1",
         "SAF-1 confirms it: the drive is not safe in time",
-        "third-current-computed",
-        "patient-stall-watch",
-        "hall-edges-counted",
-        "hall-edge-awaited",
-        "jump-of-angle-believed",
-        "undervoltage-at-once",
-        "lost-currents-trip",
-        "false-edges-trip",
-        "swinging-speed-trips",
-        "impatient-stall-watch",
-        "jumps-of-angle-smoothed",
-        "sag-taken-for-short-circuit",
-        "lift-taken-for-broken-coupling",
+        "third-current-computed patient-stall-watch hall-edges-counted hall-edge-awaited jump-of-angle-believed "
+        "undervoltage-at-once lost-currents-trip false-edges-trip swinging-speed-trips impatient-stall-watch "
+        "jumps-of-angle-smoothed sag-taken-for-short-circuit lift-taken-for-broken-coupling",
     ),
     _cause(
         "a reset leaves part of the state as it was",
         "DET-1",
         "DET-1 confirms it: the same run differs the second time",
-        "failure-survives-reset",
-        "lost-samples-add-up",
+        "failure-survives-reset lost-samples-add-up",
     ),
     _cause(
         "part of the range of references is refused or limited",
         "ACC-1",
         "ACC-1 confirms it: only some speeds or signs of torque are off",
-        "weak-braking",
-        "braking-cut-off",
-        "slow-shaft-unseen",
-        "idle-speed-forced",
-        "backward-refused",
-        "microseconds-signed",
-        "overvoltage-ends-braking",
-        "reference-clipped",
-        "lowering-refused",
-        "reference-missed-with-link",
+        "weak-braking braking-cut-off slow-shaft-unseen idle-speed-forced backward-refused microseconds-signed "
+        "overvoltage-ends-braking reference-clipped lowering-refused reference-missed-with-link "
         "reference-missed-with-sample",
     ),
 )
@@ -227,7 +175,6 @@ _DIRECT: Final = re.compile(r"d current (\S+) A, (\S+) A is best")
 
 
 def signs_of(checks: Iterable[Mapping[str, Any]]) -> frozenset[str]:
-    """Return the signs of failed checks."""
     return frozenset(sign for check in checks for sign in _signs(str(check["id"]), str(check["measured"])))
 
 

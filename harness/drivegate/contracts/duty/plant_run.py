@@ -1,7 +1,4 @@
-"""A run on a PM AC drive: the sensors and the failure of a scenario, and what answers it.
-
-The plant is imported here alone: runs of other kinds of drives import the rest of this contract, but never its plant.
-"""
+"""A run on a PM AC drive: the sensors and the failure of a scenario, and what answers it."""
 
 from __future__ import annotations
 
@@ -140,7 +137,6 @@ def _encoder(scenario: Scenario, given: ShuntSensors) -> Encoder:
 
 
 def _duty_failure(scenario: Scenario) -> failure.Failure:
-    """Make what fails."""
     given = scenario.failure
     if given is None:
         return failure.make_failure()

@@ -73,7 +73,6 @@ class DutyRecord(Record):
 
     # A run of duty ratios has columns of its own; the checks that take this record know no other.
     run: DutyClosedLoopRun
-    """What was observed."""
     other_dead_time: DutyRecord | None = None
     """The same run on the drive with another dead time, where there is one to compare with."""
     mirror: DutyRecord | None = None
@@ -81,12 +80,10 @@ class DutyRecord(Record):
 
     @property
     def document(self) -> PmAcDocument:
-        """The drive's document."""
         return duty_document(self.scenario.drive)
 
     @property
     def plant(self) -> PmAcDrive:
-        """The plant that the run was made on."""
         drive: Any = self.drive
         plant: PmAcDrive = drive
         return plant
@@ -112,7 +109,6 @@ class DutyRecord(Record):
 
     @property
     def fails(self) -> bool:
-        """Whether something fails in the run."""
         return self.scenario.failure is not None
 
     @property
@@ -190,7 +186,6 @@ class _PartialRecord(DutyRecord):
     """A run of which only some of the steady stretches are shown."""
 
     shown: tuple[DutyWindow, ...] = ()
-    """These stretches."""
 
     @cached_property
     def steady(self) -> tuple[DutyWindow, ...]:

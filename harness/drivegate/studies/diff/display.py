@@ -10,7 +10,7 @@ import numpy as np
 from rich.console import Console
 
 from drivegate.candidates.step_costs import StepCosts
-from drivegate.checks.target_costs import costs_in_words
+from drivegate.checks.every_contract import costs_in_words
 from drivegate.contracts.contract import Contract
 from drivegate.output.console import plain, print_ending, print_line, table
 from drivegate.output.figures import figure_file, side_legend

@@ -30,7 +30,6 @@ def angle_below_base(record: CurrentRecord) -> Margin | None:
 
 
 def angle_range(record: CurrentRecord) -> Margin:
-    """Judge the range of the advance angle."""
     lowest = record.run.observed.angle_lowest
     highest = record.run.observed.angle_highest
     value = normalised(min(lowest, LARGEST_ANGLE - highest), LARGEST_ANGLE)
@@ -84,7 +83,6 @@ def _in_words(angle: float, digits: int) -> str:
 
 
 def reference_range(record: CurrentRecord) -> Margin:
-    """Judge the range of the current reference."""
     limit = record.scenario.drive.rating.current_limit_a
     lowest = record.run.observed.reference_lowest
     highest = record.run.observed.reference_highest

@@ -46,7 +46,6 @@ def speed_tolerance(window: SteadyWindow) -> float:
 
 
 def is_stalled(window: SteadyWindow) -> bool:
-    """Return True if the shaft stood."""
     return window.speed > 0.0 and window.values.speed_error >= _STALLED_SHARE * window.speed
 
 
@@ -124,7 +123,6 @@ def is_feasible(window: SteadyWindow) -> bool:
 
 
 def worst_convergence(check: str, windows: Iterable[SteadyWindow]) -> Margin | None:
-    """Judge whether the search has converged in every window."""
     margins = []
     for window in windows:
         if not window.is_loaded:

@@ -16,7 +16,6 @@ NEUTRAL_TOLERANCE = 1e-9
 
 
 def peak_current(record: CurrentRecord) -> Margin:
-    """Judge the greatest phase current, overshoot through the diodes included."""
     drive = record.scenario.drive
     # The band's edge itself is met to rounding.
     allowed = (drive.rating.current_limit_a + drive.inverter.hysteresis_band_a) * (1.0 + ROUNDING)
@@ -47,7 +46,6 @@ CUR_1 = Check(
 
 
 def isolated_neutral(record: CurrentRecord) -> Margin | None:
-    """Judge the sum of the phase currents, and the charge that each half of the link gives."""
     if record.scenario.drive.has_split_supply:
         return None
     observed = record.run.observed

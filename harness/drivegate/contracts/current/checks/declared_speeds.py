@@ -17,27 +17,22 @@ JudgedSpeeds: TypeAlias = Callable[[DriveDocument], SpeedRange]
 
 
 def below_base(drive: DriveDocument) -> SpeedRange:
-    """Return the speeds below base speed."""
     return 0.0, math.nextafter(drive.rating.base_speed_rpm, 0.0)
 
 
 def above_base(drive: DriveDocument) -> SpeedRange:
-    """Return the speeds above base speed."""
     return drive.rating.base_speed_rpm, math.inf
 
 
 def constant_power(drive: DriveDocument) -> SpeedRange:
-    """Return the speeds at which constant power is required."""
     return scale_of(drive).lowest_loaded_rpm, drive.rating.highest_speed_rpm
 
 
 def beyond_constant_power(drive: DriveDocument) -> SpeedRange:
-    """Return the speeds at which constant power is advised."""
     return math.nextafter(drive.rating.highest_speed_rpm, math.inf), drive.rating.overspeed_rpm
 
 
 def required_points(drive: DriveDocument) -> SpeedRange:
-    """Return the range of the speeds of the required points."""
     speeds = [point.speed_rpm for point in points_of(drive)]
     return min(speeds), max(speeds)
 

@@ -31,7 +31,6 @@ def exchanged_power(record: CurrentRecord) -> Margin:
 
 
 def estimated_power(record: CurrentRecord) -> Margin | None:
-    """Judge a candidate's estimate of its input power."""
     if record.run.observed.power_estimates == 0.0:
         if record.declaration.estimates_power:
             return Margin("PWR-2", -1.0, "declared, but every estimate is NaN")

@@ -15,7 +15,6 @@ _ROUNDING = 1e-6
 
 
 def torque_sign(record: CurrentRecord) -> Margin | None:
-    """Judge the least torque of the closed loop's steady stretches under half load and more."""
     return worst_required([_margin(window) for window in record.nominal_windows() if _is_judged(window)])
 
 

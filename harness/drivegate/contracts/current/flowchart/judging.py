@@ -45,10 +45,9 @@ _FAR_OUT: Final = 1e6
 
 @dataclass(frozen=True)
 class ScriptVerdict:
-    """What a script came to."""
+    """The verdict on a script."""
 
     margin: Margin
-    """The margin of FLO-1."""
     rows: int
     """Number of rows up to the first departure from the flowchart; all of them where there is none."""
 
@@ -140,7 +139,6 @@ class _ScriptRun:
         return self.decision + number * self.interval
 
     def row(self, number: int) -> int:
-        """Return the row that a decision is made in."""
         return max(number - FREE_DECISIONS + 1, 0)
 
     def deviations(self, searches: frozenset[SearchState], begin: int, end: int) -> dict[float, float]:

@@ -27,9 +27,7 @@ class ScriptRuns:
     """Scripts to be run with a candidate of the profile `flowchart`."""
 
     drive: DriveDocument
-    """The drive."""
     seed: int
-    """Seed of the drawn scripts."""
     examples: int
     """Number of scripts to draw, besides the fixed ones."""
 
@@ -106,7 +104,6 @@ def _drawn(scripts: SearchStrategy[Script], plan: ScriptRuns) -> list[Script]:
 
 
 def script_margin(loaded: JudgedCandidate, script: Script) -> Margin | None:
-    """Judge a candidate on one script."""
     profile = loaded.candidate.declaration.flowchart
     if profile is None:
         return None
@@ -159,7 +156,6 @@ def _simpler_rows(row: ScriptRow, first: ScriptRow) -> Iterator[ScriptRow]:
 def _drawn_scripts(
     drive: DriveDocument, profile: FlowchartProfile, speed_range_rpm: tuple[float, float] | None
 ) -> SearchStrategy[Script]:
-    """Draw scripts."""
     lowest, highest = speed_range_rpm or (0.0, math.inf)
     scale = scale_of(drive)
     step = scale.speed_step_rpm

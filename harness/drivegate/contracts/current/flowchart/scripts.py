@@ -102,7 +102,6 @@ def probe(drive: DriveDocument, profile: FlowchartProfile, speed_rpm: float) -> 
 
 
 def usual_speed(drive: DriveDocument, speed_range_rpm: tuple[float, float] | None) -> float | None:
-    """Choose the speed of the fixed scripts."""
     slowest, fastest = speed_range_rpm or (0.0, math.inf)
     scale = scale_of(drive)
     speed = min(max(scale.highest_loaded_rpm, slowest), fastest)

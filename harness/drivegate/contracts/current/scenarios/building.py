@@ -26,7 +26,6 @@ def coming_on(drive: DriveDocument) -> Profile:
 def steady_scenario(
     drive: DriveDocument, speed_rpm: float, *, power_share: float, constant_power: bool
 ) -> Scenario:
-    """Make a run at one speed under one load."""
     scale = scale_of(drive)
     power = tidy(drive.rating.rated_power_w * power_share)
     load: ConstantPowerLoad | ConstantTorqueLoad

@@ -232,16 +232,6 @@ def _lost_s(run: Scenario, random: Random) -> float:
     return tidy(scale_of(run.drive).dropout_step_s * random.choice((1, 5, 10, 20)))
 
 
-def _with_friction(run: Scenario, random: Random) -> Scenario:
-    step = scale_of(run.drive).torque_step_nm
-    return with_scales(run, friction_added_n_m=tidy(step * random.choice((1, 3, 5))))
-
-
-def _with_offset(run: Scenario, random: Random) -> Scenario:
-    phase, step = _phase(run, random), scale_of(run.drive).offset_step_a
-    return with_current_error(run, phase, offset_a=tidy(step * random.choice((-10, -5, 5, 10))))
-
-
 def _times(run: Scenario, at: float) -> tuple[float, ...]:
     return moments(at, every_s=scale_of(run.drive).repeated_every_s)
 
@@ -259,14 +249,20 @@ _PLANTS: Final[Mapping[str, Change]] = {
     "resistance": lambda run, random, _: with_scales(run, resistance=random.choice((0.5, 1.5, 2.0))),
     "inductance": lambda run, random, _: with_scales(run, inductance=random.choice((0.8, 1.1, 1.2))),
     "EMF": lambda run, random, _: with_scales(run, emf_constant=random.choice((0.95, 1.05))),
-    "friction": lambda run, random, _: _with_friction(run, random),
+    "friction": lambda run, random, _: with_scales(
+        run, friction_added_n_m=tidy(scale_of(run.drive).torque_step_nm * random.choice((1, 3, 5)))
+    ),
 }
 _SENSORS: Final[Mapping[str, Change]] = {
     "real": lambda run, random, _: with_real_sensors(run, random.randrange(1000)),
     "gain of a phase": lambda run, random, _: with_current_error(
         run, _phase(run, random), gain=random.choice((0.8, 0.9, 1.1, 1.2))
     ),
-    "offset of a phase": lambda run, random, _: _with_offset(run, random),
+    "offset of a phase": lambda run, random, _: with_current_error(
+        run,
+        _phase(run, random),
+        offset_a=tidy(scale_of(run.drive).offset_step_a * random.choice((-10, -5, 5, 10))),
+    ),
 }
 _SUPPLIES: Final[Mapping[str, Change]] = {
     "dip": lambda run, random, at: with_supply(

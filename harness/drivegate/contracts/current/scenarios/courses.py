@@ -35,13 +35,10 @@ class ProfileCourse:
     """A profile as its first value and its changes."""
 
     first: float
-    """Value at the start."""
     changes: tuple[Change, ...]
-    """In order of time."""
 
     @classmethod
     def of(cls, profile: Profile) -> ProfileCourse:
-        """Read a profile."""
         changes = [
             Change(start, end, after)
             for (start, before), (end, after) in pairwise(profile)
@@ -50,7 +47,6 @@ class ProfileCourse:
         return cls(profile[0][1], tuple(changes))
 
     def profile(self) -> Profile:
-        """Write the course as a profile."""
         points = [(0.0, self.first)]
         for change in self.changes:
             for point in ((change.start, points[-1][1]), (change.end, change.value)):
@@ -59,11 +55,9 @@ class ProfileCourse:
         return tuple(points)
 
     def values(self) -> tuple[float, ...]:
-        """Return the values that it goes through."""
         return self.first, *(change.value for change in self.changes)
 
     def steadier(self) -> Iterator[ProfileCourse]:
-        """Leave changes out."""
         for value in dict.fromkeys(reversed(self.values())):
             yield ProfileCourse(value, ())
         for index, change in enumerate(self.changes):
@@ -82,7 +76,6 @@ class ProfileCourse:
         value: Callable[[float], float] = lambda value: value,
         time: Callable[[float], float] = lambda time: time,
     ) -> ProfileCourse:
-        """Change all values or all times."""
         changes = (
             Change(time(change.start), time(change.end), value(change.value)) for change in self.changes
         )
@@ -94,10 +87,8 @@ class ProfileCourse:
 
 
 def course_of(scenario: Scenario, quantity: str) -> ProfileCourse:
-    """Read one of a scenario's profiles."""
     return ProfileCourse.of(COURSES[quantity].profile(scenario))
 
 
 def fields_of(scenario: Scenario, quantity: str, course: ProfileCourse) -> dict[str, Any]:
-    """Write one of a scenario's profiles."""
     return COURSES[quantity].fields(scenario, course.profile())

@@ -64,15 +64,11 @@ def is_feasible(scenario: Scenario) -> bool:
     Every corner of the profiles counts, however short the time spent there; a rising speed reference requires
     the torque that accelerates too. Unequal halves of the supply count as both the weaker one.
     """
-    if isinstance(scenario.load, LockedLoad):
-        return True
     return all(_reaches(scenario, corner, accelerating) for corner, accelerating in _demands(scenario))
 
 
 def coasts(scenario: Scenario) -> bool:
     """Return True if the speed reference never falls faster than the shaft does by itself."""
-    if isinstance(scenario.load, LockedLoad):
-        return True
     inertia = scenario.nameplate().inertia
     for stretch in _stretches(scenario):
         fall = (stretch.first.speed_rpm - stretch.last.speed_rpm) * RADIANS_PER_RPM
@@ -80,7 +76,12 @@ def coasts(scenario: Scenario) -> bool:
             continue
         if stretch.duration == 0.0:
             return False
-        drag = min(_drag(scenario, end) for end in (stretch.first, stretch.last))
+        # What slows the shaft while no phase carries current (N m): the load, and the drive's own drag.
+        drag = min(
+            dwell_torque(scenario, end)
+            + _own_drag(_drive(scenario.drive, end.scales), end.speed_rpm * RADIANS_PER_RPM)
+            for end in (stretch.first, stretch.last)
+        )
         if fall * inertia > drag * stretch.duration * (1.0 + _ROUNDING):
             return False
     return True
@@ -88,8 +89,6 @@ def coasts(scenario: Scenario) -> bool:
 
 def is_driven_without_advance(scenario: Scenario) -> bool:
     """Return True if an angle of zero gives the torque wherever the reference is, or rises from, below base speed."""
-    if isinstance(scenario.load, LockedLoad):
-        return True
     base = scenario.drive.rating.base_speed_rpm
     return all(
         _reaches(scenario, conditions, accelerating, without_advance=True)
@@ -103,8 +102,6 @@ def withstands_steps(scenario: Scenario) -> bool:
 
     To a controller that is restarted the whole load comes at once.
     """
-    if isinstance(scenario.load, LockedLoad):
-        return True
     steps = [(stretch.first, stretch.last) for stretch in _stretches(scenario) if stretch.duration == 0.0]
     added = [(first, _torque_added(scenario, first, last)) for first, last in steps]
     for time in scenario.restarts_s:
@@ -126,12 +123,10 @@ def _stays_fast(scenario: Scenario, conditions: Dwell, torque: float) -> bool:
 
 
 def is_fair(scenario: Scenario) -> bool:
-    """Return True if a candidate may be judged on a scenario."""
     return unfair_because(scenario) is None
 
 
 def unfair_because(scenario: Scenario) -> str | None:
-    """State why a candidate may not be judged on a scenario."""
     if scenario.initial_speed_rpm != scenario.speed_rpm[0][1]:
         return "it does not start at its speed reference"
     if not is_driven_without_advance(scenario):
@@ -148,7 +143,12 @@ def unfair_because(scenario: Scenario) -> str | None:
 
 
 def _stretches(scenario: Scenario) -> Iterator[_Stretch]:
-    """Cut a run at every corner of its profiles; steps come as pieces of no length."""
+    """Cut a run at every corner of its profiles; steps come as pieces of no length.
+
+    A run with a locked shaft, of which nothing is demanded, has none.
+    """
+    if isinstance(scenario.load, LockedLoad):
+        return
     # What accelerates a shaft is judged by the nameplate's inertia, whatever its own is by then.
     profiles = {name: points for name, points in profiles_of(scenario).items() if name != "inertia"}
     times = breakpoints(tuple(profiles.values()), scenario.duration_s)
@@ -225,12 +225,6 @@ def _sag(scenario: Scenario) -> float:
     scale, plate = scale_of(scenario.drive), scenario.nameplate()
     torque = plate.conducting_phases * plate.emf_constant * plate.current_limit
     return scale.load_ramp_cost_rpm * RADIANS_PER_RPM * torque / scale.rated_torque_nm
-
-
-def _drag(scenario: Scenario, conditions: Dwell) -> float:
-    """Torque that slows the shaft while no phase carries current: the load and the drive's own (N m)."""
-    drive = _drive(scenario.drive, conditions.scales)
-    return dwell_torque(scenario, conditions) + _own_drag(drive, conditions.speed_rpm * RADIANS_PER_RPM)
 
 
 def coasted_rate(drive: DriveDocument, required_rpm_per_s: float) -> float:

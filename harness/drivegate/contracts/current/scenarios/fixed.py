@@ -35,15 +35,21 @@ from drivegate_cases.scenario.sensors import has_encoder, real_sensors
 
 def fixed_scenarios(drive: DriveDocument, speed_range_rpm: SpeedRange | None = None) -> tuple[Scenario, ...]:
     """List the scenarios that every check runs first; speeds are shares of the drive's range."""
-    every = _different(
+    every = (
         *_required_points(drive),
-        *_steady(drive),
+        *(_rated(drive, share) for share in (0.05, 0.2, 0.4, 0.65, 0.85, 1.0)),
+        *(_torque(drive, share, 0.5) for share in (0.1, 0.5, 1.0)),
+        *(_beyond(drive, share) for share in (0.5, 1.0)),
         *_base_speed(drive),
         *_changing(drive),
         *_other_plants(drive),
-        *_other_sensors(drive),
+        with_real_sensors(_rated(drive, 0.2), seed=1),
+        with_real_sensors(_torque(drive, 0.6, 0.5), seed=2),
+        with_real_sensors(_torque(drive, 1.0, 1.0), seed=3),
         *_faults(drive),
     )
+    # Where a range has few speeds, some are the same.
+    every = tuple(dict.fromkeys(reversed(every)))[::-1]
     if speed_range_rpm is None:
         return every
     lowest, highest = loaded_range(drive, speed_range_rpm)
@@ -54,11 +60,6 @@ def fixed_scenarios(drive: DriveDocument, speed_range_rpm: SpeedRange | None = N
     )
     middle = steady_scenario(drive, round(0.5 * (lowest + highest)), power_share=0.5, constant_power=False)
     return inside or (middle,)
-
-
-def _different(*scenarios: Scenario) -> tuple[Scenario, ...]:
-    """Leave out what is the same once more, where a range has few speeds."""
-    return tuple(dict.fromkeys(reversed(scenarios)))[::-1]
 
 
 def _required_points(drive: DriveDocument) -> list[Scenario]:
@@ -91,13 +92,6 @@ def _at_point(case: Scenario, drive: DriveDocument, point: RequiredPoint) -> Sce
 
 def _in_words(point: RequiredPoint) -> str:
     return f"{point.speed_rpm:g} rpm and {point.torque_n_m:g} N·m"
-
-
-def _steady(drive: DriveDocument) -> list[Scenario]:
-    rated = [_rated(drive, share) for share in (0.05, 0.2, 0.4, 0.65, 0.85, 1.0)]
-    beyond = [_beyond(drive, share) for share in (0.5, 1.0)]
-    half = [_torque(drive, share, 0.5) for share in (0.1, 0.5, 1.0)]
-    return [*rated, *half, *beyond]
 
 
 def _rated(drive: DriveDocument, speed_share: float) -> Scenario:
@@ -166,14 +160,6 @@ def _other_plants(drive: DriveDocument) -> list[Scenario]:
         with_scales(_rated(drive, 0.2), emf_constant=0.95),
         with_scales(_torque(drive, 1.0, 0.8), friction_added_n_m=friction),
         lifted_scenario(rising, tidy(at + early), scale.units(1), 0.3),
-    ]
-
-
-def _other_sensors(drive: DriveDocument) -> list[Scenario]:
-    return [
-        with_real_sensors(_rated(drive, 0.2), seed=1),
-        with_real_sensors(_torque(drive, 0.6, 0.5), seed=2),
-        with_real_sensors(_torque(drive, 1.0, 1.0), seed=3),
     ]
 
 

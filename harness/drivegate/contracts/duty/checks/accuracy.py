@@ -29,7 +29,6 @@ GROWTH = 1.5
 
 
 def steady_reference(record: DutyRecord) -> Margin | None:
-    """Judge the mean of the referenced quantity on the nominal drive."""
     return worst(reference_error("ACC-1", record, window, 1.0) for window in record.nominal)
 
 
@@ -72,7 +71,6 @@ ACC_1 = Check(
 
 
 def another_plant(record: DutyRecord) -> Margin | None:
-    """Judge runs of a speed reference whose plant the controller does not know."""
     if record.has_nominal_plant or record.fails:
         return None
     return worst(_margins(record))
@@ -117,7 +115,6 @@ def _swing(record: DutyRecord, window: DutyWindow) -> Margin:
 
 
 def through_sensors(record: DutyRecord) -> Margin | None:
-    """Judge runs whose controller sees currents, link and shaft through sensors."""
     if not record.is_sensed or not record.has_nominal_plant or record.fails:
         return None
     lost = lost_torque_share(record.scenario)

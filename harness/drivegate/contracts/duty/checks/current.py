@@ -57,7 +57,6 @@ def peak_current(record: DutyRecord) -> Margin:
 
 
 def peak_moment(record: DutyRecord) -> Moment:
-    """Show the currents around the greatest one, with its limit."""
     first, period = _first_judged(record), record.scenario.control_period_s
     currents = record.run.column("peak_current")
     place = first + int(np.argmax(currents[first:])) if first < len(currents) else len(currents) - 1
@@ -82,7 +81,6 @@ def _first_judged(record: DutyRecord) -> int:
 
 
 def steady_current(record: DutyRecord) -> Margin | None:
-    """Judge the amplitude of the steady current on the nominal drive."""
     # Without a current that holds the voltage, the drive itself makes the controller exceed the limit.
     return worst(
         _steady_excess(record, window)
@@ -100,7 +98,6 @@ def _steady_excess(record: DutyRecord, window: DutyWindow) -> Margin:
 
 
 def least_current(record: DutyRecord) -> Margin | None:
-    """Judge the current of steady torque where the voltage is free."""
     return worst(_current_excess(record, window) for window in _free_windows(record))
 
 
@@ -136,12 +133,10 @@ def losses(record: DutyRecord, window: DutyWindow) -> tuple[SteadyState, SteadyS
 
 
 def least_loss(record: DutyRecord) -> Margin | None:
-    """Judge the loss of the fundamental at the efficiency points."""
     return worst(_loss_excess(record, window) for window in efficiency_windows(record))
 
 
 def efficiency_windows(record: DutyRecord) -> Iterator[DutyWindow]:
-    """Find the steady states at the efficiency points, on the nominal drive."""
     return (window for window in record.nominal if _is_efficiency_point(record, window))
 
 

@@ -27,7 +27,6 @@ _LEVEL_PERIODS = 25
 
 
 def decoupled_current(record: DutyRecord) -> Margin | None:
-    """Judge how far a step of the torque moves the d current beyond where it was and where it goes."""
     return worst(_moved(record, step) for step in _judged_steps(record))
 
 
@@ -58,12 +57,10 @@ def coupling_moment(record: DutyRecord) -> Moment | None:
 
 
 def _judged_steps(record: DutyRecord) -> Iterator[TorqueStep]:
-    if record.is_nominal:
-        yield from (step for step in torque_steps(record) if _is_judged(record, step))
-
-
-def _is_judged(record: DutyRecord, step: TorqueStep) -> bool:
-    return is_free(record, step) and voltage_time_s(record, step) <= LINEAR_SHARE * record.limits.rise_time_s
+    longest = LINEAR_SHARE * record.limits.rise_time_s
+    for step in torque_steps(record) if record.is_nominal else ():
+        if is_free(record, step) and voltage_time_s(record, step) <= longest:
+            yield step
 
 
 def _course(

@@ -16,7 +16,6 @@ _ESTIMATE: Final = "torque"
 
 
 def estimated_torque(record: DutyRecord) -> Margin | None:
-    """Judge the mean of the estimate in every steady stretch; None where the controller reports none."""
     return worst(_errors(record))
 
 

@@ -18,7 +18,6 @@ from drivegate_models.contract.duty.signals import LEG_OFF
 
 
 def safe_state(record: DutyRecord) -> Margin | None:
-    """Judge how soon the drive is in a safe state for good, and its torque until then."""
     failure, period = record.scenario.failure, record.scenario.control_period_s
     if failure is None or failure.kind not in record.declaration.detects or not record.has_nominal_plant:
         return None

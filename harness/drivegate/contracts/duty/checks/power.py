@@ -11,7 +11,6 @@ TOLERANCE = 1e-9
 
 
 def balanced_energy(record: DutyRecord) -> Margin:
-    """Judge the plant's energy balance."""
     missed = record.run.worst_balance
     return Margin(
         "PWR-1", at_most(missed, TOLERANCE), f"{missed:.1e} of the throughput" if missed else "exact"

@@ -91,16 +91,11 @@ def _ideal_swing(record: DutyRecord, window: DutyWindow) -> float:
     )
 
 
-def _is_held(record: DutyRecord, window: DutyWindow, most: float) -> bool:
-    """Return True if the speed is near its reference, by a difference (rad/s), throughout a window."""
-    speed = record.run.column("speed")[record.periods(window.start_s, window.end_s)]
-    return bool(np.max(np.abs(speed - window.speed_reference)) <= most)
-
-
 def _is_rippling(record: DutyRecord, window: DutyWindow) -> bool:
     """Return True if a window has the speed, the torque and the voltage by which ripple is judged."""
     base = record.document.rating.base_speed_rpm * RADIANS_PER_RPM
-    if not _is_held(record, window, HELD_SHARE * base):
+    speed = record.run.column("speed")[record.periods(window.start_s, window.end_s)]
+    if np.max(np.abs(speed - window.speed_reference)) > HELD_SHARE * base:
         return False
     is_slow = abs(window.speed) < LEAST_SPEED_SHARE * base
     is_weak = abs(window.torque) < LEAST_TORQUE_SHARE * record.document.rating.rated_torque_nm
@@ -113,7 +108,6 @@ def _is_rippling(record: DutyRecord, window: DutyWindow) -> bool:
 
 
 def modulation_ripple(record: DutyRecord) -> Margin | None:
-    """Judge the torque ripple of steady states where the voltage is not limited."""
     return worst(margin for _, margin in _over_ideal(record))
 
 
@@ -126,7 +120,6 @@ def _over_ideal(record: DutyRecord) -> Iterator[tuple[DutyWindow, Margin | None]
 
 
 def modulation_moment(record: DutyRecord) -> Moment | None:
-    """Show the torque of the steady state that decides."""
     return _moment(record, _over_ideal(record))
 
 
@@ -146,7 +139,6 @@ def _over_free(record: DutyRecord) -> Iterator[tuple[DutyWindow, Margin | None]]
 
 
 def dead_time_moment(record: DutyRecord) -> Moment | None:
-    """Show the torque of the steady state that decides."""
     return _moment(record, _over_free(record))
 
 

@@ -63,7 +63,6 @@ class StepResponse:
     """What follows a step of the torque reference."""
 
     step: TorqueStep
-    """The step."""
     overshoot: float
     """Greatest torque beyond the reference, over the step (1)."""
     rise_s: float
@@ -71,7 +70,6 @@ class StepResponse:
     allowed_s: float
     """Longest time that is allowed (s)."""
     margin: Margin
-    """That of the check."""
 
 
 def step_response(record: DutyRecord) -> Margin | None:
@@ -86,7 +84,6 @@ def decisive_step(record: DutyRecord) -> StepResponse | None:
 
 
 def step_responses(record: DutyRecord) -> Iterator[StepResponse]:
-    """Measure the steps that are judged."""
     if record.is_nominal:
         yield from (_response(record, step) for step in torque_steps(record) if is_free(record, step))
 

@@ -15,7 +15,6 @@ MIRROR_SHARE: Final = 0.02
 
 
 def same_both_ways(record: DutyRecord) -> Margin | None:
-    """Judge mean torque and currents backward by those of the same run forward."""
     if record.mirror is None:
         return None
     pairs = zip(record.steady, record.mirror.steady, strict=True)

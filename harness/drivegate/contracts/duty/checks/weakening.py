@@ -46,7 +46,6 @@ def _unless_weakened(declaration: Declaration, drive: DriveDocument) -> str | No
 
 
 def weakened_torque(record: DutyRecord) -> Margin | None:
-    """Judge the torque above base speed where all of it is asked for."""
     return worst(_share_of_greatest(record, window) for window in _weakened(record))
 
 
@@ -77,7 +76,6 @@ def _share_of_greatest(record: DutyRecord, window: DutyWindow) -> Margin:
 
 
 def needless_direct_current(record: DutyRecord) -> Margin | None:
-    """Judge the d current where the voltage is free."""
     windows = (window for window in record.nominal if window.voltage < FREE_SHARE * undistorted(window.link))
     return worst(_direct_error(record, window) for window in windows)
 
@@ -102,7 +100,6 @@ def _direct_error(record: DutyRecord, window: DutyWindow) -> Margin | None:
 
 
 def way_out_of_weakening(record: DutyRecord) -> Margin | None:
-    """Judge what happens when the torque reference goes to zero above base speed."""
     return worst(_release(record, step) for step in torque_steps(record) if _is_release(record, step))
 
 

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from tests.harness.contracts.duty.checks.conftest import CHECKS, Run, judged, with_column, with_command
 
-from drivegate.candidates.builtin.duty_loading import DutyController, PerturbedController
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import own_candidate
@@ -25,7 +24,6 @@ from drivegate.contracts.duty.scenarios.building import (
     torque_scenario,
     with_edges,
 )
-from drivegate.contracts.duty.scenarios.fixed import release_scenario
 from drivegate.contracts.recorded_trace import closeup_of, deciding_moment
 from drivegate.drives.running import recorded
 from drivegate.scenarios.changes import with_scales
@@ -33,7 +31,6 @@ from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.contract.duty.signals import LEG_PWM
-from drivegate_models.controllers.duty.foc import VOLTAGE_SHARE
 from drivegate_models.units import RADIANS_PER_RPM
 
 
@@ -436,22 +433,6 @@ def test_voltage_that_a_drive_lets_its_controller_reserve_is_no_lost_torque(weak
     strict = weakened.document.replaced(weakening_voltage_percent=100.0)
     whole = replace(weakened, scenario=weakened.scenario.replaced(drive=strict))
     assert not with_torque(whole, 0.951 * required)
-
-
-@pytest.mark.parametrize(("reserved", "met"), [(0.04, True), (0.12, False)])
-def test_a_controller_may_reserve_a_little_voltage_on_a_steep_machine(reserved: float, met: bool) -> None:
-    """At the highest speed of this drive 4 % of the voltage are worth 7 % of the torque."""
-    drive = load_drive("pm-ac-msl").replaced(settling_s=0.3)
-    assert isinstance(drive, PmAcDocument)
-    # The controller itself makes its references for `VOLTAGE_SHARE` of what it takes for the link.
-    factor = (1.0 - reserved) / VOLTAGE_SHARE
-    controller = PerturbedController(DutyController(), lambda _plate: {"supply_factor": factor})
-    loaded = own_candidate(resolve_candidate("foc"))
-    record = recorded(loaded, release_scenario(drive), controller)
-    assert isinstance(record, DutyRecord)
-    margin = judged("FWK-1", record)
-    assert margin is not None
-    assert margin.met is met, margin.measured
 
 
 @pytest.mark.parametrize(("speed_rpm", "is_weakened"), [(1300.0, False), (1860.0, True)])

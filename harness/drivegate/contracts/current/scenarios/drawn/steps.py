@@ -35,17 +35,14 @@ def steps_between(lowest: float, highest: float, step: float) -> st.SearchStrate
 
 
 def loaded_speeds(drive: DriveDocument, speed_range: SpeedRange | None) -> st.SearchStrategy[float]:
-    """Draw a speed of a loaded run."""
     return steps_between(*loaded_range(drive, speed_range), scale_of(drive).speed_step_rpm)
 
 
 def shares(lightest: int = LIGHTEST_STEPS) -> st.SearchStrategy[float]:
-    """Draw a share of rated power."""
     return st.integers(0, lightest).map(lambda lighter: round(1.0 - LOAD_STEP * lighter, 2))
 
 
 def change_times(drive: DriveDocument) -> st.SearchStrategy[float]:
-    """Draw the time of a change."""
     scale = scale_of(drive)
     return st.integers(0, EARLIEST_STEPS).map(
         lambda earlier: tidy(scale.change_s - scale.change_step_s * earlier)
