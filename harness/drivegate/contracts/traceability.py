@@ -44,7 +44,7 @@ def traced_checks(drive: DriveDocument) -> list[dict[str, Any]]:
         {key: getattr(check, key) for key in keys}
         | {
             "families": list(families_of(check.id, drive.contract)),
-            "facts": [{"id": fact.id, "title": fact.title, "where": fact.source} for fact in facts_of(check)],
+            "facts": [_in_short(fact) for fact in facts_of(check)],
         }
         for check in (on_drive(listed, drive) for listed in contract_of(drive).checks)
     ]
@@ -52,8 +52,8 @@ def traced_checks(drive: DriveDocument) -> list[dict[str, Any]]:
 
 def traced_facts() -> list[dict[str, Any]]:
     """Write down every fact with what covers it."""
-    return [
-        {"id": fact.id, "title": fact.title, "where": fact.source}
-        | {"covered_by": fact.covered_by.model_dump(mode="json")}
-        for fact in facts()
-    ]
+    return [_in_short(fact) | {"covered_by": fact.covered_by.model_dump(mode="json")} for fact in facts()]
+
+
+def _in_short(fact: Fact) -> dict[str, Any]:
+    return {"id": fact.id, "title": fact.title, "where": fact.source}

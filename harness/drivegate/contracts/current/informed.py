@@ -79,16 +79,13 @@ class InformedController:
         if above < 0.0:
             return 0.0
         dwell = self._dwell(sense.time - self._start)
-        optimum = 0.0 if dwell is None else self._optimum(dwell)
+        if dwell is not None and dwell not in self._optima:
+            self._optima[dwell] = optimum_angle(self._scenario, dwell)
+        optimum = 0.0 if dwell is None else self._optima[dwell]
         if optimum > 0.0 and abs(sense.speed_reference - sense.speed) <= _HELD * sense.speed_reference:
             return optimum
         line = self._plate.advance_start + self._plate.advance_slope * above
         return max(optimum, min(max(line, 0.0), 0.5 * pi))
-
-    def _optimum(self, dwell: Dwell) -> float:
-        if dwell not in self._optima:
-            self._optima[dwell] = optimum_angle(self._scenario, dwell)
-        return self._optima[dwell]
 
     def _dwell(self, time: float) -> Dwell | None:
         """Return the constant conditions at a time; None while something changes."""

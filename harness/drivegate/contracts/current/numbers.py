@@ -32,6 +32,7 @@ def given_below_limit(reference: float) -> str:
 def numbers(drive: DriveDocument, _declaration: Declaration) -> dict[str, str]:
     """Write the numbers that checks state, and what sensors the drive has, by the names that stand in their texts."""
     scale, rating = scale_of(drive), drive.rating
+    encoder = has_encoder(real_sensors(drive), drive)
     points = [f"{point.speed_rpm:g} rpm and {point.torque_n_m:g} N·m" for point in points_of(drive)]
     return limit_words(drive) | {
         "base": f"{rating.base_speed_rpm:g} rpm",
@@ -44,19 +45,6 @@ def numbers(drive: DriveDocument, _declaration: Declaration) -> dict[str, str]:
         "mean": milliseconds(mean_time(drive)),
         "points": " or ".join(points),
         "sensors": sensors_of(drive),
-        **_disturbances(drive),
-        "friction": f"{scale.friction_claimed_nm:g} N·m",
-    }
-
-
-def sensors_of(drive: DriveDocument) -> str:
-    return _SENSORS[real_sensors(drive).kind]
-
-
-def _disturbances(drive: DriveDocument) -> dict[str, str]:
-    """Name what can disturb the sensors and the plant that a drive has."""
-    encoder = has_encoder(real_sensors(drive), drive)
-    return {
         "speed_sensor": "an encoder" if encoder else "Hall switches",
         "disturbed_sensors": "sensor dropouts and encoder glitches" if encoder else "sensor dropouts",
         "disturbed_plant": (
@@ -64,4 +52,9 @@ def _disturbances(drive: DriveDocument) -> dict[str, str]:
             if drive.has_split_supply
             else "drifting parameters"
         ),
+        "friction": f"{scale.friction_claimed_nm:g} N·m",
     }
+
+
+def sensors_of(drive: DriveDocument) -> str:
+    return _SENSORS[real_sensors(drive).kind]

@@ -7,8 +7,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.checks.check import Record
-from drivegate.contracts.duty.checks.judged import duty_record
 from drivegate.contracts.duty.columns import COLUMNS, VOLTAGE
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
 from drivegate.contracts.duty.run import DUTY_RATIOS, DutyClosedLoopRun
@@ -23,9 +21,8 @@ def signals(run: DutyClosedLoopRun) -> dict[str, NDArray[Any]]:
     return {**columns, VOLTAGE: run.voltages}
 
 
-def observe(finished: Record) -> dict[str, float]:
+def observe(record: DutyRecord) -> dict[str, float]:
     """Return what is observed of a run, without what it has no steady state for."""
-    record = duty_record(finished)
     run, duration = record.run, record.scenario.duration_s
     observed = {
         "speed_final_rpm": run.column("speed")[-1] * RPM,

@@ -8,7 +8,7 @@ from drivegate.contracts.duty.current_bandwidth import declared_rise_s, require_
 from drivegate.contracts.duty.current_reference import quadrature_for
 from drivegate.contracts.duty.document import duty_document
 from drivegate_cases.drive.drive_document import DriveDocument
-from drivegate_cases.drive.limits import Limits, limits_of
+from drivegate_cases.drive.limits import limits_of
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 
 
@@ -18,10 +18,12 @@ def numbers(drive: DriveDocument, declaration: Declaration) -> dict[str, str]:
     limits, bandwidth = limits_of(document), declaration.current_bandwidth
     if bandwidth is not None:
         require_bandwidth(document, bandwidth)
+    safe, locked = (f"{1000.0 * time:.4g} ms" for time in (limits.safe_state_s, limits.safe_state_locked_s))
     return limit_words(drive) | {
         "base": f"{rating.base_speed_rpm:g} rpm",
         "current": f"{rating.current_limit_a:g} A",
-        "safe_time": _safe_time(limits),
+        # The time with a locked rotor is stated where it is another one.
+        "safe_time": safe if safe == locked else f"{safe} ({locked} with a locked rotor)",
         **_current_error(document, declaration),
         "rise": f"90 % within {milliseconds(limits.rise_time_s)} and what the voltage takes"
         if bandwidth is None
@@ -29,12 +31,6 @@ def numbers(drive: DriveDocument, declaration: Declaration) -> dict[str, str]:
         f"bandwidth of {bandwidth:g} rad/s, or what the voltage takes",
         "transient": f"{transient_periods(document, declaration)} control periods",
     }
-
-
-def _safe_time(limits: Limits) -> str:
-    """Write the time to the safe state, and that with a locked rotor where it is another one."""
-    every, locked = (f"{1000.0 * time:.4g} ms" for time in (limits.safe_state_s, limits.safe_state_locked_s))
-    return every if every == locked else f"{every} ({locked} with a locked rotor)"
 
 
 def _current_error(drive: PmAcDocument, declaration: Declaration) -> dict[str, str]:

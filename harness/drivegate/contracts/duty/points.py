@@ -52,10 +52,7 @@ def _required(record: DutyRecord, window: DutyWindow) -> Row:
     """Return the torque that is asked for, of a speed reference the load's, and whether the reference is held."""
     limits, reference = record.limits, window.torque_reference
     if reference is not None:
-        return {
-            "reference_nm": reference,
-            "held": abs(window.torque - reference) <= limits.torque_error_nm,
-        }
+        return {"reference_nm": reference, "held": abs(window.torque - reference) <= limits.torque_error_nm}
     load, speed = record.scenario.load, window.dwell.speed_rpm
     assert not isinstance(load, LockedLoad), "a speed reference is followed under a load"
     error = abs(window.speed / RADIANS_PER_RPM - speed)

@@ -59,13 +59,10 @@ def amplitudes(signal: Stretches, orders: int) -> NDArray[np.float64]:
     """
     length = float(signal.starts[-1] + signal.lengths[-1] - signal.starts[0])
     real, imaginary = _integrals(replace(signal, means=signal.means - signal.mean), length, orders + 2)
-    squares = [part * part for part in (_windowed(real), _windowed(imaginary))]
+    windowed = (plain[1:-1] - 0.5 * (plain[:-2] + plain[2:]) for plain in (real, imaginary))
+    squares = [part * part for part in windowed]
     found: NDArray[np.float64] = 2.0 / length * np.sqrt(squares[0] + squares[1])
     return found
-
-
-def _windowed(plain: NDArray[np.float64]) -> NDArray[np.float64]:
-    return plain[1:-1] - 0.5 * (plain[:-2] + plain[2:])
 
 
 def _integrals(
@@ -116,8 +113,6 @@ class TorqueCourse:
 
     torque: Stretches
     """On the stretches between instants of switching, and shorter ones (N·m)."""
-    period: float
-    """Control period (s)."""
     least: NDArray[np.float64]
     greatest: NDArray[np.float64]
     """Exact extremes within each control period (N·m), shape (n,)."""
@@ -134,8 +129,7 @@ def torque_course(record: DutyRecord, first: int, count: int) -> TorqueCourse:
     starts, lengths, means, rises, least, greatest, direct, quadrature = (
         np.array(values) for values in (*replay.stretches, *replay.periods)
     )
-    length = record.scenario.control_period_s
-    return TorqueCourse(Stretches(starts, lengths, means, rises), length, least, greatest, direct, quadrature)
+    return TorqueCourse(Stretches(starts, lengths, means, rises), least, greatest, direct, quadrature)
 
 
 class _Replay:

@@ -52,11 +52,7 @@ class ScriptVerdict:
     """Number of rows up to the first departure from the flowchart; all of them where there is none."""
 
 
-def judge_script(
-    controller: AnyController,
-    profile: FlowchartProfile,
-    script: Script,
-) -> ScriptVerdict:
+def judge_script(controller: AnyController, profile: FlowchartProfile, script: Script) -> ScriptVerdict:
     """Run a controller through a script and compare its angles with those that Fig. 4 allows."""
     interval = _interval(profile, script)
     runner = _Runner(controller, profile, script, interval)

@@ -16,7 +16,7 @@ from drivegate.contracts.current.flowchart.judging import judge_script
 from drivegate.contracts.current.flowchart.scripts import Event, fixed_scripts, script_of, usual_speed
 from drivegate.scenarios.drive_scale import scale_of, tidy
 from drivegate_cases.drive.drive_document import DriveDocument
-from drivegate_cases.scenario.script import Script, ScriptRow
+from drivegate_cases.scenario.script import Script
 
 if TYPE_CHECKING:
     from hypothesis.strategies import SearchStrategy
@@ -136,21 +136,16 @@ def _simpler(script: Script) -> Iterator[Script]:
     if len(rows) > 1:
         for index in range(len(rows)):
             yield script.replaced(rows=rows[:index] + rows[index + 1 :])
+    speed = rows[0].speed_rpm
     for index, row in enumerate(rows):
-        for simpler in _simpler_rows(row, rows[0]):
-            yield script.replaced(rows=(*rows[:index], simpler, *rows[index + 1 :]))
-
-
-def _simpler_rows(row: ScriptRow, first: ScriptRow) -> Iterator[ScriptRow]:
-    changes = (
-        {"speed_reference_rpm": row.speed_rpm},
-        {"speed_rpm": first.speed_rpm, "speed_reference_rpm": first.speed_rpm},
-        *({"current_sum_a": round(row.current_sum_a, digits)} for digits in range(4)),
-    )
-    for change in changes:
-        simpler = row.model_copy(update=change)
-        if simpler != row:
-            yield simpler
+        for change in (
+            {"speed_reference_rpm": row.speed_rpm},
+            {"speed_rpm": speed, "speed_reference_rpm": speed},
+            *({"current_sum_a": round(row.current_sum_a, digits)} for digits in range(4)),
+        ):
+            simpler = row.model_copy(update=change)
+            if simpler != row:
+                yield script.replaced(rows=(*rows[:index], simpler, *rows[index + 1 :]))
 
 
 def _drawn_scripts(
@@ -165,16 +160,17 @@ def _drawn_scripts(
 
     powers = st.sampled_from((0.0, -2.0, 2.0, -3.0, 3.0, -5.0, 5.0, -0.5, 0.5))
     errors = st.sampled_from((0.0, 0.0, 0.0, 0.0, 0.0, 0.5, -0.5, 1.5, -1.5))
+
+    def script(slower: int, events: list[Event]) -> Script:
+        speed_rpm = tidy(highest - step * slower)
+        digest = hashlib.sha256(repr(events).encode()).hexdigest()[:8]
+        name = f"drawn-{speed_rpm:g}rpm-{len(events) + 1}-rows-{digest}"
+        return script_of(
+            name, drive, profile, speed_rpm, events, "Changes of power and speed drawn at random."
+        )
+
     return st.builds(
-        lambda slower, events: _drawn_script(drive, profile, tidy(highest - step * slower), events),
+        script,
         st.integers(0, int((highest - lowest) // step)),
         st.lists(st.tuples(powers, errors).map(lambda pair: Event(*pair)), min_size=1, max_size=24),
     )
-
-
-def _drawn_script(
-    drive: DriveDocument, profile: FlowchartProfile, speed_rpm: float, events: list[Event]
-) -> Script:
-    digest = hashlib.sha256(repr(events).encode()).hexdigest()[:8]
-    name = f"drawn-{speed_rpm:g}rpm-{len(events) + 1}-rows-{digest}"
-    return script_of(name, drive, profile, speed_rpm, events, "Changes of power and speed drawn at random.")

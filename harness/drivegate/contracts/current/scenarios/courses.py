@@ -12,10 +12,7 @@ from drivegate_cases.scenario.piecewise import Profile
 from drivegate_cases.scenario.scenario import Scenario
 
 _LAST: Final = ("resistance", "emf_constant", "imbalance", "supply", "speed", "load")
-QUANTITIES: Final = (
-    *(name for name in COURSES if name not in (*_LAST, "torque_reference")),
-    *_LAST,
-)
+QUANTITIES: Final = (*(name for name in COURSES if name not in (*_LAST, "torque_reference")), *_LAST)
 """Those of this contract, the ones that a plain run has not got first."""
 
 

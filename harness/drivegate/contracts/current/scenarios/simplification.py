@@ -6,12 +6,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from drivegate.contracts.current.scenarios.building import TORQUE_DIGITS, coming_on, plain_scenario
-from drivegate.contracts.current.scenarios.courses import (
-    QUANTITIES,
-    ProfileCourse,
-    course_of,
-    fields_of,
-)
+from drivegate.contracts.current.scenarios.courses import QUANTITIES, ProfileCourse, course_of, fields_of
 from drivegate.scenarios.drive_scale import scale_of, tidy, whole_tenths
 from drivegate.scenarios.simplification import (
     FAILURES,

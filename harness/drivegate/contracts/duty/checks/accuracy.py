@@ -9,12 +9,7 @@ from numpy.typing import NDArray
 
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, at_most
-from drivegate.contracts.duty.checks.judged import (
-    UNWEAKENED_FAMILIES,
-    at,
-    is_within_reach,
-    worst,
-)
+from drivegate.contracts.duty.checks.judged import UNWEAKENED_FAMILIES, at, is_within_reach, worst
 from drivegate.contracts.duty.checks.steps import overshoot_of
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
 from drivegate.contracts.duty.scenarios.drawn_range import lost_torque_share

@@ -98,22 +98,17 @@ def _steady_excess(record: DutyRecord, window: DutyWindow) -> Margin:
 
 
 def least_current(record: DutyRecord) -> Margin | None:
-    return worst(_current_excess(record, window) for window in _free_windows(record))
+    return worst(_current_excess(record, window) for window in record.nominal)
 
 
-def _free_windows(record: DutyRecord) -> Iterator[DutyWindow]:
-    for window in record.nominal:
-        if abs(window.torque) < LEAST_TORQUE_SHARE * record.document.rating.rated_torque_nm:
-            continue
-        least = least_free(record.plant, window.speed, window.torque)
-        if isfinite(least.voltage) and least.voltage < FREE_SHARE * undistorted(window.link):
-            yield window
-
-
-def _current_excess(record: DutyRecord, window: DutyWindow) -> Margin:
-    least = least_free(record.plant, window.speed, window.torque).current
-    excess = window.current / least - 1.0
-    measured = f"{100.0 * excess:.3g} % above {least:.4g} A for {window.torque:.4g} N·m {at(window)}"
+def _current_excess(record: DutyRecord, window: DutyWindow) -> Margin | None:
+    if abs(window.torque) < LEAST_TORQUE_SHARE * record.document.rating.rated_torque_nm:
+        return None
+    least = least_free(record.plant, window.speed, window.torque)
+    if not (isfinite(least.voltage) and least.voltage < FREE_SHARE * undistorted(window.link)):
+        return None
+    excess = window.current / least.current - 1.0
+    measured = f"{100.0 * excess:.3g} % above {least.current:.4g} A for {window.torque:.4g} N·m {at(window)}"
     by_current = Margin("MTP-1", at_most(excess, record.limits.current_excess), measured)
     # More current is no waste where it saves more in the iron.
     by_loss = at_most(_loss_above_least(record, window), record.limits.current_excess)
@@ -137,18 +132,12 @@ def least_loss(record: DutyRecord) -> Margin | None:
 
 
 def efficiency_windows(record: DutyRecord) -> Iterator[DutyWindow]:
-    return (window for window in record.nominal if _is_efficiency_point(record, window))
-
-
-def _is_efficiency_point(record: DutyRecord, window: DutyWindow) -> bool:
-    if window.torque_reference is None or record.scenario.supply_v is not None:
-        return False
     base, rated = record.document.rating.base_speed_rpm, record.document.rating.rated_torque_nm
-    place = window.dwell.speed_rpm / base, window.torque_reference / rated
-    return any(
-        abs(place[0] - speed) < _SAME and abs(place[1] - torque) < _SAME
-        for speed, torque in EFFICIENCY_POINTS
-    )
+    for window in record.nominal if record.scenario.supply_v is None else ():
+        if window.torque_reference is not None:
+            at_speed, at_torque = window.dwell.speed_rpm / base, window.torque_reference / rated
+            if any(abs(at_speed - s) < _SAME and abs(at_torque - t) < _SAME for s, t in EFFICIENCY_POINTS):
+                yield window
 
 
 def _loss_excess(record: DutyRecord, window: DutyWindow) -> Margin:

@@ -12,11 +12,7 @@ from numpy.typing import NDArray
 
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, Mark, Moment, Point, at_most
-from drivegate.contracts.duty.checks.judged import (
-    is_within_reach,
-    least_free,
-    undistorted,
-)
+from drivegate.contracts.duty.checks.judged import is_within_reach, least_free, undistorted
 from drivegate.contracts.duty.current_bandwidth import REMAINING, declared_rise_s
 from drivegate.contracts.duty.current_reference import voltage_along_none
 from drivegate.contracts.duty.record import DutyRecord

@@ -20,7 +20,14 @@ DEAD_SHARE: Final = 0.02
 def with_other_dead_time(scenario: Scenario) -> Scenario | None:
     """Make the run of another dead time that one is compared with; None where it is with none."""
     drive = scenario.drive
-    if not isinstance(drive, PmAcDocument) or not _is_slow(scenario, drive):
+    speeds = {speed for _, speed in scenario.speed_rpm}
+    if not (
+        isinstance(drive, PmAcDocument)
+        and _is_nominal(scenario)
+        and isinstance(scenario.load, DynamometerLoad)
+        and len(speeds) == 1
+        and 0.0 < abs(scenario.speed_rpm[0][1]) <= LOW_SPEED_SHARE * drive.rating.base_speed_rpm
+    ):
         return None
     own = drive.inverter.dead_time_s
     other = drive.replaced(dead_time_s=0.0 if own > 0.0 else DEAD_SHARE * drive.inverter.update_period_s)
@@ -40,9 +47,3 @@ def mirror_image(scenario: Scenario) -> Scenario | None:
 def _is_nominal(scenario: Scenario) -> bool:
     is_plain = scenario.scales == NOMINAL and scenario.drift is None and scenario.failure is None
     return is_plain and scenario.supply_v is None and scenario.sensors.kind == IDEAL.kind
-
-
-def _is_slow(scenario: Scenario, drive: PmAcDocument) -> bool:
-    speeds = {speed for _, speed in scenario.speed_rpm}
-    slow = all(0.0 < abs(speed) <= LOW_SPEED_SHARE * drive.rating.base_speed_rpm for speed in speeds)
-    return _is_nominal(scenario) and slow and len(speeds) == 1 and isinstance(scenario.load, DynamometerLoad)

@@ -63,12 +63,14 @@ def unfair_because(scenario: Scenario) -> str | None:
         return "its false edges are so many of an encoder's speed window that they look like a failure of the encoder"
     if greatest_angle_error(scenario) > math.radians(GREATEST_ANGLE_DEG):
         return f"its position is more than {GREATEST_ANGLE_DEG:g} electrical degrees off, which costs too much torque"
-    if _rests_by_hall_switches(scenario):
+    by_hall = scenario.drive.position == "hall"
+    is_torque = isinstance(scenario.load, DynamometerLoad)
+    if by_hall and is_torque and any(speed == 0.0 for _, speed in scenario.speed_rpm):
         return "Hall switches show the angle of a shaft at rest no closer than 30 electrical degrees"
     weakens = duty_document(scenario.drive).weakens
     if isinstance(scenario.load, LockedLoad) and weakens:
         return None
-    if is_slow(scenario) and scenario.drive.position == "hall":
+    if by_hall and is_slow(scenario):
         return "below 10 % of base speed the edges of Hall switches come too rarely to regulate the speed by them"
     if _stops_at_low_speed(scenario):
         return "at so low a speed its load stops the shaft before a regulator of the speed can act"
@@ -86,13 +88,6 @@ def _shows_a_failure(scenario: Scenario) -> bool:
     slowest = min(abs(speed) for _, speed in scenario.speed_rpm)
     edges = EDGES_A_LINE * sensors.encoder_lines * slowest / 60.0 * sensors.speed_window_s
     return any(abs(glitch.counts) > FALSE_SHARE * edges for glitch in scenario.glitches)
-
-
-def _rests_by_hall_switches(scenario: Scenario) -> bool:
-    """Return True if a torque is requested at standstill of a drive that has Hall switches alone."""
-    is_dynamometer = isinstance(scenario.load, DynamometerLoad)
-    at_rest = is_dynamometer and any(speed == 0.0 for _, speed in scenario.speed_rpm)
-    return at_rest and scenario.drive.position == "hall"
 
 
 def _stops_at_low_speed(scenario: Scenario) -> bool:

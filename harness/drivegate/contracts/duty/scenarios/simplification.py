@@ -27,8 +27,7 @@ _KEPT: Final = (
     "scales",
     "initial_angle_deg",
 )
-_SPEED_SHARES: Final = (0.5, 0.2, 0.1, 0.05)
-_TORQUE_SHARES: Final = (0.5, 0.2, 0.1, 0.05)
+_GRAIN_SHARES: Final = (0.5, 0.2, 0.1, 0.05)
 
 
 def _fields_of(made: Scenario) -> Fields:
@@ -79,9 +78,7 @@ def _fewer_torques(scenario: Scenario) -> Iterator[Fields]:
         return
     drive, speed = duty_document(scenario.drive), scenario.speed_rpm[0][1]
     torques = levels(scenario.load.torque_reference_nm)
-    shorter: list[tuple[float, ...]] = [(torque,) for torque in dict.fromkeys(torques)]
-    shorter += [pair for pair in pairwise(torques) if len(torques) > 2]
-    for fewer in shorter:
+    for fewer in _fewer(torques):
         if len(fewer) < len(torques):
             yield _with_own(scenario, torque_scenario(drive, speed, fewer))
 
@@ -93,11 +90,16 @@ def _fewer_speeds(scenario: Scenario) -> Iterator[Fields]:
         return
     drive, speeds = duty_document(scenario.drive), levels(scenario.speed_rpm)
     torque = rounded(load.torque_nm * load.factor[-1][1], TORQUE_DIGITS)
-    shorter: list[tuple[float, ...]] = [(speed,) for speed in dict.fromkeys(speeds)]
-    shorter += [pair for pair in pairwise(speeds) if len(speeds) > 2]
-    for fewer in shorter:
+    for fewer in _fewer(speeds):
         for size in (torque, 0.0):
             yield _with_own(scenario, speed_scenario(drive, fewer, torque_nm=size))
+
+
+def _fewer(values: list[float]) -> Iterator[tuple[float, ...]]:
+    """List each of some values, and the pairs of neighbours of more than two."""
+    yield from ((value,) for value in dict.fromkeys(values))
+    if len(values) > 2:
+        yield from pairwise(values)
 
 
 def _with_own(scenario: Scenario, made: Scenario) -> Fields:
@@ -117,7 +119,7 @@ def _rounder_speed(scenario: Scenario) -> Iterator[Fields]:
         for share in (-1.0, 0.0, 0.5, 1.0):
             plain = sense_of(scenario.speed_rpm[0][1]) * speed_of(drive, share)
             yield {"speed_rpm": ((0.0, plain),), "initial_speed_rpm": plain if starts else begin}
-    for share in _SPEED_SHARES:
+    for share in _GRAIN_SHARES:
         whole = to_whole(nearest_step(share * base))
         rounder = tuple((time, whole(speed)) for time, speed in scenario.speed_rpm)
         yield {"speed_rpm": rounder, "initial_speed_rpm": rounder[0][1] if starts else begin}
@@ -126,7 +128,7 @@ def _rounder_speed(scenario: Scenario) -> Iterator[Fields]:
 def _rounder_torque(scenario: Scenario) -> Iterator[Fields]:
     load, drive = scenario.load, duty_document(scenario.drive)
     rated = drive.rating.rated_torque_nm
-    for share in _TORQUE_SHARES:
+    for share in _GRAIN_SHARES:
         whole = to_whole(nearest_step(share * rated))
         if isinstance(load, DynamometerLoad):
             rounder = tuple((time, whole(torque)) for time, torque in load.torque_reference_nm)

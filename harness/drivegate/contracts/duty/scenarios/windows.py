@@ -48,10 +48,7 @@ def duty_windows(scenario: Scenario) -> list[tuple[Dwell, float, float]]:
     before = scenario.initial_speed_rpm
     for dwell in duty_dwells(scenario):
         change = 0.0 if dwell.torque_reference_nm is not None else dwell.speed_rpm - before
-        needed = first_period_from(
-            settling + length + run_up_s(drive, change, dwell.scales.inertia),
-            period,
-        )
+        needed = first_period_from(settling + length + run_up_s(drive, change, dwell.scales.inertia), period)
         before = dwell.speed_rpm
         if round(dwell.end / period) - round(dwell.start / period) >= needed:
             windows.append((dwell, dwell.end - length, dwell.end))

@@ -65,7 +65,7 @@ def parameter_scenarios(drive: PmAcDocument) -> Drawn:
     )
     others = st.builds(
         lambda run, inertia, resistance, inductance, flux: with_scales(
-            run(inertia),
+            run(inertia_factor=inertia),
             inertia=inertia,
             resistance=round(1.0 + 0.1 * resistance, 2),
             inductance=round(1.0 + 0.05 * inductance, 2),
@@ -97,7 +97,7 @@ def sensor_scenarios(drive: PmAcDocument) -> Drawn:
 
     return st.builds(
         seen,
-        runs_from_below(drive).map(lambda run: run(1.0)),
+        runs_from_below(drive).map(lambda run: run()),
         st.sampled_from(("in-line", "low-side")),
         st.sampled_from((256, 512, 1024, 4096)),
         st.integers(1, GREATEST_SEED),

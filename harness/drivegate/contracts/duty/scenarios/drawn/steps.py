@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Final, TypeAlias
 
 from hypothesis import strategies as st
@@ -53,36 +54,32 @@ def shares_between(lowest: float, highest: float) -> st.SearchStrategy[float]:
     return steps.map(lambda count: round(SHARE_STEP * count, 2))
 
 
-def runs_from_below(drive: PmAcDocument) -> st.SearchStrategy[Callable[[float], Scenario]]:
+def runs_from_below(drive: PmAcDocument) -> st.SearchStrategy[Callable[..., Scenario]]:
     """Draw runs that begin below base speed, where no controller must know the plant to hold the current.
 
-    Each is long enough for the factor on the inertia that it is called with.
+    Each is long enough for the `inertia_factor` that it is called with.
     """
     base = drive.rating.base_speed_rpm
     speeds = st.builds(
-        lambda share, first, second: (
-            lambda inertia: speed_scenario(
-                drive,
-                (first, second),
-                torque_nm=torque_of(drive, max(first, second), share),
-                initial_speed_rpm=min(first, base),
-                inertia_factor=inertia,
-            )
+        lambda share, first, second: partial(
+            speed_scenario,
+            drive,
+            (first, second),
+            torque_nm=torque_of(drive, max(first, second), share),
+            initial_speed_rpm=min(first, base),
         ),
         shares_between(0.0, 0.7),
         turning_speeds(drive),
         turning_speeds(drive),
     )
     loads = st.builds(
-        lambda shares, speed: (
-            lambda inertia: load_step_scenario(
-                drive,
-                speed,
-                torque_of(drive, speed, 1.0),
-                shares,
-                initial_speed_rpm=min(speed, base),
-                inertia_factor=inertia,
-            )
+        lambda shares, speed: partial(
+            load_step_scenario,
+            drive,
+            speed,
+            torque_of(drive, speed, 1.0),
+            shares,
+            initial_speed_rpm=min(speed, base),
         ),
         st.tuples(shares_between(0.0, HEAVIEST_SHARE), shares_between(0.0, HEAVIEST_SHARE)),
         turning_speeds(drive),
