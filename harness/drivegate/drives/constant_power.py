@@ -47,10 +47,14 @@ def constant_power(drive: RatedDrive) -> ConstantPower:
     speeds = [float(speed) for speed in np.linspace(rating.lowest_speed, rating.overspeed, SPEEDS)]
     powers = [greatest_shaft_power(drive, speed) for speed in speeds]
     missing = next((place for place, power in enumerate(powers) if not power >= rating.power), None)
+    reached: float | None = None
     if missing is None:
-        reached: float | None = rating.overspeed
-    else:
-        reached = _edge(drive, speeds[missing - 1], speeds[missing]) if missing else None
+        reached = rating.overspeed
+    elif missing:
+        met, missed = speeds[missing - 1], speeds[missing]
+        reached = last_met(
+            lambda speed: greatest_shaft_power(drive, speed) >= rating.power, met, missed, _HALVINGS
+        )
     return ConstantPower(tuple(speeds), tuple(powers), reached)
 
 
@@ -62,9 +66,3 @@ def greatest_shaft_power(drive: RatedDrive, speed: float) -> float:
     """
     greatest = oracle.greatest_torque_at_limit(drive.constants, speed).torque
     return float((greatest - drive.demanded_torque(speed)) * speed + drive.rating.power)
-
-
-def _edge(drive: RatedDrive, low: float, high: float) -> float:
-    return last_met(
-        lambda speed: greatest_shaft_power(drive, speed) >= drive.rating.power, low, high, _HALVINGS
-    )

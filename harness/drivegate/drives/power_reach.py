@@ -75,17 +75,16 @@ class UnreachableRating:
 
     def sentence(self) -> str:
         most = max(self.greatest_torque, 0.0)
-        reserved = f", with {100.0 * self.reserve:.2g} % reserved for the regulator" if self.reserve else ""
-        return (
-            f"{power_in_words(self.rated_power)} needs {_torque(self.needed_torque)} N·m at {_rpm(self.speed)} rpm, "
-            f"but at the current limit of {self.current_limit:g} A this drive delivers at most {_torque(most)} N·m "
-            f"({power_in_words(most * self.speed)}) there{reserved}; {self._nearest()}"
-        )
-
-    def _nearest(self) -> str:
         ways = [setting_words(changes) for changes in self.accepted]
         met = f"a check accepts {', or '.join(ways)}" if ways else "no power can be met"
-        return met if self.nearest_limit is not None else f"{met}; more current alone would not help"
+        useless = "; more current alone would not help" if self.nearest_limit is None else ""
+        reserved = f", with {100.0 * self.reserve:.2g} % reserved for the regulator" if self.reserve else ""
+        return (
+            f"{power_in_words(self.rated_power)} needs {_torque(self.needed_torque)} N·m at "
+            f"{self.speed / RADIANS_PER_RPM:.4g} rpm, but at the current limit of {self.current_limit:g} A this drive "
+            f"delivers at most {_torque(most)} N·m ({power_in_words(most * self.speed)}) there"
+            f"{reserved}; {met}{useless}"
+        )
 
     def document(self) -> dict[str, object]:
         stretch = self.nearest_range
@@ -202,10 +201,6 @@ def _sufficient_speeds(
     if stretch[1] < reach.speeds[-1]:
         changes["highest_speed_rpm"] = rounded_to_digits(stretch[1] / RADIANS_PER_RPM, up=False)
     return changes if accepts(**changes) else {}
-
-
-def _rpm(speed: float) -> str:
-    return f"{speed / RADIANS_PER_RPM:.4g}"
 
 
 def _torque(torque: float) -> str:

@@ -50,11 +50,6 @@ class RatedDrive:
         """Return the torque of rated power at a speed (rad/s), constant below base speed (N·m)."""
         return demanded_torque(self.constants, speed, self.rating.base_speed, self.rating.power)
 
-    @property
-    def name(self) -> str:
-        """Name of the drive."""
-        return self.document.name
-
 
 def rated_drive(document: DriveDocument) -> RatedDrive:
     """Take drive and rating from a document; one whose controllers answer with no angle is refused."""

@@ -38,9 +38,8 @@ def recorded(
 ) -> Record:
     """Run a candidate through a scenario for the checks, observed as its declaration requires."""
     require_contract(loaded.candidate, scenario.drive)
-    kind = kind_of(scenario.drive)
     record: Record = contract_of(scenario.drive).record(
-        kind.prepare_loop(),
+        kind_of(scenario.drive).prepare_loop(),
         loaded.candidate.declaration,
         scenario,
         controller,

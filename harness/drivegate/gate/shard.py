@@ -88,12 +88,8 @@ def _fair(
 ) -> tuple[tuple[Scenario, ...], tuple[InfeasibleScenario, ...]]:
     """Part scenarios that a candidate may be judged on from those that no controller could do."""
     reasons = [(scenario, contract_of(scenario.drive).unfair_because(scenario)) for scenario in scenarios]
-    return (
-        tuple(scenario for scenario, reason in reasons if reason is None),
-        tuple(
-            InfeasibleScenario(scenario.name, reason) for scenario, reason in reasons if reason is not None
-        ),
-    )
+    unfair = (InfeasibleScenario(scenario.name, why) for scenario, why in reasons if why is not None)
+    return tuple(scenario for scenario, why in reasons if why is None), tuple(unfair)
 
 
 def searched_checks(contract: Contract) -> frozenset[str]:

@@ -16,7 +16,7 @@ from drivegate.candidates.fault import Fault
 from drivegate.contracts.recorded_trace import Closeup
 from drivegate.results.counterexample import resolved_script_or_scenario
 from drivegate.results.result import RESULT_SCHEMA, content_hash, finite
-from drivegate.results.sections import BehaviourSection, EnvelopeSection
+from drivegate.results.sections import BehaviourSection, EnvelopeSection, Number
 from drivegate_cases.documents.document import Document, Section, parse_document
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.errors import InputError
@@ -35,7 +35,6 @@ def _of_a_scenario(table: dict[str, Any]) -> dict[str, Any]:
     return table
 
 
-Number = Annotated[float | None, Field(description="null where it is no finite number")]
 Text = str
 Table = dict[str, Any]
 DriveTable = Annotated[Table, AfterValidator(_of_a_drive)]

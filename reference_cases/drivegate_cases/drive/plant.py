@@ -18,27 +18,21 @@ if TYPE_CHECKING:
     from drivegate_models.steady.plant import AnyDrive
 
 PolePairs = Annotated[int, Field(ge=1, le=200, description="electrical cycles in a turn of the shaft")]
-
 Resistance = Annotated[float, Field(ge=0.0, le=1e4, description="resistance of one phase, in ohm")]
-
 CoreLossConductance = Annotated[
     float,
     Field(ge=0.0, le=1e2, description="conductance that stands for the core loss of a phase, in siemens"),
 ]
-
 Inertia = Annotated[
     float, Field(gt=0.0, le=1e6, description="inertia of the shaft, in kilogram square metres")
 ]
-
 Friction = Annotated[
     float, Field(ge=0.0, le=1e5, description="friction torque at any speed, in newton metres")
 ]
-
 ViscousFriction = Annotated[
     float,
     Field(ge=0.0, le=1e5, description="friction torque over speed, in newton metre seconds per radian"),
 ]
-
 
 OF_SHAPE: Final[Mapping[str, tuple[str, Any]]] = {
     "emf_flat_deg": ("trapezoid", None),

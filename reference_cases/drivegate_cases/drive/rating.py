@@ -71,7 +71,7 @@ class Rating(Section):
         return self.rated_power_w / (self.base_speed_rpm * RADIANS_PER_RPM)
 
     @model_validator(mode="after")
-    def _speeds_rise(self) -> Self:
+    def _values_fit_together(self) -> Self:
         base, highest = self.base_speed_rpm, self.highest_speed_rpm
         if highest < base or (highest == base and self.needs_weakening):
             unweakened = (
@@ -87,7 +87,13 @@ class Rating(Section):
                 f"highest speed of {self.highest_speed_rpm:g} rpm"
             )
         self._check_currents()
-        return self._with_a_torque_in_range()
+        torque = self.rated_torque_nm
+        if torque > GREATEST_TORQUE_NM:
+            raise ValueError(
+                f"the key 'rated_power_w' is {self.rated_power_w:g}, which takes {torque:.3g} N·m at "
+                f"{self.base_speed_rpm:g} rpm, but must take at most {GREATEST_TORQUE_NM:g} N·m"
+            )
+        return self
 
     def _check_currents(self) -> None:
         """Refuse a current above the peak current, which bounds all others."""
@@ -100,12 +106,3 @@ class Rating(Section):
                     f"the key '{key}' is {current:g}, but must be at most the peak current, and peak_current_a is "
                     f"{self.peak_current_a:g}"
                 )
-
-    def _with_a_torque_in_range(self) -> Self:
-        torque = self.rated_torque_nm
-        if torque > GREATEST_TORQUE_NM:
-            raise ValueError(
-                f"the key 'rated_power_w' is {self.rated_power_w:g}, which takes {torque:.3g} N·m at "
-                f"{self.base_speed_rpm:g} rpm, but must take at most {GREATEST_TORQUE_NM:g} N·m"
-            )
-        return self

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Final, Protocol, Self
 
@@ -63,6 +63,41 @@ class DriveValues(Protocol):
     def plant(self) -> Any: ...
 
 
+_VOLTS: Final = "volts", (("millivolts", _MILLI), ("kilovolts", 1e3))
+_HENRY: Final = "henry", (("millihenry", _MILLI), ("microhenry", 1e-6))
+_UNITS: Final[Mapping[str, tuple[str, tuple[tuple[str, float], ...]]]] = {
+    "supply_voltage_v": _VOLTS,
+    "link_voltage_v": _VOLTS,
+    "base_speed_rpm": ("turns a minute", (("thousands of turns a minute", 1e3),)),
+    "current_limit_a": ("ampere", (("milliampere", _MILLI), ("kiloampere", 1e3))),
+    "hysteresis_band_a": ("ampere", (("milliampere", _MILLI),)),
+    "resistance_ohm": ("ohm", (("milliohm", _MILLI), ("microohm", 1e-6))),
+    "inductance_h": _HENRY,
+    "direct_inductance_h": _HENRY,
+    "quadrature_inductance_h": _HENRY,
+    "emf_constant_v_s_per_rad": (
+        "volt seconds per radian",
+        (("volts per 1000 turns a minute", _PER_1000_RPM), ("millivolt seconds per radian", _MILLI)),
+    ),
+    "magnet_flux_v_s": ("volt seconds", ()),
+    "inertia_kg_m2": (
+        "kilogram square metres",
+        (
+            ("gram square metres", _MILLI),
+            ("kilogram square centimetres", 1e-4),
+            ("gram square centimetres", 1e-7),
+        ),
+    ),
+    "friction_n_m": ("newton metres", (("millinewton metres", _MILLI),)),
+    "viscous_friction_n_m_s_per_rad": (
+        "newton metre seconds per radian",
+        (("millinewton metre seconds per radian", _MILLI),),
+    ),
+    "core_loss_conductance_s": ("siemens", (("millisiemens", _MILLI),)),
+}
+"""The unit of each key, and those that its value may be in instead, each with its size in that one."""
+
+
 @dataclass(frozen=True)
 class UsualRange:
     """What a key of a drive usually is in drives of its kind."""
@@ -71,11 +106,8 @@ class UsualRange:
     lowest: float
     highest: float
     """The range, so wide that only a wrong unit leaves it."""
-    unit: str
     kind: str
     """What the range follows from, in words."""
-    mistaken: tuple[tuple[str, float], ...] = ()
-    """Units that the value may be in instead, each with its size in the expected one."""
     power_slips: bool = False
     """Whether a rated power in kilowatts has the same effect as a value in thousandths."""
     other_quantities: tuple[tuple[str, Callable[[float], float]], ...] = ()
@@ -86,7 +118,8 @@ class UsualRange:
         return value == 0.0 or self.lowest <= value <= self.highest
 
     def warning(self, value: float) -> str:
-        names = [name for name, size in self.mistaken if self.holds(value * size)]
+        unit, mistaken = _UNITS[self.key]
+        names = [name for name, size in mistaken if self.holds(value * size)]
         names += [name for name, converted in self.other_quantities if self.holds(converted(value))]
         questions = [f"is it in {_either(names[:_MOST_ASKED])}"] if names else []
         if self.power_slips and self.holds(value * _MILLI):
@@ -94,8 +127,7 @@ class UsualRange:
         question = f": {', or '.join(questions)}?" if questions else ""
         return (
             f"the drive's {self.key} is {value:g}, but usual {self.kind} is {_short(self.lowest)} to "
-            f"{_short(self.highest)}; "
-            f"it is expected in {self.unit}{question}"
+            f"{_short(self.highest)}; it is expected in {unit}{question}"
         )
 
 
@@ -120,22 +152,8 @@ def unusual_values(drive: DriveValues) -> tuple[str, ...]:
 def ranges_of_supply_and_speed(supply_key: str) -> tuple[UsualRange, ...]:
     """Return the ranges of what every other value is compared with."""
     return (
-        UsualRange(
-            supply_key,
-            1.0,
-            5e3,
-            "volts",
-            "for drives",
-            (("millivolts", _MILLI), ("kilovolts", 1e3)),
-        ),
-        UsualRange(
-            "base_speed_rpm",
-            5.0,
-            2e5,
-            "turns a minute",
-            "for drives",
-            (("thousands of turns a minute", 1e3),),
-        ),
+        UsualRange(supply_key, 1.0, 5e3, "for drives"),
+        UsualRange("base_speed_rpm", 5.0, 2e5, "for drives"),
     )
 
 
@@ -145,17 +163,8 @@ def range_of_current(drive: DriveValues, volts: float, phases: str) -> tuple[Usu
     ``volts`` is the supply as the drive's file states it, and ``phases`` ends the sentence about it.
     """
     current = drive.rating.rated_power_w / (drive.machine.phases * drive.inverter.supply_voltage_v)
-    return (
-        UsualRange(
-            "current_limit_a",
-            0.1 * current,
-            100.0 * current,
-            "ampere",
-            f"for {drive.rating.rated_power_w:g} W from {volts:g} V{phases}",
-            (("milliampere", _MILLI), ("kiloampere", 1e3)),
-            power_slips=True,
-        ),
-    )
+    kind = f"for {drive.rating.rated_power_w:g} W from {volts:g} V{phases}"
+    return (UsualRange("current_limit_a", 0.1 * current, 100.0 * current, kind, power_slips=True),)
 
 
 @dataclass(frozen=True)
@@ -176,64 +185,19 @@ class UsualScale:
     """Base speed and pole pairs, as a sentence names them."""
 
     def resistance(self) -> UsualRange:
-        return UsualRange(
-            "resistance_ohm",
-            1e-3 * self.impedance,
-            3.0 * self.impedance,
-            "ohm",
-            self.electrical,
-            (("milliohm", _MILLI), ("microohm", 1e-6)),
-        )
+        return UsualRange("resistance_ohm", 1e-3 * self.impedance, 3.0 * self.impedance, self.electrical)
 
     def inductance(self, key: str, pole_pairs: int) -> UsualRange:
         inductance = self.impedance / (pole_pairs * self.speed)
-        return UsualRange(
-            key,
-            0.01 * inductance,
-            10.0 * inductance,
-            "henry",
-            f"{self.electrical} {self.geared}",
-            (("millihenry", _MILLI), ("microhenry", 1e-6)),
-        )
+        return UsualRange(key, 0.01 * inductance, 10.0 * inductance, f"{self.electrical} {self.geared}")
 
     def shaft_and_core(self) -> tuple[UsualRange, ...]:
+        torque, rated = self.torque, self.rated
         return (
-            UsualRange(
-                "inertia_kg_m2",
-                1e-3 * self.torque / self.speed,
-                30.0 * self.torque / self.speed,
-                "kilogram square metres",
-                self.rated,
-                (
-                    ("gram square metres", _MILLI),
-                    ("kilogram square centimetres", 1e-4),
-                    ("gram square centimetres", 1e-7),
-                ),
-            ),
-            UsualRange(
-                "friction_n_m",
-                0.0,
-                0.5 * self.torque,
-                "newton metres",
-                self.rated,
-                (("millinewton metres", _MILLI),),
-            ),
-            UsualRange(
-                "viscous_friction_n_m_s_per_rad",
-                0.0,
-                0.5 * self.torque / self.speed,
-                "newton metre seconds per radian",
-                self.rated,
-                (("millinewton metre seconds per radian", _MILLI),),
-            ),
-            UsualRange(
-                "core_loss_conductance_s",
-                0.0,
-                0.5 / self.impedance,
-                "siemens",
-                self.electrical,
-                (("millisiemens", _MILLI),),
-            ),
+            UsualRange("inertia_kg_m2", 1e-3 * torque / self.speed, 30.0 * torque / self.speed, rated),
+            UsualRange("friction_n_m", 0.0, 0.5 * torque, rated),
+            UsualRange("viscous_friction_n_m_s_per_rad", 0.0, 0.5 * torque / self.speed, rated),
+            UsualRange("core_loss_conductance_s", 0.0, 0.5 / self.impedance, self.electrical),
         )
 
 
@@ -255,7 +219,7 @@ def ranges_of_current_fed(drive: DriveValues) -> tuple[tuple[UsualRange, ...], .
     """Return the ranges of a drive whose controllers request currents, in the order in which they are compared."""
     volts = drive.inverter.supply_voltage_v
     scale = usual_scale(drive, volts, volts)
-    emf = volts / scale.speed
+    emf, limit = volts / scale.speed, drive.rating.current_limit_a
     return (
         ranges_of_supply_and_speed("supply_voltage_v"),
         range_of_current(drive, volts, f" in {drive.machine.phases} phases"),
@@ -266,18 +230,9 @@ def ranges_of_current_fed(drive: DriveValues) -> tuple[tuple[UsualRange, ...], .
                 "emf_constant_v_s_per_rad",
                 0.02 * emf,
                 5.0 * emf,
-                "volt seconds per radian",
                 f"for {volts:g} V at {drive.rating.base_speed_rpm:g} rpm",
-                (("volts per 1000 turns a minute", _PER_1000_RPM), ("millivolt seconds per radian", _MILLI)),
             ),
-            UsualRange(
-                "hysteresis_band_a",
-                1e-4 * drive.rating.current_limit_a,
-                0.5 * drive.rating.current_limit_a,
-                "ampere",
-                f"for {drive.rating.current_limit_a:g} A",
-                (("milliampere", _MILLI),),
-            ),
+            UsualRange("hysteresis_band_a", 1e-4 * limit, 0.5 * limit, f"for {limit:g} A"),
             *scale.shaft_and_core(),
         ),
     )

@@ -99,7 +99,9 @@ class Quantity:
 
     def fields(self, scenario: Section, profile: Profile) -> dict[str, Any]:
         """Return the fields of a scenario in which it takes another course; none where no key could state that."""
-        if (key := self.key(scenario) or self._free_key()) is None:
+        # A load has keys of its own kind alone; any scenario can have the others.
+        free_key = next((key for key in self.keys if not key.startswith("load.")), None)
+        if (key := self.key(scenario) or free_key) is None:
             return {}
         if self.name == "speed":
             return {"speed_rpm": profile, "initial_speed_rpm": profile[0][1]}
@@ -110,10 +112,6 @@ class Quantity:
             return {name: value}
         changed = (getattr(scenario, table) or Drift.model_construct()).model_copy(update={name: value})
         return {table: changed if any(dict(changed).values()) else None}
-
-    def _free_key(self) -> str | None:
-        """Return the key that any scenario can have; a load has those of its own kind alone."""
-        return next((key for key in self.keys if not key.startswith("load.")), None)
 
 
 def _stated(scenario: Content, key: str) -> Any:

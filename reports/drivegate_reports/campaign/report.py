@@ -204,11 +204,12 @@ def _worst(entry: Row, specification: str) -> list[WorstRow]:
     met = [check for check in entry["checks"] if check["worst_scenario"] is not None]
     for check in (*sorted(violated, key=lambda check: check["level"] != "required"), *met):
         counterexample = check["counterexample"]
+        values = [f"{clean(key)} {value:g}" for key, value in check["worst_parameters"].items()]
         rows.append(
             WorstRow(
                 what=clean(check["id"]),
                 run=str(check["worst_run"]),
-                facts=_facts(check),
+                facts="; ".join([clean(check["worst_case"]), *values]),
                 margin=_number(check["worst_margin"]),
                 measured=clean(check["worst_measured"]) or "–",
                 tone=_tone(check["violations"], check["level"]),
@@ -220,11 +221,6 @@ def _worst(entry: Row, specification: str) -> list[WorstRow]:
             )
         )
     return rows
-
-
-def _facts(check: Row) -> str:
-    values = [f"{clean(key)} {value:g}" for key, value in check["worst_parameters"].items()]
-    return "; ".join([clean(check["worst_case"]), *values])
 
 
 def _number(value: float | None) -> str:

@@ -33,7 +33,10 @@ def printable(section: Mapping[str, Any]) -> dict[str, Any]:
 def page_values(document: Mapping[str, Any]) -> dict[str, Any]:
     """Prepare a result document for the page: its sections with printable texts, and what they mean in sentences."""
     require_document(document, "check", RESULT_SCHEMA, "the result")
-    times = _shown_times(document)
+    times: Mapping[str, Any] = document.get("timing", {})
+    if DAY_VARIABLE in os.environ:
+        # Where the date is settled, it alone is shown, so that equal results give equal pages.
+        times = {"day": present_day().isoformat()}
     checks = [printable(_with_timed_numbers(check, times)) for check in document["checks"]]
     counted = counted_levels(document.get("fail_on"))
     failing = [check["id"] for check in checks if check["verdict"] == "fail" and check["level"] in counted]
@@ -59,14 +62,6 @@ def page_values(document: Mapping[str, Any]) -> dict[str, Any]:
         "faults": sections["faults"][:MOST_FAULTS],
         "check_of": {check["id"]: check for check in checks},
     }
-
-
-def _shown_times(document: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Take the times; where the date is settled, that alone, so that equal results give equal pages."""
-    times: Mapping[str, Any] = document.get("timing", {})
-    if DAY_VARIABLE not in os.environ:
-        return times
-    return {"day": present_day().isoformat()}
 
 
 def _with_timed_numbers(check: Mapping[str, Any], times: Mapping[str, Any]) -> dict[str, Any]:

@@ -106,7 +106,6 @@ def ranges_of_pm_ac(drive: DriveValues) -> tuple[tuple[UsualRange, ...], ...]:
                 "magnet_flux_v_s",
                 0.02 * flux,
                 _HIGHEST_EMF * flux,
-                "volt seconds",
                 f"for {link:g} V {scale.geared}",
                 other_quantities=tuple(
                     (name, constant.of_pairs(pole_pairs)) for name, constant in _CONSTANTS.items()

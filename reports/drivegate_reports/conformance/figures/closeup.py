@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from drivegate.checks.margin import Moment
 from drivegate.contracts.contract import Columns
-from drivegate.contracts.drawings import TIME, Line, Panel, panels_for
+from drivegate.contracts.drawings import TIME, Panel, panels_for
 from drivegate.output.panels import MomentTime, draw_moment, quantity_of
 from drivegate_reports.page.style import BLUE, DASHED, GREEN, GREY, VERMILION, label_ends, new_figure
 
@@ -40,7 +40,11 @@ def caption(moment: Moment) -> str:
 
 def draw(moment: Moment, columns: Columns, panels: tuple[Panel, ...]) -> Figure:
     """Draw the column that decides above the other signals of the same moment."""
-    others = [panel for panel in panels_for(panels, columns) if not _shows_only(panel, moment.column)]
+    others = [
+        panel
+        for panel in panels_for(panels, columns)
+        if [line.column for line in panel.lines if not line.is_reference] != [moment.column]
+    ]
     ratios = ((2.4,) if moment.column else ()) + (1.0,) * len(others)
     figure, axes = new_figure(0.9 + 0.9 * sum(ratios), len(ratios), ratios, fitted=False, apart=0.3)
     if moment.column:
@@ -56,10 +60,6 @@ def draw(moment: Moment, columns: Columns, panels: tuple[Panel, ...]) -> Figure:
     return figure
 
 
-def _shows_only(panel: Panel, column: str) -> bool:
-    return [line.column for line in panel.lines if not line.is_reference] == [column]
-
-
 def _draw_panel(axes: Axes, axis: MomentTime, columns: Columns, panel: Panel) -> None:
     time = axis.factor * (columns[TIME] - axis.origin)
     is_alone = sum(not line.is_reference for line in panel.lines) == 1
@@ -67,14 +67,11 @@ def _draw_panel(axes: Axes, axis: MomentTime, columns: Columns, panel: Panel) ->
     ends = []
     for line in panel.lines:
         colour = GREY if line.is_reference else next(inks, BLUE)
-        axes.plot(time, columns[line.column], color=colour, linewidth=1.2, linestyle=_style(line))
+        style = DASHED if line.is_reference else "-"
+        axes.plot(time, columns[line.column], color=colour, linewidth=1.2, linestyle=style)
         ends.append((line.name, float(columns[line.column][-1]), colour))
     axes.set_ylabel(panel.label)
     axes.ticklabel_format(axis="y", useOffset=False)
     axes.margins(y=0.15)
     axis.apply(axes)
     label_ends(axes, axis.labels_at, *ends)
-
-
-def _style(line: Line) -> object:
-    return DASHED if line.is_reference else "-"

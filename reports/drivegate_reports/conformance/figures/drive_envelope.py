@@ -59,18 +59,16 @@ def alternative(envelope: Mapping[str, Any]) -> str:
 
 
 def caption(envelope: Mapping[str, Any], ripple_percent: float) -> str:
-    rating = envelope["rating"]
+    limit = "no limit of it is stated"
+    if np.isfinite(ripple_percent):
+        limit = (
+            f"its limit of {ripple_percent:g} % is required at the points named here, and advised elsewhere"
+        )
     return (
-        f"At {rating['current_limit_a']:g} A; dotted: base speed and the highest of constant power. No controller "
-        "gives more than the blue lines, nor rated torque at an angle in the shaded part. Ripple: at rated power and "
-        f"least Σ|i|, ideal regulator; {_limit(ripple_percent)}."
+        f"At {envelope['rating']['current_limit_a']:g} A; dotted: base speed and the highest of constant power. "
+        "No controller gives more than the blue lines, nor rated torque at an angle in the shaded part. Ripple: at "
+        f"rated power and least Σ|i|, ideal regulator; {limit}."
     )
-
-
-def _limit(ripple_percent: float) -> str:
-    if not np.isfinite(ripple_percent):
-        return "no limit of it is stated"
-    return f"its limit of {ripple_percent:g} % is required at the points named here, and advised elsewhere"
 
 
 def draw(envelope: Mapping[str, Any], ripple_percent: float) -> Figure:
