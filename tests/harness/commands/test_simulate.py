@@ -250,7 +250,7 @@ def test_a_star_is_run_through_hall_switches(command, tmp_path):
 
 @pytest.mark.parametrize("run", [("simulate", "reference"), ("diff", "reference", "published")])
 def test_the_next_command_is_of_the_same_drive(command, tmp_path, run):
-    brief = load_scenario("lock-up").replaced(duration_s=0.2)
+    brief = load_scenario("lock-up").replaced(duration_s=2.0)
     file = tmp_path / "brief.json"
     file.write_text(brief.to_json(), encoding="utf-8")
     chosen = ("--case", file, "--drive", "star-3-phase", "--set", "window_deg=150")
