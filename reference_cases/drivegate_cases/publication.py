@@ -58,7 +58,7 @@ class Fact(Section):
     id: str = Field(pattern=r"^P[1-9][0-9]*$", description="number of the fact")
     title: _Sentence = Field(description="a few words on the fact")
     statement: _Sentence = Field(description="the fact in our own words")
-    source: _Sentence = Field(description="where in the paper it stands")
+    source: _Sentence = Field(description="where in the paper it is")
     kind: Literal["check", "plant_property", "figure", "assumption"] = Field(
         description="how it is held: by a check of candidates, by a property of the plant, "
         "by a reproduced figure, or taken unchanged"

@@ -38,7 +38,7 @@ def facts_of(check: Check) -> tuple[Fact, ...]:
 
 
 def traced_checks(drive: DriveDocument) -> list[dict[str, Any]]:
-    """Write down every check, with the numbers of a drive, what it rests on and what exercises it."""
+    """Write down every check, with the numbers of a drive, what it is based on and what exercises it."""
     keys = ("id", "requirement", "source", "subject", "level", "limit", "formula", "why", "scenarios")
     return [
         {key: getattr(check, key) for key in keys}

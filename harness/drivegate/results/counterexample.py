@@ -21,7 +21,7 @@ Line = Annotated[str, Field(max_length=2000)]
 
 
 def resolved_scenario(value: Any) -> Any:
-    """Read a scenario that stands in another document in full: nothing in it is looked up by name."""
+    """Read a scenario that another document has in full: nothing in it is looked up by name."""
     return _resolved(value, Scenario, "the scenario")
 
 
@@ -53,7 +53,7 @@ class Provenance(Section):
 
 
 class DriveIdentity(Section):
-    """The drive on which the check was broken; it stands in the scenario as a whole."""
+    """The drive on which the check was broken; the scenario has it in full."""
 
     name: Line = Field(min_length=1, description="name of the drive")
     kind: Line = Field(default="", description="kind of drive")

@@ -192,12 +192,12 @@ class DrawnKind:
 
     def _provenance(self, drive: DriveDocument) -> Provenance:
         """State for each value what was drawn, and within which bounds."""
-        measured, told = self.per_unit(drive), dict(self.remarks)
-        told |= {
+        measured, remarks = self.per_unit(drive), dict(self.remarks)
+        remarks |= {
             bound.key: bound.sentence(measured.get(name)) for name, bound in self.bounds.items() if bound.key
         }
         found: dict[str, dict[str, str]] = {}
         for key, table in sorted(drive.table_of_key().items(), key=lambda row: row[0] in self.remarks):
-            if key in told and drive.value(key) is not None:
-                found.setdefault(table, {})[key] = told[key]
+            if key in remarks and drive.value(key) is not None:
+                found.setdefault(table, {})[key] = remarks[key]
         return found

@@ -138,7 +138,7 @@ def _walk(model: type[BaseModel], location: Location) -> Iterator[tuple[int | st
 
 
 def _inside(annotation: Any, members: list[type[BaseModel]], step: int | str) -> Any:
-    """Find the type of what stands at a key or an index of a value of the given type."""
+    """Find the type of the value at a key or an index of a value of the given type."""
     field = _field_at(step, members)
     if field is not None:
         return field.annotation

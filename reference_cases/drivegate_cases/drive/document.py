@@ -166,7 +166,7 @@ class DriveDocument(Document):
 
     @classmethod
     def table_of_key(cls) -> Mapping[str, str]:
-        """Return the table of each key; a key stands in one only, so that it may go without its table's name."""
+        """Return the table of each key; a key is in one only, so that it may go without its table's name."""
         return _table_of_key(cls)
 
     @model_validator(mode="after")

@@ -1,4 +1,4 @@
-"""What stands between plant and controller: ideal sensors, or those that a kind of drive has."""
+"""What is between plant and controller: ideal sensors, or those that a kind of drive has."""
 
 import math
 from collections.abc import Mapping

@@ -41,12 +41,12 @@ class CheckDistribution:
 
 
 def alternative(rows: Sequence[CheckDistribution]) -> str:
-    told = "; ".join(
+    worded = "; ".join(
         f"{row.check}: least {plain_number(row.margins[0])}, median {plain_number(_median(row))}, "
         f"greatest {plain_number(row.margins[-1])}, {row.violated} violated"
         for row in rows
     )
-    return f"A rising curve for each check, from no run to all of them. {told}."
+    return f"A rising curve for each check, from no run to all of them. {worded}."
 
 
 def draw(rows: Sequence[CheckDistribution]) -> Figure:

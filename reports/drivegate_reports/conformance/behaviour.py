@@ -51,11 +51,11 @@ def prepare_behaviour(drive: DriveDocument) -> None:
 
 def shown_behaviour(document: Mapping[str, Any], drive: DriveDocument) -> ShownBehaviour | None:
     """Draw how the candidate of a result behaves; None where that is not stated."""
-    told = document.get("behaviour")
-    if not isinstance(told, Mapping) or not contract_of(drive).has_behaviour:
+    stated = document.get("behaviour")
+    if not isinstance(stated, Mapping) or not contract_of(drive).has_behaviour:
         return None
     try:
-        read = BehaviourSection.model_validate_json(json.dumps(told))
+        read = BehaviourSection.model_validate_json(json.dumps(stated))
     except (ValidationError, TypeError, ValueError):
         return None
     figures = tuple(_figures(read, duty_document(drive)))

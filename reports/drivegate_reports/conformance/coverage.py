@@ -20,7 +20,7 @@ _SPECIAL: Final = frozenset(check for checks in SPECIAL.values() for check in ch
 
 @dataclass(frozen=True)
 class Evidence:
-    """What a check rests on, and which runs exercise it."""
+    """What a check is based on, and which runs exercise it."""
 
     facts: tuple[str, ...]
     scenarios: str

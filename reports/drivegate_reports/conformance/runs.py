@@ -72,7 +72,7 @@ class ShownRun:
     """What happened in it, in sentences."""
     figure: PageFigure
     drawn_before: bool
-    """Whether the figure stands with an earlier check already."""
+    """Whether an earlier check already has the figure."""
     ripple: PageFigure | None = None
     """The torque over one electrical period, where a check of the ripple fails."""
     closeup: PageFigure | None = None

@@ -89,7 +89,7 @@ class Campaign(Document):
     def _are_different(cls, names: tuple[str, ...] | None) -> tuple[str, ...] | None:
         for place, name in enumerate(names or ()):
             if names is not None and name in names[:place]:
-                raise ValueError(f"'{one_line(name)}' stands there twice")
+                raise ValueError(f"'{one_line(name)}' is listed twice")
         return names
 
     @field_validator("checks")
@@ -124,7 +124,7 @@ class Campaign(Document):
         both = [key for key in self.spread if key in self.grid]
         if both:
             raise ValueError(
-                f"the parameter '{both[0]}' stands in 'grid' and in 'spread', but must be in one of them"
+                f"the parameter '{both[0]}' is in 'grid' and in 'spread', but must be in one of them"
             )
         runs = len(self.candidates) * self.runs_per_candidate
         if runs > MOST_RUNS:

@@ -107,7 +107,7 @@ def axis_within(lowest: float, highest: float, *, above: bool = False) -> Callab
                 f"{_FEWEST} to {_MOST_VALUES}, a list such as 700,1000,1500, or a number"
             )
         if len(set(values)) < len(values):
-            raise InputError(f"it is {shown(text)}, in which a value stands twice")
+            raise InputError(f"it is {shown(text)}, which has a value twice")
         wrong = [value for value in values if not lowest <= value <= highest or (above and value == lowest)]
         if wrong:
             raise InputError(

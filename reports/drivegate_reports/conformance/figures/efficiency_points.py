@@ -21,8 +21,8 @@ def name_of(point: EfficiencyPointSection) -> str:
 
 
 def alternative(points: Sequence[EfficiencyPointSection]) -> str:
-    told = [f"{_excess(point)} at {name_of(point)}" for point in points]
-    return f"Loss above the least possible: {'; '.join(told)}."
+    stated = [f"{_excess(point)} at {name_of(point)}" for point in points]
+    return f"Loss above the least possible: {'; '.join(stated)}."
 
 
 def caption(limit_percent: float) -> str:

@@ -14,7 +14,7 @@ UNIFORM = {"kind": "uniform", "lowest": 0.9, "highest": 1.1}
     [
         ({"candidate": ["reference"]}, "the nearest known key is 'candidates'"),
         ({"candidates": []}, "'candidates'"),
-        ({"candidates": ["initial", "initial"]}, "'initial' stands there twice"),
+        ({"candidates": ["initial", "initial"]}, "'initial' is listed twice"),
         ({"checks": ["CNV-9"]}, "'CNV-9' is no check that a campaign judges, the nearest is 'CNV-"),
         ({"checks": ["DET-1"]}, "'DET-1' is no check that a campaign judges"),
         ({"draws": 0}, "'draws' is 0"),
