@@ -9,7 +9,7 @@ ASKS = re.compile(
 )
 KNOWN = {
     "drivegate/commands/diff.py",
-    "drivegate/scenarios/facts.py",
+    "drivegate/scenarios/traits.py",
     "drivegate_cases/drive/document.py",
 }
 """Modules that ask: two of the harness, and the document that declares what such a drive has."""

@@ -31,15 +31,17 @@ _KINDS_OF_KEY = {
     for kind in KINDS.values()
     for key in kind.manifest_keys
 }
-_KEYS_OF_DUTY = {
-    "references": "whose controllers follow a speed",
-    "detects": "whose legs are no candidate's",
-    "current_bandwidth_rad_s": "whose currents are no candidate's",
-    "reads_enable": "whose legs are no candidate's",
-    "control_every": "whose carrier is no candidate's",
-    "update_delay": "whose duty ratios are no candidate's",
+_KEYS_OF_OTHERS = {
+    "current": {
+        "references": "whose controllers follow a speed",
+        "detects": "whose legs are no candidate's",
+        "current_bandwidth_rad_s": "whose currents are no candidate's",
+        "reads_enable": "whose legs are no candidate's",
+        "control_every": "whose carrier is no candidate's",
+        "update_delay": "whose duty ratios are no candidate's",
+    }
 }
-"""Keys of the contract of duty ratios alone, and why that of current references has none."""
+"""For each contract, keys of the contract of duty ratios alone, and why it has none."""
 
 _MOST_MATCHES = 1000
 """Greatest number of files that one pattern may match."""
@@ -252,7 +254,7 @@ class Manifest(Document):
                 f"the key 'references' names 'current', which excludes {other}; such a candidate is run on q currents "
                 "alone, without failures"
             )
-        for key, reason in _KEYS_OF_DUTY.items() if self.contract == "current" else ():
+        for key, reason in _KEYS_OF_OTHERS.get(self.contract or "", {}).items():
             # A delay of 0 is a statement, too.
             if key in self.model_fields_set and (getattr(self, key) or key == "update_delay"):
                 raise ValueError(

@@ -6,6 +6,7 @@ import pytest
 from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.messages import JudgedCandidate
+from drivegate.contracts.catalogue import check_of
 from drivegate.drives.running import recorded
 from drivegate_cases.scenario.scenario import load_scenario
 
@@ -18,12 +19,12 @@ from drivegate_cases.scenario.scenario import load_scenario
         ("CMD-1", "current-limit-exceeded", "current_reference_a"),
     ],
 )
-def test_figures_show_the_command_that_decides(checks, check, fault, column):
+def test_figures_show_the_command_that_decides(check, fault, column):
     scenario = load_scenario("fig5-search").replaced(duration_s=0.4, initial_speed_rpm=0.0)
     controller = load_controller(resolve_candidate(f"faulty:{fault}"))
     loaded = JudgedCandidate(resolve_candidate("reference"), lambda: controller)
     record = recorded(loaded, scenario, controller, trace_every=1)
-    moment = checks[check].moment(record)
+    moment = check_of("current", check).moment(record)
     assert moment.column == column
     assert moment.end_s - moment.start_s < 0.3, "a part of the run"
     assert moment.start_s <= moment.point.time_s <= moment.end_s

@@ -1,5 +1,7 @@
 """Loading the built-in controllers, which are compiled code behind the native interface."""
 
+from typing import Final
+
 import numpy as np
 
 from drivegate.candidates.builtin.prefixed import family_of
@@ -16,11 +18,21 @@ def load_controller(candidate: Candidate) -> Controller:
     if found is not None:
         family, name = found
         return family.load_controller(name)
-    if candidate.contract == "duty":
-        from drivegate.candidates.builtin.duty_loading import DutyController
+    return _LOADERS[candidate.contract or "current"](candidate.entry)
 
-        return DutyController(candidate.entry)
-    return BuiltinController(SEARCHES[candidate.entry])
+
+def _load_search(name: str) -> Controller:
+    return BuiltinController(SEARCHES[name])
+
+
+def _load_duty_controller(name: str) -> Controller:
+    from drivegate.candidates.builtin.duty_loading import DutyController
+
+    return DutyController(name)
+
+
+_LOADERS: Final = {"current": _load_search, "duty": _load_duty_controller}
+"""For each contract, what makes one of its controllers."""
 
 
 class BuiltinController(CompiledController):

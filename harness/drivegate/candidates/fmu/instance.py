@@ -171,9 +171,15 @@ def _references(values: tuple[int, ...]) -> ctypes.Array[ctypes.c_uint32]:
 
 def _answer_of(connections: Connections) -> Callable[[tuple[float, ...]], Any]:
     """Make what turns the values of an FMU's outputs, in the order of the connections, into commands."""
-    if connections.contract == "current":
-        # The fields of the command are the outputs, in their order.
-        return lambda values: Command(*values)
+    return _ANSWERS[connections.contract](connections)
+
+
+def _of_angles(_connections: Connections) -> Callable[[tuple[float, ...]], Any]:
+    # The fields of the command are the outputs, in their order.
+    return lambda values: Command(*values)
+
+
+def _of_duty_ratios(connections: Connections) -> Callable[[tuple[float, ...]], Any]:
     places: dict[str, slice] = {}
     start = 0
     for name, count in connections.outputs:
@@ -192,6 +198,9 @@ def _answer_of(connections: Connections) -> Callable[[tuple[float, ...]], Any]:
         return DutyCommand(**fields)
 
     return answer
+
+
+_ANSWERS: Final = {"current": _of_angles, "duty": _of_duty_ratios}
 
 
 def _whole(value: float) -> float | int:
