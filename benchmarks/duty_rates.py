@@ -15,9 +15,11 @@ from drivegate_models.contract.duty.signals import SPEED_REFERENCE, DutyNameplat
 from drivegate_models.controllers.duty.foc import reset_function, step_function
 from drivegate_models.controllers.duty.state import FOC_STATE
 from drivegate_models.loop.exchange import COMPLETED
+from drivegate_models.loop.loop_inputs import SteppedController
 from drivegate_models.loop.schedule import Conditions, steady
 from drivegate_models.machine.load import CONSTANT_TORQUE, Load
 from drivegate_models.pm_ac.closed_loop import DutyRun, prepared_duty_loop
+from drivegate_models.pm_ac.loop_inputs import DutyLoopInputs
 from drivegate_models.pm_ac.loop_records import TRACE
 from drivegate_models.pm_ac.plant.drive import Modulator, PmAcDrive, make_pm_ac_drive
 
@@ -58,14 +60,15 @@ def foc_run(
     reset_function()(state, duty_nameplate_record(nameplate))
     link = steady(0.5 * drive.link_voltage)
     return prepared_duty_loop(
-        drive,
-        Load(CONSTANT_TORQUE, torque),
-        _NOMINAL._replace(speed=steady(speed), supply=link),
-        step_address=step_function().address,
-        state_address=state.ctypes.data,
-        control_period=nameplate.control_period,
-        duration=simulated,
-        initial_speed=speed,
+        DutyLoopInputs(
+            drive=drive,
+            load=Load(CONSTANT_TORQUE, torque),
+            schedule=_NOMINAL._replace(speed=steady(speed), supply=link),
+            control_period=nameplate.control_period,
+            duration=simulated,
+            initial_speed=speed,
+        ),
+        SteppedController(step_function().address, state.ctypes.data),
     ).run()
 
 

@@ -13,10 +13,12 @@ from drivegate_models.contract.duty.signals import SPEED_REFERENCE, TORQUE_REFER
 from drivegate_models.controllers.duty.foc import reset_function, step_function
 from drivegate_models.controllers.duty.state import foc_state
 from drivegate_models.loop.exchange import COMPLETED
+from drivegate_models.loop.loop_inputs import SteppedController
 from drivegate_models.loop.schedule import Course, Schedule, steady
 from drivegate_models.machine.load import LOCKED, Load
 from drivegate_models.pm_ac.closed_loop import DutyRun, prepared_duty_loop
 from drivegate_models.pm_ac.fundamental import LINEAR_LIMIT, base_speed
+from drivegate_models.pm_ac.loop_inputs import DutyLoopInputs
 from drivegate_models.pm_ac.loop_records import TRACE
 from drivegate_models.pm_ac.oracle import Limits, greatest_torque
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
@@ -90,15 +92,16 @@ def controlled(
     """Run a controller with a drive."""
     state = reset_controller(name, nameplate_of(drive, reference_kind, period))
     return prepared_duty_loop(
-        drive,
-        load,
-        schedule,
-        step_address=step_function().address,
-        state_address=state.ctypes.data,
-        control_period=period,
-        duration=duration,
-        initial_speed=initial_speed,
-        initial_angle=initial_angle,
+        DutyLoopInputs(
+            drive=drive,
+            load=load,
+            schedule=schedule,
+            control_period=period,
+            duration=duration,
+            initial_speed=initial_speed,
+            initial_angle=initial_angle,
+        ),
+        SteppedController(step_function().address, state.ctypes.data),
     ).run()
 
 
@@ -108,15 +111,16 @@ def held(
     """Run a controller of a torque for 0.1 s at a held speed; return the run and the state at its end."""
     state = reset_controller(name, nameplate_of(drive, TORQUE_REFERENCE))
     run = prepared_duty_loop(
-        plant or drive,
-        Load(LOCKED),
-        course(drive, steady(speed), steady(0.0)),
-        step_address=step_function().address,
-        state_address=state.ctypes.data,
-        control_period=PERIOD,
-        duration=0.1,
-        initial_speed=speed,
-        torque_reference=torque,
+        DutyLoopInputs(
+            drive=plant or drive,
+            load=Load(LOCKED),
+            schedule=course(drive, steady(speed), steady(0.0)),
+            control_period=PERIOD,
+            duration=0.1,
+            initial_speed=speed,
+            torque_reference=torque,
+        ),
+        SteppedController(step_function().address, state.ctypes.data),
     ).run()
     assert run.status == COMPLETED
     return run, state

@@ -1,13 +1,12 @@
 """An instance of a candidate in a process of its own, as those use it who judge its commands."""
 
-from collections.abc import Callable
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.candidates.controller import CompiledController, Controller
-from drivegate.candidates.fault import CandidateFault, Fault, FaultKind
+from drivegate.candidates.controller import CompiledController
+from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.candidates.step_costs import NO_COSTS, StepCosts, greatest_costs
 from drivegate.containment.candidate_process import Answered, CandidateProcess
 from drivegate.containment.protocol import CloseLoop, GiveSenses, Reset, RunOrder
@@ -16,9 +15,6 @@ from drivegate_models.contract.current.signals import Nameplate
 from drivegate_models.contract.duty.signals import DutyNameplate
 from drivegate_models.loop.exchange import COMPLETED
 from drivegate_models.loop.step_recording import player_of, playing_step
-
-Wrap: TypeAlias = Callable[[Controller], Controller]
-"""Puts something between the closed loop and a controller, which passes every step on."""
 
 
 class CommandPlayer(CompiledController):
@@ -94,14 +90,3 @@ class ContainedController:
         """Return the greatest costs of a step on an emulated target since they were last taken."""
         costs, self._costs = self._costs, NO_COSTS
         return costs
-
-
-def stepped_here(controller: Controller | ContainedController, order: CloseLoop, steps: int) -> Controller:
-    """Return what a plant here steps: a controller that is included, or the commands of one that is contained."""
-    return controller.run(order, steps) if isinstance(controller, ContainedController) else controller
-
-
-def require_same_plant(controller: Controller, records: Any) -> None:
-    """Raise a fault where played commands end in another state of the plant than in the candidate's process."""
-    if isinstance(controller, PlayedCommands) and (fault := controller.disturbed(records)) is not None:
-        raise CandidateFault(fault)

@@ -8,7 +8,7 @@ no pickle is ever read from there.
 """
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from struct import Struct
@@ -21,10 +21,10 @@ from numpy.typing import NDArray
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault, FaultKind, Phase, bounded_line, bounded_text
 from drivegate.candidates.step_costs import NO_COSTS, StepCosts
-from drivegate_models.contract.current.records import COMMAND
 from drivegate_models.contract.current.signals import Nameplate
 from drivegate_models.contract.duty.signals import DutyNameplate
-from drivegate_models.contract.layout import LAYOUTS
+from drivegate_models.contract.layout import CURRENT, LAYOUTS, Layout
+from drivegate_models.loop.loop_inputs import LoopInputs
 
 PACKET: Final = Struct("=8sqq")
 """A word that says whose it is, the number of bytes of the order, which lies in the shared memory, and that of the
@@ -67,14 +67,17 @@ class CloseLoop:
     prepare: Callable[..., Any]
     """A module's function that makes the run ready, `drivegate_models.loop.closed_loop.prepared_loop` of a
     drive or `drivegate_models.pm_ac.closed_loop.prepared_duty_loop`."""
-    plant: tuple[Any, ...]
-    """Its arguments: constants of the drive, load and schedule."""
-    options: Mapping[str, Any]
-    """Its further arguments."""
+    inputs: LoopInputs
+    """What the run is made of, without what is observed of it."""
     restart_steps: Sequence[int] = ()
     """Steps before which the instance is reset, in the process that has it."""
-    commands: np.dtype[Any] = COMMAND
-    """Layout of the commands that are kept."""
+    layout: Layout = CURRENT
+    """Records of the contract."""
+
+    @property
+    def commands(self) -> np.dtype[Any]:
+        """Layout of the commands that are kept."""
+        return self.layout.command
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,7 @@ from collections.abc import Callable
 from typing import Any, Final
 
 import psutil
+from numpy.typing import NDArray
 
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.controller import Controller
@@ -43,6 +44,7 @@ from drivegate.containment.restarting import Restarter
 from drivegate.containment.shared_memory import Activity, SharedMemory, SharedProgress
 from drivegate.isolation.system_calls import end_with_parent
 from drivegate_models.errors import InputError
+from drivegate_models.loop.loop_inputs import SteppedController
 
 STACK_SIGNAL: Final = signal.SIGUSR1
 """Signal at which a candidate's process prints the Python stack of its threads."""
@@ -190,19 +192,15 @@ class _Server:
     ) -> tuple[Callable[..., Any], Any]:
         """Exchange a pending order for the arguments of the compiled loop."""
         order: CloseLoop = pending.pop()
-        restarts = {"restarts": restarter.restarts(order.restart_steps)} if order.restart_steps else {}
-        prepared = order.prepare(
-            *order.plant,
-            **order.options,
-            **restarts,
-            step_address=self._instance.step_address,
-            state_address=self._instance.state_address,
-            progress=self._progress.steps,
-            kept=memory.commands(order.commands),
-        )
+        stepped = self._stepped(memory.commands(order.commands))
+        prepared = order.prepare(order.inputs, stepped, restarter.restarts(order.restart_steps))
         arguments = _out_of_sight(prepared.arguments)
         pending.append(arguments)
         return _entry_point(prepared.loop, arguments), prepared.records
+
+    def _stepped(self, kept: NDArray[Any]) -> SteppedController:
+        instance = self._instance
+        return SteppedController(instance.step_address, instance.state_address, self._progress.steps, kept)
 
     def _senses_given(self, pending: list[Any], memory: SharedMemory) -> Reply:
         from drivegate_models.loop.exchange import COMPLETED
@@ -228,14 +226,7 @@ class _Server:
 
         order: GiveSenses = pending.pop()
         self._progress.steps[0] = 0
-        given = given_senses(
-            self._instance.step_address,
-            self._instance.state_address,
-            order.senses,
-            order.currents,
-            progress=self._progress.steps,
-            kept=memory.commands(order.commands),
-        )
+        given = given_senses(self._stepped(memory.commands(order.commands)), order.senses, order.currents)
         arguments = _out_of_sight((given,))
         pending.append(arguments)
         return _entry_point(MAKE_STEPS[LAYOUTS[order.senses.dtype].name], arguments)

@@ -20,6 +20,7 @@ from drivegate.containment.protocol import GiveSenses
 from drivegate_models.contract.layout import Layout
 from drivegate_models.loop.exchange import COMPLETED, STOPPED
 from drivegate_models.loop.given_steps import MAKE_STEPS, given_senses
+from drivegate_models.loop.loop_inputs import SteppedController
 from drivegate_models.loop.step_recording import recorder_of, recording_step
 
 RefusalOf: TypeAlias = Callable[[Any, int], str]
@@ -94,7 +95,9 @@ class GivenSteps:
         if isinstance(controller, ContainedController):
             return controller.answers(GiveSenses(senses, currents))
         kept = np.zeros(len(senses), self._layout.command)
-        given = given_senses(controller.step_address, controller.state_address, senses, currents, kept=kept)
+        given = given_senses(
+            SteppedController(controller.step_address, controller.state_address, kept=kept), senses, currents
+        )
         status, count = MAKE_STEPS[self._layout.name](given)
         fault = controller.fault if status == STOPPED else None
         return Answered(kept[: count + (status not in (COMPLETED, STOPPED))], int(status), b"", fault)

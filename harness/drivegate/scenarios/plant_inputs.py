@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +33,25 @@ from drivegate_models.machine import load
 from drivegate_models.units import RADIANS_PER_RPM
 
 _SIGNALS = {"speed": sensors.SPEED, "currents": sensors.CURRENTS, "supply": sensors.SUPPLY}
+
+
+def common_inputs(scenario: Scenario) -> dict[str, Any]:
+    """Return the fields of `drivegate_models.loop.loop_inputs.LoopInputs` for a scenario."""
+    return {
+        "drive": scenario.drive.plant(scenario.scales),
+        "load": plant_load(scenario),
+        "schedule": plant_schedule(scenario),
+        "control_period": scenario.control_period_s,
+        "duration": scenario.duration_s,
+        "initial_speed": scenario.initial_speed_rpm * RADIANS_PER_RPM,
+        "initial_angle": math.radians(scenario.initial_angle_deg),
+        "clock_start": scenario.clock_start_s,
+    }
+
+
+def restart_steps(scenario: Scenario) -> list[int]:
+    """Return the steps before which a scenario resets the controller."""
+    return [round(time / scenario.control_period_s) for time in scenario.restarts_s]
 
 
 def plant_load(scenario: Scenario) -> load.Load:

@@ -9,9 +9,14 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate_models.contract.current.records import COMMAND, SENSE, command_record
+from drivegate_models.contract.current.records import COMMAND, SENSE, command_record, fresh_sense_record
 from drivegate_models.contract.current.signals import Sense
-from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE, duty_command_record
+from drivegate_models.contract.duty.records import (
+    DUTY_COMMAND,
+    DUTY_SENSE,
+    duty_command_record,
+    duty_sense_record,
+)
 from drivegate_models.contract.duty.signals import DutySense
 
 
@@ -28,6 +33,9 @@ class Layout:
     command: np.dtype[Any]
     signals: type[Sense] | type[DutySense]
     """What a controller in Python senses."""
+    fresh_sense: Callable[[NDArray[np.float64]], NDArray[Any]]
+    """Make what the harness fills, shape (1,), with the address of phase currents, shape (m,) (A), which must outlive
+    it."""
     fresh_command: Callable[[], NDArray[Any]]
     """Make the command that a controller finds before it answers, shape (1,)."""
 
@@ -45,8 +53,8 @@ class Layout:
         return self.signals._make(tuple(value.tolist()) if value.ndim else value.item() for value in values)
 
 
-CURRENT: Final = Layout("current", SENSE, COMMAND, Sense, command_record)
+CURRENT: Final = Layout("current", SENSE, COMMAND, Sense, fresh_sense_record, command_record)
 """Records of controllers that answer with a current reference and an advance angle."""
-DUTY: Final = Layout("duty", DUTY_SENSE, DUTY_COMMAND, DutySense, duty_command_record)
+DUTY: Final = Layout("duty", DUTY_SENSE, DUTY_COMMAND, DutySense, duty_sense_record, duty_command_record)
 """Records of controllers that answer with duty ratios."""
 LAYOUTS: Final[Mapping[np.dtype[Any], Layout]] = {layout.sense: layout for layout in (CURRENT, DUTY)}

@@ -1,4 +1,4 @@
-"""One step of a controller: the only place where the compiled loop of a current contract calls it."""
+"""The records between a closed loop and its controller, and one step of a controller of a current contract."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from drivegate_models.compilation.calling import call_step
 from drivegate_models.compilation.kernels import inlined
-from drivegate_models.contract.current.records import COMMAND, SENSE
+from drivegate_models.contract.layout import Layout
+from drivegate_models.loop.loop_inputs import SteppedController
 
 OUTPUTS: Final = ("current_reference", "advance_angle", "input_power")
 """The numbers of a Command, in the order of the columns wherever commands are rows."""
@@ -29,53 +30,39 @@ class Exchange(NamedTuple):
     """The records between loop and controller, and the controller's addresses."""
 
     sense: NDArray[Any]
-    """Input of the controller, shape (1,) of contract.SENSE."""
+    """Input of the controller, shape (1,) of the contract's sense."""
     command: NDArray[Any]
-    """Output of the controller, shape (1,) of contract.COMMAND."""
+    """Output of the controller, shape (1,) of the contract's command."""
     command_bits: NDArray[np.int64]
-    """A view of the command as 64-bit words, shape (4,)."""
+    """A view of the command as 64-bit words, shape (n,)."""
+    fresh: NDArray[Any]
+    """A command before the controller writes it, shape (1,)."""
     sensed_currents: NDArray[np.float64]
     """Phase currents of the Sense, shape (m,) (A)."""
     progress: NDArray[np.int64]
     """Number of steps begun, shape (1,), monitored by the parent process."""
     kept: NDArray[Any]
-    """Receives the command of each step, shape (n,) of contract.COMMAND; commands after its end are not stored."""
+    """Receives the command of each step, shape (n,) of the contract's command."""
     step_address: int
     state_address: int
     sense_address: int
     command_address: int
 
 
-def make_exchange(
-    phases: int,
-    *,
-    step_address: int,
-    state_address: int,
-    progress: NDArray[np.int64] | None = None,
-    kept: NDArray[Any] | None = None,
-) -> Exchange:
-    """Return the records between the loop and a controller that has been reset.
-
-    `phases`: number of phases m. `step_address`, `state_address`: addresses of the controller's step function and of
-    its state. `progress`, shape (1,): receives the number of steps begun. `kept`, shape (n,): receives the commands of
-    the first n steps.
-    """
-    sense = np.zeros(1, SENSE)
+def make_exchange(layout: Layout, phases: int, controller: SteppedController) -> Exchange:
+    """Return the records between the loop and a controller, for a number of phases."""
     currents = np.zeros(phases)
-    command = np.zeros(1, COMMAND)
-    sense[0]["struct_size"] = SENSE.itemsize
-    sense[0]["phase_count"] = phases
-    sense[0]["phase_currents"] = currents.ctypes.data
-    command[0]["struct_size"] = COMMAND.itemsize
+    sense, command = layout.fresh_sense(currents), layout.fresh_command()
     return Exchange(
         sense=sense,
         command=command,
         command_bits=command.view(np.int64),
+        fresh=layout.fresh_command(),
         sensed_currents=currents,
-        progress=np.zeros(1, np.int64) if progress is None else progress,
-        kept=np.zeros(0, COMMAND) if kept is None else kept,
-        step_address=step_address,
-        state_address=state_address,
+        progress=np.zeros(1, np.int64) if controller.progress is None else controller.progress,
+        kept=np.zeros(0, layout.command) if controller.kept is None else controller.kept,
+        step_address=controller.step_address,
+        state_address=controller.state_address,
         sense_address=sense.ctypes.data,
         command_address=command.ctypes.data,
     )

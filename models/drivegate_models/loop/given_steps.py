@@ -13,7 +13,8 @@ from drivegate_models.compilation.kernels import unallocating
 from drivegate_models.contract.current.records import SENSE
 from drivegate_models.contract.layout import LAYOUTS
 from drivegate_models.loop.duty_command import duty_command_status
-from drivegate_models.loop.exchange import COMPLETED, command_status
+from drivegate_models.loop.exchange import COMPLETED, command_status, make_exchange
+from drivegate_models.loop.loop_inputs import SteppedController
 
 
 class GivenSenses(NamedTuple):
@@ -76,37 +77,25 @@ and the number of steps that were answered; the next one is what another status 
 
 
 def given_senses(
-    step_address: int,
-    state_address: int,
-    senses: NDArray[Any],
-    currents: NDArray[np.float64],
-    *,
-    progress: NDArray[np.int64] | None = None,
-    kept: NDArray[Any] | None = None,
+    controller: SteppedController, senses: NDArray[Any], currents: NDArray[np.float64]
 ) -> GivenSenses:
-    """Tie Senses and a controller together.
+    """Return what `MAKE_STEPS` takes, for a controller that has been reset.
 
-    - `step_address`, `state_address`: addresses of the controller's step function and of its state.
-    - `senses`, shape (n,): what the controller senses, as records of its contract.
-    - `currents`, shape (n, m): the phase currents (A).
-    - `progress`, shape (1,): receives the number of steps begun.
-    - `kept`, shape (k,): receives the commands of the first k steps.
-    - Result: for `MAKE_STEPS`.
+    `senses`, shape (n,): what it senses, as records of its contract. `currents`, shape (n, m): the phase currents (A).
     """
-    layout = LAYOUTS[senses.dtype]
-    sensed_currents = np.zeros(currents.shape[1])
+    exchange = make_exchange(LAYOUTS[senses.dtype], currents.shape[1], controller)
     return GivenSenses(
-        step_address=step_address,
-        state_address=state_address,
+        step_address=exchange.step_address,
+        state_address=exchange.state_address,
         senses=np.ascontiguousarray(senses),
         currents=np.ascontiguousarray(currents, np.float64),
-        sense=np.zeros(1, layout.sense),
-        sensed_currents=sensed_currents,
-        currents_address=sensed_currents.ctypes.data,
-        command=layout.fresh_command(),
-        fresh=layout.fresh_command(),
-        progress=np.zeros(1, np.int64) if progress is None else progress,
-        kept=np.zeros(0, layout.command) if kept is None else kept,
+        sense=exchange.sense,
+        sensed_currents=exchange.sensed_currents,
+        currents_address=exchange.sensed_currents.ctypes.data,
+        command=exchange.command,
+        fresh=exchange.fresh,
+        progress=exchange.progress,
+        kept=exchange.kept,
     )
 
 

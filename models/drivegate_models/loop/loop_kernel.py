@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from math import pi
 from typing import Any, Final, NamedTuple
 
@@ -58,6 +59,11 @@ class PlantKernels:
     torque_range: Callable[..., tuple[float, float]]
     """``(drive, phases, positions, duration, lowest, highest)`` extends a range by the torque over the last
     advance (N m); `positions` is work space of shape (m,)."""
+
+    @cached_property
+    def loop(self) -> Any:
+        """The closed loop with them, which is compiled on its first call."""
+        return loop_of(self)
 
 
 class Timing(NamedTuple):

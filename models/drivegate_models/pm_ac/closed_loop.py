@@ -2,26 +2,31 @@
 
 from __future__ import annotations
 
+from functools import partial
 from math import pi
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegate_models.contract.duty.records import DUTY_COMMAND
 from drivegate_models.contract.duty.signals import LEG_OFF
-from drivegate_models.loop.exchange import COMPLETED
+from drivegate_models.contract.layout import DUTY
+from drivegate_models.loop.closed_loop import PreparedLoop
+from drivegate_models.loop.exchange import COMPLETED, make_exchange
+from drivegate_models.loop.loop_inputs import SteppedController
 from drivegate_models.loop.restarting import Restarts, no_restarts
-from drivegate_models.loop.schedule import Conditions, Course, Schedule, steady
+from drivegate_models.loop.schedule import Conditions, Schedule, steady
 from drivegate_models.machine import advance_status, ledger
 from drivegate_models.machine.load import Load
-from drivegate_models.pm_ac.exchange import DutyExchange, make_exchange
-from drivegate_models.pm_ac.failure import Failure, make_failure
+from drivegate_models.pm_ac.failure import make_failure
+from drivegate_models.pm_ac.loop_inputs import DutyLoopInputs
 from drivegate_models.pm_ac.loop_kernel import DutyRoom, DutyTiming, release_before_start, run_periods
 from drivegate_models.pm_ac.loop_records import DutyRecords, make_records
 from drivegate_models.pm_ac.plant.advance import PmAcPhases, make_phases
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
 from drivegate_models.pm_ac.rectifying import rectifies, settle_rectifying
-from drivegate_models.pm_ac.sensing import DutySensors, delayed_glitches, ideal_duty_sensors, low_side_ratio
+from drivegate_models.pm_ac.sensing import delayed_glitches, ideal_duty_sensors, low_side_ratio
 
 
 class DutyRun(NamedTuple):
@@ -43,98 +48,22 @@ class DutyRun(NamedTuple):
     """Number of steps before the run."""
 
 
-class PreparedDutyLoop(NamedTuple):
-    """A run that is ready to begin."""
-
-    loop: Any
-    """The compiled loop."""
-    arguments: tuple[Any, ...]
-    """The arguments of the loop."""
-    exchange: DutyExchange
-    """The records between loop and controller."""
-    records: DutyRecords
-    """The records that the run fills."""
-    before: int = 0
-    """Number of steps before the run."""
-
-    def run(self) -> DutyRun:
-        """Run the controller, already reset, until the end or until it stops."""
-        status, done = self.loop(*self.arguments)
-        records = self.records
-        commands = self.exchange.kept[: done + (status != COMPLETED)]
-        worst = float(records.run["worst_balance"][0])
-        trace = records.trace[: max(done - self.before, 0)]
-        return DutyRun(int(status), int(done), trace, records.totals, worst, commands, self.before)
-
-
 def prepared_duty_loop(
-    drive: PmAcDrive,
-    load: Load,
-    schedule: Schedule,
-    *,
-    step_address: int,
-    state_address: int,
-    control_period: float,
-    duration: float,
-    initial_speed: float = 0.0,
-    initial_angle: float = 0.0,
-    clock_start: float = 0.0,
-    resting: int = 0,
-    waiting: int = 0,
-    torque_reference: Course | None = None,
-    sensors: DutySensors | None = None,
-    failure: Failure | None = None,
-    restarts: Restarts | None = None,
-    progress: NDArray[np.int64] | None = None,
-    kept: NDArray[Any] | None = None,
-) -> PreparedDutyLoop:
-    """Prepare a run of a controller against the plant.
+    inputs: DutyLoopInputs, controller: SteppedController, restarts: Restarts | None = None
+) -> PreparedLoop[DutyRun]:
+    """Prepare a run of a controller against the plant; the controller must be reset before it starts.
 
-    Parameters
-    ----------
-    drive : PmAcDrive
-        Constants of machine, bridge and modulator.
-    load : Load
-        Torque and inertia at the shaft.
-    schedule : Schedule
-        External conditions. The supply is half of the link voltage, and the speed is the reference.
-    step_address, state_address : int
-        Addresses of the controller's step function and of its state.
-    control_period : float
-        Time between two steps (s).
-    duration : float
-        Length of the run (s), rounded to control periods.
-    initial_speed : float
-        Speed of the shaft at the start (rad/s).
-    initial_angle : float
-        Electrical angle at the start, from the first phase's axis to the d axis (rad).
-    clock_start : float
-        Time in the controller's first Sense (s).
-    resting, waiting : int
-        Numbers of control periods before the run, in which the controller is stepped with `enable` 0 and all legs are
-        off: first at standstill, then at the initial speed.
-    torque_reference : Course, optional
-        Torque reference, instead of the schedule's speed (N m).
-    sensors : DutySensors, optional
-        Sensors between plant and controller; ideal by default.
-    failure : Failure, optional
-        A failure during the run; none by default.
-    restarts : Restarts, optional
-        Resets of the controller during the run; none by default.
-    progress : ndarray of int64, shape (1,), optional
-        Receives the number of steps begun.
-    kept : ndarray of DUTY_COMMAND, shape (n,), optional
-        Receives the commands, with space for those of all steps, including those before the run.
-
-    Returns
-    -------
-    PreparedDutyLoop
-        The run. All legs are off until the first command acts. A machine whose EMF exceeds the link voltage begins in
-        the steady state of its rectifying diodes.
+    All legs are off until the first command acts. A machine whose EMF exceeds the link voltage begins in the steady
+    state of its rectifying diodes.
     """
-    steps = round(duration / control_period)
-    before = resting + waiting
-    exchange = make_exchange(before + steps, step_address, state_address, progress, kept)
+    drive, load, schedule = inputs.drive, inputs.load, inputs.schedule
+    period, torque, sensors = inputs.control_period, inputs.torque_reference, inputs.sensors
+    steps = round(inputs.duration / period)
+    before = inputs.resting + inputs.waiting
+    if controller.kept is None:
+        # Every entry is written before it is read.
+        controller = controller._replace(kept=np.empty(before + steps, DUTY_COMMAND))
+    exchange = make_exchange(DUTY, 3, controller)
     records = make_records(steps)
     room = DutyRoom(
         np.zeros(len(Conditions._fields) + 1, np.int64),
@@ -145,19 +74,15 @@ def prepared_duty_loop(
         np.zeros(3),
     )
     timing = DutyTiming(
-        float(control_period),
+        float(period),
         steps,
-        float(initial_speed),
-        float(initial_angle % (2.0 * pi)),
-        torque_reference is not None,
-        float(clock_start),
-        int(resting),
-        int(waiting),
+        float(inputs.initial_speed),
+        float(inputs.initial_angle % (2.0 * pi)),
+        torque is not None,
+        float(inputs.clock_start),
+        int(inputs.resting),
+        int(inputs.waiting),
     )
-    torque = steady(0.0) if torque_reference is None else torque_reference
-    shown = ideal_duty_sensors() if sensors is None else delayed_glitches(sensors, waiting * control_period)
-    fails = make_failure() if failure is None else failure
-    resets = no_restarts() if restarts is None else restarts
     phases = make_phases()
     if not _settle_before_start(drive, phases, load, schedule, timing, room):
         timing = timing._replace(has_no_start=True)
@@ -166,16 +91,25 @@ def prepared_duty_loop(
         phases,
         load,
         schedule,
-        torque,
+        steady(0.0) if torque is None else torque,
         exchange,
         timing,
         room,
-        shown,
-        fails,
-        resets,
+        ideal_duty_sensors() if sensors is None else delayed_glitches(sensors, inputs.waiting * period),
+        make_failure() if inputs.failure is None else inputs.failure,
+        no_restarts() if restarts is None else restarts,
         records,
     )
-    return PreparedDutyLoop(run_periods, arguments, exchange, records, before)
+    return PreparedLoop(
+        run_periods, arguments, exchange, records, partial(_results, records, exchange.kept, before)
+    )
+
+
+def _results(records: DutyRecords, kept: NDArray[Any], before: int, status: int, done: int) -> DutyRun:
+    worst = float(records.run["worst_balance"][0])
+    commands = kept[: done + (status != COMPLETED)]
+    trace = records.trace[: max(done - before, 0)]
+    return DutyRun(status, done, trace, records.totals, worst, commands, before)
 
 
 def _settle_before_start(

@@ -1,67 +1,19 @@
-"""The records between a closed loop of duty ratios and its controller in one control period."""
+"""One step of a controller of duty ratios: the only place where their compiled loop calls it."""
 
 from __future__ import annotations
-
-from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_models.compilation.calling import call_step
 from drivegate_models.compilation.kernels import inlined
-from drivegate_models.contract.duty.records import DUTY_COMMAND, duty_command_record, duty_sense_record
 from drivegate_models.loop.duty_command import duty_command_status
-
-
-class DutyExchange(NamedTuple):
-    """The records between loop and controller, and the controller's addresses."""
-
-    sense: NDArray[Any]
-    """Input of the controller, shape (1,) of DUTY_SENSE."""
-    command: NDArray[Any]
-    """Output of the controller, shape (1,) of DUTY_COMMAND."""
-    fresh: NDArray[Any]
-    """Initial value of the command in each step, shape (1,) of DUTY_COMMAND."""
-    kept: NDArray[Any]
-    """Receives the command of each step, shape (steps,) of DUTY_COMMAND or more."""
-    progress: NDArray[np.int64]
-    """Number of steps begun, shape (1,), monitored by another process."""
-    sensed_currents: NDArray[np.float64]
-    """Phase currents of the Sense, shape (3,) (A)."""
-    step_address: int
-    state_address: int
-    sense_address: int
-    command_address: int
-
-
-def make_exchange(
-    steps: int,
-    step_address: int,
-    state_address: int,
-    progress: NDArray[np.int64] | None,
-    kept: NDArray[Any] | None,
-) -> DutyExchange:
-    """Return the records of a run with a number of steps; missing ones are created."""
-    currents = np.zeros(3)
-    sense, command, fresh = duty_sense_record(currents), duty_command_record(), duty_command_record()
-    return DutyExchange(
-        sense,
-        command,
-        fresh,
-        # Every entry is written before it is read.
-        np.empty(steps, DUTY_COMMAND) if kept is None else kept,
-        np.zeros(1, np.int64) if progress is None else progress,
-        currents,
-        step_address,
-        state_address,
-        sense.ctypes.data,
-        command.ctypes.data,
-    )
+from drivegate_models.loop.exchange import Exchange
 
 
 @inlined
 def write_sense(
-    exchange: DutyExchange,
+    exchange: Exchange,
     currents: NDArray[np.float64],
     link: float,
     reference: float,
@@ -89,7 +41,7 @@ def write_sense(
 
 
 @inlined
-def step_controller(exchange: DutyExchange, step: int) -> None:
+def step_controller(exchange: Exchange, step: int) -> None:
     """Call the controller's step for a control period, and store its command."""
     exchange.command[0] = exchange.fresh[0]
     # Count before the call, so that a monitor knows in which step a controller hangs.
@@ -99,9 +51,7 @@ def step_controller(exchange: DutyExchange, step: int) -> None:
 
 
 @inlined
-def copy_command(
-    exchange: DutyExchange, ratios: NDArray[np.float64], legs: NDArray[np.int64], place: int
-) -> int:
+def copy_command(exchange: Exchange, ratios: NDArray[np.float64], legs: NDArray[np.int64], place: int) -> int:
     """Copy the command of a step, and return its status.
 
     `exchange`: its `command` is read. `ratios`, `legs`, shape (2, 3): duty ratios (1) and states of the legs, now and

@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import inlined, unallocating
-from drivegate_models.loop.exchange import COMPLETED, STOPPED
+from drivegate_models.loop.exchange import COMPLETED, STOPPED, Exchange
 from drivegate_models.loop.loop_kernel import PLANT_FAULT
 from drivegate_models.loop.restarting import Restarts, restart_if_due
 from drivegate_models.loop.schedule import Course, Schedule, conditions_at, follow
 from drivegate_models.loop.shaft import held_speed, shown_angle, whole_turns, within_a_turn
 from drivegate_models.machine import ledger
 from drivegate_models.machine.load import LOCKED, Load, load_torque, weight_torque
-from drivegate_models.pm_ac.exchange import DutyExchange, copy_command, step_controller, write_sense
+from drivegate_models.pm_ac.exchange import copy_command, step_controller, write_sense
 from drivegate_models.pm_ac.failure import (
     LOCKED_ROTOR,
     LOST_EDGE,
@@ -112,7 +112,7 @@ def _balance(
 
 
 @inlined
-def _write_voltages(exchange: DutyExchange, phases: PmAcPhases, rests: bool, diode_drop: float) -> None:
+def _write_voltages(exchange: Exchange, phases: PmAcPhases, rests: bool, diode_drop: float) -> None:
     """Write the voltages of the terminals at the end of the period just ended into the Sense.
 
     `rests`: true at standstill before the run, where the dividers pull every terminal down to its lower diode.
@@ -137,7 +137,7 @@ def _turn_sensors(
 
 @inlined
 def _command(
-    exchange: DutyExchange,
+    exchange: Exchange,
     restarts: Restarts,
     restarted: int,
     step: int,
@@ -185,7 +185,7 @@ def run_periods(
     load: Load,
     schedule: Schedule,
     torque: Course,
-    exchange: DutyExchange,
+    exchange: Exchange,
     timing: DutyTiming,
     room: DutyRoom,
     sensors: DutySensors,

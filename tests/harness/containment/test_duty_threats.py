@@ -80,10 +80,12 @@ def test_commands_written_over_are_what_is_judged(attempt) -> None:
 
 
 CHANGED_PLANT = """
+from dataclasses import replace
 import drivegate_models.pm_ac.closed_loop as there
 prepared = there.prepared_duty_loop
-def easier(drive, load, schedule, **options):
-    return prepared(drive._replace(resistance=2.0 * drive.resistance), load, schedule, **options)
+def easier(inputs, controller, restarts):
+    drive = inputs.drive._replace(resistance=2.0 * inputs.drive.resistance)
+    return prepared(replace(inputs, drive=drive), controller, restarts)
 there.prepared_duty_loop = easier
 """
 

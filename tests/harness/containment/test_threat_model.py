@@ -201,10 +201,12 @@ def test_what_breaks_drivegates_own_code_while_loading_is_the_candidates_fault(a
 
 
 CHANGED_PLANT = """
+from dataclasses import replace
 import drivegate_models.half_bridge.closed_loop as there
 prepared = there.prepared_loop
-def easier(drive, load, schedule, **options):
-    return prepared(drive._replace(inertia=100.0 * drive.inertia), load, schedule, **options)
+def easier(inputs, controller, restarts):
+    drive = inputs.drive._replace(inertia=100.0 * inputs.drive.inertia)
+    return prepared(replace(inputs, drive=drive), controller, restarts)
 there.prepared_loop = easier
 """
 
@@ -323,7 +325,7 @@ def test_a_profiler_does_not_see_an_order_taken_apart(attempt):
         "def look(frame, event, what): seen.update(type(v).__name__ for v in frame.f_locals.values())\n"
         "sys.setprofile(look); threading.setprofile(look); sys.settrace(lambda *a: look(*a))"
     )
-    step = "raise LookupError(f\"found {sorted(seen & {'Conditions', 'CloseLoop', 'Load'})}\")"
+    step = "raise LookupError(f\"found {sorted(seen & {'Conditions', 'CloseLoop', 'CurrentLoopInputs', 'Load'})}\")"
     fault = attempt(step, top=top)
     assert isinstance(fault, Fault)
     assert fault.message == "LookupError: found []", fault.message

@@ -15,6 +15,7 @@ from drivegate_models.controllers.current.state import CONTROLLER_STATE
 from drivegate_models.half_bridge.closed_loop import prepared_loop
 from drivegate_models.loop import exchange
 from drivegate_models.loop.closed_loop import ClosedLoopRun
+from drivegate_models.loop.loop_inputs import CurrentLoopInputs, SteppedController
 from drivegate_models.loop.schedule import Course, Schedule
 from drivegate_models.loop.step_recording import player_of, playing_step
 from drivegate_models.machine import ledger
@@ -76,18 +77,19 @@ def simulate(
     )
     reset_function()(state, nameplate_record(nameplate), SEARCHES[name])
     return prepared_loop(
-        drive,
-        load,
-        schedule(speed, factor),
-        step_address=step_function().address,
-        state_address=state.ctypes.data,
-        initial_speed=speed if initial_speed is None else initial_speed,
-        base_speed=500.0 * RPM,
-        control_period=period,
-        duration=duration,
-        windows=[(0.5 * duration, duration)],
-        trace_every=trace_every,
-        mean_time=mean_time,
+        CurrentLoopInputs(
+            drive=drive,
+            load=load,
+            schedule=schedule(speed, factor),
+            initial_speed=speed if initial_speed is None else initial_speed,
+            base_speed=500.0 * RPM,
+            control_period=period,
+            duration=duration,
+            windows=[(0.5 * duration, duration)],
+            trace_every=trace_every,
+            mean_time=mean_time,
+        ),
+        SteppedController(step_function().address, state.ctypes.data),
     ).run()
 
 
@@ -142,16 +144,17 @@ def given_commands(drive: Any, period: float, current: float, advance: float) ->
     commands = np.array([(0, current, advance, math.nan)] * steps, COMMAND)
     state = player_of(commands)
     return prepared_loop(
-        drive,
-        Load(CONSTANT_TORQUE, 3.0, 0.0),
-        schedule(500.0 * RPM, ((0.0, 1.0),)),
-        step_address=playing_step().address,
-        state_address=state.ctypes.data,
-        initial_speed=600.0 * RPM,
-        base_speed=500.0 * RPM,
-        control_period=period,
-        duration=steps * period,
-        windows=[],
+        CurrentLoopInputs(
+            drive=drive,
+            load=Load(CONSTANT_TORQUE, 3.0, 0.0),
+            schedule=schedule(500.0 * RPM, ((0.0, 1.0),)),
+            initial_speed=600.0 * RPM,
+            base_speed=500.0 * RPM,
+            control_period=period,
+            duration=steps * period,
+            windows=[],
+        ),
+        SteppedController(playing_step().address, state.ctypes.data),
     ).run()
 
 

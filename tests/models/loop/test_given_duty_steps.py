@@ -13,6 +13,7 @@ from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE
 from drivegate_models.loop.duty_command import BAD_LEG
 from drivegate_models.loop.exchange import COMPLETED, NOT_FINITE, STOPPED
 from drivegate_models.loop.given_steps import MAKE_STEPS, given_senses
+from drivegate_models.loop.loop_inputs import SteppedController
 from drivegate_models.loop.step_recording import player_of, playing_step
 
 STEP = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p)
@@ -45,7 +46,7 @@ def made(special: Callable[[int, Any], None], **keywords: Any) -> tuple[tuple[in
 
     callback = STEP(step)
     address = ctypes.cast(callback, ctypes.c_void_p).value or 0
-    ended = MAKE_STEPS["duty"](given_senses(address, 0, senses(), CURRENTS, **keywords))
+    ended = MAKE_STEPS["duty"](given_senses(SteppedController(address, 0, **keywords), senses(), CURRENTS))
     return (int(ended[0]), int(ended[1])), sensed
 
 
@@ -89,7 +90,7 @@ def test_kept_commands_are_given_again_bit_for_bit_and_then_it_stops() -> None:
     commands["fault"] = (5, 6, 7, 8)
     player, step = player_of(commands), playing_step()
     kept = np.zeros(5, DUTY_COMMAND)
-    given = given_senses(step.address, player.ctypes.data, senses(), CURRENTS, kept=kept)
+    given = given_senses(SteppedController(step.address, player.ctypes.data, kept=kept), senses(), CURRENTS)
     status, answered = MAKE_STEPS["duty"](given)
     assert (status, answered) == (STOPPED, 4)
     assert kept[:4].tobytes() == commands.tobytes()

@@ -8,6 +8,7 @@ import pytest
 from drivegate_models.contract.current.records import COMMAND, SENSE, STOP
 from drivegate_models.loop.exchange import COMPLETED, NOT_FINITE, STOPPED
 from drivegate_models.loop.given_steps import MAKE_STEPS, given_senses, senses_of
+from drivegate_models.loop.loop_inputs import SteppedController
 from drivegate_models.loop.step_recording import player_of, playing_step
 
 SCALARS = ("time", "speed_reference", "speed", "current_magnitude_sum", "half_supply_voltage")
@@ -47,7 +48,7 @@ def senses():
 
 
 def made(recorder, senses, **keywords):
-    given = given_senses(recorder.address, 0, *senses, **keywords)
+    given = given_senses(SteppedController(recorder.address, 0, **keywords), *senses)
     return MAKE_STEPS["current"](given), given
 
 
@@ -96,7 +97,7 @@ def test_kept_commands_are_given_again_bit_for_bit_and_then_a_stop(senses):
     kept = np.zeros(6, COMMAND)
     made(Recorder({1: {"input_power": np.nan}, 2: {"advance_angle": -0.0}}), senses, kept=kept)
     player, again = player_of(kept), np.zeros(6, COMMAND)
-    given = given_senses(playing_step().address, player.ctypes.data, *senses, kept=again)
+    given = given_senses(SteppedController(playing_step().address, player.ctypes.data, kept=again), *senses)
     assert MAKE_STEPS["current"](given) == (COMPLETED, 6)
     assert again.tobytes() == kept.tobytes(), "a command was changed on the way"
     assert MAKE_STEPS["current"](given) == (STOPPED, 0), "there are no more commands"

@@ -20,6 +20,7 @@ from drivegate_models.half_bridge.closed_loop import prepared_loop
 from drivegate_models.half_bridge.plant.drive import Drive
 from drivegate_models.loop.closed_loop import ClosedLoopRun
 from drivegate_models.loop.exchange import COMPLETED
+from drivegate_models.loop.loop_inputs import CurrentLoopInputs, SteppedController
 from drivegate_models.loop.schedule import Course
 from drivegate_models.machine.load import LOCKED, Load
 
@@ -66,18 +67,20 @@ def run_of(**answer: float) -> Recorded:
     kept = STEP(step)
     supply = Course(np.array([0.0, STEPS * PERIOD]), np.array([48.0, 44.0]))
     run = prepared_loop(
-        drive,
-        Load(LOCKED),
-        schedule_of(SPEED, supply),
-        step_address=int(ctypes.cast(kept, ctypes.c_void_p).value or 0),
-        state_address=0,
-        initial_speed=SPEED,
-        base_speed=50.0,
-        control_period=PERIOD,
-        duration=STEPS * PERIOD,
-        clock_start=CLOCK,
-        trace_every=1,
-        kept=np.zeros(STEPS, COMMAND),
+        CurrentLoopInputs(
+            drive=drive,
+            load=Load(LOCKED),
+            schedule=schedule_of(SPEED, supply),
+            initial_speed=SPEED,
+            base_speed=50.0,
+            control_period=PERIOD,
+            duration=STEPS * PERIOD,
+            clock_start=CLOCK,
+            trace_every=1,
+        ),
+        SteppedController(
+            int(ctypes.cast(kept, ctypes.c_void_p).value or 0), 0, kept=np.zeros(STEPS, COMMAND)
+        ),
     ).run()
     assert run.status == COMPLETED
     return Recorded(drive, run, senses, currents)

@@ -8,6 +8,7 @@ import pytest
 from drivegate_models.contract.layout import CURRENT, DUTY
 from drivegate_models.loop.exchange import COMPLETED
 from drivegate_models.loop.given_steps import MAKE_STEPS, given_senses
+from drivegate_models.loop.loop_inputs import SteppedController
 from drivegate_models.loop.step_recording import recorder_of, recording_step, row_layout
 
 STEP = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p)
@@ -44,7 +45,9 @@ def test_a_recorder_passes_steps_on_and_records_them_exactly(layout):
     controller, rows = Answering(layout), np.zeros(STEPS - 2, row_layout(layout, PHASES))
     recorder = recorder_of(rows, controller.address, 0)
     kept = np.zeros(STEPS, layout.command)
-    given = given_senses(recording_step().address, recorder.ctypes.data, senses, currents, kept=kept)
+    given = given_senses(
+        SteppedController(recording_step().address, recorder.ctypes.data, kept=kept), senses, currents
+    )
     assert MAKE_STEPS[layout.name](given) == (COMPLETED, STEPS)
     *others, last = layout.outputs
     assert kept[last].tolist() == currents[:, -1].tolist(), "the recorder must not change an answer"

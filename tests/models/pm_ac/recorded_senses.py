@@ -15,8 +15,10 @@ from tests.models.schedules import schedule_of
 
 from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE
 from drivegate_models.loop.exchange import COMPLETED
+from drivegate_models.loop.loop_inputs import SteppedController
 from drivegate_models.machine.load import LOCKED, Load
 from drivegate_models.pm_ac.closed_loop import DutyRun, prepared_duty_loop
+from drivegate_models.pm_ac.loop_inputs import DutyLoopInputs
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
 
 Answer = Callable[[Any, Any], None]
@@ -81,15 +83,16 @@ def recorded(drive: PmAcDrive, speed: float, steps: int, answer: Answer, **optio
     kept = _STEP(step)
     schedule = options.pop("schedule", None) or schedule_of(speed, 0.5 * drive.link_voltage)
     run = prepared_duty_loop(
-        drive,
-        Load(LOCKED),
-        schedule,
-        step_address=int(ctypes.cast(kept, ctypes.c_void_p).value or 0),
-        state_address=0,
-        control_period=PERIOD,
-        duration=steps * PERIOD,
-        initial_speed=speed,
-        **options,
+        DutyLoopInputs(
+            drive=drive,
+            load=Load(LOCKED),
+            schedule=schedule,
+            control_period=PERIOD,
+            duration=steps * PERIOD,
+            initial_speed=speed,
+            **options,
+        ),
+        SteppedController(int(ctypes.cast(kept, ctypes.c_void_p).value or 0), 0),
     ).run()
     assert run.status == COMPLETED
     return Recorded(drive, run, senses, currents)

@@ -14,11 +14,13 @@ from drivegate_models.contract.duty.records import DUTY_COMMAND
 from drivegate_models.contract.duty.signals import TORQUE_REFERENCE
 from drivegate_models.loop.duty_command import BAD_LEG
 from drivegate_models.loop.exchange import COMPLETED, NOT_FINITE, STOPPED
+from drivegate_models.loop.loop_inputs import SteppedController
 from drivegate_models.loop.schedule import Course, steady
 from drivegate_models.machine import ledger
 from drivegate_models.machine.load import CONSTANT_POWER, CONSTANT_TORQUE, LOCKED, Load
 from drivegate_models.pm_ac import loop_kernel
 from drivegate_models.pm_ac.closed_loop import prepared_duty_loop
+from drivegate_models.pm_ac.loop_inputs import DutyLoopInputs
 from drivegate_models.pm_ac.oracle import CURRENT, least_at
 from drivegate_models.pm_ac.plant.drive import Modulator, PmAcDrive
 
@@ -129,13 +131,14 @@ def test_an_answer_that_is_none_ends_the_run(
 ) -> None:
     drive = interior()
     run = prepared_duty_loop(
-        drive,
-        Load(CONSTANT_TORQUE, 0.0),
-        course(drive, steady(1.0), steady(1.0)),
-        step_address=controller[1],
-        state_address=0,
-        control_period=PERIOD,
-        duration=10 * PERIOD,
+        DutyLoopInputs(
+            drive=drive,
+            load=Load(CONSTANT_TORQUE, 0.0),
+            schedule=course(drive, steady(1.0), steady(1.0)),
+            control_period=PERIOD,
+            duration=10 * PERIOD,
+        ),
+        SteppedController(controller[1], 0),
     ).run()
     assert run.status == status
     assert run.steps == (10 if status == COMPLETED else 0)
@@ -146,13 +149,14 @@ def test_an_answer_acts_after_its_delay(interior: Factory, delay: int, silent: i
     drive = interior(modulator=Modulator(update_delay=delay))
     kept, address = stubborn(0.9, 0.1, 0.1)
     run = prepared_duty_loop(
-        drive,
-        Load(CONSTANT_TORQUE, 100.0),
-        course(drive, steady(0.0), steady(1.0)),
-        step_address=address,
-        state_address=0,
-        control_period=PERIOD,
-        duration=4 * PERIOD,
+        DutyLoopInputs(
+            drive=drive,
+            load=Load(CONSTANT_TORQUE, 100.0),
+            schedule=course(drive, steady(0.0), steady(1.0)),
+            control_period=PERIOD,
+            duration=4 * PERIOD,
+        ),
+        SteppedController(address, 0),
     ).run()
     assert kept is not None
     flows = run.trace[:, COLUMN["peak_current"]] > 0.1
@@ -166,14 +170,15 @@ def test_speed_frozen_at_the_middle_converges_with_the_square_of_the_period(inte
 
     def coasted(period: float) -> float:
         run = prepared_duty_loop(
-            drive,
-            Load(CONSTANT_TORQUE, 0.0),
-            course(drive, steady(0.0), steady(1.0)),
-            step_address=address,
-            state_address=0,
-            control_period=period,
-            duration=0.0405,
-            initial_speed=100.0,
+            DutyLoopInputs(
+                drive=drive,
+                load=Load(CONSTANT_TORQUE, 0.0),
+                schedule=course(drive, steady(0.0), steady(1.0)),
+                control_period=period,
+                duration=0.0405,
+                initial_speed=100.0,
+            ),
+            SteppedController(address, 0),
         ).run()
         return float(np.interp(0.04, run.trace[:, COLUMN["time"]], run.trace[:, COLUMN["speed"]]))
 
@@ -208,13 +213,14 @@ def test_duty_ratios_hold_over_all_carrier_periods_of_a_control_period(interior:
     def held(modulator: Modulator, period: float) -> np.ndarray:
         drive = interior(modulator=modulator)
         run = prepared_duty_loop(
-            drive,
-            Load(LOCKED, 0.0),
-            course(drive, steady(200.0), steady(1.0)),
-            step_address=kept[1],
-            state_address=0,
-            control_period=period,
-            duration=8 * every * PERIOD,
+            DutyLoopInputs(
+                drive=drive,
+                load=Load(LOCKED, 0.0),
+                schedule=course(drive, steady(200.0), steady(1.0)),
+                control_period=period,
+                duration=8 * every * PERIOD,
+            ),
+            SteppedController(kept[1], 0),
         ).run()
         assert run.worst_balance < 1e-9
         return run.trace

@@ -13,10 +13,12 @@ from tests.models.pm_ac.test_closed_loop import stubborn
 
 from drivegate_models.contract.duty.signals import LEG_PWM
 from drivegate_models.loop.exchange import COMPLETED
+from drivegate_models.loop.loop_inputs import SteppedController
 from drivegate_models.loop.schedule import steady
 from drivegate_models.machine import ledger
 from drivegate_models.machine.load import LOCKED, Load
 from drivegate_models.pm_ac.closed_loop import DutyRun, prepared_duty_loop
+from drivegate_models.pm_ac.loop_inputs import DutyLoopInputs
 from drivegate_models.pm_ac.plant.advance import PmAcPhases, make_phases
 from drivegate_models.pm_ac.plant.drive import Modulator, PmAcDrive
 from drivegate_models.pm_ac.rectifying import rectifies, settle_rectifying
@@ -29,15 +31,16 @@ def started(drive: PmAcDrive, rpm: float, *, angle: float = 0.0, period: float =
     """Run a controller that always short-circuits the terminals, at a held speed."""
     kept, address = stubborn(0.5, 0.5, 0.5, leg=LEG_PWM)
     run = prepared_duty_loop(
-        drive,
-        Load(LOCKED),
-        course(drive, steady(rpm * RPM), steady(1.0)),
-        step_address=address,
-        state_address=0,
-        control_period=period,
-        duration=4 * period,
-        initial_speed=rpm * RPM,
-        initial_angle=angle,
+        DutyLoopInputs(
+            drive=drive,
+            load=Load(LOCKED),
+            schedule=course(drive, steady(rpm * RPM), steady(1.0)),
+            control_period=period,
+            duration=4 * period,
+            initial_speed=rpm * RPM,
+            initial_angle=angle,
+        ),
+        SteppedController(address, 0),
     ).run()
     assert kept is not None
     assert run.status == COMPLETED

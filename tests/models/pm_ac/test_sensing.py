@@ -14,6 +14,7 @@ from drivegate_models.contract.duty.records import DUTY_SENSE
 from drivegate_models.contract.duty.signals import LEG_HIGH, LEG_LOW, LEG_OFF, LEG_PWM
 from drivegate_models.controllers.duty.foc import step_function
 from drivegate_models.loop.exchange import COMPLETED
+from drivegate_models.loop.loop_inputs import SteppedController
 from drivegate_models.loop.schedule import steady
 from drivegate_models.loop.sensing.converters import Converters, real_converters
 from drivegate_models.loop.sensing.encoder import (
@@ -36,6 +37,7 @@ from drivegate_models.loop.sensing.hall import (
 )
 from drivegate_models.machine.load import CONSTANT_TORQUE, Load
 from drivegate_models.pm_ac.closed_loop import DutyRun, prepared_duty_loop
+from drivegate_models.pm_ac.loop_inputs import DutyLoopInputs
 from drivegate_models.pm_ac.plant.drive import CENTRED, FALLING, RISING, PmAcDrive
 from drivegate_models.pm_ac.sensing import (
     DC_LINK,
@@ -262,15 +264,16 @@ def test_hall_switches_that_miss_an_edge_keep_their_state_for_a_sector_and_chang
 def run_foc(drive: PmAcDrive, sensors: DutySensors | None, speed: float, torque: float) -> DutyRun:
     state = reset_controller("foc", nameplate_of(drive))
     return prepared_duty_loop(
-        drive,
-        Load(CONSTANT_TORQUE, torque),
-        course(drive, steady(speed), steady(1.0)),
-        step_address=step_function().address,
-        state_address=state.ctypes.data,
-        control_period=PERIOD,
-        duration=1.0,
-        initial_speed=speed,
-        sensors=sensors,
+        DutyLoopInputs(
+            drive=drive,
+            load=Load(CONSTANT_TORQUE, torque),
+            schedule=course(drive, steady(speed), steady(1.0)),
+            control_period=PERIOD,
+            duration=1.0,
+            initial_speed=speed,
+            sensors=sensors,
+        ),
+        SteppedController(step_function().address, state.ctypes.data),
     ).run()
 
 

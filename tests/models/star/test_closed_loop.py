@@ -15,6 +15,7 @@ from drivegate_models.controllers.current.builtin import SEARCHES, reset_functio
 from drivegate_models.controllers.current.state import CONTROLLER_STATE
 from drivegate_models.loop import exchange
 from drivegate_models.loop.closed_loop import ClosedLoopRun
+from drivegate_models.loop.loop_inputs import CurrentLoopInputs, SteppedController
 from drivegate_models.loop.schedule import Course
 from drivegate_models.machine.load import CONSTANT_TORQUE, Load
 from drivegate_models.star.closed_loop import prepared_loop
@@ -52,16 +53,17 @@ def simulate(drive: StarDrive, speed: float, torque: float, duration: float) -> 
     load = Course(np.array([0.0, 0.2]), np.array([0.0, 1.0]))
     course = schedule_of(speed, 48.0, load=load)
     return prepared_loop(
-        drive,
-        Load(CONSTANT_TORQUE, torque, 1.0),
-        course,
-        step_address=step_function().address,
-        state_address=state.ctypes.data,
-        initial_speed=speed,
-        base_speed=BASE_SPEED,
-        control_period=CONTROL_PERIOD,
-        duration=duration,
-        windows=[(0.5 * duration, duration)],
+        CurrentLoopInputs(
+            drive=drive,
+            load=Load(CONSTANT_TORQUE, torque, 1.0),
+            schedule=course,
+            initial_speed=speed,
+            base_speed=BASE_SPEED,
+            control_period=CONTROL_PERIOD,
+            duration=duration,
+            windows=[(0.5 * duration, duration)],
+        ),
+        SteppedController(step_function().address, state.ctypes.data),
     ).run()
 
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import contextlib
-import math
 from collections.abc import Callable
+from dataclasses import replace
 from math import degrees, floor, pi
 from typing import Any, TypeAlias
 
@@ -12,20 +12,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.candidates.controller import Controller, show_drive
-from drivegate.candidates.fault import OVERWRITTEN_SIZE, CandidateFault, placed, refused_command
-from drivegate.containment.contained_controller import CommandPlayer, Wrap, require_same_plant, stepped_here
+from drivegate.candidates.fault import OVERWRITTEN_SIZE, CandidateFault
+from drivegate.containment.contained_controller import CommandPlayer
 from drivegate.containment.messages import AnyController
+from drivegate.containment.playback import Wrap, run_loop
 from drivegate.containment.protocol import CloseLoop
-from drivegate.containment.restarting import Restarter
 from drivegate.contracts.given_steps import RecordingController
 from drivegate.scenarios.drive_scale import scale_of
 from drivegate.scenarios.plant_inputs import (
+    common_inputs,
     plant_converters,
     plant_dropouts,
     plant_encoder,
     plant_hall,
-    plant_load,
-    plant_schedule,
+    restart_steps,
 )
 from drivegate_cases.drive.limits import mean_time
 from drivegate_cases.scenario.profile import dwells
@@ -34,12 +34,16 @@ from drivegate_cases.scenario.sensors import HallSensors, IdealSensors, ShuntSen
 from drivegate_models.contract.layout import CURRENT
 from drivegate_models.errors import HarnessFault
 from drivegate_models.loop.closed_loop import ClosedLoopRun, PreparedLoop
-from drivegate_models.loop.exchange import COMPLETED, NOT_FINITE, STOPPED
+from drivegate_models.loop.exchange import STOPPED
+from drivegate_models.loop.loop_inputs import CurrentLoopInputs, SteppedController
+from drivegate_models.loop.restarting import Restarts
 from drivegate_models.loop.sensing import sensors
 from drivegate_models.loop.step_recording import row_layout
-from drivegate_models.units import RADIANS_PER_RPM, RPM
+from drivegate_models.units import RPM
 
-PrepareLoop: TypeAlias = Callable[..., PreparedLoop]
+PrepareLoop: TypeAlias = Callable[
+    [CurrentLoopInputs, SteppedController, Restarts | None], PreparedLoop[ClosedLoopRun]
+]
 """Makes a run of a controller, already reset, against the plant of one kind of drive ready to begin."""
 
 
@@ -73,61 +77,36 @@ def run_in_closed_loop(
 ) -> ClosedLoopRun:
     """Reset a controller and run it through a scenario, against the plant of a closed loop.
 
-    A candidate's instance runs in its own process, beside a plant that is there to close the loop; what is observed is
-    what the plant here comes to by the same commands. `kept` receives the command of each step. With `sees_plant` the
-    controller is shown the plant as it is, whatever the sensors that commutate it.
+    `kept` receives the command of each step. With `sees_plant` the controller is shown the plant as it is, whatever the
+    sensors that commutate it.
     """
     nameplate = scenario.nameplate()
-    plant = (scenario.drive.plant(scenario.scales), plant_load(scenario), plant_schedule(scenario))
     given = plant_sensors(scenario)
-    options = {
-        "initial_speed": scenario.initial_speed_rpm * RADIANS_PER_RPM,
-        "base_speed": nameplate.base_speed,
-        "control_period": scenario.control_period_s,
-        "duration": scenario.duration_s,
-        "initial_angle": math.radians(scenario.initial_angle_deg),
-        "clock_start": scenario.clock_start_s,
-        "sensors": sensors.showing_the_plant(given) if sees_plant else given,
-    }
-    restarts = [round(time / scenario.control_period_s) for time in scenario.restarts_s]
-    show_drive(controller, scenario.drive)
-    controller.reset(nameplate)
-    by_address = stepped_here(
-        controller, CloseLoop(prepare, plant, options, restarts), scenario.control_periods
+    inputs = CurrentLoopInputs(
+        **common_inputs(scenario),
+        base_speed=nameplate.base_speed,
+        sensors=sensors.showing_the_plant(given) if sees_plant else given,
     )
-    stepped = by_address if wrap is None else wrap(by_address)
-    restarter = Restarter(stepped, nameplate)
-    prepared = prepare(
-        *plant,
-        **options,
-        step_address=stepped.step_address,
-        state_address=stepped.state_address,
-        restarts=restarter.restarts(restarts),
+    observed = replace(
+        inputs,
         windows=observed_windows(scenario),
         power_window=power_window,
         mean_time=mean_time(scenario.drive),
         trace_every=trace_every,
-        kept=kept,
     )
-    run = prepared.run()
-    if restarter.failures:
-        # Taken out, since what is raised keeps this frame, and with it the restarter.
-        raise restarter.failures.pop()
-    if run.status != COMPLETED:
-        _raise_ending(run, by_address)
-    require_same_plant(by_address, prepared.records)
+    show_drive(controller, scenario.drive)
+    order = CloseLoop(prepare, inputs, restart_steps(scenario))
+    run: ClosedLoopRun = run_loop(
+        order,
+        controller,
+        nameplate,
+        scenario.control_periods,
+        refusal_of,
+        observed=observed,
+        kept=kept,
+        wrap=wrap,
+    )
     return run
-
-
-def _raise_ending(run: ClosedLoopRun, controller: Controller) -> None:
-    sense = CURRENT.sensed(run.last_sense[0], run.last_currents)
-    step = int(run.steps)
-    fault = controller.fault
-    if run.status == STOPPED and fault is not None:
-        raise CandidateFault(placed(fault, step, sense))
-    if run.status in (STOPPED, NOT_FINITE):
-        raise CandidateFault(refused_command(refusal_of(run.last_command[0], run.status), step, sense))
-    raise HarnessFault(f"the plant ended with status {run.status} at step {step}, {sense.time:g} s")
 
 
 def refusal_of(command: Any, status: int) -> str:

@@ -2,23 +2,46 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 from math import degrees
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.containment.contained_controller import CommandPlayer, Wrap
+from drivegate.containment.contained_controller import CommandPlayer
 from drivegate.containment.messages import AnyController
-from drivegate.contracts.duty.run import BRIDGE_ON, DutyClosedLoopRun, IdleBridge, PrepareDutyLoop, run_duty
-from drivegate.scenarios.plant_inputs import plant_converters, plant_dropouts, plant_encoder, plant_hall
+from drivegate.containment.playback import Wrap, run_loop
+from drivegate.containment.protocol import CloseLoop
+from drivegate.contracts.duty.current_reference import quadrature_profile
+from drivegate.contracts.duty.run import (
+    BRIDGE_ON,
+    DutyClosedLoopRun,
+    IdleBridge,
+    PrepareDutyLoop,
+    duty_nameplate,
+    refusal_of,
+)
+from drivegate.scenarios.plant_inputs import (
+    common_inputs,
+    plant_converters,
+    plant_course,
+    plant_dropouts,
+    plant_encoder,
+    plant_hall,
+    restart_steps,
+)
+from drivegate_cases.scenario.load import DynamometerLoad
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import SHUNTS, ShuntSensors, position_of
+from drivegate_models.contract.layout import DUTY
+from drivegate_models.loop.schedule import Course
 from drivegate_models.loop.sensing.converters import exact_converters
 from drivegate_models.loop.sensing.encoder import Encoder
 from drivegate_models.machine.rotor_frame import phase_currents
 from drivegate_models.pm_ac import failure
+from drivegate_models.pm_ac.loop_inputs import DutyLoopInputs
 from drivegate_models.pm_ac.loop_records import TRACE
 from drivegate_models.pm_ac.sensing import (
     DC_LINK,
@@ -40,6 +63,9 @@ _FAILURES = {
     "lost-edge": failure.LOST_EDGE,
     "slip": failure.SLIP,
 }
+_DIGEST_BITS: Final = 63
+_AFTER_A_STEP: Final = 1e-6
+"""Time of a control period at which a step at its start has been taken, in control periods (1)."""
 _SHUNTS = {"in-line": IN_LINE, "low-side": LOW_SIDE, "link": DC_LINK}
 
 
@@ -52,11 +78,49 @@ def duty_run(
     *,
     follows_current: bool = False,
 ) -> DutyClosedLoopRun:
-    """Reset a controller and run it through a scenario, once."""
-    seen, fails = duty_sensors(scenario), _duty_failure(scenario)
-    return run_duty(
-        prepare, TRACE, scenario, controller, seen, fails, wrap, idle, follows_current=follows_current
+    """Reset a controller and run it through a scenario, once; a fault of its own is raised."""
+    inputs = DutyLoopInputs(
+        **common_inputs(scenario),
+        sensors=duty_sensors(scenario),
+        failure=_duty_failure(scenario),
+        torque_reference=_torque_reference(scenario, follows_current),
+        resting=idle.resting,
+        waiting=idle.waiting,
     )
+    order = CloseLoop(prepare, inputs, restart_steps(scenario), DUTY)
+    nameplate = duty_nameplate(scenario, follows_current=follows_current)
+    steps = idle.periods + scenario.control_periods
+    run = run_loop(order, controller, nameplate, steps, refusal_of, wrap=wrap)
+    commands = run.commands[run.before :]
+    if follows_current:
+        _show_torque(run.trace, scenario)
+    return DutyClosedLoopRun(
+        columns=TRACE,
+        trace=run.trace,
+        commands=commands,
+        totals=run.totals,
+        worst_balance=run.worst_balance,
+        digest=_digest(commands),
+    )
+
+
+def _torque_reference(scenario: Scenario, follows_current: bool) -> Course | None:
+    if not isinstance(scenario.load, DynamometerLoad):
+        return None
+    torques = scenario.load.torque_reference_nm
+    return plant_course(scenario, quadrature_profile(scenario, torques) if follows_current else torques)
+
+
+def _show_torque(trace: NDArray[np.float64], scenario: Scenario) -> None:
+    """Put the torque of the scenario back where the loop has kept the q current that the controller got for it."""
+    times = (np.arange(len(trace)) + _AFTER_A_STEP) * scenario.control_period_s
+    points = np.array(scenario.torque_reference_profile)
+    trace[:, TRACE.index("torque_reference")] = np.interp(times, points[:, 0], points[:, 1])
+
+
+def _digest(commands: NDArray[Any]) -> int:
+    whole = hashlib.blake2b(commands.tobytes(), digest_size=8).digest()
+    return int.from_bytes(whole, "little") >> (64 - _DIGEST_BITS)
 
 
 def plant_state(

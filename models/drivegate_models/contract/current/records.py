@@ -89,6 +89,12 @@ def sense_record(sense: Sense, phase_currents: NDArray[np.float64]) -> NDArray[A
     return _record(SENSE, {**values, "phase_count": phase_currents.size})
 
 
+def fresh_sense_record(phase_currents: NDArray[np.float64]) -> NDArray[Any]:
+    """Return a Sense of zeros as a record that points to phase currents, shape (phases,) (A)."""
+    values = {"phase_count": phase_currents.size, "phase_currents": phase_currents.ctypes.data}
+    return _record(SENSE, {**dict.fromkeys(SENSE.names or (), 0), **values})
+
+
 def command_record() -> NDArray[Any]:
     """Return a record for a controller to fill.
 

@@ -27,7 +27,8 @@ from drivegate.scenarios.changes import (
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.half_bridge.closed_loop import prepared_loop
-from drivegate_models.loop.closed_loop import PreparedLoop
+from drivegate_models.loop.closed_loop import ClosedLoopRun, PreparedLoop
+from drivegate_models.loop.loop_inputs import CurrentLoopInputs
 
 PLAIN = steady_scenario(load_drive("paper-5-phase"), 700.0, power_share=0.5, constant_power=False)
 
@@ -67,15 +68,15 @@ def test_the_clock_begins_where_the_scenario_says() -> None:
 
 @pytest.mark.parametrize(("pole_pairs", "lasts"), [(11, 0.1), (2, 0.5)])
 def test_means_are_taken_over_the_drives_own_time(pole_pairs: int, lasts: float) -> None:
-    given: dict[str, Any] = {}
+    given: list[CurrentLoopInputs] = []
 
-    def prepare(*plant: Any, **options: Any) -> PreparedLoop:
-        given.update(options)
-        return prepared_loop(*plant, **options)
+    def prepare(inputs: CurrentLoopInputs, *controller: Any) -> PreparedLoop[ClosedLoopRun]:
+        given.append(inputs)
+        return prepared_loop(inputs, *controller)
 
     slow = PLAIN.replaced(drive=PLAIN.drive.replaced(pole_pairs=pole_pairs), duration_s=0.5)
     run_in_closed_loop(prepare, slow, PythonController(Noting()))
-    assert given["mean_time"] == pytest.approx(lasts)
+    assert given[0].mean_time == pytest.approx(lasts)
 
 
 def test_the_rotor_begins_where_the_scenario_says() -> None:

@@ -21,9 +21,11 @@ from drivegate_models.controllers.duty.inner_loop import (
     inner_step_function,
 )
 from drivegate_models.loop.exchange import COMPLETED, NOT_FINITE, STOPPED
+from drivegate_models.loop.loop_inputs import SteppedController
 from drivegate_models.loop.schedule import Course, steady
 from drivegate_models.machine.load import CONSTANT_TORQUE, LOCKED, Load
 from drivegate_models.pm_ac.closed_loop import DutyRun, prepared_duty_loop
+from drivegate_models.pm_ac.loop_inputs import DutyLoopInputs
 from drivegate_models.pm_ac.oracle import CURRENT, Limits, least_at
 from drivegate_models.pm_ac.outer_nameplate import outer_nameplate
 from drivegate_models.pm_ac.plant.drive import PmAcDrive, make_pm_ac_drive
@@ -39,14 +41,15 @@ def run_inner(
     assert state.dtype == INNER_STATE
     inner_reset_function()(state, duty_nameplate_record(nameplate_of(drive)))
     return prepared_duty_loop(
-        drive,
-        load,
-        course(drive, speed, steady(1.0)),
-        step_address=inner_step_function().address,
-        state_address=state.ctypes.data,
-        control_period=PERIOD,
-        duration=duration,
-        initial_speed=float(speed.values[0]),
+        DutyLoopInputs(
+            drive=drive,
+            load=load,
+            schedule=course(drive, speed, steady(1.0)),
+            control_period=PERIOD,
+            duration=duration,
+            initial_speed=float(speed.values[0]),
+        ),
+        SteppedController(inner_step_function().address, state.ctypes.data),
     ).run()
 
 

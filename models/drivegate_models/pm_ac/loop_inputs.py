@@ -1,0 +1,29 @@
+"""What a run of a controller of duty ratios is made of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from drivegate_models.loop.loop_inputs import LoopInputs
+from drivegate_models.loop.schedule import Course
+from drivegate_models.pm_ac.failure import Failure
+from drivegate_models.pm_ac.sensing import DutySensors
+
+
+@dataclass(frozen=True, kw_only=True)
+class DutyLoopInputs(LoopInputs):
+    """A run of a controller that commands duty ratios.
+
+    In control periods before the run the controller is stepped with `enable` 0 and all legs are off.
+    """
+
+    sensors: DutySensors | None = None
+    """Sensors between plant and controller; ideal by default."""
+    resting: int = 0
+    """Number of control periods before the run at standstill, which come first."""
+    waiting: int = 0
+    """Number of those at the initial speed."""
+    torque_reference: Course | None = None
+    """Torque reference, instead of the schedule's speed (N m)."""
+    failure: Failure | None = None
+    """A failure during the run; none by default."""
