@@ -244,7 +244,7 @@ def test_what_copies_share_does_not_pass_for_deterministic(
         checked.kill()
         ending = checked.once(job)
         assert isinstance(ending, Repetition), ending
-        assert isinstance(checked._process._handle._kept._keeper, CopiedKeeper) is is_copy
+        assert isinstance(checked._process._handle._kept.keeper, CopiedKeeper) is is_copy
         return ending.digest
 
     repetition = repetition_job(scenario)
