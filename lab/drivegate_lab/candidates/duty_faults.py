@@ -2,73 +2,113 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from math import pi, radians, sqrt
-from typing import Any, Final
+from typing import Any, Final, TypeAlias
 
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.contracts.catalogue import contract_of
+from drivegate.contracts.duty.document import duty_document
+from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_lab.candidates.faults.seeded_fault import FaultOnDrive, SeededFault
 from drivegate_models.contract.duty.signals import SPEED_REFERENCE, TORQUE_REFERENCE, DutyNameplate
 
 STUCK_SHARE: Final = 0.3
 """Weakening that stays on, over the current limit (1)."""
+_TRUE_HERE: Final = "the wrong value that the controller gets is right for this drive"
 _LITTLE_SALIENCY: Final = 1.5
 """Ratio of inductances up to which the wrong axis costs less current than MTP-1 allows (1)."""
 
 ENCODER_EDGES: Final = 10_000
 """Edges a turn of the encoder whose counter is too short; 16 bits are no whole number of its turns."""
 
+Amount: TypeAlias = float | Callable[[DutyNameplate], float]
+"""A number, or what it follows from on a drive."""
+
 
 @dataclass(frozen=True)
-class DutyFault:
+class DutyFault(SeededFault):
     """A fault that is made by changing the controller's nameplate or its state, or its senses and answers."""
 
-    check: str
-    """Check that must catch it."""
-    sentence: str
-    """What the controller does wrong."""
-    believes: Callable[[DutyNameplate], DutyNameplate] | None = None
-    """From a nameplate to the one that the controller is given."""
+    base: str = "foc"
+    believes: Mapping[str, Amount] = field(default_factory=dict)
+    """Wrong numbers in the nameplate that the controller is given."""
     alter: Callable[[Any], None] | None = None
-    """Changes the record of the state, just reset."""
-    perturbed: Callable[[DutyNameplate], dict[str, float]] | None = None
-    """Return the changed fields of `PERTURBED_STATE` for a nameplate."""
-    keeps: tuple[str, ...] = ()
-    """Fields of either state that a reset leaves as they are."""
+    """Changes the record of the state, just reset, otherwise than by factors."""
+    changes: Mapping[str, Amount] = field(default_factory=dict)
+    """Changed fields of `PERTURBED_STATE`."""
+    under: int | None = None
+    """The one kind of reference under which they are changed; None for all."""
     less_salient: tuple[float, str] | None = None
     """Ratio of the inductances across the magnet's axis and along it up to which another check must catch it,
     and that check: the less reluctance torque there is, the less torque and current a wrong angle or
     inductance costs."""
 
-    @property
-    def kind(self) -> str:
-        """What kind of fault it is; the self-test counts by kind."""
-        if self.keeps:
-            return "Instances and resets"
-        if self.believes is not None:
-            return "Wrong numbers of the drive"
-        return "Regulation" if self.alter is not None else "Senses and answers"
+    def believed(self, plate: DutyNameplate) -> DutyNameplate:
+        """Return the nameplate that the controller is given for the true one."""
+        return plate._replace(**_amounts(self.believes, plate))
 
-    def check_on(self, plate: DutyNameplate) -> str:
-        """State which check must catch it on a drive."""
+    def changed(self, plate: DutyNameplate) -> dict[str, float]:
+        """Return the changed fields of `PERTURBED_STATE` for a nameplate."""
+        return _amounts(self.changes, plate) if self.under in (None, plate.reference_kind) else {}
+
+    def check_on(self, drive: DriveDocument) -> str:
+        """Return the identifier of the check that must catch it, by the drive's saliency."""
+        plate = _nameplate(drive)
         ratio = plate.quadrature_inductance / plate.direct_inductance
         return (
             self.check if self.less_salient is None or ratio > self.less_salient[0] else self.less_salient[1]
         )
 
-    def idles_on(self, plate: DutyNameplate) -> bool:
-        """Return True if a controller with a wrong nameplate gets the true one on this drive."""
+    def on(self, drive: DriveDocument) -> FaultOnDrive:
+        """Return what the fault is on a drive; it idles where its check, or its wrong number, does."""
+        plate, named = _nameplate(drive), self.check_on(drive)
         # A drive without dead time is also run with some, which is on the nameplate then.
         blanked = plate._replace(dead_time=plate.dead_time or plate.control_period)
-        return self.believes is not None and self.believes(blanked) == blanked
+        if self.believes and self.believed(blanked) == blanked:
+            return FaultOnDrive(named, self.sentence, "", _TRUE_HERE)
+        check = next(check for check in contract_of(drive).checks if check.id == named)
+        reason = check.reason_not_applicable(resolve_candidate(self.base).declaration, drive)
+        return FaultOnDrive(named, self.sentence, "", reason)
 
 
-def _scaled(factor: float, *fields: str) -> Callable[[Any], None]:
-    def alter(state: Any) -> None:
-        for field in fields:
-            # Not in place: a count of periods stays a whole number.
-            state[field] = state[field] * factor
+def _nameplate(drive: DriveDocument) -> DutyNameplate:
+    document = duty_document(drive)
+    return document.duty_nameplate(document.control_period_s, torque_reference=True)
 
-    return alter
+
+def _amounts(of: Mapping[str, Amount], plate: DutyNameplate) -> dict[str, Any]:
+    return {name: amount(plate) if callable(amount) else amount for name, amount in of.items()}
+
+
+# Each of these makes a fault of one kind; its name is its key in the table of all.
+def _wrong_number(
+    check: str, sentence: str, less_salient: tuple[float, str] | None = None, **believes: Amount
+) -> DutyFault:
+    kind = "Wrong numbers of the drive"
+    return DutyFault("", sentence, check, kind=kind, less_salient=less_salient, believes=believes)
+
+
+def _regulation(
+    check: str, sentence: str, alter: Callable[[Any], None] | None = None, **factors: float
+) -> DutyFault:
+    return DutyFault("", sentence, check, kind="Regulation", alter=alter, factors=tuple(factors.items()))
+
+
+def _signals(
+    check: str,
+    sentence: str,
+    under: int | None = None,
+    less_salient: tuple[float, str] | None = None,
+    **changes: Amount,
+) -> DutyFault:
+    kind = "Senses and answers"
+    return DutyFault("", sentence, check, kind=kind, under=under, less_salient=less_salient, changes=changes)
+
+
+def _kept(check: str, sentence: str, keeps: tuple[str, ...], **changes: Amount) -> DutyFault:
+    return DutyFault("", sentence, check, kind="Instances and resets", keeps=keeps, changes=changes)
 
 
 def _weakens_little(state: Any) -> None:
@@ -76,441 +116,377 @@ def _weakens_little(state: Any) -> None:
     state["deepest"] = 0.3 * max(state["deepest"], -state["magnet_flux"] / state["direct_inductance"])
 
 
-def _unseen_along(share: float) -> Callable[[DutyNameplate], dict[str, float]]:
-    """Hide a current along the magnet's axis from the controller, of a share of the limit against the magnet."""
-
-    def perturbed(plate: DutyNameplate) -> dict[str, float]:
-        return {"direct_added": share * plate.current_limit, "pole_pairs": float(plate.pole_pairs)}
-
-    return perturbed
+def _pole_pairs(plate: DutyNameplate) -> float:
+    return float(plate.pole_pairs)
 
 
-def _under(
-    reference_kind: int, field: str, value: Callable[[DutyNameplate], float]
-) -> Callable[[DutyNameplate], dict[str, float]]:
-    """Set a field where the reference is of a kind."""
-
-    def perturbed(plate: DutyNameplate) -> dict[str, float]:
-        return {field: value(plate)} if plate.reference_kind == reference_kind else {}
-
-    return perturbed
+def _control_period(plate: DutyNameplate) -> float:
+    return plate.control_period
 
 
-DUTY_FAULTS: Final = {
-    "stuck-weakening": DutyFault(
+def _idle_torque(plate: DutyNameplate) -> float:
+    """Return the torque by which idling is noticed, under a speed reference alone (N m)."""
+    return 1.6 * plate.rated_power / plate.base_speed if plate.reference_kind == SPEED_REFERENCE else 0.0
+
+
+_UNNAMED: Final = {
+    "stuck-weakening": _signals(
         "FWK-2",
         "Weakens by 30 % of the current limit at all times.",
-        perturbed=_unseen_along(STUCK_SHARE),
+        direct_added=lambda plate: STUCK_SHARE * plate.current_limit,
+        pole_pairs=_pole_pairs,
     ),
-    "delay-turned-back": DutyFault(
-        "FWK-3",
-        "Turns its voltages back by the angle of the delay instead of ahead.",
-        alter=_scaled(-1.0, "lead"),
+    "delay-turned-back": _regulation(
+        "FWK-3", "Turns its voltages back by the angle of the delay instead of ahead.", lead=-1.0
     ),
-    "wrong-pole-pairs": DutyFault(
-        "ACC-1",
-        "Counts one pole pair too many.",
-        believes=lambda plate: plate._replace(pole_pairs=plate.pole_pairs + 1),
+    "wrong-pole-pairs": _wrong_number(
+        "ACC-1", "Counts one pole pair too many.", pole_pairs=lambda plate: plate.pole_pairs + 1
     ),
-    "generous-current-limit": DutyFault(
+    "generous-current-limit": _wrong_number(
         "OVC-1",
         "Takes a current limit that is 40 % too high.",
-        believes=lambda plate: plate._replace(current_limit=1.4 * plate.current_limit),
+        current_limit=lambda plate: 1.4 * plate.current_limit,
     ),
-    "lenient-current-limit": DutyFault(
+    "lenient-current-limit": _wrong_number(
         "OVC-2",
         "Takes a current limit that is 10 % too high.",
-        believes=lambda plate: plate._replace(current_limit=1.1 * plate.current_limit),
+        current_limit=lambda plate: 1.1 * plate.current_limit,
     ),
-    "weak-magnets-assumed": DutyFault(
+    "weak-magnets-assumed": _wrong_number(
         "ACC-1",
         "Converts torque to current with 80 % of the magnet's flux.",
-        believes=lambda plate: plate._replace(magnet_flux=0.8 * plate.magnet_flux),
+        magnet_flux=lambda plate: 0.8 * plate.magnet_flux,
     ),
-    "saliency-ignored": DutyFault(
+    "saliency-ignored": _wrong_number(
         "MTP-1",
         "Takes the inductance of the magnet's axis for both axes.",
-        believes=lambda plate: plate._replace(quadrature_inductance=plate.direct_inductance),
         less_salient=(_LITTLE_SALIENCY, "FWK-2"),
+        quadrature_inductance=lambda plate: plate.direct_inductance,
     ),
-    "no-speed-integral": DutyFault(
-        "ACC-1", "Regulates the speed by its error alone.", alter=_scaled(0.0, "speed_integral_step")
+    "no-speed-integral": _regulation(
+        "ACC-1", "Regulates the speed by its error alone.", speed_integral_step=0.0
     ),
-    "slow-currents": DutyFault(
+    "slow-currents": _regulation(
         "STP-1",
         "Regulates its currents with a sixth of the gain.",
-        alter=_scaled(
-            1.0 / 6.0, "direct_gain", "quadrature_gain", "direct_integral_step", "quadrature_integral_step"
-        ),
+        direct_gain=1.0 / 6.0,
+        quadrature_gain=1.0 / 6.0,
+        direct_integral_step=1.0 / 6.0,
+        quadrature_integral_step=1.0 / 6.0,
     ),
-    "nervous-currents": DutyFault(
-        "STP-1",
-        "Regulates its currents with three times the gain.",
-        alter=_scaled(3.0, "direct_gain", "quadrature_gain"),
+    "nervous-currents": _regulation(
+        "STP-1", "Regulates its currents with three times the gain.", direct_gain=3.0, quadrature_gain=3.0
     ),
-    "angle-offset": DutyFault(
+    "angle-offset": _signals(
         "ACC-1",
         "Has an angle that is 5 electrical degrees off.",
-        perturbed=lambda plate: {"angle_added": radians(5.0) / plate.pole_pairs},
         less_salient=(1.0, "FWK-2"),
+        angle_added=lambda plate: radians(5.0) / plate.pole_pairs,
     ),
-    "current-sensor-offset": DutyFault(
+    "current-sensor-offset": _signals(
         "ACC-1",
         "Reads the first phase current 15 % of the current limit too high.",
-        perturbed=lambda plate: {"current_added": 0.15 * plate.current_limit},
+        current_added=lambda plate: 0.15 * plate.current_limit,
     ),
-    "current-sensor-gain": DutyFault(
-        "ACC-1", "Reads its currents 10 % too high.", perturbed=lambda _plate: {"current_factor": 1.1}
+    "current-sensor-gain": _signals("ACC-1", "Reads its currents 10 % too high.", current_factor=1.1),
+    "speed-misread": _signals("ACC-1", "Reads the speed 3 % too high.", speed_factor=1.03),
+    "supply-underestimated": _signals(
+        "FWK-1", "Takes the link for 20 % less than it has, and weakens too early.", supply_factor=0.8
     ),
-    "speed-misread": DutyFault(
-        "ACC-1", "Reads the speed 3 % too high.", perturbed=lambda _plate: {"speed_factor": 1.03}
+    "late-samples": _signals("FWK-3", "Regulates with the currents of the step before.", is_late=1.0),
+    "unclamped-ratios": _signals(
+        "DUT-1", "Stretches its duty ratios by a fifth after its limiter.", stretch=1.2
     ),
-    "supply-underestimated": DutyFault(
-        "FWK-1",
-        "Takes the link for 20 % less than it has, and weakens too early.",
-        perturbed=lambda _plate: {"supply_factor": 0.8},
+    "swapped-phases": _signals(
+        "ACC-1", "Drives the third phase with the second one's ratio.", swaps_phases=1.0
     ),
-    "late-samples": DutyFault(
-        "FWK-3", "Regulates with the currents of the step before.", perturbed=lambda _plate: {"is_late": 1.0}
-    ),
-    "unclamped-ratios": DutyFault(
-        "DUT-1",
-        "Stretches its duty ratios by a fifth after its limiter.",
-        perturbed=lambda _plate: {"stretch": 1.2},
-    ),
-    "swapped-phases": DutyFault(
-        "ACC-1",
-        "Drives the third phase with the second one's ratio.",
-        perturbed=lambda _plate: {"swaps_phases": 1.0},
-    ),
-    "long-period": DutyFault(
+    "long-period": _signals(
         "DUT-1",
         "Asks for a control period that is half as long again.",
-        perturbed=lambda plate: {"next_period": 1.5 * plate.control_period},
+        next_period=lambda plate: 1.5 * plate.control_period,
     ),
-    "swapped-axes": DutyFault(
+    "swapped-axes": _wrong_number(
         "MTP-1",
         "Swaps the inductances of the axes.",
-        believes=lambda plate: plate._replace(
-            direct_inductance=plate.quadrature_inductance, quadrature_inductance=plate.direct_inductance
-        ),
         less_salient=(_LITTLE_SALIENCY, "FWK-2"),
+        direct_inductance=lambda plate: plate.quadrature_inductance,
+        quadrature_inductance=lambda plate: plate.direct_inductance,
     ),
-    "reversed-currents": DutyFault(
-        "OVC-1", "Reads its currents with the wrong sign.", perturbed=lambda _plate: {"current_factor": -1.0}
-    ),
-    "eager-integrals": DutyFault(
+    "reversed-currents": _signals("OVC-1", "Reads its currents with the wrong sign.", current_factor=-1.0),
+    "eager-integrals": _regulation(
         "STP-1",
         "Regulates its currents with ten times the integral gain.",
-        alter=_scaled(10.0, "direct_integral_step", "quadrature_integral_step"),
+        direct_integral_step=10.0,
+        quadrature_integral_step=10.0,
     ),
-    "shy-current-limit": DutyFault(
+    "shy-current-limit": _wrong_number(
         "FWK-1",
         "Takes a current limit that is 30 % too low.",
-        believes=lambda plate: plate._replace(current_limit=0.7 * plate.current_limit),
+        current_limit=lambda plate: 0.7 * plate.current_limit,
     ),
-    "strong-magnets-assumed": DutyFault(
+    "strong-magnets-assumed": _wrong_number(
         "FWK-2",
         "Counts on 30 % more of the magnet's flux, and weakens where the voltage is free.",
-        believes=lambda plate: plate._replace(magnet_flux=1.3 * plate.magnet_flux),
         less_salient=(1.0, "ACC-1"),
+        magnet_flux=lambda plate: 1.3 * plate.magnet_flux,
     ),
-    "resistance-overestimated": DutyFault(
+    "resistance-overestimated": _wrong_number(
         "FWK-1",
         "Takes five times the resistance, and leaves voltage unused for it.",
-        believes=lambda plate: plate._replace(resistance=5.0 * plate.resistance),
+        resistance=lambda plate: 5.0 * plate.resistance,
     ),
-    "direct-inductance-doubled": DutyFault(
+    "direct-inductance-doubled": _wrong_number(
         "ACC-1",
         "Takes twice the inductance of the magnet's axis.",
-        believes=lambda plate: plate._replace(direct_inductance=2.0 * plate.direct_inductance),
+        direct_inductance=lambda plate: 2.0 * plate.direct_inductance,
     ),
-    "slow-torque": DutyFault(
-        "ACC-1",
-        "Lets its torque follow the speed regulator at a hundredth of the rate.",
-        alter=_scaled(0.01, "torque_step"),
+    "slow-torque": _regulation(
+        "ACC-1", "Lets its torque follow the speed regulator at a hundredth of the rate.", torque_step=0.01
     ),
-    "field-strengthened": DutyFault(
+    "field-strengthened": _signals(
         "FWK-2",
         "Strengthens the field by 10 % of the current limit.",
-        perturbed=_unseen_along(-0.1),
+        direct_added=lambda plate: -0.1 * plate.current_limit,
+        pole_pairs=_pole_pairs,
     ),
-    "shallow-weakening": DutyFault(
+    "shallow-weakening": _regulation(
         "FWK-1",
         "Weakens by at most 30 % of what cancels the magnet's flux, or of the current limit.",
         alter=_weakens_little,
     ),
-    "delay-overcompensated": DutyFault(
-        "DEC-1",
-        "Turns its voltages ahead by six times the delay.",
-        alter=_scaled(6.0, "lead"),
+    "delay-overcompensated": _regulation(
+        "DEC-1", "Turns its voltages ahead by six times the delay.", lead=6.0
     ),
-    "shrunken-ratios": DutyFault(
-        "FWK-1",
-        "Gives 85 % of the voltage that it counts on.",
-        perturbed=lambda _plate: {"stretch": 0.85},
-    ),
-    "third-current-computed": DutyFault(
+    "shrunken-ratios": _signals("FWK-1", "Gives 85 % of the voltage that it counts on.", stretch=0.85),
+    "third-current-computed": _signals(
         "SAF-1",
         "Computes the third current from the other two, and so misses a stuck sensor.",
-        perturbed=lambda _plate: {"computes_third": 1.0},
+        computes_third=1.0,
     ),
-    "dead-time-times-ten": DutyFault(
-        "DTM-1",
-        "Makes up for ten times the dead time.",
-        believes=lambda plate: plate._replace(dead_time=10.0 * plate.dead_time),
+    "dead-time-times-ten": _wrong_number(
+        "DTM-1", "Makes up for ten times the dead time.", dead_time=lambda plate: 10.0 * plate.dead_time
     ),
-    "small-current-offset": DutyFault(
+    "small-current-offset": _signals(
         "RIP-4",
         "Reads the first phase current 3 % of the current limit too high.",
-        perturbed=lambda plate: {"current_added": 0.03 * plate.current_limit},
+        current_added=lambda plate: 0.03 * plate.current_limit,
     ),
-    "clamped-phases": DutyFault(
+    "clamped-phases": _signals(
         "STP-1",
         "Takes the link's voltage for half, and clamps each phase's duty ratio by itself.",
-        perturbed=lambda _plate: {"stretch": 2.0, "clamps": 1.0},
+        stretch=2.0,
+        clamps=1.0,
     ),
-    "swapped-hall-switches": DutyFault(
-        "ACC-1",
-        "Has two Hall switches swapped, so that its angle turns backward.",
-        perturbed=lambda _plate: {"angle_factor": -1.0},
+    "swapped-hall-switches": _signals(
+        "ACC-1", "Has two Hall switches swapped, so that its angle turns backward.", angle_factor=-1.0
     ),
-    "short-encoder-counter": DutyFault(
+    "short-encoder-counter": _signals(
         "ACC-1",
         "Counts an encoder of 10,000 edges a turn in 16 bits.",
-        perturbed=lambda _plate: {"wraps_after": 2.0 * pi * 2**16 / ENCODER_EDGES},
+        wraps_after=2.0 * pi * 2**16 / ENCODER_EDGES,
     ),
-    "patient-stall-watch": DutyFault(
+    "patient-stall-watch": _regulation(
         "SAF-1",
         "Takes a standing shaft for locked only after four seconds under the greatest torque.",
-        alter=_scaled(100, "stall_periods", "hall_stall_periods"),
+        stall_periods=100,
+        hall_stall_periods=100,
     ),
-    "hall-edges-counted": DutyFault(
-        "SAF-1",
-        "Counts Hall edges instead of reading states.",
-        perturbed=lambda plate: {"counts_edges": 1.0, "pole_pairs": float(plate.pole_pairs)},
+    "hall-edges-counted": _signals(
+        "SAF-1", "Counts Hall edges instead of reading states.", counts_edges=1.0, pole_pairs=_pole_pairs
     ),
-    "weak-braking": DutyFault(
+    "weak-braking": _signals(
         "ACC-1",
         "Limits a braking torque to 60 % of rated torque at base speed.",
-        perturbed=_under(
-            TORQUE_REFERENCE, "backward_limit", lambda plate: 0.6 * plate.rated_power / plate.base_speed
-        ),
+        under=TORQUE_REFERENCE,
+        backward_limit=lambda plate: 0.6 * plate.rated_power / plate.base_speed,
     ),
-    "braking-cut-off": DutyFault(
+    "braking-cut-off": _signals(
         "ACC-1",
         "Refuses to brake above 105 % of the nominal link voltage.",
-        perturbed=_under(TORQUE_REFERENCE, "braking_voltage", lambda plate: 1.05 * plate.supply_voltage),
+        under=TORQUE_REFERENCE,
+        braking_voltage=lambda plate: 1.05 * plate.supply_voltage,
     ),
-    "slow-shaft-unseen": DutyFault(
+    "slow-shaft-unseen": _signals(
         "ACC-1",
         "Takes the shaft for standing below 4 % of base speed.",
-        perturbed=_under(SPEED_REFERENCE, "least_speed", lambda plate: 0.04 * plate.base_speed),
+        under=SPEED_REFERENCE,
+        least_speed=lambda plate: 0.04 * plate.base_speed,
     ),
-    "idle-speed-forced": DutyFault(
+    "idle-speed-forced": _signals(
         "ACC-1",
         "Raises a speed reference below 6 % of base speed to that speed.",
-        perturbed=_under(SPEED_REFERENCE, "least_reference", lambda plate: 0.06 * plate.base_speed),
+        under=SPEED_REFERENCE,
+        least_reference=lambda plate: 0.06 * plate.base_speed,
     ),
-    "light-rotor-assumed": DutyFault(
-        "ROB-4",
-        "Regulates the speed with 60 % of the gain, as for a lighter rotor.",
-        alter=_scaled(0.6, "speed_gain"),
+    "light-rotor-assumed": _regulation(
+        "ROB-4", "Regulates the speed with 60 % of the gain, as for a lighter rotor.", speed_gain=0.6
     ),
-    "heavy-rotor-assumed": DutyFault(
+    "heavy-rotor-assumed": _regulation(
         "ROB-4",
         "Regulates the speed with seven times the gains, as for a heavier rotor.",
-        alter=_scaled(7.0, "speed_gain", "speed_integral_step"),
+        speed_gain=7.0,
+        speed_integral_step=7.0,
     ),
-    "backward-refused": DutyFault(
-        "ACC-1",
-        "Takes a speed reference backward for standstill.",
-        perturbed=_under(SPEED_REFERENCE, "backward_limit", lambda _plate: 0.0),
+    "backward-refused": _signals(
+        "ACC-1", "Takes a speed reference backward for standstill.", under=SPEED_REFERENCE, backward_limit=0.0
     ),
-    "one-way-prediction": DutyFault(
+    "one-way-prediction": _signals(
         "SYM-1",
         "Predicts the angle for the delay of its voltages by the magnitude of the speed.",
-        perturbed=_under(
-            TORQUE_REFERENCE, "ahead", lambda plate: (plate.update_delay + 0.5) * plate.control_period
-        ),
+        under=TORQUE_REFERENCE,
+        ahead=lambda plate: (plate.update_delay + 0.5) * plate.control_period,
     ),
-    "microseconds-signed": DutyFault(
+    "microseconds-signed": _signals(
         "ACC-1",
         "Ramps its reference up by a signed clock of microseconds, negative after 36 minutes.",
-        perturbed=lambda plate: {"ramp": 100.0 * plate.control_period},
+        ramp=lambda plate: 100.0 * plate.control_period,
     ),
-    "offsets-under-current": DutyFault(
+    "offsets-under-current": _signals(
         "RIP-4",
         "Takes the first currents below base speed for offsets, also after a restart.",
-        perturbed=lambda plate: {"calibrates_below": plate.base_speed},
+        calibrates_below=lambda plate: plate.base_speed,
     ),
-    "undervoltage-at-once": DutyFault(
+    "undervoltage-at-once": _signals(
         "ROB-5",
         "Turns its bridge off at one sample of less than half the link voltage.",
-        perturbed=lambda plate: {"least_voltage": 0.5 * plate.supply_voltage},
+        least_voltage=lambda plate: 0.5 * plate.supply_voltage,
     ),
-    "jump-of-angle-believed": DutyFault(
-        "SAF-1",
-        "Does not notice the jump of the angle by a magnet that slips.",
-        alter=_scaled(1000.0, "farthest_drift"),
+    "jump-of-angle-believed": _regulation(
+        "SAF-1", "Does not notice the jump of the angle by a magnet that slips.", farthest_drift=1000.0
     ),
-    "hall-edge-awaited": DutyFault(
-        "SAF-1",
-        "Holds its angle at the sector's end where a Hall edge is missing.",
-        alter=_scaled(0.0, "led_on_longest"),
+    "hall-edge-awaited": _regulation(
+        "SAF-1", "Holds its angle at the sector's end where a Hall edge is missing.", led_on_longest=0.0
     ),
-    "braking-reserve": DutyFault(
+    "braking-reserve": _signals(
         "FWK-2",
         "Plans braking currents with 20 % less of the link than there is.",
-        perturbed=_under(TORQUE_REFERENCE, "braking_supply_factor", lambda _plate: 0.8),
+        under=TORQUE_REFERENCE,
+        braking_supply_factor=0.8,
     ),
-    "overvoltage-ends-braking": DutyFault(
+    "overvoltage-ends-braking": _signals(
         "ACC-1",
         "Turns its bridge off above 112 % of the link's voltage while it brakes.",
-        perturbed=_under(TORQUE_REFERENCE, "highest_voltage", lambda plate: 1.12 * plate.supply_voltage),
+        under=TORQUE_REFERENCE,
+        highest_voltage=lambda plate: 1.12 * plate.supply_voltage,
     ),
-    "weakening-kept-near-base": DutyFault(
+    "weakening-kept-near-base": _signals(
         "FWK-2",
         "Weakens from 97 % of base speed on, and in part down to 90 %.",
-        perturbed=lambda plate: {
-            "weakens_from": 0.97 * plate.base_speed,
-            "weakens_until": 0.9 * plate.base_speed,
-            "weakened_by": 0.25 * plate.current_limit,
-            "pole_pairs": float(plate.pole_pairs),
-        },
+        weakens_from=lambda plate: 0.97 * plate.base_speed,
+        weakens_until=lambda plate: 0.9 * plate.base_speed,
+        weakened_by=lambda plate: 0.25 * plate.current_limit,
+        pole_pairs=_pole_pairs,
     ),
-    "offsets-after-idling": DutyFault(
+    "offsets-after-idling": _signals(
         "RIP-4",
         "Takes its currents for offsets after the load has vanished, also once it is back.",
-        perturbed=lambda plate: {
-            **_under(
-                SPEED_REFERENCE, "idle_torque", lambda plate: 1.6 * plate.rated_power / plate.base_speed
-            )(plate),
-            "idle_noticed": 400.0,
-            "idle_calibrated": 1300.0,
-            "is_calibrated": 1.0,
-            "calibrates_below": plate.base_speed,
-        },
+        idle_torque=_idle_torque,
+        idle_noticed=400.0,
+        idle_calibrated=1300.0,
+        is_calibrated=1.0,
+        calibrates_below=lambda plate: plate.base_speed,
     ),
-    "reference-clipped": DutyFault(
+    "reference-clipped": _signals(
         "ACC-1",
         "Limits a speed reference to the highest speed.",
-        perturbed=_under(SPEED_REFERENCE, "most_reference", lambda plate: plate.highest_speed),
+        under=SPEED_REFERENCE,
+        most_reference=lambda plate: plate.highest_speed,
     ),
-    "speed-clipped": DutyFault(
+    "speed-clipped": _signals(
         "ACC-1",
         "Reads no speed above 104 % of the highest.",
-        perturbed=lambda plate: {"most_speed": 1.04 * plate.highest_speed},
+        most_speed=lambda plate: 1.04 * plate.highest_speed,
     ),
-    "lost-currents-trip": DutyFault(
+    "lost-currents-trip": _signals(
         "ROB-5",
         "Turns its bridge off at one sample without currents.",
-        perturbed=lambda plate: {"vanishing_current": 0.05 * plate.current_limit},
+        vanishing_current=lambda plate: 0.05 * plate.current_limit,
     ),
-    "false-edges-trip": DutyFault(
+    "false-edges-trip": _signals(
         "ROB-5",
         "Turns its bridge off where the angle jumps by 2 electrical degrees.",
-        perturbed=lambda plate: {
-            "farthest_jump": radians(2.0) / plate.pole_pairs,
-            "trips_at_jump": 1.0,
-            "control_period": plate.control_period,
-        },
+        farthest_jump=lambda plate: radians(2.0) / plate.pole_pairs,
+        trips_at_jump=1.0,
+        control_period=_control_period,
     ),
-    "phase-after-false-edges": DutyFault(
+    "phase-after-false-edges": _signals(
         "ROB-5",
         "Adds 120 electrical degrees where the angle jumps by 2.",
-        perturbed=lambda plate: {
-            "farthest_jump": radians(2.0) / plate.pole_pairs,
-            "jump_taken_for": radians(120.0) / plate.pole_pairs,
-            "control_period": plate.control_period,
-        },
+        farthest_jump=lambda plate: radians(2.0) / plate.pole_pairs,
+        jump_taken_for=lambda plate: radians(120.0) / plate.pole_pairs,
+        control_period=_control_period,
     ),
-    "swinging-speed-trips": DutyFault(
+    "swinging-speed-trips": _signals(
         "ROB-5",
         "Turns its bridge off where the speed swings within a turn.",
-        perturbed=lambda plate: {
-            "loose_swing": 0.03 / plate.pole_pairs,
-            # As if it had counted these before: a slow shaft swings less often in a run.
-            "swings": 24.0,
-            "control_period": plate.control_period,
-        },
+        loose_swing=lambda plate: 0.03 / plate.pole_pairs,
+        swings=24.0,
+        control_period=_control_period,
     ),
-    "swings-damped-one-way": DutyFault(
+    "swings-damped-one-way": _signals(
         "ROB-5",
         "Damps swings of the speed, but only takes torque.",
-        perturbed=_under(
-            TORQUE_REFERENCE,
-            "damping",
-            lambda plate: 15.0 * plate.pole_pairs * plate.rated_power / plate.base_speed**2,
-        ),
+        under=TORQUE_REFERENCE,
+        damping=lambda plate: 15.0 * plate.pole_pairs * plate.rated_power / plate.base_speed**2,
     ),
-    "current-sensors-low": DutyFault(
-        "OVC-2",
-        "Reads its currents 1.3 % too low.",
-        perturbed=lambda _plate: {"current_factor": 0.987},
-    ),
-    "jumps-of-angle-smoothed": DutyFault(
+    "current-sensors-low": _signals("OVC-2", "Reads its currents 1.3 % too low.", current_factor=0.987),
+    "jumps-of-angle-smoothed": _signals(
         "SAF-1",
         "Follows a jump of the angle by 30 electrical degrees slowly.",
-        perturbed=lambda plate: {
-            "farthest_jump": radians(30.0) / plate.pole_pairs,
-            "angle_slew": radians(90.0) / plate.pole_pairs * plate.control_period,
-            "control_period": plate.control_period,
-        },
+        farthest_jump=lambda plate: radians(30.0) / plate.pole_pairs,
+        angle_slew=lambda plate: radians(90.0) / plate.pole_pairs * plate.control_period,
+        control_period=_control_period,
     ),
-    "start-angle-assumed": DutyFault(
-        "STA-1",
-        "Takes the angle at which the shaft rests for zero.",
-        perturbed=lambda _plate: {"assumes_zero": 1.0},
+    "start-angle-assumed": _signals(
+        "STA-1", "Takes the angle at which the shaft rests for zero.", assumes_zero=1.0
     ),
-    "impatient-stall-watch": DutyFault(
+    "impatient-stall-watch": _regulation(
         "ACC-1",
         "Takes a shaft for locked after a few control periods.",
-        alter=_scaled(0.02, "stall_periods", "hall_stall_periods"),
+        stall_periods=0.02,
+        hall_stall_periods=0.02,
     ),
-    "failure-survives-reset": DutyFault(
-        "DET-1",
-        "Keeps a detected failure through a reset.",
-        keeps=("fault",),
-    ),
-    "lost-samples-add-up": DutyFault(
+    "failure-survives-reset": _kept("DET-1", "Keeps a detected failure through a reset.", keeps=("fault",)),
+    "lost-samples-add-up": _kept(
         "DET-1",
         "Turns its bridge off at the second lost sample, counted through resets.",
-        perturbed=lambda plate: {"vanishing_current": 0.05 * plate.current_limit, "vanishings_borne": 1.0},
         keeps=("vanishings",),
+        vanishing_current=lambda plate: 0.05 * plate.current_limit,
+        vanishings_borne=1.0,
     ),
-    "reference-missed-with-link": DutyFault(
+    "reference-missed-with-link": _signals(
         "ACC-1",
         "Misses a new reference in the control period of a link step.",
-        perturbed=lambda plate: {"link_step": 0.05 * plate.supply_voltage},
+        link_step=lambda plate: 0.05 * plate.supply_voltage,
     ),
-    "reference-missed-with-sample": DutyFault(
+    "reference-missed-with-sample": _signals(
         "ROB-5",
         "Misses a new reference in a control period without currents.",
-        perturbed=lambda plate: {"awaited_current": 0.05 * plate.current_limit},
+        awaited_current=lambda plate: 0.05 * plate.current_limit,
     ),
-    "sag-taken-for-short-circuit": DutyFault(
+    "sag-taken-for-short-circuit": _signals(
         "ACC-1",
         "Turns its bridge off where the link falls as the current rises.",
-        perturbed=lambda plate: {
-            "link_fall": 0.08 * plate.supply_voltage,
-            "current_rise": 0.3 * plate.current_limit,
-        },
+        link_fall=lambda plate: 0.08 * plate.supply_voltage,
+        current_rise=lambda plate: 0.3 * plate.current_limit,
     ),
-    "lift-taken-for-broken-coupling": DutyFault(
+    "lift-taken-for-broken-coupling": _signals(
         "ROB-4",
         "Turns its bridge off where the shaft leaves its reference half as fast again as it came to it.",
-        perturbed=lambda _: {"breaking_away": 1.5},
+        breaking_away=1.5,
     ),
-    "torque-of-rms-currents": DutyFault(
+    "torque-of-rms-currents": _signals(
         "EST-1",
         "Estimates the torque from rms currents by the formula for peak currents.",
-        perturbed=lambda _plate: {"estimate_factor": sqrt(0.5)},
+        estimate_factor=sqrt(0.5),
     ),
-    "lowering-refused": DutyFault(
+    "lowering-refused": _signals(
         "ACC-1",
         "Turns its bridge off while a load drives the shaft backward.",
-        perturbed=_under(SPEED_REFERENCE, "refuses_lowering", lambda _plate: 1.0),
+        under=SPEED_REFERENCE,
+        refuses_lowering=1.0,
     ),
 }
+
+DUTY_FAULTS: Final = {name: replace(fault, name=name) for name, fault in _UNNAMED.items()}
 """All of them, by the name behind ``faulty:``."""

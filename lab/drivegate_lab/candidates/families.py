@@ -33,9 +33,9 @@ class FaultyControllers(PrefixedControllers):
         """Return what the correct controller declares."""
         if self.contract(name) == "duty":
             return DUTY_CANDIDATES["foc"]
-        from drivegate_lab.candidates.faults.catalogue import find_mutation
+        from drivegate_lab.candidates.faults.catalogue import MUTATIONS, find_fault
 
-        return BUILTIN_CANDIDATES[find_mutation(name).base]
+        return BUILTIN_CANDIDATES[find_fault(name, MUTATIONS).base]
 
     def load_controller(self, name: str) -> Controller:
         """Make a new instance of a faulty controller."""

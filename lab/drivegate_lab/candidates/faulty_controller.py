@@ -21,8 +21,6 @@ from drivegate_models.controllers.current.builtin import SEARCHES, reset_functio
 from drivegate_models.controllers.current.state import CONTROLLER_STATE
 from drivegate_models.errors import HarnessFault
 
-_CONTROLLER_KEYS: Final = frozenset(CONTROLLER_STATE.names or ())
-
 _shared: Final[dict[str, NDArray[Any]]] = {}
 """The state that all instances of a controller have in common, by its name, where sharing it is the fault."""
 
@@ -62,21 +60,15 @@ class FaultyController(CompiledController):
         controller: NDArray[Any] = np.zeros(1, CONTROLLER_STATE)
         believed = Nameplate(**{**nameplate._asdict(), **dict(mutation.believes)})
         reset_function()(controller, nameplate_record(believed), SEARCHES[mutation.base])
-        for name, factor in mutation.factors:
-            controller[name] = controller[name] * factor
+        mutation.scale(controller)
         for name, constant in mutation.constants:
             controller[name] = constant.number(drive)
         state["controller"] = controller
         _write_sizes(state, mutation, drive)
         # Before its first run there is nothing to keep.
         if self._state["controller"]["control_period"][0] > 0.0:
-            for name in mutation.keeps:
-                old, new = (
-                    (self._state["controller"], state["controller"])
-                    if name in _CONTROLLER_KEYS
-                    else (self._state, state)
-                )
-                new[name] = old[name]
+            mutation.keep(self._state["controller"], state["controller"])
+            mutation.keep(self._state, state)
         self._state[:] = state
 
 

@@ -25,8 +25,9 @@ from drivegate.output.event_loop import finished
 from drivegate.output.progress import progress_on
 from drivegate.results.document import CheckSection, ResultDocument
 from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_lab.candidates.faults.seeded_fault import FaultOnDrive, SeededFault
 from drivegate_lab.selftest.matrix import DesignRow, FaultRow, LeastMargin
-from drivegate_lab.selftest.subjects import CorrectDesign, FaultOnDrive, SeededFault
+from drivegate_lab.selftest.subjects import CorrectDesign
 from drivegate_lab.selftest.trial import Trial, TrialOutcome, run_trial
 from drivegate_models.errors import HarnessFault
 
@@ -88,9 +89,8 @@ def try_faults(faults: Sequence[SeededFault], effort: SelftestEffort) -> Iterato
 def planned_trial(fault: SeededFault, effort: SelftestEffort) -> Trial:
     """Plan what a faulty controller is put through."""
     candidate = resolve_candidate(FAULTY_PREFIX + fault.name)
-    origins = _JUDGED_BY.get(
-        fault.check, (Origin.DRAWN,) if effort.drawn_only else (Origin.FIXED, Origin.DRAWN)
-    )
+    check = fault.check_on(drive_for(None, effort.drive))
+    origins = _JUDGED_BY.get(check, (Origin.DRAWN,) if effort.drawn_only else (Origin.FIXED, Origin.DRAWN))
     plans = {
         seed: planned_work(
             effort.name,
@@ -104,7 +104,7 @@ def planned_trial(fault: SeededFault, effort: SelftestEffort) -> Trial:
     return Trial(
         candidate=candidate,
         base=resolve_candidate(fault.base),
-        check=fault.check,
+        check=check,
         fixed=_jobs(plans[0], origins, seeded=False),
         seeded={seed: _jobs(plan, origins, seeded=True) for seed, plan in plans.items()},
         budget=SHRINKING_RUNS[effort.name],
@@ -128,7 +128,7 @@ def _row(
         name=fault.name,
         kind=fault.kind,
         sentence=on_drive.sentence,
-        check=fault.check,
+        check=on_drive.check,
         catches=outcome.catches,
         failing=outcome.failing,
         runs=outcome.runs,

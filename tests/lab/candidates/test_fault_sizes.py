@@ -10,7 +10,7 @@ from drivegate_cases.drive.drive_document import PM_AC, DriveDocument, drive_nam
 from drivegate_cases.drive.limits import limits_of
 from drivegate_lab.candidates.faults import oracle_sizes, sizes
 from drivegate_lab.candidates.faults.catalogue import MUTATIONS
-from drivegate_lab.candidates.faults.mutation import Mutation, idle_on, number_on, text_on
+from drivegate_lab.candidates.faults.mutation import Mutation, number_on
 from drivegate_lab.candidates.faults.tolerances import NEAR_DESIGNS
 from drivegate_lab.candidates.faulty_controller import FaultyController
 from drivegate_models.errors import HarnessFault
@@ -141,17 +141,17 @@ def test_a_region_of_speeds_holds_speeds_that_are_drawn(drive: DriveDocument) ->
 @pytest.mark.parametrize("drive", DRIVES.values(), ids=DRIVES)
 def test_every_text_is_written_out(drive: DriveDocument) -> None:
     for mutation in ALL.values():
-        for text in (mutation.sentence, mutation.shown_by):
-            assert not set("{}") & set(text_on(mutation, text, drive)), mutation.name
+        on_drive = mutation.on(drive)
+        for text in (on_drive.sentence, on_drive.shown_by):
+            assert not set("{}") & set(text), mutation.name
 
 
 def test_a_text_has_the_numbers_of_its_drive() -> None:
     fan = load_drive("fan-3-phase")
     mutation = MUTATIONS["speed-six-rpm-off"]
-    assert text_on(mutation, mutation.sentence, PAPER) == "Keeps the speed 6 rpm too high, where k1 is 5 rpm."
-    assert text_on(mutation, mutation.sentence, fan) == "Keeps the speed 24 rpm too high, where k1 is 20 rpm."
-    row = MUTATIONS["wrong-row"]
-    assert text_on(row, row.shown_by, fan) == "5350 rpm"
+    assert mutation.on(PAPER).sentence == "Keeps the speed 6 rpm too high, where k1 is 5 rpm."
+    assert mutation.on(fan).sentence == "Keeps the speed 24 rpm too high, where k1 is 20 rpm."
+    assert MUTATIONS["wrong-row"].on(fan).shown_by == "5350 rpm"
 
 
 @pytest.mark.parametrize(
@@ -159,15 +159,15 @@ def test_a_text_has_the_numbers_of_its_drive() -> None:
     [("paper-5-phase", set()), ("fan-3-phase", {"sixteen-bit-overflow"}), ("traction-7-phase", set())],
 )
 def test_a_fault_that_can_do_nothing_on_a_drive_says_why(drive: str, idle: set[str]) -> None:
-    reasons = {name: idle_on(mutation, load_drive(drive)) for name, mutation in ALL.items()}
+    reasons = {name: mutation.on(load_drive(drive)).idle_because for name, mutation in ALL.items()}
     assert {name for name, reason in reasons.items() if reason} == idle, reasons
 
 
 def test_an_angle_that_is_enough_everywhere_is_no_fault(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(oracle_sizes, "_edge_at_rated_power", lambda *_: 20.0)
     monkeypatch.setattr(oracle_sizes, "_edge_at_point", lambda *_: 0.0)
-    assert "no more angle" in (idle_on(MUTATIONS["angle-capped"], PAPER) or "")
-    assert idle_on(MUTATIONS["below-the-edge"], PAPER) == "the required point needs no advance"
+    assert "no more angle" in (MUTATIONS["angle-capped"].on(PAPER).idle_because or "")
+    assert MUTATIONS["below-the-edge"].on(PAPER).idle_because == "the required point needs no advance"
 
 
 def test_the_table_of_the_nominal_drive_keeps_above_its_feasible_edge() -> None:

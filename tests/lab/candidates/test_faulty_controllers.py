@@ -159,7 +159,7 @@ def differing_scenario(mutation: Mutation) -> str | None:
 
 @pytest.mark.parametrize("base", ["reference", "published"])
 def test_without_a_fault_the_answers_are_those_of_the_base_bit_for_bit(base: str) -> None:
-    healthy = Mutation("healthy", "Nothing is wrong with it.", "CNV-1", base)  # type: ignore[arg-type]
+    healthy = Mutation("healthy", "Nothing is wrong with it.", "CNV-1", base)
     digest = run_scenario(SHORT, FaultyController(healthy)).digest
     assert digest == run_scenario(SHORT, BuiltinController(SEARCHES[base])).digest
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_lab.candidates.duty_faults import DUTY_FAULTS
-from drivegate_lab.selftest.subjects import seeded
 
 
 def without_weakening(name: str = "pm-ac-surface") -> PmAcDocument:
@@ -20,8 +19,7 @@ DRIVE = without_weakening()
 
 def test_a_fault_in_weakening_does_nothing_there() -> None:
     idle = {
-        name: seeded(name, DUTY_FAULTS[name], DRIVE).on(DRIVE).idle_because
-        for name in ("shallow-weakening", "stuck-weakening")
+        name: DUTY_FAULTS[name].on(DRIVE).idle_because for name in ("shallow-weakening", "stuck-weakening")
     }
     assert "without field weakening" in str(idle["shallow-weakening"])
     assert idle["stuck-weakening"] is None

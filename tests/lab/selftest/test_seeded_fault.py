@@ -20,7 +20,9 @@ def test_without_names_all_of_the_contract_are_chosen() -> None:
 
 def test_each_names_a_check_of_its_contract_and_a_kind() -> None:
     chosen = chosen_faults((), INTERIOR)
-    assert {fault.check for fault in chosen} <= {check.id for check in contract_named("duty").checks}
+    assert {fault.check_on(INTERIOR) for fault in chosen} <= {
+        check.id for check in contract_named("duty").checks
+    }
     assert {fault.base for fault in chosen} == {"foc"}
     assert {fault.kind for fault in chosen} == {
         "Wrong numbers of the drive",
@@ -60,7 +62,7 @@ def test_a_dead_time_can_be_taken_wrongly_on_a_drive_that_is_run_with_one_all_th
 )
 def test_what_shows_by_reluctance_torque_shows_elsewhere_without(name: str, named: tuple[str, ...]) -> None:
     drives = (INTERIOR, load_drive("pm-ac-2kw"), SURFACE)
-    assert tuple(chosen_faults((name,), drive)[0].check for drive in drives) == named
+    assert tuple(chosen_faults((name,), drive)[0].check_on(drive) for drive in drives) == named
 
 
 @pytest.mark.parametrize(

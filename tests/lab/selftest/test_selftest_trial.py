@@ -12,10 +12,9 @@ from drivegate.checks.margin import Margin
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
 from drivegate_cases.drive.drive_document import load_drive
-from drivegate_lab.candidates.faults.catalogue import find_mutation
+from drivegate_lab.candidates.faults.catalogue import MUTATIONS
 from drivegate_lab.selftest import trial as trial_module
 from drivegate_lab.selftest.run import SelftestEffort, planned_trial
-from drivegate_lab.selftest.subjects import seeded
 from drivegate_lab.selftest.trial import Trial, run_trial
 
 SCENARIO = fixed_scenarios(load_drive("paper-5-phase"))[0].to_mapping()
@@ -114,7 +113,7 @@ def test_the_counterexample_is_made_simpler(
 
 @pytest.mark.parametrize("fault", ["slope-doubled", "flowchart-inverted"])
 def test_drawing_alone_has_to_do_without_the_fixed_scenarios(fault: str) -> None:
-    known = seeded(fault, find_mutation(fault), load_drive("paper-5-phase"))
+    known = MUTATIONS[fault]
     whole = planned_trial(known, SelftestEffort("quick", seeds=2))
     drawn = planned_trial(known, SelftestEffort("quick", seeds=2, drawn_only=True))
     assert drawn.fixed == ()

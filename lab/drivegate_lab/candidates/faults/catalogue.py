@@ -16,7 +16,6 @@ from drivegate_lab.candidates.faults import (
     searches,
     tolerances,
 )
-from drivegate_lab.candidates.faults.mutation import Mutation
 from drivegate_models.errors import InputError
 
 FaultT = TypeVar("FaultT")
@@ -40,11 +39,6 @@ _KINDS: Final = (
 
 MUTATIONS: Final = MappingProxyType({mutation.name: mutation for kind in _KINDS for mutation in kind})
 """Every faulty controller by its name, in the order of the kinds."""
-
-
-def find_mutation(name: str) -> Mutation:
-    """Find a faulty controller."""
-    return find_fault(name, MUTATIONS)
 
 
 def find_fault(name: str, known: Mapping[str, FaultT]) -> FaultT:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Final, Literal
+from typing import TYPE_CHECKING, Final
 
 from drivegate_lab.candidates.faults import sizes
+from drivegate_lab.candidates.faults.seeded_fault import FaultOnDrive, SeededFault
 from drivegate_lab.candidates.faults.sizes import Size
 from drivegate_lab.kernels.faults.current import state as faults
 
@@ -26,21 +27,9 @@ _QUANTITIES: Final = {
 
 
 @dataclass(frozen=True)
-class Mutation:
-    """One faulty controller."""
+class Mutation(SeededFault):
+    """One faulty controller of the contract `current`; the sizes in its texts stand by name."""
 
-    name: str
-    """Its name; as a candidate it is named ``faulty:`` and this."""
-    sentence: str
-    """What is wrong with it; the sizes in it stand by name, and `text_on` writes those of a drive."""
-    check: str = ""
-    """Identifier of the check that must catch it; empty for a controller that is right."""
-    base: Literal["reference", "published"] = "reference"
-    """The built-in controller that it is made from."""
-    kind: str = ""
-    """What kind of fault it is; the self-test counts by kind."""
-    factors: tuple[tuple[str, float], ...] = ()
-    """Constants of `CONTROLLER_STATE` that are multiplied after every reset."""
     believes: tuple[tuple[str, float], ...] = ()
     """Keys of the nameplate that it takes for a constant, with that constant."""
     constants: tuple[tuple[str, Size], ...] = ()
@@ -56,13 +45,22 @@ class Mutation:
     """Other sizes in the texts, by name."""
     idle_because: Callable[[DriveDocument], str | None] | None = None
     """State why the fault does nothing on a drive, or None where it does something."""
-    keeps: tuple[str, ...] = ()
-    """What a reset leaves in `CONTROLLER_STATE`, or of the fault's own memory in `FAULTY_STATE`."""
     shares: bool = False
     """Whether a new instance begins with what the last one has left of `keeps`."""
     shown_by: str = ""
-    """What a scenario must have to show the fault, with sizes as in `sentence`; empty where loaded steady
-    runs do."""
+    """What a scenario must have to show the fault; empty where loaded steady runs do."""
+
+    def on(self, drive: DriveDocument) -> FaultOnDrive:
+        """Return what the fault is on a drive, with the drive's own numbers in the texts."""
+        named = {**_QUANTITIES, "size": self.size, "extent": self.extent, **dict(self.numbers)}
+        named |= dict(zip(("first", "last"), self.region, strict=False))
+        written = {name: _Written(size, drive) for name, size in named.items() if isinstance(size, Size)}
+        return FaultOnDrive(
+            self.check,
+            self.sentence.format_map(written),
+            self.shown_by.format_map(written),
+            None if self.idle_because is None else self.idle_because(drive),
+        )
 
 
 def of_kind(kind: str, *mutations: Mutation) -> tuple[Mutation, ...]:
@@ -75,22 +73,8 @@ def number_on(size: float | Size, drive: DriveDocument) -> float:
     return size.number(drive) if isinstance(size, Size) else size
 
 
-def text_on(mutation: Mutation, text: str, drive: DriveDocument) -> str:
-    """Write a drive's own numbers into a text of a mutation."""
-    named = {**_QUANTITIES, "size": mutation.size, "extent": mutation.extent, **dict(mutation.numbers)}
-    named |= dict(zip(("first", "last"), mutation.region, strict=False))
-    return text.format_map(
-        {name: _Told(size, drive) for name, size in named.items() if isinstance(size, Size)}
-    )
-
-
-def idle_on(mutation: Mutation, drive: DriveDocument) -> str | None:
-    """State why a fault does nothing on a drive; None where it does something."""
-    return None if mutation.idle_because is None else mutation.idle_because(drive)
-
-
 @dataclass(frozen=True)
-class _Told:
+class _Written:
     """A size that is computed where a text names it, since some take an oracle."""
 
     size: Size

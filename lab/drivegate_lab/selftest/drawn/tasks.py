@@ -15,9 +15,10 @@ from drivegate.output.progress import Display
 from drivegate.results.document import CheckSection, ResultDocument
 from drivegate.scenarios.facts import facts_in_short
 from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_lab.candidates.faults.seeded_fault import SeededFault
 from drivegate_lab.selftest.matrix import FaultRow
 from drivegate_lab.selftest.run import SelftestEffort, design_check, try_faults
-from drivegate_lab.selftest.subjects import CorrectDesign, SeededFault, chosen_faults
+from drivegate_lab.selftest.subjects import CorrectDesign, chosen_faults
 from drivegate_models.errors import HarnessFault, InputError
 
 _TOLD: Final = 300
@@ -39,7 +40,8 @@ def run_faults(package: bytes, item: tuple[int, tuple[str, ...]]) -> list[dict[s
     """Put faulty controllers before their checks on a drive, one after another in the same process."""
     number, names = item
     effort = _effort(package, number)
-    left = list(chosen_faults(names, drive_for(None, effort.drive)))
+    drive = drive_for(None, effort.drive)
+    left = list(chosen_faults(names, drive))
     outcomes: list[dict[str, Any]] = []
     while left:
         try:
@@ -49,7 +51,7 @@ def run_faults(package: bytes, item: tuple[int, tuple[str, ...]]) -> list[dict[s
         except (OSError, MemoryError):
             raise
         except Exception as error:
-            outcomes.append(_broken(left.pop(0), error))
+            outcomes.append(_broken(left.pop(0), drive, error))
     return outcomes
 
 
@@ -65,10 +67,10 @@ def _outcome(row: FaultRow) -> dict[str, Any]:
     }
 
 
-def _broken(fault: SeededFault, error: Exception) -> dict[str, Any]:
+def _broken(fault: SeededFault, drive: DriveDocument, error: Exception) -> dict[str, Any]:
     """Describe a trial that came to no end; a fault that was not judged is not caught."""
     outcome = {"caught": False, "runs": 0, "also_failing": [], "message": _why(error), "does_not_apply": None}
-    return {"fault": fault.name, "check": fault.check} | outcome
+    return {"fault": fault.name, "check": fault.check_on(drive)} | outcome
 
 
 def _gate(seed: int, effort: SelftestEffort) -> GateRow:

@@ -11,13 +11,13 @@ import pytest
 from drivegate.output.console import console_for
 from drivegate.output.progress import Display
 from drivegate_cases.drive.drive_document import load_drive
+from drivegate_lab.candidates.faults.seeded_fault import SeededFault
 from drivegate_lab.selftest.drawn import run, tasks
 from drivegate_lab.selftest.drawn.display import show_drives
 from drivegate_lab.selftest.drawn.run import DrivesRequest, selftest_on_drives
 from drivegate_lab.selftest.drawn.tasks import FailedCheck, GateRow, row_from
 from drivegate_lab.selftest.matrix import FaultRow
 from drivegate_lab.selftest.run import SelftestEffort
-from drivegate_lab.selftest.subjects import SeededFault
 from drivegate_models.errors import HarnessFault, InputError
 
 FAULT = "slope-doubled"
@@ -279,19 +279,20 @@ def test_on_pm_ac_drives_foc_takes_the_place_of_the_reference(judge, tmp_path: P
 
 
 def test_the_controller_and_the_faults_are_those_of_the_drive_s_kind(monkeypatch: pytest.MonkeyPatch) -> None:
-    seen: list[str] = []
+    seen: list[Any] = []
+    surface = load_drive("pm-ac-surface")
 
     def named(design: Any, *_: object) -> Iterator[Any]:
         seen.append(design.candidate)
         raise HarnessFault("seen")
 
     def tried(faults: tuple[SeededFault, ...], _effort: SelftestEffort) -> Iterator[FaultRow]:
-        seen.extend((fault.name, fault.check) for fault in faults)
+        seen.extend((fault.name, fault.check_on(surface)) for fault in faults)
         raise HarnessFault("seen")
 
     monkeypatch.setattr(tasks, "design_check", named)
     monkeypatch.setattr(tasks, "try_faults", tried)
-    package = tasks.packed(SelftestEffort("quick"), {7: load_drive("pm-ac-surface")})
+    package = tasks.packed(SelftestEffort("quick"), {7: surface})
     tasks.run_gate(package, 7)
     tasks.run_faults(package, (7, ("angle-offset",)))
     assert seen == ["foc", ("angle-offset", "FWK-2")]
