@@ -1,6 +1,7 @@
 """The example of two blocks: a regulator of its own with the search of another controller."""
 
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -21,11 +22,13 @@ CANDIDATE = resolve_candidate(str(EXAMPLES / "combined.toml"))
 
 
 @pytest.fixture(scope="module")
-def combined() -> Any:
-    # A candidate's own process has no such modules; other tests here load controllers of the same name.
-    for source in CANDIDATE.sources:
-        sys.modules.pop(source.stem, None)
-    return load_controller(CANDIDATE)
+def combined() -> Iterator[Any]:
+    """Load it as its own process would, where no other test has imported a module of the same name before."""
+    with pytest.MonkeyPatch.context() as patched:
+        patched.syspath_prepend(CANDIDATE.folder)
+        for source in CANDIDATE.sources:
+            patched.delitem(sys.modules, source.stem, raising=False)
+        yield load_controller(CANDIDATE)
 
 
 def test_the_hash_covers_both_blocks() -> None:
