@@ -151,7 +151,9 @@ class Toy(Contract):
     checks = (CHECK,)
     families = ("speed",)
     simplifications = ()
-    layout = Layout("toy", SENSE, COMMAND, ToySense, lambda: np.zeros(1, COMMAND))  # type: ignore[arg-type]
+    layout = Layout(
+        "toy", SENSE, COMMAND, ToySense, lambda _: np.zeros(1, SENSE), lambda: np.zeros(1, COMMAND)
+    )  # type: ignore[arg-type]
     sensed: ClassVar = {"reference": "rad/s", "speed": "rad/s", "phase_currents": "A"}
     outputs: ClassVar = {"voltage": ("voltage", "V")}
     plotted: ClassVar = {"voltage": ("V", 1.0)}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,6 @@ from drivegate.drives.kinds import DRIVE_KINDS
 from drivegate.gate.plan import NOTHING_DECLARED
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_models.loop.closed_loop import PreparedLoop
-from drivegate_models.pm_ac.closed_loop import PreparedDutyLoop
 
 PERTURBATION = 1e-8
 _STEP = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p)
@@ -50,13 +50,7 @@ def perturbed(prepared: Any, run: Callable[[Any], Any]) -> Any:
     address = ctypes.cast(callback, ctypes.c_void_p).value
     arguments = list(prepared.arguments)
     arguments[place] = exchange._replace(step_address=address)
-    if isinstance(prepared, PreparedLoop):
-        prepared = PreparedLoop(
-            prepared.loop, tuple(arguments), prepared.exchange, prepared.records, prepared.trace_every
-        )
-    else:
-        prepared = prepared._replace(arguments=tuple(arguments))
-    return run(prepared)
+    return run(replace(prepared, arguments=tuple(arguments)))
 
 
 @pytest.mark.parametrize("kind", DRIVE_KINDS)
@@ -67,9 +61,8 @@ def test_a_plant_that_is_perturbed_by_1e_8_ends_with_exit_code_3(
     file.write_text(json.dumps(counterexample(kind)), encoding="utf-8")
     right = command("replay", file, "--json")
     assert (right.code, right.document["verdict"]) == (0, "fixed"), right.err
-    for loop in (PreparedLoop, PreparedDutyLoop):
-        own = loop.run
-        monkeypatch.setattr(loop, "run", lambda prepared, own=own: perturbed(prepared, own))
+    own = PreparedLoop.run
+    monkeypatch.setattr(PreparedLoop, "run", lambda prepared: perturbed(prepared, own))
     wrong = command("replay", file, "--json")
     assert (wrong.code, wrong.document["exit_code"]) == (3, 3), wrong.document
     assert wrong.document["now"]["margin"] < 0.0

@@ -164,7 +164,7 @@ def test_a_map_of_one_row_is_drawn_as_lines(command, tmp_path):
         (("--speed-rpm", "fast"), "--speed-rpm: it is \"fast\", but must be LOW:HIGH:COUNT"),
         (("--speed-rpm", "100:50:3"), "must be LOW:HIGH:COUNT"),
         (("--speed-rpm", "0:50:3"), "it has 0, but must be above 0"),
-        (("--speed-rpm", "5,5"), "a value stands twice"),
+        (("--speed-rpm", "5,5"), "has a value twice"),
         (("--advance-deg", "0:91:3"), "it has 91, but must be from 0 to 90"),
         (("--speed-rpm", "1:2:20000000"), "a COUNT from 2 to 100000"),
         (("--speed-rpm", "1:2:100000", "--current-a", "1:2:9"), "must have at most 20000000"),

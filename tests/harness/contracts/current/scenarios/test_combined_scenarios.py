@@ -6,23 +6,16 @@ from itertools import combinations, pairwise
 
 import pytest
 
-from drivegate.candidates.kinds import load_controller
-from drivegate.candidates.resolution import resolve_candidate
-from drivegate.contracts.current.checks.convergence import CNV_2
-from drivegate.contracts.current.record import CurrentRecord
 from drivegate.contracts.current.run import observed_windows
 from drivegate.contracts.current.scenarios.combined import (
     SHORTEST_PERIOD_S,
     combined_scenarios,
     long_scenarios,
-    shortest_period_scenarios,
 )
 from drivegate.contracts.current.scenarios.feasibility import is_fair
-from drivegate.drives.running import run_scenario
 from drivegate.scenarios.covering import FACTORS, IMPOSSIBLE, covering_rows, is_possible, possible_pairs
 from drivegate.scenarios.drive_scale import scale_of
 from drivegate_cases.drive.drive_document import load_drive
-from drivegate_cases.scenario.scenario import Scenario
 
 DRIVE = load_drive("paper-5-phase")
 
@@ -99,29 +92,6 @@ def test_a_long_run_leaves_the_search_time_to_rest_between_more_than_twenty_chan
     assert len(changes) > 20, busy.name
     assert min(after - before for before, after in pairwise(changes)) >= 6.0
     assert busy.name.endswith("-100-50×12-100%")
-
-
-@pytest.mark.parametrize("name", ["paper-5-phase", "star-3-phase"])
-def test_the_shortest_period_shows_a_search_that_takes_it_for_another_with_any_seed(name: str) -> None:
-    scenarios = shortest_period_scenarios(load_drive(name), None)
-    for seed in (0, 5):
-        assert set(scenarios) <= set(combined_scenarios(load_drive(name), None, seed))
-    assert_shown("period-taken-for-1-millisecond", scenarios)
-
-
-def assert_shown(fault: str, scenarios: tuple[Scenario, ...]) -> None:
-    """Check that `reference` meets `CNV-2` in all scenarios, and that the fault fails it in one."""
-    met: dict[str, list[bool]] = {}
-    for specification in ("reference", f"faulty:{fault}"):
-        candidate = resolve_candidate(specification)
-        for scenario in scenarios:
-            run = run_scenario(scenario, load_controller(candidate))
-            margin = CNV_2.evaluate(CurrentRecord(scenario, run, candidate.declaration))
-            assert margin is not None, f"CNV-2 does not judge {scenario.name}"
-            assert not margin.advisory, f"CNV-2 only advises on {scenario.name}"
-            met.setdefault(specification, []).append(margin.met)
-    assert all(met["reference"]), met
-    assert not all(met[f"faulty:{fault}"]), met
 
 
 def test_no_two_rows_of_the_loaded_speeds_have_the_same_one() -> None:
