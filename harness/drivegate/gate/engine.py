@@ -116,8 +116,10 @@ def _planned(candidate: Candidate, options: CheckOptions) -> _Plan:
         waivers=[waiver for waiver in options.waivers if waiver.candidate == candidate.name],
     )
     focus = options.focus.within(drive.contract, [check.id for check in contract_of(drive).checks])
+    # What a candidate does not declare is known before anything is compiled or run.
     focus.require_judged(check_outcomes((), candidate.declaration, drive, complete=False))
     uncompiled = uncompiled_kinds([drive])
+    # The oracle needs compiled kernels. With a cold cache `_compile` refuses the drive once workers have made them.
     if not uncompiled:
         refuse_unreachable(drive)
     own: DriveFrom = "default" if candidate.drive is None else "manifest"
@@ -168,9 +170,11 @@ def _run(plan: _Plan, progress: Progress) -> Iterator[Event]:
         yield Running(sum(item.runs for item in work))
         try:
             yield from _run_all(pool, work, progress)
+            # Last, since repetitions of a few runs say little about a candidate whose own runs were cut short.
             if progress.complete and not progress.cuts_short():
                 _repeat(pool, progress)
         except WorkEnded:
+            # What was judged by then is reported: a failure counts, and a check that was met so far is inconclusive.
             progress.complete = False
             progress.end()
         complete = progress.complete and not progress.faults
@@ -178,6 +182,7 @@ def _run(plan: _Plan, progress: Progress) -> Iterator[Event]:
         options.focus.require_judged(judged)
         progress.outcomes = options.focus.outcomes(judged)
         try:
+            # Witnesses run in the counterexample as it was shrunk, and recordings show the run that they settled on.
             yield from _shrink(pool, options.effort, progress)
             yield from _hear(pool, drive, progress, counts=options.contested == "fail")
             if not progress.cuts_short():
@@ -198,6 +203,7 @@ def _finished(plan: _Plan, progress: Progress, timing: dict[str, Any]) -> Result
     verdict, exit_code = candidate_verdict(
         outcomes, progress.faults, comparisons or (), fail_on=options.fail_on
     )
+    # Sorted, since workers finish in any order; shards may set aside the same scenario.
     infeasible = sorted(set(progress.infeasible), key=astuple)
     confined = bool(options.focus.only) or progress.stopped
     made: dict[str, Any] = {

@@ -77,6 +77,7 @@ def run_fixed(loaded: JudgedCandidate, plan: FixedRuns) -> ShardOutcome:
     kept = room_for_commands(scenarios[0]) if plan.repeat else None
     first = recorded(loaded, scenarios[0], controller, kept=kept)
     records = [first, *(recorded(loaded, scenario, controller) for scenario in scenarios[1:])]
+    # After all other runs on the same instance, so that what any of them leaves behind can show.
     if kept is not None:
         records[0] = with_repetitions(loaded, first, kept, controller)
     runs = tuple(judged(record, contract_of(record.scenario.drive).checks) for record in records)

@@ -86,11 +86,13 @@ class _Trials:
 
     def failure(self, scenario: Scenario) -> Margin | None:
         """Run a scenario, and return the margin if the check fails, and no worse than it is reported."""
+        # Different simplifications often lead to the same scenario, and a run costs far more than its key.
         self._known.add(content_key(scenario.to_mapping()))
         self.runs += 1
         try:
             record = recorded(self._loaded, scenario, self._controller)
         except CandidateFault as ended:
+            # A candidate that hangs would cost its whole deadline in each further run, so this ends the job.
             if ended.fault.kind is FaultKind.HANG:
                 raise
             # Another failure than the one looked for.
@@ -110,6 +112,8 @@ class _Trials:
 
 def _simplest(scenario: Scenario, margin: Margin, trials: _Trials) -> tuple[Scenario, Margin]:
     """Go through all simplifications until a whole round of them finds nothing more, or the budget is spent."""
+    # What worked is tried again first, since it may work again: one change goes after the other. After a round that
+    # found something all are tried again, since a key that could not go may go now that another one is gone.
     improved = True
     while improved and not trials.spent:
         improved = False
@@ -129,6 +133,7 @@ def _simpler(
         simpler = simplified(scenario, fields)
         if simpler is None or not trials.is_due(simpler):
             continue
+        # Asked after fairness, which costs no run: a budget that is spent ends the search only where a run is due.
         if trials.spent:
             return None
         margin = trials.failure(simpler)
@@ -161,6 +166,8 @@ def simplest_failures(outcomes: Iterable[CheckSection], runs: Sequence[JudgedRun
     for outcome in outcomes:
         if outcome.counterexample is not None and outcome.subject == "candidate":
             broken = [item for item in considered(outcome.id, runs) if not item[0].met]
+            # Not the worst run: the budget is small, and this one has the least to lose. How bad the check is at worst
+            # is stored next to it, as a bound for what shrinking may find.
             margin, run = min(broken, key=lambda item: size_of(item[1].scenario))
             failures.append(FailedRun(outcome.id, margin, run, outcome.margin))
     return failures
