@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from tests.harness.contracts.duty.checks.conftest import judged
 
-from drivegate.candidates.builtin.duty_loading import DutyController
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import own_candidate
 from drivegate.contracts.duty.record import DutyRecord
@@ -13,6 +14,7 @@ from drivegate.contracts.duty.scenarios.fixed import release_scenario
 from drivegate.drives.running import recorded
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_lab.candidates.duty_faults import DUTY_FAULTS
 from drivegate_lab.candidates.faulty_duty_controller import PerturbedController
 from drivegate_models.controllers.duty.foc import VOLTAGE_SHARE
 
@@ -24,7 +26,8 @@ def test_a_controller_may_reserve_a_little_voltage_on_a_steep_machine(reserved: 
     assert isinstance(drive, PmAcDocument)
     # The controller itself makes its references for `VOLTAGE_SHARE` of what it takes for the link.
     factor = (1.0 - reserved) / VOLTAGE_SHARE
-    controller = PerturbedController(DutyController(), lambda _plate: {"supply_factor": factor})
+    fault = replace(DUTY_FAULTS["torque-of-rms-currents"], changes={"supply_factor": factor})
+    controller = PerturbedController(fault)
     loaded = own_candidate(resolve_candidate("foc"))
     record = recorded(loaded, release_scenario(drive), controller)
     assert isinstance(record, DutyRecord)
