@@ -22,7 +22,8 @@ class Modulator(NamedTuple):
     update_delay: int = 1
     """Control periods between the step that commands duty ratios and the period in which they act."""
     counter_levels: float = 0.0
-    """Steps of the counter between two updates of the modulator; 0 for no quantization."""
+    """Steps of a duty ratio from 0 to 1; 0 for no quantization. They are the counts of the modulator in half a period
+    of a symmetric carrier, with one update or two, or in a period of a sawtooth: edges lie on the counts."""
     dead_time: float = 0.0
     """Time between the turn-off of a switch and the turn-on of the other one of its leg (s)."""
     minimum_pulse: float = 0.0

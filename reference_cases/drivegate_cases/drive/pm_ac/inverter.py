@@ -39,7 +39,8 @@ class PmAcInverter(Section):
         default=0,
         ge=0,
         le=1_000_000,
-        description="steps of the modulator's counter between two updates, or 0 for real numbers",
+        description="steps of a duty ratio from 0 to 1, which are the modulator's counts in half a period of a "
+        "symmetric carrier, with one update or two, or in a period of a sawtooth; 0 for real numbers",
     )
     dead_time_s: float = Field(
         default=0.0, ge=0.0, description="time between turn-off and turn-on in a leg, in seconds"

@@ -27,9 +27,10 @@ def schedule(
     mode: int = LEG_PWM,
     alignment: int = CENTRED,
     dead_time: float = 0.0,
+    counter_levels: float = 0.0,
 ) -> list[tuple[float, int]]:
     """Return the changes of the first leg's gate in a period (shares of it)."""
-    modulator = Modulator(1, 1, 0.0, dead_time, 0.0)
+    modulator = Modulator(1, 1, counter_levels, dead_time, 0.0)
     schedule_gates(modulator, gates, np.full(3, ratio), np.full(3, mode, np.int64), alignment, PERIOD)
     count = int(gates.counts[0])
     return [(float(gates.times[0, k] / PERIOD), int(gates.gates[0, k])) for k in range(count)]
@@ -114,3 +115,17 @@ def test_a_leg_is_held_high_or_low_whatever_its_ratio() -> None:
 def test_counter_and_minimum_pulse_round_the_ratio(ratio: float, expected: float) -> None:
     modulator = Modulator(counter_levels=64.0, minimum_pulse=2e-6)
     assert settled_ratio(modulator, ratio, PERIOD) == expected
+
+
+@pytest.mark.kernel
+@pytest.mark.parametrize("alignment", [CENTRED, RISING, FALLING])
+def test_edges_lie_on_the_counts_of_a_counter_whatever_the_carrier(alignment: int) -> None:
+    """A symmetric counter counts up in half a carrier period, which is a period of two updates and half of one."""
+    levels = 8.0
+    count = (0.5 if alignment == CENTRED else 1.0) / levels
+    times = {0.0}
+    for share in np.linspace(0.0, 1.0, 33):
+        changes = schedule(make_gates(), float(share), alignment=alignment, counter_levels=levels)
+        times |= {time for time, _ in changes}
+    assert len(times) >= levels
+    assert all(time / count == pytest.approx(round(time / count), abs=1e-9) for time in times)
