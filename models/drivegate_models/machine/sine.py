@@ -52,3 +52,18 @@ def cosine_sine(angle: float) -> tuple[float, float]:
     if turn == 2:
         return -cosine, -sine
     return sine, -cosine
+
+
+@inlined
+def small_argument(real: float, imaginary: float) -> float:
+    """Return the argument of a complex number, at most pi/4 in magnitude (rad), within a few units in the last place.
+
+    Each correction leaves the fifth power of the error before it.
+    """
+    tangent = imaginary / real
+    angle = 0.0
+    for _ in range(3):
+        angle += tangent - tangent * tangent * tangent / 3.0
+        cosine, sine = cosine_sine(angle)
+        tangent = (imaginary * cosine - real * sine) / (real * cosine + imaginary * sine)
+    return angle

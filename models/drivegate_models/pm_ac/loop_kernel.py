@@ -242,7 +242,7 @@ def run_periods(
                 ended = alignment_of(drive.modulator.updates, k + 1)
                 carrier = length / drive.modulator.control_every
                 show_phase_currents(sensors, exchange.sensed_currents, ended, room.last, carrier)
-            show_shaft(sensors, exchange.sense[0], turning * length)
+            show_shaft(sensors, exchange.sense[0], turning, length)
         is_exact = sensors.ideal or sensors.position == EXACT
         show_failed(failure, k, exchange.sensed_currents, exchange.sense[0], is_exact)
         drop_signals(sensors, k * length, exchange.sensed_currents, exchange.sense[0])

@@ -39,7 +39,8 @@ from drivegate_models.loop.sensing.hall import (
 )
 from drivegate_models.loop.sensing.sensors import CURRENTS, FIRST_PHASE, SPEED, SUPPLY, dropped
 from drivegate_models.loop.shaft import shown_angle
-from drivegate_models.machine.sine import cosine_sine
+from drivegate_models.machine.cycle import within_half_turn
+from drivegate_models.machine.sine import cosine_sine, small_argument
 from drivegate_models.pm_ac.plant.drive import CENTRED, FALLING
 
 IN_LINE: Final = 0
@@ -85,11 +86,18 @@ class ShaftErrors(NamedTuple):
     """Angle by which the tracks are closer together than a right angle (rad)."""
     latency: float
     """Age of what is shown (s)."""
+    past: NDArray[np.float64]
+    """Angle (rad) and speed (rad/s) of the shaft at the last samples, a ring buffer, shape (n, 2); `room_for_past`."""
+
+
+def room_for_past(latency: float, period: float) -> NDArray[np.float64]:
+    """Return work space for what the shaft did within a latency (s), for a control period (s)."""
+    return np.zeros((int(latency / period) + 2, 2))
 
 
 def no_shaft_errors() -> ShaftErrors:
     """Return the errors of a sensor without any."""
-    return ShaftErrors(False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    return ShaftErrors(False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, np.zeros((2, 2)))
 
 
 class DutySensors(NamedTuple):
@@ -233,25 +241,64 @@ def show_currents_of_idle_bridge(sensors: DutySensors, currents: NDArray[np.floa
 
 
 @inlined
-def _show_erroneous(errors: ShaftErrors, sense: Any) -> None:
-    """Replace angle and speed in a Sense by those of a sensor with errors.
+def _aged(errors: ShaftErrors, step: int, period: float, sense: Any) -> tuple[float, float]:
+    """Store angle and speed of a Sense, and return those of a latency ago (rad, rad/s).
 
-    With tracks ``(1 + g) sin(x + d) + o_s`` and ``cos x + o_c``, the angle is off by ``o_s cos x - o_c sin x +
-    (g/2) sin 2x + (d/2)(1 + cos 2x)`` to the first order. The mean of the phase's error is alignment, which is not
-    part of it. The speed is the derivative of the shown angle.
+    Within a control period the plant's angle turns at constant speed, and its speed changes at a constant rate. Before
+    the first sample, the shaft has turned at constant speed.
     """
-    speed = sense.speed
-    # As it was when it was sampled.
-    angle = sense.angle - speed * errors.latency
+    past = errors.past
+    size = past.shape[0]
+    past[step % size, 0] = sense.angle
+    past[step % size, 1] = sense.speed
+    whole = int(errors.latency / period)
+    newer = step - whole
+    if newer <= 0:
+        angle, speed = past[0, 0], past[0, 1]
+        return float(angle - speed * (errors.latency - step * period)), float(speed)
+    share = errors.latency / period - whole
+    angle, speed = past[newer % size, 0], past[newer % size, 1]
+    before, speed_before = past[(newer - 1) % size, 0], past[(newer - 1) % size, 1]
+    return float(angle - share * within_half_turn(angle - before)), float(
+        speed - share * (speed - speed_before)
+    )
+
+
+@inlined
+def _track_error(errors: ShaftErrors, cosine: float, sine: float) -> tuple[float, float]:
+    """Return the error of the angle of two tracks (rad), and the slope of the error over the angle (1).
+
+    `cosine`, `sine`: those of the true angle. The tracks are ``C = cos x + o_c`` and
+    ``S = (1 + g) sin(x + d) + o_s``. With ``C + iS = a exp(ix) + b exp(-ix) + o``, the error without the alignment is
+    the argument of ``(C + iS) exp(-ix) conj(a)``, where ``2 a = 1 + (1 + g) exp(id)``. Its mean over a turn is 0.
+    """
+    amplitude = 1.0 + errors.gain
+    phase_cosine, phase_sine = cosine_sine(errors.phase)
+    ahead_cosine = cosine * phase_cosine - sine * phase_sine
+    ahead_sine = sine * phase_cosine + cosine * phase_sine
+    across = amplitude * ahead_sine + errors.sine_offset
+    along = cosine + errors.cosine_offset
+    real = along * cosine + across * sine
+    imaginary = across * cosine - along * sine
+    main_real, main_imaginary = 1.0 + amplitude * phase_cosine, amplitude * phase_sine
+    error = small_argument(
+        real * main_real + imaginary * main_imaginary, imaginary * main_real - real * main_imaginary
+    )
+    turned = along * amplitude * ahead_cosine + across * sine
+    return error, turned / (along * along + across * across) - 1.0
+
+
+@inlined
+def _show_erroneous(errors: ShaftErrors, step: int, period: float, sense: Any) -> None:
+    """Replace angle and speed in a Sense by those of a sensor with errors; the speed is the angle's derivative."""
+    angle, speed = sense.angle, sense.speed
+    if errors.latency > 0.0:
+        angle, speed = _aged(errors, step, period, sense)
     cosine, sine = cosine_sine(angle)
     around, turned = cosine_sine(angle - errors.eccentric_from)
-    double_cosine, double_sine = cosine * cosine - sine * sine, 2.0 * sine * cosine
-    error = errors.eccentricity * turned + errors.sine_offset * cosine - errors.cosine_offset * sine
-    error += 0.5 * (errors.gain * double_sine + errors.phase * double_cosine)
-    slope = errors.eccentricity * around - errors.sine_offset * sine - errors.cosine_offset * cosine
-    slope += errors.gain * double_cosine - errors.phase * double_sine
-    sense.angle = shown_angle(angle + error)
-    sense.speed = speed * (1.0 + slope)
+    error, slope = _track_error(errors, cosine, sine)
+    sense.angle = shown_angle(angle + (error + errors.eccentricity * turned))
+    sense.speed = speed * (1.0 + (slope + errors.eccentricity * around))
 
 
 @inlined
@@ -270,10 +317,10 @@ def drop_signals(sensors: DutySensors, time: float, currents: NDArray[np.float64
 
 
 @inlined
-def show_shaft(sensors: DutySensors, sense: Any, now: float) -> None:
+def show_shaft(sensors: DutySensors, sense: Any, step: int, period: float) -> None:
     """Replace link voltage, angle and speed in a Sense by their measured values.
 
-    `now`: time since the start of the run, for the timer of Hall edges (s).
+    `step`: number of the control period since the shaft began to turn. `period`: length of a control period (s).
     """
     sense.supply_voltage = converted_supply(sensors.converters, sense.supply_voltage)
     if sensors.position == ENCODER:
@@ -284,10 +331,10 @@ def show_shaft(sensors: DutySensors, sense: Any, now: float) -> None:
         sense.speed = encoder_speed(sensors.encoder)
     elif sensors.position == HALL:
         sense.hall = hall_bits(sensors.hall)
-        sense.angle = shown_angle(hall_shaft_angle(sensors.hall, now))
+        sense.angle = shown_angle(hall_shaft_angle(sensors.hall, step * period))
         sense.speed = hall_speed(sensors.hall)
     elif sensors.errors.present:
-        _show_erroneous(sensors.errors, sense)
+        _show_erroneous(sensors.errors, step, period, sense)
 
 
 @inlined

@@ -213,7 +213,7 @@ def test_the_middle_between_two_edges_is_shown() -> None:
     for step in range(57):
         turn_encoder(turning, step, step * PERIOD, PERIOD, 30.0)
     sense[0]["supply_voltage"] = 96.03
-    show_shaft(sensors, sense[0], 57 * PERIOD)
+    show_shaft(sensors, sense[0], 57, PERIOD)
     assert sense[0]["angle"] == pytest.approx(0.25 + 57 * PERIOD * 30.0, abs=0.5 * turning.edge_angle)
     assert sense[0]["encoder_count"] == encoder_count(turning)
     assert sense[0]["supply_voltage"] == pytest.approx(96.03, abs=0.5 * 200.0 / 4096)

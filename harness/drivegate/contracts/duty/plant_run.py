@@ -52,6 +52,7 @@ from drivegate_models.pm_ac.sensing import (
     ideal_duty_sensors,
     no_shaft_errors,
     real_duty_sensors,
+    room_for_past,
 )
 from drivegate_models.units import RPM
 
@@ -159,15 +160,14 @@ def duty_sensors(scenario: Scenario) -> DutySensors:
         window=given.settling_s,
         encoder=_encoder(scenario, given) if given.position == "encoder" else None,
         hall=plant_hall(scenario, given, generator) if given.position == "hall" else None,
-        errors=_shaft_errors(given),
+        errors=_shaft_errors(given, scenario.control_period_s),
         dropouts=plant_dropouts(scenario),
     )
 
 
-def _shaft_errors(given: ShuntSensors) -> ShaftErrors:
-    """Make the errors of a sensor of the shaft that has neither lines nor edges."""
-    errors = ShaftErrors(
-        True,
+def _shaft_errors(given: ShuntSensors, control_period: float) -> ShaftErrors:
+    """Make the errors of a sensor of the shaft that has neither lines nor edges, for a control period (s)."""
+    errors = (
         math.radians(given.eccentricity_deg),
         math.radians(given.eccentric_from_deg),
         given.sine_offset,
@@ -176,7 +176,9 @@ def _shaft_errors(given: ShuntSensors) -> ShaftErrors:
         math.radians(given.track_phase_deg),
         given.latency_s,
     )
-    return errors if any(errors[1:]) else no_shaft_errors()
+    if not any(errors):
+        return no_shaft_errors()
+    return ShaftErrors(True, *errors, room_for_past(given.latency_s, control_period))
 
 
 def _ideal_sensors(scenario: Scenario) -> DutySensors:

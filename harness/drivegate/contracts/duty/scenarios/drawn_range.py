@@ -85,12 +85,11 @@ def greatest_angle_error(scenario: Scenario) -> float:
     given = scenario.sensors
     if not isinstance(given, ShuntSensors):
         return 0.0
-    shaft = (
-        math.radians(given.eccentricity_deg)
-        + math.hypot(given.sine_offset, given.cosine_offset)
-        + 0.5 * abs(given.track_gain)
-        + math.radians(abs(given.track_phase_deg))
-    )
+    parts = math.hypot(given.sine_offset, given.cosine_offset) + math.radians(abs(given.track_phase_deg))
+    half_gain = 0.5 * abs(given.track_gain)
+    # The tracks' vector is off by no more than these parts over its mean length.
+    tracks = math.asin(min((parts + half_gain) / (1.0 - half_gain), 1.0))
+    shaft = math.radians(given.eccentricity_deg) + tracks
     fastest = max(abs(speed) for _, speed in scenario.speed_rpm) * RADIANS_PER_RPM
     return scenario.drive.machine.pole_pairs * (shaft + fastest * given.latency_s)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from itertools import pairwise
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from tests.harness.contracts.key_effects import seen
@@ -98,27 +99,37 @@ def test_false_edges_turn_the_angle_and_too_many_of_them_are_set_aside() -> None
 
 
 ERRORS = {
-    "eccentricity_deg": 0.4,
+    "eccentricity_deg": 4.0,
     "eccentric_from_deg": 30.0,
-    "sine_offset": 0.003,
-    "cosine_offset": -0.002,
-    "track_gain": 0.004,
-    "track_phase_deg": 0.3,
+    "sine_offset": 0.15,
+    "cosine_offset": -0.1,
+    "track_gain": -0.2,
+    "track_phase_deg": 9.0,
 }
 
 
-def test_the_angle_of_a_sensor_with_tracks_is_that_of_its_sine_and_cosine() -> None:
+def tracked(angle: float) -> float:
+    """Return the angle of two tracks with `ERRORS`, less its mean over a turn."""
+    phase = math.radians(ERRORS["track_phase_deg"])
+    gain = 1.0 + ERRORS["track_gain"]
+    sine = gain * math.sin(angle + phase) + ERRORS["sine_offset"]
+    alignment = math.atan2(gain * math.sin(phase), 1.0 + gain * math.cos(phase))
+    error = math.remainder(math.atan2(sine, math.cos(angle) + ERRORS["cosine_offset"]) - angle, 2.0 * math.pi)
+    return error - alignment
+
+
+def test_the_angle_of_a_sensor_with_tracks_is_exactly_that_of_its_sine_and_cosine() -> None:
+    assert sum(map(tracked, np.linspace(0.0, 2.0 * math.pi, 400, endpoint=False))) == pytest.approx(
+        0.0, abs=1e-9
+    )
     held = torque_scenario(DRIVE, 1500.0, (0.5,))
     plain = seen(with_position_errors(held, 1))
     shown = seen(with_position_errors(held, 1, **ERRORS))
     for sense, true in list(zip(shown.senses, plain.senses, strict=True))[::50]:
         angle = true.angle
-        sine = 1.004 * math.sin(angle + math.radians(0.3)) + 0.003
-        tracks = math.atan2(sine, math.cos(angle) - 0.002)
-        expected = tracks + math.radians(0.4) * math.sin(angle - math.radians(30.0))
-        # The mean of the phase's error is alignment.
-        off = math.remainder(sense.angle - expected + math.radians(0.15), 2.0 * math.pi)
-        assert abs(off) < 1e-4, f"the angle is off by {off:g} rad at {angle:g} rad"
+        expected = angle + tracked(angle) + math.radians(4.0) * math.sin(angle - math.radians(30.0))
+        off = math.remainder(sense.angle - expected, 2.0 * math.pi)
+        assert abs(off) < 1e-13, f"the angle is off by {off:g} rad at {angle:g} rad"
 
 
 def test_the_speed_of_a_sensor_with_errors_is_the_slope_of_its_angle() -> None:
@@ -126,14 +137,24 @@ def test_the_speed_of_a_sensor_with_errors_is_the_slope_of_its_angle() -> None:
     senses = seen(with_position_errors(held, 1, latency_s=2e-5, **ERRORS)).senses
     for before, now, after in zip(senses[10:-2:50], senses[11:-1:50], senses[12::50], strict=True):
         slope = math.remainder(after.angle - before.angle, 2.0 * math.pi) / (2.0 * PERIOD)
-        assert now.speed == pytest.approx(slope, rel=1e-5)
+        assert now.speed == pytest.approx(slope, rel=3e-4)
 
 
-def test_what_is_late_shows_the_angle_of_some_time_ago() -> None:
-    held = torque_scenario(DRIVE, 1500.0, (0.5,))
-    late, plain = (seen(with_position_errors(held, 1, **own)) for own in ({"latency_s": PERIOD}, {}))
-    for sense, true in list(zip(late.senses[1:], plain.senses[:-1], strict=True))[::50]:
-        assert math.remainder(sense.angle - true.angle, 2.0 * math.pi) == pytest.approx(0.0, abs=1e-9)
+@pytest.mark.parametrize("periods", [1, 3])
+def test_what_is_late_shows_angle_and_speed_of_some_time_ago(periods: int) -> None:
+    held = torque_scenario(DRIVE, 1000.0, (0.5,))
+    held = held.replaced(speed_rpm=((0.0, 1000.0), (held.duration_s, 1500.0)))
+    # Half a period more, in which the speed is between those of two samples.
+    late, plain = (
+        seen(with_position_errors(held, 1, **own)).senses
+        for own in ({"latency_s": (periods + 0.5) * PERIOD}, {})
+    )
+    assert plain[-1].speed > 1.4 * plain[0].speed, "the speed changes"
+    for number in range(periods + 1, len(late), 37):
+        older, newer = plain[number - periods - 1], plain[number - periods]
+        assert late[number].speed == pytest.approx(0.5 * (older.speed + newer.speed), rel=1e-12)
+        middle = older.angle + 0.5 * math.remainder(newer.angle - older.angle, 2.0 * math.pi)
+        assert math.remainder(late[number].angle - middle, 2.0 * math.pi) == pytest.approx(0.0, abs=1e-9)
 
 
 def test_a_position_that_is_too_far_off_is_set_aside() -> None:
