@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from drivegate.scenarios.title import titled
-from drivegate_cases.scenario.load import DynamometerLoad, HoistLoad
+from drivegate_cases.scenario.load import DynamometerLoad, HoistLoad, VehicleLoad
 from drivegate_cases.scenario.piecewise import Profile
 from drivegate_cases.scenario.scenario import Scenario
 
@@ -24,8 +24,10 @@ def is_mirrored(scenario: Scenario) -> bool:
 
 
 def mirrored(scenario: Scenario) -> Scenario:
-    """Negate speeds, torque reference and initial angle; the load opposes the rotation either way."""
+    """Negate speeds, torque reference, initial angle and a road's grade; other loads oppose the rotation either way."""
     load = scenario.load
+    if isinstance(load, VehicleLoad):
+        load = load.model_copy(update={"grade_percent": _negated(load.grade_percent)})
     if isinstance(load, DynamometerLoad):
         load = load.model_copy(update={"torque_reference_nm": _negated(load.torque_reference_nm)})
     return titled(

@@ -67,9 +67,8 @@ def show_run(console: Console, contract: Contract, document: dict[str, Any], hin
     listed = table("quantity", "value", "unit", right=("value",), title=heading)
     for key, name, unit in contract.summary_rows:
         listed.add_row(name, number(summary[key]), unit)
-    listed.add_row(
-        "energy residual, worst control period", f"{summary['energy_residual']:.1e}", "of throughput"
-    )
+    for key, place in (("energy_residual", "energy"), ("shaft_residual", "shaft energy")):
+        listed.add_row(f"{place} residual, worst control period", f"{summary[key]:.1e}", "of throughput")
     console.print(listed)
     if document["windows"]:
         columns = contract.window_columns

@@ -27,7 +27,7 @@ from drivegate_models.loop.observation import (
 from drivegate_models.loop.restarting import Restarts, no_restarts
 from drivegate_models.loop.schedule import Conditions
 from drivegate_models.loop.sensing.sensors import ideal_sensors
-from drivegate_models.machine import ledger
+from drivegate_models.machine import ledger, shaft_ledger
 
 Run = TypeVar("Run", covariant=True)
 
@@ -42,6 +42,8 @@ class ClosedLoopRun:
     """Digest of every command, bit for bit."""
     totals: NDArray[np.float64]
     """Exact integrals over the run, shape (ledger.ENTRIES,)."""
+    shaft: NDArray[np.float64]
+    """Energy ledger of the shaft, shape (shaft_ledger.ENTRIES,)."""
     observed: RunObservation
     """Observations over the whole run."""
     windows: tuple[WindowObservation, ...]
@@ -98,6 +100,7 @@ def prepared_loop(
         observation.empty_windows(windows),
         np.zeros(-(-timing.steps // every) if every > 0 else 0, observation.TRACE_RECORD),
         np.zeros(ledger.ENTRIES),
+        np.zeros(shaft_ledger.ENTRIES),
     )
     phases = plant.make_phases(drive)
     # Work space for the segments of a control period, in which the torque's extremes are found. The currents are shared
@@ -128,6 +131,7 @@ def _results(
         status=status,
         digest=digest,
         totals=records.totals,
+        shaft=records.shaft,
         observed=observed,
         windows=observation.observed_windows(records.windows),
         trace=trace[: -(-int(observed.steps) // trace_every)] if trace_every > 0 else trace,

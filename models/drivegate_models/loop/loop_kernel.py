@@ -32,9 +32,10 @@ from drivegate_models.loop.sensing.sensors import (
     shown_supply,
     turn_sensors,
 )
-from drivegate_models.loop.shaft import held_speed, speed_gained, within_a_turn
+from drivegate_models.loop.shaft import forward_motion, held_speed, within_a_turn
 from drivegate_models.machine import ledger
-from drivegate_models.machine.load import LOCKED, Load, load_torque
+from drivegate_models.machine.load import LOCKED, Load, drag_torque, opposing_torque, weight_torque
+from drivegate_models.machine.shaft_ledger import account_shaft
 
 PLANT_FAULT: Final = 3
 """Status of a run, in addition to those of `exchange`: the plant reported a fault of the harness."""
@@ -92,6 +93,7 @@ class Records(NamedTuple):
     windows: NDArray[Any]
     trace: NDArray[Any]
     totals: NDArray[np.float64]
+    shaft: NDArray[np.float64]
 
 
 class Room(NamedTuple):
@@ -318,7 +320,8 @@ def loop_of(kernels: PlantKernels) -> Any:
             observe_balance(observed, phases.currents, upper == lower, period)
             stored = now_stored
             current_sum = period[ledger.MAGNITUDE] / length
-            load_now = load_torque(load, conditions.load, held)
+            opposing = opposing_torque(load, conditions.load, held)
+            load_now = opposing + weight_torque(load, conditions.load)
             applied = _applied(period, length, reference, advance, held, current_sum, load_now)
             _observe_windows(timing, records, room, k, conditions.speed, applied)
             if traced < records.trace.shape[0] and k % timing.trace_every == 0:
@@ -331,8 +334,23 @@ def loop_of(kernels: PlantKernels) -> Any:
             angle = within_a_turn(turned)
             if load.kind != LOCKED:
                 inertia = conditions.inertia * (drive.inertia + load.inertia)
-                resisting = load_now + conditions.friction
-                gained = speed_gained(drive, inertia, speed, held, resisting, period, length)
+                resisting = load_now + conditions.friction + drive.friction + drive.viscous_friction * held
+                driving = period[ledger.IMPULSE] - period[ledger.CORE_DRAG_IMPULSE]
+                motion = forward_motion(driving, resisting, inertia, speed, length)
+                gained = motion.gained
+                account_shaft(
+                    records.shaft,
+                    load,
+                    conditions.load,
+                    inertia,
+                    (speed, gained, motion.share),
+                    length,
+                    driving / length,
+                    opposing,
+                    drag_torque(load, held),
+                    conditions.friction + drive.friction + drive.viscous_friction * held,
+                    0.0,
+                )
                 observed.kinetic_residual += inertia * gained * (speed + 0.5 * gained - held)
                 speed += gained
         observed.steps = timing.steps

@@ -1,15 +1,11 @@
-"""Angle and speed of the shaft over one control period."""
+"""Angle, speed and motion of the shaft over one control period."""
 
 from __future__ import annotations
 
 from math import floor, pi
-from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import NamedTuple
 
 from drivegate_models.compilation.kernels import inlined
-from drivegate_models.machine import ledger
 
 
 @inlined
@@ -50,28 +46,59 @@ def held_speed(speed: float, gained: float) -> float:
     return speed + 0.5 * gained
 
 
-@inlined
-def speed_gained(
-    drive: Any,
-    inertia: float,
-    speed: float,
-    held: float,
-    load: float,
-    period: NDArray[np.float64],
-    length: float,
-) -> float:
-    """Return the change of speed in a control period.
+class Motion(NamedTuple):
+    """Motion of the shaft in a control period: one constant acceleration before a standstill, and one after it."""
 
-    - `drive`: its `friction` (N m) and `viscous_friction` (N m s/rad) are used.
+    gained: float
+    """Change of speed (rad/s)."""
+    trend: float
+    """Change of speed in a whole period at the last acceleration (rad/s)."""
+    share: float
+    """Share of the period before the standstill; 1 if the shaft does not come to rest within the period (1)."""
+
+
+@inlined
+def motion_of(
+    driving: float, opposing: float, damping: float, inertia: float, speed: float, length: float
+) -> Motion:
+    """Return the motion of a shaft that turns either way.
+
+    - `driving`: torque of the machine less that of a weight (N m).
+    - `opposing`: magnitude of the torques that oppose the rotation, and hold a standing shaft (N m).
+    - `damping`: friction torque over speed (N m s/rad); it acts at the mean speed.
     - `inertia`: inertia of rotor and load (kg m2).
     - `speed`: speed at the start of the period (rad/s).
-    - `held`: speed at which the period was computed (rad/s).
-    - `load`: load torque in the period (N m).
-    - `period`, shape (ledger.ENTRIES,): exact integrals over the period.
     - `length`: length of the period (s).
     """
-    resisting = load + drive.friction + drive.viscous_friction * held
-    change = (period[ledger.IMPULSE] - period[ledger.CORE_DRAG_IMPULSE] - resisting * length) / inertia
-    # Load and friction stop a shaft; they never drive it backward.
+    sense = 1.0 if speed > 0.0 or (speed == 0.0 and driving >= 0.0) else -1.0
+    mobility = length / inertia
+    loss = damping * mobility
+    begin = sense * speed
+    push = sense * driving
+    change = ((push - opposing) * mobility - loss * begin) / (1.0 + 0.5 * loss)
+    if begin + change > 0.0:
+        return Motion(sense * change, sense * change, 1.0)
+    if begin == 0.0:
+        return Motion(0.0, 0.0, 1.0)
+    # At rest within the period. What opposes then holds the shaft, or opposes the other sense of rotation.
+    share = begin / ((opposing - push) * mobility + 0.5 * loss * begin)
+    rest = 1.0 - share
+    after = max((push - opposing) * mobility, 0.0) + min((push + opposing) * mobility, 0.0)
+    turned = rest * after / (1.0 + 0.5 * loss * rest)
+    return Motion(sense * (turned - begin), sense * after, share)
+
+
+@inlined
+def forward_motion(driving: float, resisting: float, inertia: float, speed: float, length: float) -> Motion:
+    """Return the motion of a shaft that never turns backward: friction or a one-way clutch holds it at rest.
+
+    - `driving`: impulse of the machine's torque (N m s).
+    - `resisting`: torque of load and friction (N m); negative where the weight of a vehicle drives more than they take.
+    - `inertia`: inertia of rotor and load (kg m2).
+    - `speed`: speed at the start of the period, at least 0 (rad/s).
+    - `length`: length of the period (s).
+    """
+    change = (driving - resisting * length) / inertia
     gained: float = max(change, -speed)
-    return gained
+    share = -speed / change if change < -speed else 1.0
+    return Motion(gained, gained, share)

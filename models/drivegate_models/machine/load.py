@@ -1,4 +1,4 @@
-"""Torque of the driven machine."""
+"""Torque of the driven machine: what opposes the rotation, and a weight, whose sense does not depend on it."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ CONSTANT_POWER: Final = 2
 FAN: Final = 3
 """Torque proportional to the square of speed."""
 VEHICLE: Final = 4
-"""A vehicle on a road; the factor is the road's grade."""
+"""A vehicle on a road; the factor is the road's grade, positive where the road rises in the forward direction."""
 HOIST: Final = 5
-"""A weight on a drum: its torque keeps its sense of rotation, also at standstill, and can drive the shaft."""
+"""A weight on a drum."""
 SLOWEST: Final = 1.0
 """Speed below which the torque of a constant power load no longer increases (rad/s)."""
 
@@ -39,18 +39,17 @@ class Load(NamedTuple):
 
 
 @inlined
-def weight_torque(load: Load, factor: float) -> float:
-    """Return the torque by which a hoist's weight turns the shaft backward (N m), 0 for other loads."""
-    return factor * load.size if load.kind == HOIST else 0.0
+def drag_torque(load: Load, speed: float) -> float:
+    """Return the magnitude of a vehicle's drag at a speed of the shaft (rad/s) (N m), 0 for other loads."""
+    return load.drag * speed * speed
 
 
 @inlined
-def load_torque(load: Load, factor: float, speed: float) -> float:
-    """Return the load's torque at a speed.
+def opposing_torque(load: Load, factor: float, speed: float) -> float:
+    """Return the torque by which a load opposes the rotation, and holds a standing shaft (N m), at least 0.
 
-    `factor`: factor on the size at this time (1); for a vehicle the grade, height over distance (1). `speed`: shaft
-    speed (rad/s), at least 0. Result: torque against the rotation (N m), 0 for a hoist. For a vehicle it is the sum of
-    its weight along the road, its rolling resistance and its drag.
+    `factor`: factor on the size at this time (1); for a vehicle the grade, height over distance (1). `speed`: magnitude
+    of the shaft's speed (rad/s). For a vehicle it is the sum of rolling resistance and drag; for a hoist it is 0.
     """
     if load.kind == CONSTANT_TORQUE:
         return factor * load.size
@@ -59,6 +58,19 @@ def load_torque(load: Load, factor: float, speed: float) -> float:
     if load.kind == FAN:
         return factor * load.size * (speed / load.speed) ** 2
     if load.kind == VEHICLE:
-        weight = load.size / sqrt(1.0 + factor * factor)
-        return weight * (load.rolling + factor) + load.drag * speed * speed
+        return load.size / sqrt(1.0 + factor * factor) * load.rolling + drag_torque(load, speed)
+    return 0.0
+
+
+@inlined
+def weight_torque(load: Load, factor: float) -> float:
+    """Return the torque by which a weight turns the shaft backward (N m), 0 without a weight.
+
+    It is the same at every speed, also at standstill and backward. `factor`: as for `opposing_torque`; on a negative
+    grade a vehicle's weight turns the shaft forward.
+    """
+    if load.kind == HOIST:
+        return factor * load.size
+    if load.kind == VEHICLE:
+        return load.size / sqrt(1.0 + factor * factor) * factor
     return 0.0

@@ -42,6 +42,8 @@ class DutyRun(NamedTuple):
     """Exact integrals over the run, shape (ledger.ENTRIES,)."""
     worst_balance: float
     """Maximum missing energy of a period, relative to its throughput (1)."""
+    shaft: NDArray[np.float64]
+    """Energy ledger of the shaft, shape (shaft_ledger.ENTRIES,)."""
     commands: NDArray[Any]
     """The command of each step, shape (n,) of DUTY_COMMAND; it includes those before the run and of an early end."""
     before: int = 0
@@ -109,7 +111,7 @@ def _results(records: DutyRecords, kept: NDArray[Any], before: int, status: int,
     worst = float(records.run["worst_balance"][0])
     commands = kept[: done + (status != COMPLETED)]
     trace = records.trace[: max(done - before, 0)]
-    return DutyRun(status, done, trace, records.totals, worst, commands, before)
+    return DutyRun(status, done, trace, records.totals, worst, records.shaft, commands, before)
 
 
 def _settle_before_start(

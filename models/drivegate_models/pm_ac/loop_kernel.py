@@ -13,9 +13,10 @@ from drivegate_models.loop.exchange import COMPLETED, STOPPED, Exchange
 from drivegate_models.loop.loop_kernel import PLANT_FAULT
 from drivegate_models.loop.restarting import Restarts, restart_if_due
 from drivegate_models.loop.schedule import Course, Schedule, conditions_at, follow
-from drivegate_models.loop.shaft import held_speed, shown_angle, whole_turns, within_a_turn
+from drivegate_models.loop.shaft import held_speed, motion_of, shown_angle, whole_turns, within_a_turn
 from drivegate_models.machine import ledger
-from drivegate_models.machine.load import LOCKED, Load, load_torque, weight_torque
+from drivegate_models.machine.load import LOCKED, Load, drag_torque, opposing_torque, weight_torque
+from drivegate_models.machine.shaft_ledger import account_shaft, stop_shaft
 from drivegate_models.pm_ac.exchange import copy_command, step_controller, write_sense
 from drivegate_models.pm_ac.failure import (
     LOCKED_ROTOR,
@@ -227,6 +228,8 @@ def run_periods(
         if load.kind == LOCKED or is_locked:
             speed = 0.0 if is_locked else conditions.speed
             change = 0.0
+            if is_locked:
+                stop_shaft(records.shaft)
         torque_reference = follow(torque, room.course_positions, len(schedule), now)
         reference = torque_reference if timing.regulates_torque else conditions.speed
         link = 2.0 * conditions.supply
@@ -280,12 +283,13 @@ def run_periods(
         exchange.sense[0].supply_current = (
             ledger.source_energy(period) / (link * length) if link > 0.0 else 0.0
         )
-        opposing = load_torque(load, conditions.load, abs(held))
+        opposing = opposing_torque(load, conditions.load, abs(held))
         weight = weight_torque(load, conditions.load)
         if k >= 0:
             ledger.add_period(records.totals, period)
             begin = (now, conditions.speed, speed, angle, link, torque_reference)
-            write_period(records.trace[k], period, length, phases.rotor_currents, begin, opposing + weight)
+            load_now = weight + (opposing if held >= 0.0 else -opposing)
+            write_period(records.trace[k], period, length, phases.rotor_currents, begin, load_now)
         turned = angle + drive.pole_pairs * held * length
         turns = (turns + whole_turns(turned)) % drive.pole_pairs
         angle = within_a_turn(turned)
@@ -295,9 +299,11 @@ def run_periods(
                 room.last[leg] = low_side_ratio(room.ratios[0, leg], room.legs[0, leg])
         if k >= 0 and load.kind != LOCKED and not is_locked:
             inertia = conditions.inertia * (drive.inertia + load.inertia)
-            resisting = opposing + conditions.friction
-            change = _speed_change(drive, inertia, speed, resisting, weight, period, length)
-            speed += change
+            resisting = (opposing, drag_torque(load, held), conditions.friction)
+            gained, change = _turn(
+                drive, load, conditions.load, inertia, speed, resisting, weight, period, length, records.shaft
+            )
+            speed += gained
         if delay > 0:
             for leg in range(3):
                 room.ratios[0, leg] = room.ratios[1, leg]
@@ -308,33 +314,47 @@ def run_periods(
 
 
 @inlined
-def _speed_change(
+def _turn(
     drive: PmAcDrive,
+    load: Load,
+    factor: float,
     inertia: float,
     speed: float,
-    load: float,
+    resisting: tuple[float, float, float],
     weight: float,
     period: NDArray[np.float64],
     length: float,
-) -> float:
-    """Return the change of the shaft's speed in a control period (rad/s).
+    account: NDArray[np.float64],
+) -> tuple[float, float]:
+    """Turn the shaft in a control period, and add the period to the shaft's ledger.
 
+    - `load`, `factor`: load, and the factor on its size, or a vehicle's grade (1).
     - `inertia`: inertia of rotor and load (kg m2).
     - `speed`: speed at the start of the period (rad/s).
-    - `load`: magnitude of the load's torque, which opposes the shaft's rotation (N m).
+    - `resisting`: torque of the load that opposes the rotation, the part of it that is a vehicle's drag, and torque
+      added to the friction (N m).
     - `weight`: torque that turns the shaft backward, whichever way it turns (N m).
     - `period`, shape (ledger.ENTRIES,): exact integrals over the period.
     - `length`: length of the period (s).
+    - `account`, shape (shaft_ledger.ENTRIES,): the shaft's ledger, updated.
+    - Result: change of speed, and change in a whole period at the last acceleration (rad/s).
     """
-    driving = (period[ledger.IMPULSE] - period[ledger.CORE_DRAG_IMPULSE]) / length
-    driving -= drive.viscous_friction * speed + weight
-    opposing = load + drive.friction
-    # Load and friction oppose a turning shaft and stop it; they never drive it.
-    mobility = length / inertia
-    forward = float((driving - opposing) * mobility)
-    backward = float((driving + opposing) * mobility)
-    if speed > 0.0:
-        return max(forward, -speed) if driving >= -opposing else forward
-    if speed < 0.0:
-        return min(backward, -speed) if driving <= opposing else backward
-    return max(forward, 0.0) + min(backward, 0.0)
+    machine = (period[ledger.IMPULSE] - period[ledger.CORE_DRAG_IMPULSE]) / length
+    opposing, drag, added = resisting
+    motion = motion_of(
+        machine - weight, (opposing + added) + drive.friction, drive.viscous_friction, inertia, speed, length
+    )
+    account_shaft(
+        account,
+        load,
+        factor,
+        inertia,
+        (speed, motion.gained, motion.share),
+        length,
+        machine,
+        opposing,
+        drag,
+        added + drive.friction,
+        drive.viscous_friction,
+    )
+    return motion.gained, motion.trend

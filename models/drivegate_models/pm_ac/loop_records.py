@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import inlined
-from drivegate_models.machine import ledger
+from drivegate_models.machine import ledger, shaft_ledger
 
 TRACE: Final = (
     "time",
@@ -45,11 +45,15 @@ class DutyRecords(NamedTuple):
     """One row per control period, shape (steps, len(TRACE))."""
     totals: NDArray[np.float64]
     """Exact integrals over the run, shape (ledger.ENTRIES,)."""
+    shaft: NDArray[np.float64]
+    """Energy ledger of the shaft, shape (shaft_ledger.ENTRIES,)."""
 
 
 def make_records(steps: int) -> DutyRecords:
     # A row is read only once its control period has been run.
-    return DutyRecords(np.zeros(1, RUN_RECORD), np.empty((steps, len(TRACE))), np.zeros(ledger.ENTRIES))
+    trace = np.empty((steps, len(TRACE)))
+    shaft = np.zeros(shaft_ledger.ENTRIES)
+    return DutyRecords(np.zeros(1, RUN_RECORD), trace, np.zeros(ledger.ENTRIES), shaft)
 
 
 @inlined
@@ -69,7 +73,7 @@ def write_period(
     - `rotor_currents`, shape (2,): d-axis and q-axis currents at its end (A).
     - `begin`: time (s), speed reference and speed (rad/s), electrical angle (rad), link voltage (V) and torque
       reference (N m) at its start.
-    - `load`: load torque in the period (N m).
+    - `load`: torque of the load in the period, positive against forward rotation (N m).
     """
     row[0] = begin[0]
     row[1] = begin[1]

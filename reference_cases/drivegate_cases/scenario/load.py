@@ -1,6 +1,6 @@
 """What the shaft drives: kinds of load, each with its torque against the rotation at a speed.
 
-All but a hoist oppose the rotation, whichever way the shaft turns.
+All oppose the rotation, whichever way the shaft turns, except weights: that of a hoist, and a vehicle's on a slope.
 """
 
 import math
@@ -109,7 +109,8 @@ class VehicleLoad(Section):
     grade_percent: Annotated[Profile, values_within(-100.0, 100.0, "must have grades from -100 to 100 %")] = (
         Field(
             default=((0.0, 0.0),),
-            description="grade of the road, a list of [seconds, percent], positive uphill",
+            description="grade of the road, a list of [seconds, percent], positive where it rises in the forward "
+            "direction",
         )
     )
 
@@ -128,7 +129,9 @@ class VehicleLoad(Section):
         slope = share / 100.0
         weight = self.mass_kg * GRAVITY / math.hypot(1.0, slope)
         drag = 0.5 * self.air_density_kg_m3 * self.drag_area_m2 * vehicle_speed * vehicle_speed
-        return self.lever_m * (weight * (self.rolling_resistance + slope) + drag)
+        # Backward, a road that rises forward goes downhill.
+        climb = slope if speed_rpm >= 0.0 else -slope
+        return self.lever_m * (weight * (self.rolling_resistance + climb) + drag)
 
 
 SwitchedLoad = ConstantTorqueLoad | HoistLoad | ConstantPowerLoad | FanLoad

@@ -14,11 +14,13 @@ from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.duty.checks.symmetry import same_both_ways
 from drivegate.contracts.duty.record import DutyRecord
 from drivegate.contracts.duty.scenarios.building import hoist_scenario, speed_scenario, torque_scenario
+from drivegate.contracts.duty.scenarios.feasibility import unfair_because
 from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios
 from drivegate.drives.running import recorded
 from drivegate.scenarios.rotation import goes_backward, mirrored
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.scenario.load import VehicleLoad
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import InputError
 
@@ -46,6 +48,36 @@ def test_drive_and_controllers_turn_backward_as_they_turn_forward(name: str) -> 
     margin = same_both_ways(record)
     assert margin is not None
     assert margin.value > 0.999
+
+
+def vehicle_on(grade: float, speed: float = 600.0) -> Scenario:
+    """Make a run of a light vehicle on a grade (%) at a speed (rpm)."""
+    vehicle = VehicleLoad(
+        kind="vehicle",
+        mass_kg=10.0,
+        wheel_radius_m=0.1,
+        gear_ratio=2.0,
+        rolling_resistance=0.01,
+        drag_area_m2=0.1,
+        grade_percent=((0.0, grade),),
+    )
+    run = speed_scenario(DRIVE, (speed,))
+    return run.replaced(load=vehicle, initial_speed_rpm=speed)
+
+
+def test_a_vehicle_is_mirrored_with_its_road() -> None:
+    run = vehicle_on(5.0)
+    record, mirror = record_of(run), record_of(mirrored(run))
+    for column, sign in (("torque", -1.0), ("load", -1.0), ("speed", -1.0), ("input_power", 1.0)):
+        own, other = record.run.column(column), mirror.run.column(column)
+        assert np.max(np.abs(own - sign * other)) < 1e-6, f"{column} is not mirrored"
+    assert vehicle_on(5.0).replaced(load=mirrored(vehicle_on(-5.0)).load) == vehicle_on(5.0)
+
+
+@pytest.mark.parametrize(("grade", "is_fair"), [(5.0, True), (-5.0, True), (100.0, False), (-100.0, False)])
+def test_a_slope_must_be_climbed_and_braked_within_the_limits(grade: float, is_fair: bool) -> None:
+    assert (unfair_because(vehicle_on(grade)) is None) is is_fair
+    assert (unfair_because(mirrored(vehicle_on(grade))) is None) is is_fair
 
 
 def test_a_difference_of_the_limit_is_no_margin() -> None:

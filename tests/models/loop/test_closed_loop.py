@@ -18,15 +18,13 @@ from drivegate_models.loop.closed_loop import ClosedLoopRun
 from drivegate_models.loop.loop_inputs import CurrentLoopInputs, SteppedController
 from drivegate_models.loop.schedule import Course, Schedule
 from drivegate_models.loop.step_recording import player_of, playing_step
-from drivegate_models.machine import ledger
+from drivegate_models.machine import ledger, shaft_ledger
 from drivegate_models.machine.load import (
     CONSTANT_POWER,
     CONSTANT_TORQUE,
-    FAN,
     LOCKED,
-    SLOWEST,
+    VEHICLE,
     Load,
-    load_torque,
 )
 
 RPM = math.pi / 30.0
@@ -114,6 +112,12 @@ def test_the_energy_of_a_whole_run_is_accounted_for(motor: Any, friction: float)
         totals[ledger.UPPER] + totals[ledger.LOWER] + totals[ledger.CORE_SOURCE] + totals[ledger.SWITCHING]
     )
     assert run.observed.input_energy == pytest.approx(source, rel=1e-12)
+    assert shaft_ledger.shaft_error(run.shaft) < 1e-12
+    works = {name: run.shaft[getattr(shaft_ledger, name)] for name in shaft_ledger.OPPOSING}
+    assert works["BRAKE"] > 0.0
+    assert works["FRICTION"] > 0.0
+    speed = 1500.0 * RPM
+    assert run.shaft[shaft_ledger.BEGIN] == pytest.approx(0.5 * 0.05 * speed**2, rel=1e-12)
     spent = (
         drive.resistance * totals[ledger.SQUARE]
         + run.observed.shaft_energy
@@ -192,12 +196,24 @@ def test_load_and_friction_never_drive_the_shaft_backward(motor: Any) -> None:
     assert run.trace["speed_rpm"].min() == 0.0, f"the shaft turns at {run.trace['speed_rpm'].min()} rpm"
 
 
-def test_kinds_of_load() -> None:
-    assert load_torque(Load(CONSTANT_TORQUE, 7.0, 1.0), 0.5, 10.0) == 3.5
-    assert load_torque(Load(CONSTANT_POWER, 100.0, 1.0), 1.0, 20.0) == 5.0
-    assert load_torque(Load(CONSTANT_POWER, 100.0, 1.0), 1.0, 0.0) == 100.0 / SLOWEST
-    assert load_torque(Load(FAN, 8.0, 40.0), 1.0, 20.0) == pytest.approx(2.0)
-    assert load_torque(Load(LOCKED, 0.0, 1.0), 1.0, 20.0) == 0.0
+@pytest.mark.parametrize("grade", [-0.05, 0.05])
+def test_a_vehicle_is_pulled_down_its_slope_and_never_rolls_backward(motor: Any, grade: float) -> None:
+    """Uphill a one-way clutch holds it; downhill it accelerates as its weight less the rolling resistance says."""
+    drive = motor(inertia=0.05)
+    weight, rolling, inertia = 8.0, 0.01, 0.15
+    run = simulate(
+        drive,
+        Load(VEHICLE, weight, rolling=rolling, inertia=inertia),
+        speed=0.0,
+        factor=((0.0, grade),),
+        duration=1.0,
+    )
+    slope = weight / math.hypot(1.0, grade)
+    expected = max(-slope * (grade + rolling), 0.0) / (drive.inertia + inertia)
+    assert run.observed.speed_final == pytest.approx(expected, rel=1e-9)
+    taken = 0.5 * (drive.inertia + inertia) * expected**2
+    assert -run.shaft[shaft_ledger.GRADE] == pytest.approx(taken + run.shaft[shaft_ledger.ROLLING], rel=1e-9)
+    assert shaft_ledger.shaft_error(run.shaft) < 1e-12
 
 
 def test_the_same_run_twice_is_the_same_bit_for_bit(motor: Any) -> None:

@@ -15,6 +15,7 @@ from drivegate.contracts.current.run import observed_windows
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.loop.closed_loop import ClosedLoopRun
 from drivegate_models.machine import ledger
+from drivegate_models.machine.shaft_ledger import shaft_error
 from drivegate_models.units import RPM
 
 
@@ -104,6 +105,7 @@ def _summary(scenario: Scenario, run: ClosedLoopRun) -> dict[str, Any]:
         "advance_final_deg": float(columns["advance_deg"][-1]),
         "current_reference_final_a": float(columns["current_reference_a"][-1]),
         "energy_residual": run.observed.exchange_error,
+        "shaft_residual": shaft_error(run.shaft),
         "kinetic_residual_j": run.observed.kinetic_residual,
     }
 

@@ -12,6 +12,7 @@ from drivegate.contracts.duty.record import DutyRecord, DutyWindow
 from drivegate.contracts.duty.run import DUTY_RATIOS, DutyClosedLoopRun
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.machine import ledger
+from drivegate_models.machine.shaft_ledger import shaft_error
 from drivegate_models.units import RPM
 
 
@@ -74,6 +75,7 @@ def _summary(scenario: Scenario, run: DutyClosedLoopRun) -> Row:
         "voltage_highest_v": float(np.max(columns[VOLTAGE])),
         "input_power_mean_w": float(ledger.source_energy(run.totals)) / duration,
         "energy_residual": run.worst_balance,
+        "shaft_residual": shaft_error(run.shaft),
     }
 
 

@@ -101,6 +101,7 @@ def duty_run(
         commands=commands,
         totals=run.totals,
         worst_balance=run.worst_balance,
+        shaft=run.shaft,
         digest=_digest(commands),
     )
 

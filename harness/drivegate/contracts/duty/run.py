@@ -69,6 +69,8 @@ class DutyClosedLoopRun:
     """Exact integrals over the run, shape (ledger.ENTRIES,)."""
     worst_balance: float
     """Greatest energy that a control period misses, over its throughput (1)."""
+    shaft: NDArray[np.float64]
+    """Energy ledger of the shaft, shape (shaft_ledger.ENTRIES,)."""
     digest: int
     """Digest of all commands, bit for bit."""
 

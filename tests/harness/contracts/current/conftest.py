@@ -18,7 +18,7 @@ from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.contract.current.records import COMMAND, SENSE
 from drivegate_models.loop import closed_loop, observation
 from drivegate_models.loop.exchange import COMPLETED
-from drivegate_models.machine import ledger
+from drivegate_models.machine import ledger, shaft_ledger
 
 MakeRecord = Callable[..., CurrentRecord]
 AssertLimit = Callable[[str, CurrentRecord, CurrentRecord], None]
@@ -79,6 +79,7 @@ def record_with(
         status=COMPLETED,
         digest=DIGEST,
         totals=integrals,
+        shaft=np.zeros(shaft_ledger.ENTRIES),
         observed=observation.observed_run(observations),
         windows=tuple(observation.WindowObservation(*row) for row in rows.tolist()),
         trace=np.zeros(0, observation.TRACE_RECORD),

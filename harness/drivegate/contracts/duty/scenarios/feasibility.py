@@ -137,7 +137,8 @@ def _is_driven(scenario: Scenario, dwell: Dwell) -> bool:
         idle = dwell.load_factor == 0.0 == dwell.speed_rpm
         demanded = 0.0 if idle else load.torque_at(dwell.speed_rpm, dwell.load_factor)
         demanded += friction_torque(plant, speed)
-    return demanded <= required_torque(document, plant, speed, 2.0 * dwell.supply_v)
+    # A weight that drives the shaft has to be braked: within the same currents, and with less voltage.
+    return abs(demanded) <= required_torque(document, plant, speed, 2.0 * dwell.supply_v)
 
 
 def required_torque(document: PmAcDocument, plant: PmAcDrive, speed: float, link: float) -> float:

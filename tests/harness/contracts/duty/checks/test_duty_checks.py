@@ -31,6 +31,7 @@ from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.contract.duty.signals import LEG_PWM
+from drivegate_models.machine import shaft_ledger
 from drivegate_models.units import RADIANS_PER_RPM
 
 
@@ -374,10 +375,14 @@ def test_the_sums_of_the_plant_and_of_the_current_are_judged(steps: DutyRecord) 
     limit = steps.document.rating.current_limit_a
     high = judged("OVC-1", with_column(steps, "peak_current", lambda peak: peak + 1.21 * limit))
     missing = judged("PWR-1", replace(steps, run=replace(steps.run, worst_balance=2e-9)))
+    shaft = steps.run.shaft.copy()
+    shaft[shaft_ledger.WORST] = 2e-9
+    driven = judged("PWR-1", replace(steps, run=replace(steps.run, shaft=shaft)))
     assert high is not None
-    assert missing is not None
     assert not high.met
-    assert not missing.met
+    for margin in (missing, driven):
+        assert margin is not None
+        assert not margin.met
 
 
 @pytest.mark.parametrize(
