@@ -3,146 +3,191 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
-from dataclasses import dataclass
-from math import isfinite, sqrt
+from collections.abc import Iterator, Mapping
+from math import pi, sqrt
 from types import MappingProxyType
 from typing import Any, Final
 
 from drivegate_cases.documents.document import parse_document
+from drivegate_cases.documents.quantity.question import Amount, PairQuestion, Question, Reading
 from drivegate_cases.documents.wording import one_line
 from drivegate_cases.drive.drive_document import PM_AC, DriveDocument
-from drivegate_cases.drive.pm_ac.usual_values import FLUX_CONSTANTS
 from drivegate_models.errors import InputError
 
-_NUMBER: Final = re.compile(r"(?P<number>\d+\.?\d*(e[+-]?\d+)?|\.\d+)(/(?P<second>\d+\.?\d*))?(?P<unit>.*)")
-_SPELLINGS: Final = (
-    ("ω", "ohm"),
-    ("ohms", "ohm"),
-    ("²", "2"),
-    ("μ", "u"),
-    ("µ", "u"),
-    ("1000rpm", "krpm"),
-    ("pk", "peak"),
-)
-_IGNORED: Final = re.compile(r"[\s·*^]")
 _DIGITS: Final = 5
 """Digits of a converted value: more than any data sheet states."""
 _OVERSPEED: Final = 1.1
 """Highest speed of all over the highest speed of the data sheet (1)."""
+_SQRT2, _SQRT3 = sqrt(2.0), sqrt(3.0)
+_PER_DC: Final = 2.0 / _SQRT3
+"""Peak current of a sine over the direct current through two phases that produces the same torque (1)."""
+_WHOLE: Final = r"(\d{1,6})(?:\.0+)?"
+_COUNT: Final = r"(?:(?:number|no\.?|#)\s*(?:of\s*)?)?"
+_PAIRS: Final = re.compile(
+    rf"{_WHOLE}\s*(?:-?\s*(?:pole[\s-]*)?pairs?(?:\s*of\s*poles)?|p\.?p\.?)"
+    rf"|{_COUNT}pole[\s-]*pairs?\s*[=:]?\s*{_WHOLE}"
+)
+_POLES: Final = re.compile(
+    rf"(?:\d+\s*[ns]\s*)?{_WHOLE}\s*(?:-?\s*(?:magnet\s*)?poles?|p)?"
+    rf"|(?:2p|{_COUNT}(?:magnet\s*)?poles?)\s*[=:]?\s*{_WHOLE}"
+)
 
 
-@dataclass(frozen=True)
-class Amount:
-    """One answer as it was read."""
-
-    value: float
-    """Number times the size of its unit."""
-    unit: str
-    """The unit, in small letters and without spaces."""
-    text: str
-    second: float | None = None
-    """Second number of a pair, times the size of the unit."""
-
-
-@dataclass(frozen=True)
-class Question:
-    """One line of a data sheet."""
-
-    quantity: str
-    """What is asked for."""
-    examples: str
-    """Answers that would do."""
-    units: Mapping[str, float]
-    """Size of each unit, by its name in small letters and without spaces."""
-    missing: str = ""
-    """What is to be added to an answer whose unit leaves something open."""
-    default: str = ""
-    """The answer where none is given; empty for a question that requires one."""
-    is_pair: bool = False
-    """Whether two numbers may be stated, such as L_d/L_q."""
-    is_whole: bool = False
-    """Whether the value must be a whole number: of pole pairs."""
+class PolesQuestion(Question):
+    """The question of the number of poles, which has no unit."""
 
     def read(self, text: str) -> Amount:
-        """Read an answer.
-
-        Raises InputError if it is no number above 0 with one of the units, or makes no whole number of pole pairs.
-        """
-        plain = _IGNORED.sub("", text.lower())
-        for spelling, unit in _SPELLINGS:
-            plain = plain.replace(spelling, unit)
-        found = _NUMBER.fullmatch(plain)
-        unit = "" if found is None else found["unit"]
-        if found is None or unit not in self.units or (found["second"] and not self.is_pair):
-            open_unit = self.missing if any(known.startswith(unit) for known in self.units if unit) else ""
+        plain, quoted = text.strip().lower(), f"'{one_line(text)[:60]}'"
+        of_pairs, of_poles = _PAIRS.fullmatch(plain), _POLES.fullmatch(plain)
+        found = of_pairs or of_poles
+        if found is None:
+            raise self._not_understood(text)
+        number = int(next(filter(None, found.groups())))
+        if number == 0:
+            raise InputError(f"{self.quantity}: {quoted} must be above 0")
+        if of_pairs is None and number % 2:
             raise InputError(
-                f"{self.quantity}: '{one_line(text)[:60]}' is not understood; write a number with its unit, such as "
-                f"{self.examples}{open_unit}"
+                f"{self.quantity}: {quoted} makes no whole number of pole pairs; accepted: {self.accepted}"
             )
-        size = self.units[unit]
-        values = [float(number) * size for number in (found["number"], found["second"]) if number]
-        if not all(isfinite(value) and value > 0.0 for value in values):
-            raise InputError(f"{self.quantity}: '{one_line(text)[:60]}' must be above 0 and finite")
-        if self.is_whole and values[0] != round(values[0]):
-            raise InputError(f"{self.quantity}: '{one_line(text)[:60]}' makes no whole number of pole pairs")
-        return Amount(values[0], unit, one_line(text).strip(), values[1] if found["second"] else None)
+        return Amount(float(number if of_pairs else number // 2), one_line(text).strip(), "pairs of poles")
 
 
-_OHM: Final = {"ohm": 1.0, "mohm": 1e-3}
-_HENRY: Final = {"h": 1.0, "mh": 1e-3, "uh": 1e-6}
-_AMPERE: Final = MappingProxyType({"arms": sqrt(2.0), "apeak": 1.0, "rmsa": sqrt(2.0), "peaka": 1.0})
-_RMS_OR_PEAK: Final = "; say whether it is 'rms' or 'peak'"
+def _word(*names: str) -> frozenset[str]:
+    return frozenset(names)
 
 
-def _with_phase(units: Mapping[str, float]) -> Mapping[str, float]:
-    """Return units of the half of a value between two terminals, and of one phase."""
-    return {name: 0.5 * size for name, size in units.items()} | {
-        f"{name}phase": size for name, size in units.items()
-    }
+_OF_STAR: Final = _word("phase", "line")
+_TORQUE: Final = "newton*meter/ampere"
+_EMF: Final = "volt*second/shaft_radian"
+_SPEED: Final = "shaft_radian/second/volt"
+_PER_HERTZ: Final = "volt/field_hertz"
+_LINKAGE: Final = "volt*second"
+_OF_FLUX: Final = frozenset({_PER_HERTZ, _LINKAGE})
+"""Units of constants that do not depend on the number of pole pairs."""
 
 
+def _constants() -> Iterator[Reading]:
+    """Yield the constants of a machine, each with its factor to the flux linkage, or to that times the pole pairs."""
+    dc = "since Kt of a dc current is the peak EMF between two terminals over speed"
+    yield Reading(
+        _TORQUE, _word("rms"), 1.0 / (1.5 * _SQRT2), "Kt / (1.5 sqrt(2) pole pairs)", needless=_OF_STAR
+    )
+    yield Reading(_TORQUE, _word("peak"), 1.0 / 1.5, "Kt / (1.5 pole pairs)", needless=_OF_STAR)
+    yield Reading(_TORQUE, _word("dc"), 1.0 / _SQRT3, f"Kt / (sqrt(3) pole pairs), {dc}", needless=_OF_STAR)
+    yield Reading(_LINKAGE, _word(), 1.0, "in volt seconds, peak of a phase", needless=_word("peak", "phase"))
+    yield Reading(_LINKAGE, _word("rms"), _SQRT2, "sqrt(2) times the volt seconds", needless=_word("phase"))
+    hertz = "with the EMF of a phase over the electrical frequency"
+    yield Reading(
+        _PER_HERTZ, _word(), 0.5 / pi, f"V/Hz / (2 pi), {hertz}, peak value", needless=_word("peak", "phase")
+    )
+    yield Reading(
+        _PER_HERTZ,
+        _word("rms"),
+        _SQRT2 / (2.0 * pi),
+        f"V/Hz sqrt(2) / (2 pi), {hertz}",
+        needless=_word("phase"),
+    )
+    for place, divisor, over, needless in (
+        (_word(), _SQRT3, "sqrt(3) ", _word("line")),
+        (_word("phase"), 1.0, "", _word()),
+    ):
+        of = "of a phase" if place else "between two terminals"
+        for kind, factor, times in (("rms", _SQRT2, "sqrt(2) "), ("peak", 1.0, ""), ("dc", 1.0, "")):
+            emf = f"of the {'rms' if kind == 'rms' else 'peak'} EMF {of}"
+            words = place | {kind}
+            how = f"{times or '1 '}/ ({over}pole pairs Kv) with Kv in rad/s per volt {emf}"
+            yield Reading(_SPEED, words, factor / divisor, how, True, needless)
+            how = f"Ke {times}/ ({over}pole pairs) with Ke in V·s/rad {emf}"
+            yield Reading(_EMF, words, factor / divisor, how, needless=needless)
+        how = f"1 / ({over}pole pairs Kv) with Kv in rad/s per volt of the peak EMF {of}"
+        yield Reading(_SPEED, place, 1.0 / divisor, how, True, needless)
+
+
+def _of_winding(unit: str) -> tuple[Reading, ...]:
+    """Return the readings of a resistance or an inductance, which is of two phases unless a word says otherwise."""
+    return (
+        Reading(unit, _word(), 0.5, "half of the value between two terminals", needless=_word("line")),
+        Reading(unit, _word("phase"), 1.0, "one phase"),
+    )
+
+
+def _currents() -> tuple[Reading, ...]:
+    return (
+        Reading(
+            "ampere", _word("rms"), _SQRT2, "sqrt(2) times the rms value", needless=_OF_STAR | _word("ac")
+        ),
+        Reading("ampere", _word("peak"), 1.0, "peak value of a phase", needless=_OF_STAR),
+        Reading(
+            "ampere",
+            _word("dc"),
+            _PER_DC,
+            "I_peak = 1.155 I_dc: the direct current through two phases that produces the same torque",
+        ),
+    )
+
+
+_OF_CURRENT: Final = ": say whether it is 'rms' or 'peak', or 'dc' (I_peak = 1.155 I_dc)"
+_CURRENT_UNITS: Final = "A or mA with rms, peak or dc; I_peak = 1.414 I_rms = 1.155 I_dc"
+_RPM: Final = (Reading("shaft_rpm", how="in turns a minute"),)
+_RPM_UNITS: Final = "rpm, r/min, 1/min, min-1, krpm or rad/s"
 QUESTIONS: Final[Mapping[str, Question]] = MappingProxyType(
     {
-        "poles": Question(
-            "number of poles",
-            "'8 poles' or '4 pairs'",
-            {"": 0.5, "poles": 0.5, "pairs": 1.0, "polepairs": 1.0},
-            is_whole=True,
+        "poles": PolesQuestion(
+            "number of poles", "'8 poles' or '4 pairs'", "8, 8 poles, 8P, 12N8P, 4 pairs or 4 pole pairs"
         ),
         "constant": Question(
             "Kv, Kt or Ke",
-            "'84 rpm/V', '0.12 N·m/A rms', '12 V/krpm rms' or '5.6 mV·s'",
-            dict.fromkeys(FLUX_CONSTANTS, 1.0),
-            missing=": add 'rms', 'peak' or, for Kt of a dc current, 'dc'",
+            "'84 rpm/V' or '0.12 N·m/A rms'",
+            "N·m/A, mN·m/A, oz-in/A, lb-in/A with rms, peak or dc; V/krpm, mV/rpm, V·s/rad with rms or peak, perhaps "
+            "of a phase; rpm/V; V/Hz, V·s, Wb, mWb of a phase",
+            tuple(_constants()),
+            ": add 'rms', 'peak' or, for Kt of a dc current, 'dc'",
         ),
         "resistance": Question(
             "resistance between two terminals",
             "'0.42 ohm', '420 mohm' or, of one phase, '0.21 ohm phase'",
-            _with_phase(_OHM),
+            "ohm, mΩ, µΩ, alone or with l-l, line-line or terminal, or with phase or l-n",
+            _of_winding("ohm"),
         ),
-        "inductance": Question(
+        "inductance": PairQuestion(
             "inductance between two terminals",
             "'1.2 mH', of one phase '0.6 mH phase', or L_d/L_q of one phase '0.5/0.8 mH phase'",
-            _with_phase(_HENRY),
-            is_pair=True,
+            "H, mH, µH, alone or with l-l, line-line or terminal, or with phase or l-n",
+            _of_winding("henry"),
+            ": of L_d/L_q, add 'phase' or 'line-line'",
         ),
         "inertia": Question(
             "inertia of rotor and load",
-            "'120 g·cm²', '0.3 kg·cm²' or '3e-5 kg·m²'",
-            {"kgm2": 1.0, "gm2": 1e-3, "kgcm2": 1e-4, "gcm2": 1e-7},
+            "'120 g·cm²' or '0.3 kg·cm²'",
+            "kg·m², kg·cm², g·cm², oz-in², oz-in-s², lb-in², lb-in-s², lb-ft², also with × 10⁻⁴",
+            (Reading("kilogram*meter**2", how="in kilogram square metres"),),
         ),
-        "rated_current": Question("rated current", "'5 A rms' or '7.1 A peak'", _AMPERE, _RMS_OR_PEAK),
-        "peak_current": Question("maximum current", "'15 A rms' or '21 A peak'", _AMPERE, _RMS_OR_PEAK),
+        "rated_current": Question(
+            "rated current", "'5 A rms' or '7.1 A peak'", _CURRENT_UNITS, _currents(), _OF_CURRENT
+        ),
+        "peak_current": Question(
+            "maximum current", "'15 A rms' or '21 A peak'", _CURRENT_UNITS, _currents(), _OF_CURRENT
+        ),
         "voltage": Question(
             "supply voltage",
             "'48 V', or '230 V ac' for a rectified supply",
-            {"v": 1.0, "vdc": 1.0, "vac": sqrt(2.0)},
+            "V, V dc, kV, or V ac or V rms of a rectified supply",
+            (
+                Reading("volt", needless=_word("dc")),
+                Reading(
+                    "volt", _word("ac"), _SQRT2, "sqrt(2) times the ac voltage", needless=_word("rms", "line")
+                ),
+                Reading("volt", _word("rms"), _SQRT2, "sqrt(2) times the ac voltage", needless=_word("line")),
+            ),
         ),
-        "rated_speed": Question("rated speed", "'3000 rpm'", {"": 1.0, "rpm": 1.0}),
-        "highest_speed": Question("maximum speed", "'4500 rpm'", {"": 1.0, "rpm": 1.0}),
+        "rated_speed": Question("rated speed", "'3000 rpm'", _RPM_UNITS, _RPM, bare_unit="shaft_rpm"),
+        "highest_speed": Question("maximum speed", "'4500 rpm'", _RPM_UNITS, _RPM, bare_unit="shaft_rpm"),
         "frequency": Question(
-            "PWM frequency of your inverter", "'20 kHz'", {"hz": 1.0, "khz": 1e3}, default="20 kHz"
+            "PWM frequency of your inverter",
+            "'20 kHz'",
+            "Hz, kHz or MHz",
+            (Reading("field_hertz", how="in hertz"),),
+            default="20 kHz",
         ),
     }
 )
@@ -156,34 +201,28 @@ def data_sheet_drive(name: str, answers: Mapping[str, Amount]) -> DriveDocument:
     drive.
     """
     pairs = round(answers["poles"].value)
-    stated, inductance = answers["constant"], answers["inductance"]
-    constant = FLUX_CONSTANTS[stated.unit]
+    constant, inductance = answers["constant"], answers["inductance"]
+    flux = constant.value if constant.unit in _OF_FLUX else constant.value / pairs
+    highest = answers["highest_speed"]
     values: dict[str, dict[str, tuple[Any, Amount, str]]] = {
         "machine": {
-            "pole_pairs": (pairs, answers["poles"], "pairs of poles"),
-            "resistance_ohm": _of_phase(answers["resistance"], answers["resistance"].value),
-            "direct_inductance_h": _of_phase(inductance, inductance.value),
-            "quadrature_inductance_h": _of_phase(inductance, inductance.second or inductance.value),
-            "magnet_flux_v_s": (_rounded(constant.flux(stated.value, pairs)), stated, constant.formula),
-            "inertia_kg_m2": _converted(answers["inertia"], "in kilogram square metres"),
+            "pole_pairs": (pairs, answers["poles"], answers["poles"].how),
+            "resistance_ohm": _converted(answers["resistance"]),
+            "direct_inductance_h": _converted(inductance),
+            "quadrature_inductance_h": _converted(inductance, inductance.second),
+            "magnet_flux_v_s": _converted(constant, flux),
+            "inertia_kg_m2": _converted(answers["inertia"]),
         },
         "inverter": {
-            "link_voltage_v": _converted(
-                answers["voltage"],
-                "sqrt(2) times the ac voltage" if answers["voltage"].unit == "vac" else "as stated",
-            ),
-            "carrier_frequency_hz": _converted(answers["frequency"], "in hertz"),
+            "link_voltage_v": _converted(answers["voltage"]),
+            "carrier_frequency_hz": _converted(answers["frequency"]),
         },
         "rating": {
-            "base_speed_rpm": _converted(answers["rated_speed"], "the rated speed"),
-            "highest_speed_rpm": _converted(answers["highest_speed"], "the maximum speed"),
-            "overspeed_rpm": (
-                _rounded(_OVERSPEED * answers["highest_speed"].value),
-                answers["highest_speed"],
-                "10 % above the maximum speed",
-            ),
-            "continuous_current_a": _converted(answers["rated_current"], "peak value of a phase"),
-            "peak_current_a": _converted(answers["peak_current"], "peak value of a phase"),
+            "base_speed_rpm": (*_converted(answers["rated_speed"])[:2], "the rated speed"),
+            "highest_speed_rpm": (*_converted(highest)[:2], "the maximum speed"),
+            "overspeed_rpm": (_rounded(_OVERSPEED * highest.value), highest, "10 % above the maximum speed"),
+            "continuous_current_a": _converted(answers["rated_current"]),
+            "peak_current_a": _converted(answers["peak_current"]),
         },
     }
     document = {
@@ -199,13 +238,8 @@ def data_sheet_drive(name: str, answers: Mapping[str, Amount]) -> DriveDocument:
     return parse_document(document, DriveDocument, "the data sheet")
 
 
-def _of_phase(answer: Amount, value: float) -> tuple[float, Amount, str]:
-    is_phase = answer.unit.endswith("phase")
-    return _rounded(value), answer, "one phase" if is_phase else "half of the value between two terminals"
-
-
-def _converted(answer: Amount, how: str) -> tuple[float, Amount, str]:
-    return _rounded(answer.value), answer, how
+def _converted(answer: Amount, value: float | None = None) -> tuple[float, Amount, str]:
+    return _rounded(answer.value if value is None else value), answer, answer.how
 
 
 def _rounded(value: float) -> float:

@@ -19,7 +19,7 @@ from drivegate.commands.conduct import Outcome, conducted
 from drivegate.output.result_reports import read_result
 from drivegate_models.errors import HarnessFault, InputError
 
-HEAVY = ("numba", "numpy", "pandas", "pydantic", "scipy", "hypothesis", "matplotlib", "rich")
+HEAVY = ("numba", "numpy", "pandas", "pint", "pydantic", "scipy", "hypothesis", "matplotlib", "rich")
 
 
 def drivegate(*words, **options):

@@ -7,6 +7,7 @@ import math
 import pytest
 
 from drivegate.studies.data_sheet_drive import QUESTIONS, data_sheet_drive
+from drivegate_cases.documents.wording import LONGEST_MESSAGE
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.errors import InputError
 
@@ -96,6 +97,16 @@ def test_each_unit_of_the_constant_gives_the_same_flux(constant: str) -> None:
         ("poles", "4 pairs", 4),
         ("poles", "8", 4),
         ("rated_current", "4 A pk", 4.0),
+        ("rated_current", "3.29 A dc", 3.29 * 2.0 / math.sqrt(3.0)),
+        ("resistance", "0,42 ohm", 0.21),
+        ("poles", "1 pair", 1),
+        ("poles", "14P", 7),
+        ("poles", "12N14P", 7),
+        ("rated_speed", "1000 rpm", 1000.0),
+        ("rated_speed", "11000", 11000.0),
+        ("rated_speed", "21000rpm", 21000.0),
+        ("rated_speed", "3000 min-1", 3000.0),
+        ("rated_speed", "314.159265 rad/s", 3000.0),
     ],
 )
 def test_spellings_of_units(key: str, text: str, value: float) -> None:
@@ -113,7 +124,13 @@ def test_two_inductances_are_of_one_phase() -> None:
         ("rated_current", "5 A", "say whether it is 'rms' or 'peak'"),
         ("constant", "0.5 N·m/A", "add 'rms', 'peak' or, for Kt of a dc current, 'dc'"),
         ("constant", "12 V/krpm", "add 'rms', 'peak'"),
-        ("resistance", "0,42 ohm", "such as '0.42 ohm'"),
+        ("resistance", "1,155 ohm", "may mean 1.155 or 1155"),
+        ("rated_speed", "4.600 rpm", "may mean 4.6 or 4600; write it without a separator of thousands"),
+        ("rated_current", "5 A", "'dc' (I_peak = 1.155 I_dc)"),
+        ("rated_current", "5 App", "accepted: A or mA with rms, peak or dc"),
+        ("constant", "40.4 mNm/A", "accepted: N·m/A, mN·m/A, oz-in/A, lb-in/A with rms, peak or dc"),
+        ("inductance", "0.5/0.8 mH", "of L_d/L_q, add 'phase' or 'line-line'"),
+        ("inductance", "4.4 MH", "a capital M is mega"),
         ("resistance", "-1 ohm", "is not understood"),
         ("resistance", "0 ohm", "must be above 0"),
         ("resistance", "1e999 ohm", "must be above 0 and finite"),
@@ -129,3 +146,26 @@ def test_what_is_open_or_wrong_is_refused_with_what_would_be_right(key: str, tex
     message = str(refused.value)
     assert message.startswith(f"{QUESTIONS[key].quantity}: ")
     assert words in message
+
+
+def test_every_refusal_lists_what_is_accepted_on_one_short_line() -> None:
+    for question in QUESTIONS.values():
+        with pytest.raises(InputError) as refused:
+            question.read("7 furlongs " + "x" * 500)
+        message = str(refused.value)
+        assert message.endswith(f"accepted: {question.accepted}")
+        assert len(message) <= LONGEST_MESSAGE
+        assert "\n" not in message
+
+
+def test_each_value_of_a_pair_goes_to_its_axis() -> None:
+    for text in (
+        "8.72/22.78 mH phase",
+        "Ld = 8.72 mH, Lq = 22.78 mH per phase",
+        "Lq/Ld: 22.78/8.72 mH phase",
+    ):
+        drive = made(inductance=text)
+        assert (drive.machine.direct_inductance_h, drive.machine.quadrature_inductance_h) == (
+            8.72e-3,
+            22.78e-3,
+        )

@@ -1,0 +1,81 @@
+"""The words around a number that say of what it is, such as rms or line to line, and those that change nothing."""
+
+from __future__ import annotations
+
+import re
+from typing import Final
+
+_AMOUNT: Final = r"[+-]?\d+(?:[.,]\d+)?"
+_CONDITION: Final = re.compile(
+    rf"\(?\s*(?:±|\+\s*/\s*-|\+-)\s*{_AMOUNT}\s*%?"
+    rf"|[,;(]?\s*(?:@|\bat\b)\s*{_AMOUNT}\s*(?:°\s*[CFK]?|deg\.?\s*[CF]|[CK]\b|[km]?Hz|k?rpm|min\^?-1|V\s*(?:dc)?\b|A\b)"
+    rf"|[,;(]?\s*{_AMOUNT}\s*(?:°\s*[CF]\b|deg\.?\s*C\b)|[,;(]\s*{_AMOUNT}\s*k?Hz\b",
+    re.I,
+)
+_VAGUE: Final = re.compile(r"^\s*(?:[~≈≤<]|approx\.?|ca\.?|about|up to)\s*(?=\d)", re.I)
+_EMPTY: Final = re.compile(r"\(\s*[,;/-]*\s*\)")
+_TO: Final = r"[-\s/]*(?:to)?[-\s/]*"
+_PHASE: Final = r"ph(?:ase)?"
+_TERMINALS: Final = r"term(?:inal)?s?\b\.?"
+# A word may follow the letter of its unit directly, as in Arms, Vdc and V_peak, or come before it.
+_BEFORE: Final = r"(?:(?<=[AV_])|(?<![A-Z]))"
+_AFTER: Final = r"(?:(?![A-Z])|(?=[AV](?![A-Z])))"
+_PATTERNS: Final = (
+    ("peak to peak", r"p-?p|pk-?pk|peak[-\s]*to[-\s]*peak"),
+    ("ac", rf"(?<![\d.,])[13]\s*(?:-?\s*{_PHASE}s?|~|ac|[x×](?=\s*\d+\s*V))|ac|(?<=V)\s*~"),
+    (
+        "line",
+        rf"line{_TO}line|l\s*[-/]?\s*l|{_PHASE}{_TO}{_PHASE}|t[-/]t|u[-/]v"
+        rf"|(?:between\s*)?(?:two\s*)?(?:{_TERMINALS})(?:{_TO}{_TERMINALS})?"
+        r"|between\s*(?:two\s*)?(?:phases|lines)",
+    ),
+    (
+        "phase",
+        rf"(?:line|l|{_PHASE}){_TO}(?:neutral|n)|(?:per|of|one|of one)\s+{_PHASE}|{_PHASE}",
+    ),
+    ("peak", r"0\s*-?\s*(?:to\s*)?(?:peak|pk|p)|peak|pk|amplitude|(?<=[AV])p"),
+    ("rms", r"rms|r\.m\.s\.?|eff(?:ective)?"),
+    ("dc", r"dc|d\.c\."),
+    (
+        "",
+        r"max(?:imum)?\.?|nom(?:inal)?\.?|rated|typ(?:ical)?\.?|cold|mech(?:anical)?\.?|sin(?:e|usoidal)"
+        r"|cont(?:inuous)?\.?|stall|S1|(?:bus|link|supply)(?:\s*voltage)?",
+    ),
+)
+_WORDS: Final = tuple(
+    # The slash of "per phase" follows a unit, whose letters come before it.
+    (
+        word,
+        re.compile(
+            rf"{'/ *ph(?:ase)?' if word == 'phase' else '(?!)'}{_AFTER}|{_BEFORE}_?(?:{pattern}){_AFTER}",
+            re.I,
+        ),
+    )
+    for word, pattern in _PATTERNS
+)
+
+
+def without_conditions(text: str) -> str:
+    """Drop tolerances, and the temperature, frequency or speed at which a value was measured."""
+    return _EMPTY.sub(" ", _balanced(_VAGUE.sub("", _CONDITION.sub("", text))))
+
+
+def split_words(text: str) -> tuple[str, frozenset[str]]:
+    """Return a text without the words that qualify it, and those words by their common names.
+
+    The names are rms, peak, dc, ac, line (between two terminals) and phase (of one), and peak to peak.
+    """
+    found = set()
+    for word, pattern in _WORDS:
+        rest = pattern.sub(" ", text)
+        if rest != text and word:
+            found.add(word)
+        text = rest
+    return _EMPTY.sub(" ", text).strip(" ,;:_="), frozenset(found)
+
+
+def _balanced(text: str) -> str:
+    """Drop the parenthesis that a condition leaves open or closed."""
+    if text.count(")") == text.count("(") + 1:
+        return text[: text.rfind(")")] + text[text.rfind(")") + 1 :]
+    return text
