@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, Self
 from pydantic import AfterValidator, Field, field_validator, model_validator
 
 from drivegate_cases.documents.document import Section
+from drivegate_cases.drive.rating import GREATEST_TORQUE_NM, OVER_RATING
 
 if TYPE_CHECKING:
     import numpy as np
@@ -18,20 +19,20 @@ if TYPE_CHECKING:
     from drivegate_models.steady.plant import AnyDrive
 
 PolePairs = Annotated[int, Field(ge=1, le=200, description="electrical cycles in a turn of the shaft")]
-Resistance = Annotated[float, Field(ge=0.0, le=1e4, description="resistance of one phase, in ohm")]
+Resistance = Annotated[float, Field(ge=0.0, le=1e6, description="resistance of one phase, in ohm")]
 CoreLossConductance = Annotated[
     float,
-    Field(ge=0.0, le=1e2, description="conductance that stands for the core loss of a phase, in siemens"),
+    Field(ge=0.0, le=1e6, description="conductance that stands for the core loss of a phase, in siemens"),
 ]
 Inertia = Annotated[
-    float, Field(gt=0.0, le=1e6, description="inertia of the shaft, in kilogram square metres")
+    float, Field(gt=0.0, le=1e11, description="inertia of the shaft, in kilogram square metres")
 ]
 Friction = Annotated[
-    float, Field(ge=0.0, le=1e5, description="friction torque at any speed, in newton metres")
+    float, Field(ge=0.0, le=GREATEST_TORQUE_NM, description="friction torque at any speed, in newton metres")
 ]
 ViscousFriction = Annotated[
     float,
-    Field(ge=0.0, le=1e5, description="friction torque over speed, in newton metre seconds per radian"),
+    Field(ge=0.0, le=1e11, description="friction torque over speed, in newton metre seconds per radian"),
 ]
 
 OF_SHAPE: Final[Mapping[str, tuple[str, Any]]] = {
@@ -77,10 +78,10 @@ class Machine(Section):
     pole_pairs: PolePairs
     resistance_ohm: Resistance
     inductance_h: float = Field(
-        gt=0.0, le=1e2, description="inductance of one phase, in a star less the mutual one, in henry"
+        gt=0.0, le=1e6, description="inductance of one phase, in a star less the mutual one, in henry"
     )
     emf_constant_v_s_per_rad: float = Field(
-        gt=0.0, le=1e4, description="peak EMF of one phase over the shaft's speed, in volt seconds per radian"
+        gt=0.0, le=1e6, description="peak EMF of one phase over the shaft's speed, in volt seconds per radian"
     )
     emf_shape: Literal["trapezoid", "sine", "table"] = Field(description="shape of the EMF over the angle")
     emf_flat_deg: float | None = Field(
@@ -165,7 +166,10 @@ class Scales(Section):
     emf_constant: float = Field(default=1.0, ge=0.01, le=100.0, description="factor on the EMF constant")
     inertia: float = Field(default=1.0, ge=0.01, le=1000.0, description="factor on the inertia of the drive")
     friction_added_n_m: float = Field(
-        default=0.0, ge=0.0, le=1e5, description="friction torque added to the drive's own, in newton metres"
+        default=0.0,
+        ge=0.0,
+        le=OVER_RATING * GREATEST_TORQUE_NM,
+        description="friction torque added to the drive's own, in newton metres",
     )
 
 

@@ -7,8 +7,12 @@ from pydantic import ConfigDict, Field, model_validator
 from drivegate_cases.documents.document import Section
 from drivegate_models.units import RADIANS_PER_RPM
 
-GREATEST_TORQUE_NM: Final = 1e6
-"""Greatest torque of rated power at base speed that is taken for one (N·m)."""
+GREATEST_TORQUE_NM: Final = 1e9
+"""Greatest torque of rated power at base speed that is taken for one (N·m): ten times that of 10 MW at 1 rpm."""
+GREATEST_POWER_W: Final = 1e9
+HIGHEST_SPEED_RPM: Final = 1e6
+OVER_RATING: Final = 10.0
+"""Greatest speed, torque or power of a scenario over the overspeed, rated torque or rated power of its drive (1)."""
 
 FOLLOWING: Final = ("rated_power_w", "current_limit_a")
 """Keys that follow from the currents of a data sheet where they are left out."""
@@ -28,20 +32,22 @@ class Rating(Section):
     """Whether the highest speed must be above base speed, so that controllers weaken the field."""
 
     base_speed_rpm: float = Field(
-        gt=0.0, le=1e6, description="speed at which constant power begins, in turns a minute"
+        gt=0.0, le=HIGHEST_SPEED_RPM, description="speed at which constant power begins, in turns a minute"
     )
     highest_speed_rpm: float = Field(
         gt=0.0,
-        le=1e6,
+        le=HIGHEST_SPEED_RPM,
         description="speed up to which constant power is required, in turns a minute; base_speed_rpm for a PM AC drive "
         "without field weakening",
     )
     overspeed_rpm: float = Field(
-        gt=0.0, le=1e6, description="highest speed of all, beyond that of constant power, in turns a minute"
+        gt=0.0,
+        le=HIGHEST_SPEED_RPM,
+        description="highest speed of all, beyond that of constant power, in turns a minute",
     )
     rated_power_w: float = Field(
         gt=0.0,
-        le=1e9,
+        le=GREATEST_POWER_W,
         description="rated power at the shaft, in watts; by default 92 % of what continuous_current_a produces from "
         "base speed to the highest",
     )

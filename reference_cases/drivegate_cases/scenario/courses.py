@@ -15,11 +15,15 @@ from pydantic import Field, model_validator
 from drivegate_cases.documents.document import Section
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.plant import FACTOR_SYMBOLS, Scales
+from drivegate_cases.drive.rating import GREATEST_TORQUE_NM, OVER_RATING
 from drivegate_cases.scenario.piecewise import Profile, values_within
 from drivegate_models.units import RADIANS_PER_RPM
 
 _Factors = Annotated[Profile, values_within(0.1, 10.0, "must have factors from 0.1 to 10")]
-_AddedFriction = Annotated[Profile, values_within(0.0, 1e5, "must have torques from 0 to 100000 N·m")]
+_MOST_FRICTION_NM = OVER_RATING * GREATEST_TORQUE_NM
+_AddedFriction = Annotated[
+    Profile, values_within(0.0, _MOST_FRICTION_NM, f"must have torques from 0 to {_MOST_FRICTION_NM:g} N·m")
+]
 _PERCENT = 0.01
 
 

@@ -4,15 +4,17 @@ All oppose the rotation, whichever way the shaft turns, except weights: that of 
 """
 
 import math
-from typing import Annotated, Literal
+from typing import Annotated, Final, Literal
 
 from pydantic import Field
 
 from drivegate_cases.documents.document import Section
+from drivegate_cases.drive.rating import GREATEST_POWER_W, GREATEST_TORQUE_NM, HIGHEST_SPEED_RPM, OVER_RATING
 from drivegate_cases.scenario.piecewise import Profile, ProfilePoint, values_within
 from drivegate_models.units import RADIANS_PER_RPM
 
-_Torque = Annotated[float, Field(ge=0.0, le=1e6)]
+_MOST_TORQUE_NM: Final = OVER_RATING * GREATEST_TORQUE_NM
+_Torque = Annotated[float, Field(ge=0.0, le=_MOST_TORQUE_NM)]
 _FactorPoint = Annotated[
     ProfilePoint,
     Field(description="[time in seconds, share of the load, from 0 without it to 1 with all of it]"),
@@ -33,7 +35,12 @@ class DynamometerLoad(LockedLoad):
     # A kind is named by a literal of its own, which no other literal is a subtype of.
     kind: Literal["dynamometer"] = Field(description="kind of load")  # type: ignore[assignment]
     torque_reference_nm: Annotated[
-        Profile, values_within(-1e6, 1e6, "must have torques from -1e+06 to 1e+06 N·m")
+        Profile,
+        values_within(
+            -_MOST_TORQUE_NM,
+            _MOST_TORQUE_NM,
+            f"must have torques of at most {_MOST_TORQUE_NM:g} N·m either way",
+        ),
     ] = Field(description="torque that the controller is asked for, a list of [seconds, newton metres]")
 
 
@@ -72,7 +79,9 @@ class ConstantPowerLoad(_SwitchedLoad):
     """A torque that falls with speed, so that the power stays; it needs a turning shaft."""
 
     kind: Literal["constant_power"] = Field(description="kind of load")
-    power_w: float = Field(ge=0.0, le=1e9, description="power of the whole load, in watts")
+    power_w: float = Field(
+        ge=0.0, le=OVER_RATING * GREATEST_POWER_W, description="power of the whole load, in watts"
+    )
 
     def torque_at(self, speed_rpm: float, share: float = 1.0) -> float:
         return share * self.power_w / (abs(speed_rpm) * 2.0 * math.pi / 60.0)
@@ -83,7 +92,11 @@ class FanLoad(_SwitchedLoad):
 
     kind: Literal["fan"] = Field(description="kind of load")
     torque_nm: _Torque = Field(description="torque of the whole load at speed_rpm, in newton metres")
-    speed_rpm: float = Field(gt=0.0, le=1e6, description="speed at which the fan demands torque_nm, in rpm")
+    speed_rpm: float = Field(
+        gt=0.0,
+        le=OVER_RATING * HIGHEST_SPEED_RPM,
+        description="speed at which the fan demands torque_nm, in rpm",
+    )
 
     def torque_at(self, speed_rpm: float, share: float = 1.0) -> float:
         ratio = speed_rpm / self.speed_rpm

@@ -11,6 +11,7 @@ from drivegate_cases.documents.document import Document
 from drivegate_cases.documents.packaged import load_named, packaged_names
 from drivegate_cases.drive.drive_document import DriveDocument, DriveReference
 from drivegate_cases.drive.plant import Scales
+from drivegate_cases.drive.rating import HIGHEST_SPEED_RPM, OVER_RATING
 from drivegate_cases.scenario.control_periods import on_whole_periods, period_start_s, whole_periods
 from drivegate_cases.scenario.courses import COURSES, Drift, stated_profiles
 from drivegate_cases.scenario.disturbance import CurrentError, Dropout, Glitch
@@ -32,11 +33,12 @@ from drivegate_cases.scenario.sensors import (
     refusal,
     unfitted,
 )
+from drivegate_cases.scenario.sizes import check_sizes
 from drivegate_models.contract.current.signals import Nameplate
 
 LONGEST_CONTROL_PERIOD_S = 0.0005
 SHORTEST_CONTROL_PERIOD_S = 1e-6
-_HIGHEST_SPEED_RPM = 1e6
+_HIGHEST_SPEED_RPM = OVER_RATING * HIGHEST_SPEED_RPM
 _LATEST_START_S = 1e7
 _LEFT_OUT: Final[Any] = None
 
@@ -84,7 +86,9 @@ class Scenario(Document):
     speed_rpm: Annotated[
         Profile,
         values_within(
-            -_HIGHEST_SPEED_RPM, _HIGHEST_SPEED_RPM, "must have speeds of at most 1e+06 rpm either way"
+            -_HIGHEST_SPEED_RPM,
+            _HIGHEST_SPEED_RPM,
+            f"must have speeds of at most {_HIGHEST_SPEED_RPM:g} rpm either way",
         ),
     ] = Field(description="speed reference, a list of [time in seconds, speed in rpm], negative backward")
     supply_v: (
@@ -162,6 +166,7 @@ class Scenario(Document):
         self._check_profiles_end_in_time()
         self._check_disturbances_end_in_time()
         self._check_load_fits_speed()
+        self._check_sizes()
         self._check_phases()
         if self.imbalance is not None and not self.drive.has_split_supply:
             raise ValueError(
@@ -251,6 +256,17 @@ class Scenario(Document):
                     f"the key '{key}' has one that ends at {late[0]:.9g} s, "
                     f"but must end within the run's {self.duration_s} s"
                 )
+
+    def _check_sizes(self) -> None:
+        speeds = [("speed_rpm", speed) for _, speed in self.speed_rpm]
+        added = (self.drift.friction_n_m or ()) if self.drift is not None else ()
+        check_sizes(
+            self.drive.rating,
+            [("initial_speed_rpm", self.initial_speed_rpm), *speeds],
+            self.load,
+            self.scales,
+            max((torque for _, torque in added), default=0.0),
+        )
 
     def _check_phases(self) -> None:
         wrong = [error.phase for error in self.current_errors]

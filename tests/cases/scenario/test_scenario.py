@@ -130,7 +130,7 @@ RAMP = [[0, 0], [0.2, 1]]
         ),
         (
             {"drive": "pm-ac-surface", "speed_rpm": [[0, -2e6]]},
-            "must have speeds of at most 1e+06 rpm either way",
+            "must have speeds of at most 1e+06 rpm either way on this drive",
         ),
         (
             {"load": {"kind": "hoist", "torque_nm": 1, "factor": RAMP}},

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import isfinite
 from typing import Any, Final
 
 from rich.console import Console
@@ -10,6 +11,7 @@ from rich.console import Console
 from drivegate.drives.abilities import ability_of
 from drivegate.drives.power_reach import setting_words
 from drivegate.output.console import number, print_ending, print_line, table
+from drivegate_cases.documents.wording import decimal_exponent
 from drivegate_cases.drive.drive_document import DriveDocument
 
 _UNITS: Final = {
@@ -79,7 +81,9 @@ _DUTY_RATIOS: Final = _Layout(
 _LAYOUTS: Final = {"current": _ANGLES, "duty": _DUTY_RATIOS}
 """By the names of contracts."""
 _WIDTH: Final = 116
-_SMALL_ONES: Final = ("_nm", "_w")
+_FEWEST: Final = 3
+"""Digits of the greatest value of a column, at least."""
+_MOST_DECIMALS: Final = 9
 
 
 def show_drive(console: Console, document: dict[str, Any], name: str, drive: DriveDocument) -> None:
@@ -88,17 +92,21 @@ def show_drive(console: Console, document: dict[str, Any], name: str, drive: Dri
     base, highest = rating["base_speed_rpm"], rating["highest_speed_rpm"]
     speeds = f"from {base:g} to {highest:g} rpm" if highest > base else f"at {base:g} rpm"
     title = f"{document['drive']}: {rating['rated_power_w']:g} W {speeds}, {rating['current_limit_a']:g} A"
-    # Torque and power of a small drive need further digits to differ from each other.
-    finer = sum(document["points"][0]["rated_torque_nm"] < least for least in (1.0, 0.1, 0.01))
+    places = layout.places or range(len(document["points"]))
+    points = [document["points"][place] for place in places]
     columns = [
-        (key, head if is_wide else short, digits + (finer if key.endswith(_SMALL_ONES) else 0))
+        (
+            key,
+            head if is_wide else short,
+            _decimals([point[key] for point in points], digits, key == "speed_rpm"),
+        )
         for key, head, short, digits in layout.columns
         if short or is_wide
     ]
     heads = [head for _, head, _ in columns]
     listed = table(*heads, right=tuple(heads), title=title)
-    for place in layout.places or range(len(document["points"])):
-        listed.add_row(*(number(document["points"][place][key], digits) for key, _, digits in columns))
+    for point in points:
+        listed.add_row(*(number(point[key], decimals) for key, _, decimals in columns))
     console.print(listed)
     print_line(console, layout.legend, "dim")
     ability = ability_of(drive)
@@ -112,6 +120,20 @@ def show_drive(console: Console, document: dict[str, Any], name: str, drive: Dri
     for row in refused:
         print_line(console, f"a check refuses this drive: {row['message']}", "bold red")
     print_ending(console, document["files"], _changes(refused) if refused else advice)
+
+
+def _decimals(values: list[float | None], usual: int, is_apart: bool) -> int:
+    """Return how many decimals a column needs: three digits of the greatest value, and no two equal speeds."""
+    known = [value for value in values if value is not None and isfinite(value)]
+    greatest = max(map(abs, known), default=0.0)
+    decimals = usual if greatest == 0.0 else max(usual, _FEWEST - 1 - decimal_exponent(greatest))
+    while (
+        is_apart
+        and decimals < _MOST_DECIMALS
+        and len({number(value, decimals) for value in known}) < len(set(known))
+    ):
+        decimals += 1
+    return decimals
 
 
 def _changes(refused: list[dict[str, Any]]) -> str:

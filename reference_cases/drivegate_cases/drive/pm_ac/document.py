@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 _PHASES = 3
 
-_Inductance = Annotated[float, Field(gt=0.0, le=1e2)]
+_Inductance = Annotated[float, Field(gt=0.0, le=1e6)]
 
 
 class PmAcMachine(Section):
@@ -44,7 +44,7 @@ class PmAcMachine(Section):
     direct_inductance_h: _Inductance = Field(description="inductance along the magnet's axis, L_d, in henry")
     quadrature_inductance_h: _Inductance = Field(description="inductance across it, L_q, in henry")
     magnet_flux_v_s: float = Field(
-        gt=0.0, le=1e3, description="peak flux linkage of one phase by the magnet, in volt seconds"
+        gt=0.0, le=1e6, description="peak flux linkage of one phase by the magnet, in volt seconds"
     )
     core_loss_conductance_s: CoreLossConductance = 0.0
     inertia_kg_m2: Inertia
