@@ -55,7 +55,7 @@ class Bound:
     highest: float
     """The range."""
     evenly_by: str
-    """What is equally likely: differences, ratios or whole numbers."""
+    """What is equally likely: differences, ratios, whole numbers or ratios of those."""
     quantity: str
     """The quantity, in words."""
     unit: str
@@ -71,10 +71,11 @@ class Bound:
         """Draw a value from a part of the range."""
         if self.evenly_by == "whole number":
             return source.randint(round(lowest), round(highest))
-        if self.evenly_by == "ratio":
+        if self.evenly_by.startswith("ratio"):
             # A decimal's logarithm is the same on every processor, a library's may not be.
             first, last = Decimal(lowest).ln(), Decimal(highest).ln()
-            return rounded(float((first + (last - first) * Decimal(source.random())).exp()))
+            drawn = float((first + (last - first) * Decimal(source.random())).exp())
+            return round(drawn) if self.evenly_by == "ratio of whole numbers" else rounded(drawn)
         return rounded(source.uniform(lowest, highest))
 
     def value(self, drawn: float, values: Values) -> float:

@@ -25,6 +25,14 @@ FEWEST_PERIODS: Final = 20.0
 """Control periods of a PM AC drive in an electrical period at the highest speed, at least (1)."""
 DOUBLE: Final = 0.5
 """Share of the PM AC drives whose duty ratios are updated twice in a period of the carrier."""
+IDEAL: Final = 0.25
+"""Share of the PM AC drives whose switches and diodes have no drops."""
+IGBT_LINK_V: Final = 200.0
+"""Least voltage of a link with IGBTs (V); below, the switches are MOSFETs."""
+IGBT_LOWEST_V: Final = 1.0
+"""Least drop of an IGBT or of the diode next to it (V)."""
+MOSFET_V: Final = (0.02, 0.2)
+"""Least and greatest drop of a MOSFET (V)."""
 _PHASE: Final = sqrt(3.0)
 _APPARENT: Final = 1.5
 _OF_LEGS: Final = bounds_of("half-bridge")
@@ -118,6 +126,20 @@ def _draw_dead_time(bound: Bound, source: Random, values: Values) -> None:
     values[bound.key] = rounded(bound.drawn(source) / values["control_frequency"])
 
 
+def _draw_switch_drop(bound: Bound, source: Random, values: Values) -> None:
+    """Draw what the bridge is made of, and the drop of its switches: none, that of an IGBT or that of a MOSFET."""
+    has_drops, is_igbt = source.random() >= IDEAL, values["link_voltage_v"] >= IGBT_LINK_V
+    lowest, highest = (IGBT_LOWEST_V, bound.highest) if is_igbt else MOSFET_V
+    drop = bound.between(source, lowest, highest)
+    values[bound.key] = drop if has_drops else 0.0
+
+
+def _draw_diode_drop(bound: Bound, source: Random, values: Values) -> None:
+    """Draw the drop of the diodes; the channel of a MOSFET conducts both ways, so that it has one drop."""
+    drop, switch = bound.between(source, IGBT_LOWEST_V, bound.highest), values["switch_drop_v"]
+    values[bound.key] = drop if switch >= IGBT_LOWEST_V else switch
+
+
 def _pm_ac_measured_by(drive: DriveDocument) -> dict[str, float]:
     period, voltage = drive.control_period_s or 0.0, drive.value("link_voltage_v") / _PHASE
     return {
@@ -167,6 +189,8 @@ PM_AC: Final = DrawnKind(
         "link": _draw_link,
         "control_frequency": _draw_control_frequency,
         "dead_time": _draw_dead_time,
+        "switch_drop": _draw_switch_drop,
+        "diode_drop": _draw_diode_drop,
     },
     measured_by=_pm_ac_measured_by,
     remarks={"carrier": f"drawn: double in {DOUBLE:.0%} of the drives, single in the others"},

@@ -53,7 +53,7 @@ OF_DUTY_RATIOS: Final[dict[str, Callable[[PmAcDocument], float]]] = {
 """What each field of a nameplate of duty ratios is of a drive's file."""
 
 
-@pytest.mark.parametrize("name", ["pm-ac-surface", "pm-ac-interior", "pm-ac-2kw", "pm-ac-msl"])
+@pytest.mark.parametrize("name", ["pm-ac-surface", "pm-ac-interior", "pm-ac-2kw", "pm-ac-msl", "pm-ac-servo"])
 @pytest.mark.parametrize("field", DUTY_NAMEPLATE.names)
 def test_a_field_of_the_nameplate_of_duty_ratios_is_what_the_drive_states(field: str, name: str) -> None:
     assert field in OF_DUTY_RATIOS, f"nothing is asserted of the field '{field}'"

@@ -12,7 +12,7 @@ from drivegate_cases.drive.drive_file import drive_toml
 from drivegate_cases.drive.limits import limits_of
 from drivegate_cases.drive.usual_values import unusual_values
 from drivegate_lab.drawn import drawing
-from drivegate_lab.drawn.kinds import DRAWN_KINDS, FEWEST_PERIODS, HALF_BRIDGE, PM_AC
+from drivegate_lab.drawn.kinds import DRAWN_KINDS, FEWEST_PERIODS, HALF_BRIDGE, IGBT_LINK_V, PM_AC
 from drivegate_models.errors import HarnessFault
 
 _ROUNDING = 0.02
@@ -26,7 +26,7 @@ each_kind = pytest.mark.parametrize("kind", DRAWN_KINDS.values(), ids=DRAWN_KIND
 
 @pytest.mark.parametrize(
     ("name", "digest"),
-    [("half-bridge", "9a1b0c4466834ebc"), ("star", "bbbc2a6d20a74aed"), ("pm-ac", "107d1e9188b90567")],
+    [("half-bridge", "9a1b0c4466834ebc"), ("star", "bbbc2a6d20a74aed"), ("pm-ac", "2895fb587225ab86")],
 )
 def test_a_seed_means_the_same_drives_in_every_version(name: str, digest: str) -> None:
     text = "".join(map(drive_toml, MANY[name]))
@@ -88,6 +88,28 @@ def test_every_choice_is_made_use_of() -> None:
     assert {drive.machine.phases for drive in MANY["half-bridge"]} == set(range(3, 10))
     assert {drive.machine.emf_shape for drive in MANY["half-bridge"]} == {"sine", "trapezoid"}
     assert {drive.inverter.carrier for drive in MANY["pm-ac"]} == {"single", "double"}
+    pairs = {drive.machine.pole_pairs for drive in MANY["pm-ac"]}
+    assert (min(pairs), max(pairs) > 45) == (1, True)
+
+
+def test_drops_are_those_of_the_switches_that_a_link_has() -> None:
+    bridges = [drive.inverter for drive in MANY["pm-ac"]]
+    ideal = [bridge for bridge in bridges if bridge.switch_drop_v == 0.0]
+    real = [bridge for bridge in bridges if bridge.switch_drop_v > 0.0]
+    assert 0.15 < len(ideal) / len(bridges) < 0.35
+    assert all(bridge.diode_drop_v == 0.0 for bridge in ideal)
+    for bridge in real:
+        if bridge.link_voltage_v >= IGBT_LINK_V:
+            assert min(bridge.switch_drop_v, bridge.diode_drop_v) >= 1.0
+            assert max(bridge.switch_drop_v, bridge.diode_drop_v) <= 2.0
+        else:
+            assert 0.02 <= bridge.switch_drop_v == bridge.diode_drop_v <= 0.2
+
+
+def test_mechanical_times_are_drawn_up_to_six_seconds() -> None:
+    times = [PM_AC.per_unit(drive)["mechanical_time"] for drive in MANY["pm-ac"]]
+    assert min(times) < 0.07
+    assert max(times) > 5.0
 
 
 @each_kind

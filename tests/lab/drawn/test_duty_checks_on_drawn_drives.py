@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from tests.harness.contracts.duty.checks.conftest import Run, judged
@@ -17,7 +19,9 @@ from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios
 from drivegate.drives.running import recorded
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
-from drivegate_lab.drawn.kinds import PM_AC
+
+DRIVES = Path(__file__).parent / "drives"
+"""Drives that were drawn within earlier bounds, and showed what these tests are of."""
 
 
 @pytest.fixture(scope="session")
@@ -33,7 +37,7 @@ def slow(run: Run, interior: PmAcDocument) -> DutyRecord:
         # For seven periods the third phase carries nothing.
         (load_drive("pm-ac-surface"), "predictive-flux", 1100.0, (-6.077, 2.431)),
         # The voltage needs 110 periods for this step, for 40 of which the third phase carries nothing.
-        (PM_AC.draw(0, 4).document, "foc", 780.0, (-1.6, 0.6)),
+        (load_drive(DRIVES / "drawn-pm-ac-0-004.toml"), "foc", 780.0, (-1.6, 0.6)),
     ],
     ids=["short", "long"],
 )
@@ -59,7 +63,7 @@ def test_a_phase_without_current_during_a_step_is_not_missing(
     ids=["slow regulator", "diodes carry current"],
 )
 def test_foc_reaches_its_safe_state_in_time_on_drives_that_nobody_chose(number: int, name: str) -> None:
-    drive = PM_AC.draw(0, number).document
+    drive = load_drive(DRIVES / f"drawn-pm-ac-0-{number:03d}.toml")
     assert isinstance(drive, PmAcDocument)
     loaded = own_candidate(resolve_candidate("foc"))
     runs = fixed_scenarios(drive, detected=frozenset({"locked-rotor", "open-phase"}))

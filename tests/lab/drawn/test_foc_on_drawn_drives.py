@@ -1,5 +1,7 @@
 """Field-oriented control on unusual drives: a salient machine beyond its magnet's flux, dead time, and wide ripple."""
 
+from pathlib import Path
+
 import pytest
 
 from drivegate.candidates.resolution import resolve_candidate
@@ -8,7 +10,6 @@ from drivegate.contracts.catalogue import contract_named
 from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios
 from drivegate.drives.running import recorded
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
-from drivegate_lab.drawn.kinds import PM_AC
 
 SERVO = load_drive("pm-ac-surface").with_overrides(
     [
@@ -45,7 +46,9 @@ CHECKS = {check.id: check for check in contract_named("duty").checks}
     ],
 )
 def test_foc_meets_a_check_on_a_drawn_drive(check_id: str, number: int, label: str) -> None:
-    assert_met(PM_AC.draw(0, number).document, check_id, label)
+    assert_met(
+        load_drive(Path(__file__).parent / "drives" / f"drawn-pm-ac-0-{number:03d}.toml"), check_id, label
+    )
 
 
 @pytest.mark.parametrize("check_id", ["STP-1", "DEC-1"])

@@ -20,7 +20,7 @@ from drivegate_models.pm_ac.fundamental import LINEAR_LIMIT
 from drivegate_models.pm_ac.oracle import Limits, greatest_torque
 from drivegate_models.units import RADIANS_PER_RPM
 
-PACKAGED = ("pm-ac-2kw", "pm-ac-interior", "pm-ac-msl", "pm-ac-surface")
+PACKAGED = ("pm-ac-2kw", "pm-ac-interior", "pm-ac-msl", "pm-ac-servo", "pm-ac-surface")
 VOLTAGE_IN_HAND = 0.98
 
 
