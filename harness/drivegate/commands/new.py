@@ -16,7 +16,7 @@ from drivegate_models.errors import InputError
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from drivegate.studies.data_sheet_drive import Amount, Question
+    from drivegate_cases.documents.quantity.question import Amount, Question
 
 SCHEMA = 1
 DRIVE = "drive"
