@@ -21,7 +21,7 @@ _CURRENT_DRIVES: Final = (
     "star-3-phase",
     "star-24v-3-phase",
 )
-_DUTY_DRIVES: Final = ("pm-ac-surface", "pm-ac-interior", "pm-ac-2kw", "pm-ac-msl")
+_DUTY_DRIVES: Final = ("pm-ac-surface", "pm-ac-interior", "pm-ac-2kw", "pm-ac-msl", "pm-ac-servo")
 _SEEDS: Final = (0, 1, 2)
 _DRAWN: Final = 20
 _AT_ONCE: Final = 6

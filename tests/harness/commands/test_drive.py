@@ -119,6 +119,19 @@ def test_torques_of_a_small_drive_keep_their_digits(command):
     )
 
 
+def test_speeds_of_a_slow_drive_keep_enough_digits_to_differ(command):
+    slow = [
+        *("machine.pole_pairs=52", "machine.magnet_flux_v_s=0.2", "machine.inertia_kg_m2=50"),
+        *("rating.base_speed_rpm=17.8", "rating.highest_speed_rpm=19", "rating.overspeed_rpm=20.9"),
+        "rating.rated_power_w=500",
+    ]
+    ended = command("drive", "pm-ac-surface", *(word for value in slow for word in ("--set", value)))
+    speeds = [words[0] for line in ended.out.splitlines() if len(words := line.split()) == 11]
+    shown = [speed for speed in speeds if speed.replace(".", "").isdigit()]
+    assert len(shown) == len(set(shown)) == 14
+    assert {"17.8", "19.0", "20.9"} < set(shown)
+
+
 def test_a_band_that_chops_too_often_is_reported_with_what_it_costs(command):
     shown = command("drive", "paper-5-phase", "--set", "hysteresis_band_a=0.001")
     assert "a check computes each chop, and takes long" in shown.out

@@ -43,7 +43,7 @@ def alternative(envelope: Mapping[str, Any]) -> str:
         column(envelope, key) for key in ("greatest_torque_nm", "greatest_power_w", "ripple_percent")
     )
     words = [
-        f"Four panels from {speed[0]:.0f} to {speed[-1]:.0f} rpm. At the current limit the greatest torque falls from "
+        f"Four panels from {speed[0]:g} to {speed[-1]:g} rpm. At the current limit the greatest torque falls from "
         f"{torque[0]:.3g} to {torque[-1]:.3g} N·m and the greatest power is {np.max(power):.4g} W; rated are "
         f"{rating['rated_power_w']:.4g} W from {rating['base_speed_rpm']:g} rpm on."
     ]

@@ -33,7 +33,7 @@ def alternative(envelope: Mapping[str, Any]) -> str:
     ]
     best = f" The efficiency at least loss is at most {max(charted):.4g} %." if charted else ""
     return (
-        f"Two panels from {speed[0]:.0f} to {speed[-1]:.0f} rpm. The greatest torque falls from {torque[known][0]:.3g} "
+        f"Two panels from {speed[0]:g} to {speed[-1]:g} rpm. The greatest torque falls from {torque[known][0]:.3g} "
         f"to {torque[known][-1]:.3g} N·m and the greatest power is {np.nanmax(power):.4g} W; rated are "
         f"{rating['rated_power_w']:.4g} W from {rating['base_speed_rpm']:g} rpm on.{best}"
     )
