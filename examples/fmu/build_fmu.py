@@ -68,7 +68,8 @@ def variables_of(contract: str, phases: int, estimates_power: bool) -> tuple[Var
                 31,
                 "parameter",
                 "nominal_supply_voltage base_speed highest_speed rated_power current_limit control_period dead_time "
-                "resistance direct_inductance quadrature_inductance magnet_flux inertia core_loss_conductance",
+                "resistance direct_inductance quadrature_inductance magnet_flux inertia core_loss_conductance "
+                "switch_drop diode_drop position_error",
             ),
         )
     outputs = "current_reference advance_angle" + (" input_power" if estimates_power else "")

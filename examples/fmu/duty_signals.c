@@ -38,6 +38,9 @@ enum {
     MAGNET_FLUX,
     INERTIA,
     CORE_LOSS_CONDUCTANCE,
+    SWITCH_DROP,
+    DIODE_DROP,
+    POSITION_ERROR,
     PHASE_CURRENTS = 101, /* the first of each three; the others follow */
     DUTY_RATIOS = 111,
     LEGS = 121,
@@ -98,6 +101,9 @@ double *signals_real(signals *self, unsigned reference) {
     case MAGNET_FLUX: return &nameplate->magnet_flux;
     case INERTIA: return &nameplate->inertia;
     case CORE_LOSS_CONDUCTANCE: return &nameplate->core_loss_conductance;
+    case SWITCH_DROP: return &nameplate->switch_drop;
+    case DIODE_DROP: return &nameplate->diode_drop;
+    case POSITION_ERROR: return &nameplate->position_error;
     default: return NULL;
     }
 }

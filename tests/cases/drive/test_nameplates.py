@@ -49,6 +49,9 @@ OF_DUTY_RATIOS: Final[dict[str, Callable[[PmAcDocument], float]]] = {
     "inertia": lambda drive: drive.machine.inertia_kg_m2,
     "core_loss_conductance": lambda drive: drive.machine.core_loss_conductance_s,
     "control_every": lambda drive: drive.inverter.control_every or 1,
+    "switch_drop": lambda drive: drive.inverter.switch_drop_v,
+    "diode_drop": lambda drive: drive.inverter.diode_drop_v,
+    "position_error": lambda drive: {"exact": 12.0, "encoder": 0.0, "hall": 30.0}[drive.position] * DEGREE,
 }
 """What each field of a nameplate of duty ratios is of a drive's file."""
 
@@ -62,6 +65,18 @@ def test_a_field_of_the_nameplate_of_duty_ratios_is_what_the_drive_states(field:
     assert record[field] == pytest.approx(OF_DUTY_RATIOS[field](drive), rel=1e-12)
     by_torque = drive.duty_nameplate(drive.control_period_s, torque_reference=True)
     assert by_torque.reference_kind == TORQUE_REFERENCE
+
+
+def test_drops_and_the_error_of_the_position_are_on_the_nameplate() -> None:
+    hall = stated("pm-ac-interior").replaced(sensing={"position": "hall"})
+    drive = hall.with_overrides(["switch_drop_v=1.6", "diode_drop_v=1.1"])
+    assert isinstance(drive, PmAcDocument)
+    plate = drive.duty_nameplate(drive.control_period_s, torque_reference=False)
+    assert (plate.switch_drop, plate.diode_drop) == (1.6, 1.1)
+    assert plate.position_error == pytest.approx(30.0 * DEGREE, rel=1e-12), "half a sector"
+    encoder = drive.replaced(sensing={"position": "encoder"})
+    assert isinstance(encoder, PmAcDocument)
+    assert encoder.duty_nameplate(1e-4, torque_reference=False).position_error == 0.0
 
 
 OF_CURRENTS: Final[dict[str, Callable[[Any], float]]] = {

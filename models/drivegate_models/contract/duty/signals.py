@@ -124,3 +124,10 @@ class DutyNameplate(NamedTuple):
     """Core loss of a phase over the mean square of the voltage induced by the period's mean flux (S); 0 if unknown."""
     control_every: int = 1
     """Carrier periods from one step to the next; the duty ratios hold in all of them."""
+    switch_drop: float = 0.0
+    """Forward drop of a switch with current (V)."""
+    diode_drop: float = 0.0
+    """Forward drop of a diode with current (V)."""
+    position_error: float = 0.0
+    """Greatest error of the shown electrical angle (rad): of the tracks of a sensor without edges, which swings within
+    a turn and shows in the speed, or half a sector of Hall switches; 0 for an encoder."""

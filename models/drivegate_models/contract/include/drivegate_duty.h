@@ -81,6 +81,11 @@ typedef struct drivegate_duty_nameplate {
     double core_loss_conductance;  /* core loss of a phase over the mean square of the voltage that the mean flux of a
                                     * period induces, S; 0 where it is not known */
     int64_t control_every;         /* carrier periods from one step to the next; the duty ratios hold in all of them */
+    double switch_drop;            /* forward drop of a switch with current, V */
+    double diode_drop;             /* forward drop of a diode with current, V */
+    double position_error;         /* greatest error of the shown electrical angle, rad: of the tracks of a sensor
+                                    * without edges, which swings within a turn and shows in the speed, or half a sector
+                                    * of Hall switches; 0 for an encoder */
 } drivegate_duty_nameplate;
 
 /* What the controller senses at the start of a control period. */
@@ -123,7 +128,7 @@ typedef struct drivegate_duty_command {
     int64_t fault;         /* the controller's own code of a fault; 0 for none */
 } drivegate_duty_command;
 
-DRIVEGATE_ASSERT(sizeof(drivegate_duty_nameplate) == 160, "drivegate_duty_nameplate must not be padded");
+DRIVEGATE_ASSERT(sizeof(drivegate_duty_nameplate) == 184, "drivegate_duty_nameplate must not be padded");
 DRIVEGATE_ASSERT(sizeof(drivegate_duty_sense) == 120, "drivegate_duty_sense must not be padded");
 DRIVEGATE_ASSERT(sizeof(drivegate_duty_command) == 104, "drivegate_duty_command must not be padded");
 

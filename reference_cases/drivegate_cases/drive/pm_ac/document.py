@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import isfinite
+from math import isfinite, radians
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, field_validator
@@ -21,6 +21,7 @@ from drivegate_cases.drive.plant import (
     ViscousFriction,
 )
 from drivegate_cases.drive.pm_ac.inverter import UPDATES, PmAcInverter
+from drivegate_cases.drive.pm_ac.limits import GREATEST_ANGLE_DEG
 from drivegate_cases.drive.pm_ac.requirements import NO_PM_AC_REQUIREMENTS, PmAcRequirements
 from drivegate_cases.drive.pm_ac.usual_values import ranges_of_pm_ac
 from drivegate_cases.drive.rating import Rating
@@ -229,4 +230,7 @@ class PmAcDocument(DriveDocument):
             inertia=machine.inertia_kg_m2,
             core_loss_conductance=machine.core_loss_conductance_s,
             control_every=inverter.control_every or 1,
+            switch_drop=inverter.switch_drop_v,
+            diode_drop=inverter.diode_drop_v,
+            position_error=radians(GREATEST_ANGLE_DEG[self.position]),
         )

@@ -1,15 +1,23 @@
-"""The times to the safe state of a PM AC drive, as they follow from the drive itself."""
+"""What follows from a PM AC drive itself: the times to its safe state, and the greatest error of its position."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import pi, sqrt
 from typing import Final
 
+from drivegate_cases.drive.document import Position
 from drivegate_cases.drive.usual_values import DriveValues
 from drivegate_models.units import RADIANS_PER_RPM
 
 FAILURE_SPEED_SHARE: Final = 0.2
 """Least speed at which something fails, over base speed: below, a phase takes too long to be missed (1)."""
+GREATEST_ANGLE_DEG: Final[Mapping[Position, float]] = {"exact": 12.0, "encoder": 0.0, "hall": 30.0}
+"""Greatest error of the angle by what shows the position (electrical degrees).
+
+A position without edges is judged with errors of its tracks up to this one. Hall switches show a shaft at rest to half
+a sector. The edges of an encoder have no errors, and their steps show in no speed.
+"""
 _SAFE_PERIODS: Final = 1000
 _SAFE_MOST_S: Final = 0.1
 # What a detector needs: some control periods, and then half a turn of the field, or to see whether the shaft starts to

@@ -39,7 +39,8 @@ STATED = """
         (double)known.pole_pairs, (double)known.updates, (double)known.update_delay, known.supply_voltage,
         known.base_speed, known.highest_speed, known.rated_power, known.current_limit, known.control_period,
         known.dead_time, known.resistance, known.direct_inductance, known.quadrature_inductance, known.magnet_flux,
-        known.inertia, known.core_loss_conductance, (double)known.control_every};
+        known.inertia, known.core_loss_conductance, (double)known.control_every,
+        known.switch_drop, known.diode_drop, known.position_error};
     command->torque = sensed[self->steps - 1];
     command->legs[1] = self->steps < 3 ? DRIVEGATE_LEG_PWM : DRIVEGATE_LEG_OFF;
     command->fault = self->steps;

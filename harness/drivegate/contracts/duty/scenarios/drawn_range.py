@@ -21,8 +21,6 @@ FAILURE_TORQUE_SHARE: Final = 0.3
 """Least torque under which something fails, over rated torque: without a current no phase or sensor is missed (1)."""
 _SPEED_ROUNDING: Final = 0.01
 """What speeds and torques that people can read are rounded by, over base speed and rated torque (1)."""
-GREATEST_ANGLE_DEG: Final = 12.0
-"""Error of the angle up to which anybody is judged (electrical degrees)."""
 SHARE_STEP: Final = 0.05
 """Step of drawn torques and loads over rated torque, and the least of them (1)."""
 TURNING_SHARE: Final = 0.1

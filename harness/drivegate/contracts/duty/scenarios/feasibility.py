@@ -11,7 +11,6 @@ import numpy as np
 
 from drivegate.contracts.duty.document import duty_document
 from drivegate.contracts.duty.scenarios.drawn_range import (
-    GREATEST_ANGLE_DEG,
     TURNING_SHARE,
     greatest_angle_error,
     is_slow,
@@ -25,6 +24,7 @@ from drivegate_cases.drive.limits import limits_of
 from drivegate_cases.drive.plant import NOMINAL
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.greatest_torque import greatest_within
+from drivegate_cases.drive.pm_ac.limits import GREATEST_ANGLE_DEG
 from drivegate_cases.scenario.courses import friction_since, profiles_of
 from drivegate_cases.scenario.load import DynamometerLoad, LockedLoad, VehicleLoad
 from drivegate_cases.scenario.piecewise import value_from
@@ -61,8 +61,11 @@ def unfair_because(scenario: Scenario) -> str | None:
         return "it begins so fast that the current through the diodes alone exceeds the limit of OVC-1"
     if _shows_a_failure(scenario):
         return "its false edges are so many of an encoder's speed window that they look like a failure of the encoder"
-    if greatest_angle_error(scenario) > math.radians(GREATEST_ANGLE_DEG):
-        return f"its position is more than {GREATEST_ANGLE_DEG:g} electrical degrees off, which costs too much torque"
+    greatest_deg = GREATEST_ANGLE_DEG["exact"]
+    if greatest_angle_error(scenario) > math.radians(greatest_deg):
+        return (
+            f"its position is more than {greatest_deg:g} electrical degrees off, which costs too much torque"
+        )
     by_hall = scenario.drive.position == "hall"
     is_torque = isinstance(scenario.load, DynamometerLoad)
     if by_hall and is_torque and any(speed == 0.0 for _, speed in scenario.speed_rpm):
