@@ -67,6 +67,8 @@ def nameplate_of(
         magnet_flux=drive.magnet_flux,
         inertia=drive.inertia,
         core_loss_conductance=drive.core_loss_conductance,
+        switch_drop=drive.switch_drop,
+        diode_drop=drive.diode_drop,
     )
 
 

@@ -18,7 +18,7 @@ BANDWIDTH: Final = 0.2
 _INTEGRAL = 0.05
 # Share of the voltage that moves the currents from which decoupling has priority.
 _LEAST_MOVING = 0.5
-# Current, as a share of the limit, from which dead-time compensation is complete. It is small, because a wider ramp
+# Current, as a share of the limit, from which compensation of the bridge is complete. It is small, because a wider ramp
 # leaves ripple at a low voltage, and the reference current used for compensation has no noise.
 _DEAD_SHARE = 0.0005
 
@@ -41,6 +41,8 @@ def reset_regulator(state: Any, nameplate: Any) -> None:
     carrier_period = halves * nameplate.control_period / nameplate.control_every
     state.dead_ratio = nameplate.dead_time / carrier_period
     state.dead_current = _DEAD_SHARE * nameplate.current_limit
+    state.switch_drop = nameplate.switch_drop
+    state.diode_drop = nameplate.diode_drop
     state.ripple = carrier_period / (nameplate.direct_inductance + nameplate.quadrature_inductance)
     state.direct_gain = bandwidth * nameplate.direct_inductance
     state.quadrature_gain = bandwidth * nameplate.quadrature_inductance
@@ -64,9 +66,12 @@ def rotor_currents(state: Any, sense: Any) -> tuple[float, float]:
 
 
 @inlined
-def voltage_limit(sense: Any) -> float:
-    """Return the linear modulation limit: the maximum peak phase voltage without distortion (V)."""
-    return float(max(sense.supply_voltage, 0.0) * PER_ROOT_THREE)
+def voltage_limit(state: Any, sense: Any) -> float:
+    """Return the linear modulation limit: the maximum peak phase voltage without distortion (V).
+
+    While the machine drives, current flows through two switches from one rail to the other.
+    """
+    return float(max(sense.supply_voltage - 2.0 * state.switch_drop, 0.0) * PER_ROOT_THREE)
 
 
 @inlined
@@ -104,15 +109,22 @@ def write_ratios(command: Any, along: float, across: float, supply: float) -> No
 
 
 @inlined
-def _compensated_ratio(state: Any, ratio: float, current: float, ripple: float) -> float:
-    """Return a duty ratio with dead-time compensation for a current (A), limited to 0 to 1.
+def _compensated_ratio(state: Any, ratio: float, current: float, ripple: float, per_volt: float) -> float:
+    """Return a duty ratio with compensation of dead time and drops for a current (A), limited to 0 to 1.
 
     `ripple` is the current above its mean when the leg turns on (A), and below it when the leg turns off. A current
-    that has different signs at the two edges loses no time at either.
+    that has different signs at the two edges loses no time at either. `per_volt` is a duty ratio over its voltage
+    (1/V). A current into the machine flows through the upper switch and the lower diode, and the opposite one through
+    the other two; either way, both drops oppose it.
     """
     on = min(max((current + ripple) / state.dead_current, -1.0), 1.0)
     off = min(max((current - ripple) / state.dead_current, -1.0), 1.0)
-    return float(min(max(ratio + 0.5 * (on + off) * state.dead_ratio, 0.0), 1.0))
+    sign = 0.5 * (on + off)
+    upper, lower = state.switch_drop, state.diode_drop
+    if sign < 0.0:
+        upper, lower = lower, upper
+    drop = per_volt * (ratio * upper + (1.0 - ratio) * lower)
+    return float(min(max(ratio + sign * (state.dead_ratio + drop), 0.0), 1.0))
 
 
 @inlined
@@ -128,26 +140,31 @@ def _ripple_at_edge(one: float, second: float, third: float) -> float:
 
 
 @inlined
-def compensate_dead_time(
+def compensate_bridge(
     state: Any, command: Any, turned: tuple[float, float], direct: float, quadrature: float, supply: float
 ) -> None:
-    """Compensate the command's duty ratios for dead time, if there is any.
+    """Compensate the command's duty ratios for dead time, and for the drops of switches and diodes, if there are any.
 
     `turned` is the cosine and sine of the rotor's electrical angle while the duty ratios act. `direct` and
     `quadrature` are the reference currents at that time (A), and `supply` is the link voltage (V).
     """
-    if state.dead_ratio <= 0.0:
+    drops = state.switch_drop + state.diode_drop
+    if state.dead_ratio <= 0.0 and drops <= 0.0:
         return
+    # A link that shows hardly a voltage is a lost sample.
+    per_volt = 1.0 / supply if supply > 2.0 * drops else 0.0
     cosine, sine = turned
     along, across = cosine * direct - sine * quadrature, sine * direct + cosine * quadrature
     first, second, third = command.first_duty, command.second_duty, command.third_duty
     unit = supply * state.ripple
-    command.first_duty = _compensated_ratio(state, first, along, unit * _ripple_at_edge(first, second, third))
+    command.first_duty = _compensated_ratio(
+        state, first, along, unit * _ripple_at_edge(first, second, third), per_volt
+    )
     command.second_duty = _compensated_ratio(
-        state, second, of_phase(1, along, across), unit * _ripple_at_edge(second, third, first)
+        state, second, of_phase(1, along, across), unit * _ripple_at_edge(second, third, first), per_volt
     )
     command.third_duty = _compensated_ratio(
-        state, third, of_phase(2, along, across), unit * _ripple_at_edge(third, first, second)
+        state, third, of_phase(2, along, across), unit * _ripple_at_edge(third, first, second), per_volt
     )
 
 
@@ -160,7 +177,7 @@ def write_voltage(
     voltage: tuple[float, float],
     current: tuple[float, float],
 ) -> None:
-    """Write the duty ratios for d-axis and q-axis voltages (V), with dead time compensated for d and q currents (A).
+    """Write the duty ratios for d-axis and q-axis voltages (V), with the bridge compensated for d and q currents (A).
 
     `turned` is the cosine and sine of the rotor's electrical angle while the duty ratios act.
     """
@@ -172,7 +189,7 @@ def write_voltage(
     state.across_voltage[0] = sine * along + cosine * across
     supply = max(sense.supply_voltage, 1e-9)
     write_ratios(command, state.along_voltage[0], state.across_voltage[0], supply)
-    compensate_dead_time(state, command, turned, current[0], current[1], supply)
+    compensate_bridge(state, command, turned, current[0], current[1], supply)
 
 
 @inlined
@@ -216,7 +233,7 @@ def regulate_currents(
     far beyond their references. Forces that do no work: Ortega, Loria, Nicklasson and Sira-Ramirez, "Passivity-based
     Control of Euler-Lagrange Systems", Springer, 1998.
     """
-    limit = voltage_limit(sense)
+    limit = voltage_limit(state, sense)
     electrical = state.pole_pairs * sense.speed
     direct_error = direct_reference - direct
     quadrature_error = quadrature_reference - quadrature

@@ -94,7 +94,9 @@ def regulate_flux(
     across = across_steady + rate * (sine * desired + (cosine - 1.0) * across_desired + _SHARE * across_error)
     along_added = -rate * ((cosine - 1.0) * error - sine * across_error)
     across_added = -rate * (sine * error + (cosine - 1.0) * across_error)
-    applied, across_applied = limited_voltage(along, across, along_added, across_added, voltage_limit(sense))
+    applied, across_applied = limited_voltage(
+        along, across, along_added, across_added, voltage_limit(state, sense)
+    )
 
     if state.delay == 0:
         along_drop, across_drop = applied + along_drop, across_applied + across_drop

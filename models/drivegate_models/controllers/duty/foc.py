@@ -219,7 +219,7 @@ def step_state(state: Any, sense: Any, command: Any) -> None:
         hold_safe_state(state, command)
         return
     electrical = state.pole_pairs * sense.speed
-    limit = voltage_limit(sense)
+    limit = voltage_limit(state, sense)
     requested = _requested_torque(state, sense.reference, speed)
     direct_reference, quadrature_reference = _currents_for(
         state,

@@ -67,6 +67,9 @@ FOC_STATE: Final = np.dtype(
         # Duty ratio lost to dead time in a phase with current, and the current from which compensation is complete.
         ("dead_ratio", np.float64),
         ("dead_current", np.float64),
+        # Forward drops of a switch and of a diode (V).
+        ("switch_drop", np.float64),
+        ("diode_drop", np.float64),
         # Half of a carrier period over the mean inductance (s/H): the ripple of a current per volt.
         ("ripple", np.float64),
         ("direct_gain", np.float64),

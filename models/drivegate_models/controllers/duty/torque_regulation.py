@@ -148,7 +148,7 @@ def regulate_torque(
     added = electrical * state.quadrature_inductance * (quadrature_due - quadrature)
     across_added = -electrical * state.direct_inductance * (direct_due - direct)
     applied, across_applied = limited_voltage(
-        feedforward, across_feedforward, added, across_added, voltage_limit(sense)
+        feedforward, across_feedforward, added, across_added, voltage_limit(state, sense)
     )
     requested, across_requested = feedforward + added, across_feedforward + across_added
     # Anti-windup: the voltage cut by the limit does not enter the integrals.

@@ -1,15 +1,27 @@
-"""What current regulators do at the voltage limit, and the ripple by which they compensate dead time."""
+"""What current regulators do at the voltage limit, and how they compensate dead time and drops."""
 
 from __future__ import annotations
 
 from math import hypot
+from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.models.duty_runs import COLUMN, held, rating
+from tests.models.pm_ac.conftest import INTERIOR
 
-from drivegate_models.controllers.duty.current_regulator import _limited_request, _ripple_at_edge
+from drivegate_models.contract.duty.records import duty_sense_record
+from drivegate_models.controllers.duty.current_regulator import (
+    _compensated_ratio,
+    _limited_request,
+    _ripple_at_edge,
+    voltage_limit,
+)
+from drivegate_models.controllers.duty.state import foc_state
+from drivegate_models.loop.schedule import steady
+from drivegate_models.pm_ac.plant.drive import make_pm_ac_drive
 
 pytestmark = pytest.mark.kernel
 LIMIT = 173.0
@@ -39,3 +51,57 @@ def test_the_ripple_at_an_edge_is_the_integral_of_the_switched_voltages(duties: 
     first_edge = 1000 - duties[0]
     ripple = float((switched - mean)[0, :first_edge].sum()) / 1000.0
     assert _ripple_at_edge(*(float(ratio) for ratio in ratios)) == pytest.approx(ripple, abs=1e-12)
+
+
+def with_drops(switch: float, diode: float, dead_ratio: float = 0.0) -> Any:
+    state: Any = foc_state("foc").view(np.recarray)[0]
+    state.dead_current, state.dead_ratio = 0.01, dead_ratio
+    state.switch_drop, state.diode_drop = switch, diode
+    return state
+
+
+@given(
+    ratio=st.floats(0.1, 0.9),
+    current=st.sampled_from((-5.0, 5.0)),
+    switch=st.floats(0.0, 3.0),
+    diode=st.floats(0.0, 3.0),
+)
+def test_a_leg_with_drops_has_the_mean_voltage_of_its_duty_ratio(
+    ratio: float, current: float, switch: float, diode: float
+) -> None:
+    link = 300.0
+    given_ratio = _compensated_ratio(with_drops(switch, diode), ratio, current, 0.0, 1.0 / link)
+    if current > 0.0:
+        upper, lower = link - switch, -diode
+    else:
+        upper, lower = link + diode, switch
+    mean = given_ratio * upper + (1.0 - given_ratio) * lower
+    assert mean == pytest.approx(ratio * link, abs=3.0 * 3.0 / link), "to the second order"
+
+
+def test_a_leg_without_current_and_one_without_drops_are_not_compensated() -> None:
+    assert _compensated_ratio(with_drops(2.0, 1.0), 0.4, 0.0, 0.0, 1e-2) == 0.4
+    assert _compensated_ratio(with_drops(0.0, 0.0), 0.4, 5.0, 0.0, 1e-2) == 0.4
+
+
+def test_two_switches_take_their_drops_of_the_voltage() -> None:
+    sense: Any = duty_sense_record(np.zeros(3)).view(np.recarray)[0]
+    sense.supply_voltage = 48.0
+    assert voltage_limit(with_drops(1.5, 0.7), sense) == pytest.approx(45.0 / 3.0**0.5)
+    sense.supply_voltage = 0.0
+    assert voltage_limit(with_drops(1.5, 0.7), sense) == 0.0
+
+
+@pytest.mark.parametrize("name", ["foc", "predictive-flux", "direct-torque"])
+@pytest.mark.parametrize("share", [-0.4, 0.1, 0.6])
+def test_drops_leave_the_regulators_nothing_to_make_up_for(name: str, share: float) -> None:
+    """Their first harmonic alone is 1.9 V."""
+    found = {}
+    for drops in ((0.0, 0.0), (1.6, 1.4)):
+        drive = make_pm_ac_drive(**INTERIOR, switch_drop=drops[0], diode_drop=drops[1])
+        run, state = held(drive, name, share * rating(drive)[0], steady(1.0))
+        assert run.trace[-200:, COLUMN["torque"]].mean() == pytest.approx(1.0, rel=5e-3)
+        missed = state["direct_missed"][0], state["quadrature_missed"][0]
+        found[drops] = np.array([state["direct_integral"][0], state["quadrature_integral"][0], *missed])
+    difference = np.abs(found[1.6, 1.4] - found[0.0, 0.0]).max()
+    assert difference < 0.3, f"{difference:.2f} V are left"
