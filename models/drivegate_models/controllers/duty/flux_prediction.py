@@ -31,18 +31,38 @@ def reset_prediction(state: Any) -> None:
 
 @inlined
 def _period_later(
-    state: Any, direct: float, quadrature: float, along: float, across: float, turned: tuple[float, float]
+    state: Any, direct: float, quadrature: float, turned: tuple[float, float]
 ) -> tuple[float, float]:
-    """Return the d and q flux linkages one period later (V s), in the rotor frame at that time.
+    """Return the d and q flux linkages after a period with the voltage given (V s), in the rotor frame at that time.
 
-    `direct` and `quadrature` are the present flux linkages (V s). `along` and `across` are the voltages that change
-    them (V), in the present rotor frame, which is fixed meanwhile. `turned` is the cosine and sine of the rotor's
-    rotation.
+    `direct` and `quadrature` are the flux linkages at its start (V s). `turned` is the cosine and sine of the rotor's
+    rotation. The voltage is in the rotor frame of the period's start, which is fixed meanwhile.
     """
     cosine, sine = turned
-    direct += state.control_period * along
-    quadrature += state.control_period * across
+    direct += state.control_period * (state.direct_given + state.direct_missed)
+    quadrature += state.control_period * (state.quadrature_given + state.quadrature_missed)
     return cosine * direct + sine * quadrature, cosine * quadrature - sine * direct
+
+
+@inlined
+def _currents_of(state: Any, direct: float, quadrature: float) -> tuple[float, float]:
+    """Return the d and q currents of flux linkages (A)."""
+    return (direct - state.magnet_flux) / state.direct_inductance, quadrature / state.quadrature_inductance
+
+
+@inlined
+def _mean_drop(
+    state: Any, start: tuple[float, float], end: tuple[float, float], halfway: tuple[float, float]
+) -> tuple[float, float]:
+    """Return the mean voltage across the resistance in a period (V), in the rotor frame of its start.
+
+    `start` and `end` are the d and q currents there (A), each in the rotor frame of its time; `halfway` is the cosine
+    and sine of the rotor's rotation up to the middle.
+    """
+    cosine, sine = halfway
+    direct = 0.5 * state.resistance * (start[0] + end[0])
+    quadrature = 0.5 * state.resistance * (start[1] + end[1])
+    return cosine * direct - sine * quadrature, cosine * quadrature + sine * direct
 
 
 @inlined
@@ -68,6 +88,7 @@ def regulate_flux(
     """
     electrical = state.pole_pairs * sense.speed
     turned = cosine_sine(electrical * state.control_period)
+    halfway = cosine_sine(0.5 * electrical * state.control_period)
     cosine, sine = turned
     flux = state.direct_inductance * direct + state.magnet_flux
     across_flux = state.quadrature_inductance * quadrature
@@ -75,39 +96,49 @@ def regulate_flux(
     if not is_first:
         state.direct_missed += _TRUST * (flux - state.direct_foreseen) / state.control_period
         state.quadrature_missed += _TRUST * (across_flux - state.quadrature_foreseen) / state.control_period
-    along_drop = state.direct_missed - state.resistance * direct
-    across_drop = state.quadrature_missed - state.resistance * quadrature
     # Until the first command acts, the legs are off and the currents do not change.
     if state.delay == 1 and not is_first:
-        along, across = state.direct_given + along_drop, state.quadrature_given + across_drop
-        flux, across_flux = _period_later(state, flux, across_flux, along, across, turned)
+        flux, across_flux = _period_later(state, flux, across_flux, turned)
 
     desired = state.direct_inductance * direct_reference + state.magnet_flux
     across_desired = state.quadrature_inductance * quadrature_reference
     error, across_error = desired - flux, across_desired - across_flux
+    now, across_now = _currents_of(state, flux, across_flux)
+    drop, across_drop = _mean_drop(
+        state,
+        (now, across_now),
+        (now + _SHARE * (direct_reference - now), across_now + _SHARE * (quadrature_reference - across_now)),
+        halfway,
+    )
     # The voltage that rotates the desired flux with the rotor and moves the flux toward it. The voltage that rotates
-    # the flux error does not reduce it, and is added only as far as the limit allows.
+    # the rest of the flux error does not reduce it, and is added only as far as the limit allows.
     rate = 1.0 / state.control_period
-    steady = state.resistance * direct_reference - state.direct_missed
-    across_steady = state.resistance * quadrature_reference - state.quadrature_missed
+    steady, across_steady = drop - state.direct_missed, across_drop - state.quadrature_missed
     along = steady + rate * ((cosine - 1.0) * desired - sine * across_desired + _SHARE * error)
     across = across_steady + rate * (sine * desired + (cosine - 1.0) * across_desired + _SHARE * across_error)
-    along_added = -rate * ((cosine - 1.0) * error - sine * across_error)
-    across_added = -rate * (sine * error + (cosine - 1.0) * across_error)
+    left = (_SHARE - 1.0) * rate
+    along_added = left * ((cosine - 1.0) * error - sine * across_error)
+    across_added = left * (sine * error + (cosine - 1.0) * across_error)
     applied, across_applied = limited_voltage(
         along, across, along_added, across_added, voltage_limit(state, sense)
     )
+    along += along_added
+    across += across_added
 
+    # The same drop in prediction and command leaves no error at rest; within the limit it is that of other currents.
+    state.direct_given, state.quadrature_given = applied - drop, across_applied - across_drop
+    foreseen = _period_later(state, flux, across_flux, turned)
+    if applied != along or across_applied != across:
+        drop, across_drop = _mean_drop(
+            state, (now, across_now), _currents_of(state, foreseen[0], foreseen[1]), halfway
+        )
+        state.direct_given, state.quadrature_given = applied - drop, across_applied - across_drop
+        foreseen = _period_later(state, flux, across_flux, turned)
     if state.delay == 0:
-        along_drop, across_drop = applied + along_drop, across_applied + across_drop
-        flux, across_flux = _period_later(state, flux, across_flux, along_drop, across_drop, turned)
+        flux, across_flux = foreseen
     state.direct_foreseen, state.quadrature_foreseen = flux, across_flux
-    # In the frame of the period's start, which is that of the next sample if the command acts one period later.
-    state.direct_given, state.quadrature_given = applied, across_applied
     ahead = cosine_sine(state.pole_pairs * sense.angle + electrical * state.control_period * state.delay)
     write_voltage(
         state, sense, command, ahead, (applied, across_applied), (direct_reference, quadrature_reference)
     )
-    along += along_added
-    across += across_added
     return float(sqrt(along * along + across * across))

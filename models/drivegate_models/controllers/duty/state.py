@@ -91,8 +91,8 @@ FOC_STATE: Final = np.dtype(
         ("delay", np.int64),
         ("along_voltage", np.float64, (2,)),
         ("across_voltage", np.float64, (2,)),
-        # Prediction of the flux: the voltage applied, the prediction errors (V), and the flux predicted for the next
-        # step.
+        # Prediction of the flux: the voltage applied without that across the resistance, the prediction errors (V), and
+        # the flux predicted for the next step.
         ("direct_given", np.float64),
         ("quadrature_given", np.float64),
         ("direct_missed", np.float64),

@@ -52,3 +52,27 @@ def test_it_is_another_regulator_than_that_of_foc() -> None:
         held(drive, name, rating(drive)[0], steady(1.0))[0].commands["first_duty"] for name in ("foc", NAME)
     )
     assert np.abs(first[10:] - other[10:]).max() > 1e-4
+
+
+@pytest.mark.parametrize("update_delay", [0, 1])
+def test_a_step_of_a_machine_of_few_microhenries_moves_no_direct_current(update_delay: int) -> None:
+    """Its resistance takes a tenth of a current in a period, in which the rotor turns by 7 degrees."""
+    drive = make_pm_ac_drive(
+        pole_pairs=7,
+        resistance=0.0276,
+        magnet_flux=0.0039,
+        direct_inductance=2.5e-5,
+        quadrature_inductance=2.5e-5,
+        link_voltage=24.0,
+        current_limit=25.0,
+        core_loss_conductance=0.0,
+        inertia=1e-4,
+        modulator=Modulator(update_delay=update_delay),
+    )
+    step = Course(np.array([0.0, 0.02, 0.02]), np.array([0.04, 0.04, 0.4]))
+    trace = held(drive, NAME, 180.0, step)[0].trace
+    direct, quadrature = trace[:, COLUMN["direct"]], trace[:, COLUMN["quadrature"]]
+    size = quadrature[-100:].mean() - quadrature[150:200].mean()
+    assert size > 5.0
+    moved = np.abs(direct[200:300] - direct[-100:].mean()).max()
+    assert moved < 0.02 * size, f"{100.0 * moved / size:.1f} % of the step of the quadrature current"
