@@ -18,6 +18,7 @@ from drivegate_models.loop.schedule import Course, Schedule, steady
 from drivegate_models.machine import shaft_ledger
 from drivegate_models.machine.load import CONSTANT_TORQUE, HOIST, VEHICLE, Load
 from drivegate_models.pm_ac.closed_loop import DutyRun, prepared_duty_loop
+from drivegate_models.pm_ac.failure import LOCKED_ROTOR, Failure, make_failure
 from drivegate_models.pm_ac.loop_inputs import DutyLoopInputs
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
 
@@ -34,6 +35,7 @@ def coasted(
     speed: float = 0.0,
     period: float = PERIOD,
     address: int = _OFF,
+    failure: Failure | None = None,
 ) -> DutyRun:
     """Run the drive with its bridge off, or with the same duty ratios all the time."""
     inputs = DutyLoopInputs(
@@ -43,6 +45,7 @@ def coasted(
         control_period=period,
         duration=duration,
         initial_speed=speed,
+        failure=failure,
     )
     return prepared_duty_loop(inputs, SteppedController(address, 0)).run()
 
@@ -152,7 +155,7 @@ def test_a_machine_that_reverses_against_a_brake_converges_with_the_square_of_th
     assert fine < coarse / 8.0, f"a quarter of the period leaves {fine / coarse:.2f} of {coarse:.2g} rad/s"
 
 
-def test_a_locked_rotor_takes_the_kinetic_energy_and_inertia_brings_its_own(interior: Factory) -> None:
+def test_inertia_that_is_uncoupled_takes_its_kinetic_energy_along(interior: Factory) -> None:
     drive = interior(magnet_flux=1e-6)
     inertia = Course(np.array([0.0, 0.01, 0.01, 0.02, 0.02]), np.array([1.0, 1.0, 0.4, 0.4, 1.0]))
     schedule = schedule_of(0.0, 60.0, load=steady(1.0), inertia=inertia)
@@ -165,6 +168,20 @@ def test_a_locked_rotor_takes_the_kinetic_energy_and_inertia_brings_its_own(inte
     lighter = coasted(drive, Load(CONSTANT_TORQUE, 0.0), less, duration=0.05, speed=20.0)
     taken = -0.6 * 0.5 * drive.inertia * 20.0**2
     assert lighter.shaft[shaft_ledger.BROUGHT] == pytest.approx(taken, rel=1e-6)
+
+
+def test_a_rotor_that_locks_loses_its_kinetic_energy(interior: Factory) -> None:
+    drive = interior(magnet_flux=1e-6)
+    schedule = schedule_of(0.0, 60.0, load=steady(1.0))
+    locks = make_failure(LOCKED_ROTOR, 30)
+    load = Load(CONSTANT_TORQUE, 0.1)
+    run = coasted(drive, load, schedule, duration=0.01, speed=20.0, failure=locks)
+    assert final_speed(run) == 0.0
+    braked = run.shaft[shaft_ledger.BRAKE]
+    assert braked > 0.0
+    stopped = 0.5 * drive.inertia * 20.0**2 - braked
+    assert run.shaft[shaft_ledger.STOPPED] == pytest.approx(stopped, rel=1e-6)
+    assert shaft_ledger.shaft_error(run.shaft) < 1e-12
 
 
 def test_an_energy_that_a_shaft_gains_between_two_periods_is_not_missed(interior: Factory) -> None:
