@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 if TYPE_CHECKING:
     from drivegate_cases.scenario.failure_kind import FailureKind
     from drivegate_cases.scenario.reference import FollowedReference
+    from drivegate_models.pm_ac.modulation_kind import ModulationKind
 
 
 @dataclass(frozen=True)
@@ -58,6 +59,8 @@ class Declaration:
     update_delay: int | None = None
     """Control periods between a step and its effect, where the candidate is made for one number; None for its
     drive's."""
+    modulation: ModulationKind = "continuous"
+    """Kind of modulation by whose ideal its torque ripple is judged."""
 
     @property
     def follows_current(self) -> bool:

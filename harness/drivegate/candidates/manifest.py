@@ -18,6 +18,7 @@ from drivegate_cases.drive.pm_ac.inverter import MOST_CARRIERS
 from drivegate_cases.scenario.failure_kind import FailureKind
 from drivegate_cases.scenario.reference import FollowedReference
 from drivegate_models.errors import InputError
+from drivegate_models.pm_ac.modulation_kind import ModulationKind
 from drivegate_models.units import RADIANS_PER_RPM
 
 # A type checker cannot read a Literal that is made of the registry.
@@ -39,6 +40,7 @@ _KEYS_OF_OTHERS = {
         "reads_enable": "whose legs are no candidate's",
         "control_every": "whose carrier is no candidate's",
         "update_delay": "whose duty ratios are no candidate's",
+        "modulation": "whose duty ratios are no candidate's",
     }
 }
 """For each contract, keys of the contract of duty ratios alone, and why it has none."""
@@ -158,6 +160,11 @@ class Manifest(Document):
         default=None,
         description="control periods from a step to the one in which its duty ratios act, by "
         "default those of the drive; 0 if they act in the period of the sample",
+    )
+    modulation: ModulationKind = Field(
+        default="continuous",
+        description="kind of modulation of a candidate that answers with duty ratios, by whose ideal its torque ripple "
+        "is judged: 'continuous', or 'dpwm-min', 'dpwm-max', 'dpwm-0' to 'dpwm-3', which clamp a leg",
     )
     drive: DriveReference | None = Field(
         default=None,
@@ -302,6 +309,7 @@ class Manifest(Document):
             self.current_bandwidth_rad_s,
             self.control_every,
             self.update_delay,
+            self.modulation,
         )
 
 

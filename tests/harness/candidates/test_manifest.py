@@ -105,6 +105,8 @@ def test_what_a_candidate_follows_is_declared():
     assert parsed(contract="duty", references=["current"]).declaration().follows_current
     assert parsed(contract="duty", detects=["open-phase"]).declaration().detects == ("open-phase",)
     assert parsed(contract="duty", current_bandwidth_rad_s=1000).declaration().current_bandwidth == 1000.0
+    assert parsed(contract="duty", modulation="dpwm-min").declaration().modulation == "dpwm-min"
+    assert parsed(contract="duty").declaration().modulation == "continuous"
     begun = parsed(contract="duty", reads_enable=True, calibration_time_s=0.25).declaration()
     assert (begun.reads_enable, begun.calibration_time_s) == (True, 0.25)
     assert begun.with_bridge_on() == parsed(contract="duty").declaration()
@@ -127,6 +129,8 @@ def test_what_a_candidate_follows_is_declared():
         ({"contract": "duty", "control_every": 33}, "control_every"),
         ({"contract": "current", "update_delay": 0}, "'update_delay' is for the contract 'duty'"),
         ({"contract": "duty", "update_delay": 2}, "must be 0 or 1"),
+        ({"contract": "current", "modulation": "dpwm-1"}, "'modulation' is for the contract 'duty'"),
+        ({"contract": "duty", "modulation": "flat-bottom"}, "must be 'continuous', 'dpwm-min', 'dpwm-max'"),
         ({"contract": "duty", "calibration_time_s": 0.1}, "needs 'reads_enable = true'"),
         ({"contract": "duty", "reads_enable": True, "calibration_time_s": 0.6}, "calibration_time_s"),
     ],

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from drivegate_models.contract.duty.signals import LEG_OFF, LEG_PWM
-from drivegate_models.pm_ac.plant.drive import Modulator, PmAcDrive
-from drivegate_models.pm_ac.ripple import commanded_swing, ideal_swing
+from drivegate_models.pm_ac.plant.drive import PmAcDrive
+from drivegate_models.pm_ac.ripple import commanded_swing
 
 pytestmark = pytest.mark.kernel
 
@@ -63,40 +63,3 @@ def test_what_is_ignored_is_not_looked_at(surface: Factory) -> None:
 def test_equal_duty_ratios_and_blocked_legs_make_no_torque(surface: Factory) -> None:
     assert swing_of(surface(), (0.4, 0.4, 0.4)) == 0.0
     assert swing_of(surface(), (0.5, 0.7, 0.3), mode=LEG_OFF) == 0.0
-
-
-@pytest.mark.parametrize("current", [5.0, -5.0])
-def test_ideal_modulation_at_standstill_swings_by_what_falls_off_in_one_zero_vector(
-    current: float, surface: Factory
-) -> None:
-    drive = surface()
-    swing = ideal_swing(drive, 0.0, LINK, (0.0, current), ignored=2, watched=2, period=PERIOD)
-    needed = drive.resistance * abs(current)
-    # Both zero vectors last equally long, as they do under even ones, and the current falls off in each.
-    zero = (0.5 - 0.5 * sqrt(3.0) * needed / LINK) * PERIOD
-    expected = torque_of(drive, needed / drive.quadrature_inductance * zero)
-    # What falls off is less at the end of a zero vector than at its start, by R t / L of itself.
-    assert swing == pytest.approx(expected, rel=drive.resistance * PERIOD / drive.quadrature_inductance)
-
-
-def test_ideal_modulation_has_even_zero_vectors(surface: Factory) -> None:
-    # The voltage lies where two legs are alike, so that they are left out of the middle without a zero sequence.
-    drive = surface(resistance=1.0)
-    voltage = drive.resistance * 20.0
-    quadrature = 20.0 * 0.5 * sqrt(3.0)
-    swing = ideal_swing(drive, 0.0, LINK, (10.0, quadrature), ignored=2, watched=2, period=PERIOD)
-    zero = 0.5 * (1.0 - 1.5 * voltage / LINK) * PERIOD
-    expected = torque_of(drive, drive.resistance * quadrature / drive.quadrature_inductance * zero)
-    assert swing == pytest.approx(expected, rel=drive.resistance * PERIOD / drive.quadrature_inductance)
-
-
-def test_ideal_modulation_has_neither_dead_time_nor_drops(interior: Factory) -> None:
-    plain = interior()
-    real = interior(
-        modulator=Modulator(dead_time=2e-6, counter_levels=500.0), switch_drop=1.0, diode_drop=1.0
-    )
-    swings = [
-        ideal_swing(drive, 100.0, LINK, (-1.0, 3.0), ignored=4, watched=8, period=PERIOD)
-        for drive in (plain, real)
-    ]
-    assert swings[0] == swings[1] > 0.0

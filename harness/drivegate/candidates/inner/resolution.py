@@ -57,6 +57,7 @@ def from_text(specification: str) -> Candidate:
             reverses=False,
             detects=(),
             current_bandwidth=None,
+            modulation="continuous",
         ),
         details=OuterLoop(outer),
         # The one that its manifest names takes current references.

@@ -126,6 +126,12 @@ LIKELY_CAUSES: Final = (
         "unclamped-ratios long-period",
     ),
     _cause(
+        "the modulation is discontinuous, and the manifest does not declare it by the key 'modulation'",
+        "RIP-4:clamped",
+        "RIP-4 confirms it: a leg is clamped to a rail nearly always",
+        "",
+    ),
+    _cause(
         "dead time is not compensated, or too much",
         "DTM-1",
         "DTM-1 confirms it: torque ripple at low speed vanishes without dead time",
@@ -168,6 +174,7 @@ _SHOWN: Final = (
     ("ACC-1", re.compile(r"speed"), "speed"),
     ("FWK-3", re.compile(r"braking"), "braking"),
     ("FWK-3", re.compile(r"\S+ A "), "current"),
+    ("RIP-4", re.compile(r".* a leg is clamped"), "clamped"),
     ("ROB-4", re.compile(r"speed overshoots"), "overshoot"),
     ("ROB-4", re.compile(r"speed off"), "error"),
 )

@@ -45,5 +45,13 @@ def test_typical_failures_name_the_cause(failed: dict[str, str], fault: str) -> 
     assert len(likely_causes_in_words(checks)) == len(named)
 
 
+def test_modulation_that_is_not_declared_is_named_where_a_leg_is_clamped() -> None:
+    swing = "torque swings by 0.1 N·m, 1.8 times the 0.0556 N·m of ideal modulation, at 750 rpm, 0.9 to 1 s"
+    clamped = likely_causes([{"id": "RIP-4", "measured": f"{swing}; a leg is clamped nearly always: if"}])
+    assert "not declare" in clamped[0].words
+    plain = likely_causes([{"id": "RIP-4", "measured": swing}])
+    assert all("not declare" not in cause.words for cause in plain)
+
+
 def test_nothing_is_named_where_nothing_fails() -> None:
     assert likely_causes([]) == ()

@@ -1,0 +1,147 @@
+"""Ideal modulation: on ideal switches by hand, and with dead time, drops, counter and shortest pulse compensated."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import pi, sqrt
+
+import numpy as np
+import pytest
+
+from drivegate_models.contract.duty.signals import LEG_PWM
+from drivegate_models.pm_ac.fundamental import steady_voltages
+from drivegate_models.pm_ac.ideal_ripple import ideal_swing
+from drivegate_models.pm_ac.modulation_kind import (
+    CONTINUOUS,
+    DPWM_MAX,
+    DPWM_MIN,
+    MODULATION_NUMBERS,
+)
+from drivegate_models.pm_ac.plant.drive import Modulator, PmAcDrive
+from drivegate_models.pm_ac.ripple import commanded_swing
+from drivegate_models.pm_ac.zero_sequence import NO_RAIL, write_ratios
+
+pytestmark = pytest.mark.kernel
+
+PERIOD = 1e-4
+LINK = 96.0
+SPEED = 20.0
+FAST = 100.0
+CURRENTS = (0.0, 12.0)
+Factory = Callable[..., PmAcDrive]
+
+
+def torque_of(drive: PmAcDrive, quadrature: float) -> float:
+    """Return the torque of a current across the magnet's axis."""
+    return 1.5 * drive.pole_pairs * drive.magnet_flux * quadrature
+
+
+@pytest.mark.parametrize("current", [5.0, -5.0])
+def test_ideal_modulation_at_standstill_swings_by_what_falls_off_in_one_zero_vector(
+    current: float, surface: Factory
+) -> None:
+    drive = surface()
+    swing = ideal_swing(drive, 0.0, LINK, (0.0, current), ignored=2, watched=2, period=PERIOD)
+    needed = drive.resistance * abs(current)
+    # Both zero vectors last equally long, as they do under even ones, and the current falls off in each.
+    zero = (0.5 - 0.5 * sqrt(3.0) * needed / LINK) * PERIOD
+    expected = torque_of(drive, needed / drive.quadrature_inductance * zero)
+    # What falls off is less at the end of a zero vector than at its start, by R t / L of itself.
+    assert swing == pytest.approx(expected, rel=drive.resistance * PERIOD / drive.quadrature_inductance)
+
+
+def test_ideal_modulation_has_even_zero_vectors(surface: Factory) -> None:
+    # The voltage lies where two legs are alike, so that they are left out of the middle without a zero sequence.
+    drive = surface(resistance=1.0)
+    voltage = drive.resistance * 20.0
+    quadrature = 20.0 * 0.5 * sqrt(3.0)
+    swing = ideal_swing(drive, 0.0, LINK, (10.0, quadrature), ignored=2, watched=2, period=PERIOD)
+    zero = 0.5 * (1.0 - 1.5 * voltage / LINK) * PERIOD
+    expected = torque_of(drive, drive.resistance * quadrature / drive.quadrature_inductance * zero)
+    assert swing == pytest.approx(expected, rel=drive.resistance * PERIOD / drive.quadrature_inductance)
+
+
+@pytest.mark.parametrize("kind", [DPWM_MIN, DPWM_MAX])
+def test_a_clamped_leg_leaves_one_zero_vector_of_twice_the_length(kind: int, surface: Factory) -> None:
+    drive = surface()
+    swing = ideal_swing(drive, 0.0, LINK, (0.0, 5.0), ignored=2, watched=2, period=PERIOD, kind=kind)
+    needed = drive.resistance * 5.0
+    zero = (1.0 - sqrt(3.0) * needed / LINK) * PERIOD
+    expected = torque_of(drive, needed / drive.quadrature_inductance * zero)
+    assert swing == pytest.approx(expected, rel=drive.resistance * PERIOD / drive.quadrature_inductance)
+
+
+def turning_swing(drive: PmAcDrive, kind: int = CONTINUOUS, speed: float = SPEED) -> float:
+    """Return the ideal's swing over a sixth of a cycle, at a current that is far from zero on average."""
+    watched = round(pi / 3.0 / (drive.pole_pairs * speed * PERIOD))
+    return ideal_swing(drive, speed, LINK, CURRENTS, ignored=600, watched=watched, period=PERIOD, kind=kind)
+
+
+def uncompensated_swing(drive: PmAcDrive, speed: float = SPEED) -> float:
+    """Return the swing under the duty ratios that suit ideal switches."""
+    watched = round(pi / 3.0 / (drive.pole_pairs * speed * PERIOD))
+    turning = drive.pole_pairs * speed * PERIOD
+    direct, quadrature = steady_voltages(drive, drive.pole_pairs * speed, *CURRENTS)
+    ratios = np.zeros((600 + watched, 3))
+    for number in range(len(ratios)):
+        angle = (number + 0.5) * turning
+        along = np.cos(angle) * direct - np.sin(angle) * quadrature
+        across = np.sin(angle) * direct + np.cos(angle) * quadrature
+        write_ratios(ratios[number], along, across, LINK, NO_RAIL)
+    legs = np.full(ratios.shape, LEG_PWM, np.int64)
+    return commanded_swing(
+        drive, CURRENTS, 0.0, speed, LINK, ratios, legs, first=0, ignored=600, period=PERIOD
+    )
+
+
+def real(surface: Factory, updates: int = 1, **errors: float) -> PmAcDrive:
+    """Make a drive whose bridge or modulator has errors."""
+    drops = {name: errors.pop(name) for name in ("switch_drop", "diode_drop") if name in errors}
+    return surface(modulator=Modulator(updates=updates, **errors), **drops)
+
+
+@pytest.mark.parametrize(
+    "errors",
+    [{"dead_time": 5e-6}, {"switch_drop": 4.0, "diode_drop": 4.0}, {"dead_time": 3e-6, "switch_drop": 3.0}],
+    ids=["dead time", "drops", "both"],
+)
+@pytest.mark.parametrize("updates", [0, 1, 2], ids=["sawtooth", "single", "double"])
+def test_the_ideal_compensates_what_a_controller_can_know(
+    updates: int, errors: dict[str, float], surface: Factory
+) -> None:
+    plain, rough = turning_swing(real(surface, updates)), real(surface, updates, **errors)
+    compensated = turning_swing(rough)
+    # Zero vectors are none where each leg has a drop by the sign of its current, and no duty ratio changes that.
+    assert 0.9 * plain < compensated < 1.5 * plain
+    assert compensated < 0.6 * uncompensated_swing(rough)
+
+
+@pytest.mark.parametrize("levels", [50.0, 200.0])
+def test_what_a_counter_rounds_remains(levels: float, surface: Factory) -> None:
+    plain, coarse = turning_swing(real(surface)), turning_swing(real(surface, counter_levels=levels))
+    drive = surface()
+    # The flux of a step of the counter, in each leg.
+    step = 2.0 * torque_of(drive, LINK * PERIOD / levels / drive.quadrature_inductance)
+    assert plain < coarse < plain + 2.0 * step
+
+
+def test_what_a_shortest_pulse_omits_remains(surface: Factory) -> None:
+    shortest = 2e-5
+    drive = real(surface, minimum_pulse=shortest)
+    plain, omitted = (turning_swing(each, speed=FAST) for each in (real(surface), drive))
+    # The flux of an omitted pulse, until the answer to the sample that shows it acts.
+    pulse = 2.0 * torque_of(drive, LINK * shortest / drive.quadrature_inductance)
+    assert 1.5 * plain < omitted < plain + pulse
+
+
+@pytest.mark.parametrize("kind", MODULATION_NUMBERS.values(), ids=MODULATION_NUMBERS)
+def test_no_kind_of_modulation_has_less_ripple_than_space_vectors(kind: int, surface: Factory) -> None:
+    assert turning_swing(surface(), kind) >= turning_swing(surface()) * (1.0 - 1e-9)
+
+
+@pytest.mark.parametrize("every", [1, 3])
+def test_the_errors_of_nothing_change_nothing(every: int, surface: Factory) -> None:
+    plain = surface(modulator=Modulator(control_every=every))
+    # A counter of so many steps rounds next to nothing.
+    fine = surface(modulator=Modulator(control_every=every, counter_levels=1e9))
+    assert turning_swing(fine) == pytest.approx(turning_swing(plain), rel=1e-5)
