@@ -1,4 +1,4 @@
-"""What follows from a PM AC drive itself: the times to its safe state, and the greatest error of its position."""
+"""What follows from a PM AC drive itself: times to the safe state, ripple of the currents, error of the position."""
 
 from __future__ import annotations
 
@@ -30,6 +30,9 @@ _DETECTION_RUN_UP: Final = 0.2
 _LEFT: Final = 0.1
 _SECTORS: Final = 6
 _SECONDS: Final = 60.0
+# Twelfths of link voltage times carrier period over the inductance by which a phase current is beyond its sample.
+_SYMMETRIC_TWELFTHS: Final = 1.0
+_SAWTOOTH_TWELFTHS: Final = 2.0
 
 
 def safe_state_s(drive: DriveValues) -> float:
@@ -57,3 +60,19 @@ def _safe_state_s(drive: DriveValues, seen_s: float) -> float:
     """Return the longest time from a failure that shows after a time (s) to the safe state (s)."""
     period = float(drive.inverter.control_period_s)
     return max(min(_SAFE_PERIODS * period, _SAFE_MOST_S), _DETECTION_PERIODS * period + seen_s)
+
+
+def peak_ripple_a(drive: DriveValues) -> float:
+    """Return how far a phase current is beyond its sample by the switching of ideal modulation alone (A).
+
+    It is V T / (12 L), with the nominal link voltage V, the carrier period T and the lesser inductance L; twice that
+    with a sawtooth carrier; and at most the current limit. The worst voltage is the greatest undistorted one where the
+    phase has none itself: duty ratios 0, 1/2 and 1. There its own leg takes it off the mean by V / 3 for half of the
+    period. Samples are in the middle of this with a symmetric carrier, and at one end of it with a sawtooth. All kinds
+    of modulation have the same there, since both other legs are at the rails.
+    """
+    inverter, machine = drive.inverter, drive.machine
+    twelfths = _SAWTOOTH_TWELFTHS if inverter.carrier == "sawtooth" else _SYMMETRIC_TWELFTHS
+    inductance = min(machine.direct_inductance_h, machine.quadrature_inductance_h)
+    flux = inverter.link_voltage_v * twelfths / (12.0 * inverter.carrier_frequency_hz)
+    return min(float(flux / inductance), float(drive.rating.current_limit_a))

@@ -8,7 +8,7 @@ from pydantic import Field
 
 from drivegate_cases.documents.document import Section
 from drivegate_cases.drive.limits import SPEED_TOLERANCE, Limit, times
-from drivegate_cases.drive.pm_ac.limits import safe_state_locked_s, safe_state_s
+from drivegate_cases.drive.pm_ac.limits import peak_ripple_a, safe_state_locked_s, safe_state_s
 from drivegate_cases.drive.usual_values import DriveValues
 
 SETTLING_PERIODS: Final = 8000
@@ -23,6 +23,10 @@ _MILLI: Final = times(0.001)
 
 def _control_period_s(drive: DriveValues) -> float:
     return float(drive.inverter.control_period_s)
+
+
+def _peak_a(stated: float, drive: DriveValues) -> float:
+    return _OF_CURRENT(stated, drive) + peak_ripple_a(drive)
 
 
 class PmAcRequirements(Section):
@@ -63,8 +67,15 @@ class PmAcRequirements(Section):
         description="longest time of a torque step to 90 %, in control periods, plus the time that the link's voltage "
         "needs to move the current",
     )
-    peak_current_percent: Annotated[float, Field(ge=100.0, le=1000.0), Limit("peak_a", _OF_CURRENT)] = Field(
-        default=120.0, description="greatest phase current at any time, in percent of the current limit"
+    peak_current_percent: Annotated[
+        float,
+        Field(ge=100.0, le=1000.0),
+        Limit("peak_a", _peak_a),
+        Limit("peak_ripple_a", lambda _, drive: peak_ripple_a(drive)),
+    ] = Field(
+        default=120.0,
+        description="greatest phase current at any time, in percent of the current limit, plus the ripple of ideal "
+        "modulation",
     )
     least_current_percent: Annotated[_Percent, Limit("current_excess", _SHARE)] = Field(
         default=2.0,
@@ -113,7 +124,7 @@ class PmAcRequirements(Section):
         default=2.0, description="greatest torque ripple with dead time at low speed, over that without"
     )
     modulation_ripple: Annotated[_Ratio, Limit("modulation_ripple")] = Field(
-        default=1.2, description="greatest torque ripple over that of ideal space-vector modulation"
+        default=1.2, description="greatest torque ripple over that of ideal modulation on the same drive"
     )
 
 

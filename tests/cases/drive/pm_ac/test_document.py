@@ -70,11 +70,32 @@ def test_a_limit_that_is_left_out_follows_from_the_drive() -> None:
     drive = packaged("pm-ac-interior")
     limits = limits_of(drive)
     assert limits.speed_tolerance_rpm == pytest.approx(0.01 * drive.rating.base_speed_rpm)
-    assert limits.peak_a == pytest.approx(1.2 * drive.rating.current_limit_a)
+    assert limits.peak_a == pytest.approx(1.2 * drive.rating.current_limit_a + limits.peak_ripple_a)
     stated = drive.with_overrides(["peak_current_percent=150", "requirements.settling_s=0.3"])
     assert isinstance(stated, PmAcDocument)
-    assert limits_of(stated).peak_a == pytest.approx(1.5 * drive.rating.current_limit_a)
+    assert limits_of(stated).peak_a == pytest.approx(
+        1.5 * drive.rating.current_limit_a + limits.peak_ripple_a
+    )
     assert limits_of(stated).settling_s == 0.3
+
+
+@pytest.mark.parametrize(
+    ("carrier", "parts"), [("single", 12.0), ("double", 12.0), ("sawtooth", 6.0)], ids=str
+)
+def test_the_ripple_of_the_currents_follows_from_link_carrier_and_inductance(
+    carrier: str, parts: float
+) -> None:
+    drive = packaged("pm-ac-interior").with_overrides([f"inverter.carrier={carrier}"])
+    inverter, machine = drive.inverter, drive.machine
+    flux = inverter.link_voltage_v / inverter.carrier_frequency_hz
+    ripple = limits_of(drive).peak_ripple_a
+    assert ripple == pytest.approx(flux / (parts * machine.direct_inductance_h))
+
+
+def test_ripple_of_the_currents_counts_up_to_the_current_limit() -> None:
+    drive = packaged("pm-ac-interior")
+    with_little = drive.replaced(direct_inductance_h=1e-5, quadrature_inductance_h=1e-5)
+    assert limits_of(with_little).peak_ripple_a == drive.rating.current_limit_a
 
 
 @pytest.mark.parametrize(

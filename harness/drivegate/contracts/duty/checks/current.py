@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import replace
-from math import isfinite
+from math import ceil, isfinite
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, Mark, Moment, Point, at_most
@@ -20,6 +22,7 @@ from drivegate.contracts.duty.checks.judged import (
     undistorted,
     worst,
 )
+from drivegate.contracts.duty.current_bandwidth import declared_rise_s
 from drivegate.contracts.duty.current_reference import unless_current
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
 from drivegate_models.pm_ac.fundamental import SteadyState, steady_state
@@ -51,25 +54,83 @@ _SAME = 1e-3
 
 def peak_current(record: DutyRecord) -> Margin:
     """Judge the greatest phase current from the first answer on."""
-    currents = record.run.column("peak_current")[_first_judged(record) :]
-    peak, limit = float(np.max(currents, initial=0.0)), record.limits.peak_a
-    return Margin("OVC-1", at_most(peak, limit), f"{peak:.5g} A")
+    place, peak, allowed = _decisive_peak(record)
+    if place is None:
+        return Margin("OVC-1", 1.0, "no current is the controller's doing")
+    more = f" of {allowed:.4g} A allowed there" if allowed > record.limits.peak_a else ""
+    return Margin("OVC-1", at_most(peak, allowed), f"{peak:.5g} A{more}")
 
 
 def peak_moment(record: DutyRecord) -> Moment:
-    first, period = _first_judged(record), record.scenario.control_period_s
-    currents = record.run.column("peak_current")
-    place = first + int(np.argmax(currents[first:])) if first < len(currents) else len(currents) - 1
-    limit = record.limits.peak_a
+    period, currents = record.scenario.control_period_s, record.run.column("peak_current")
+    place, _, allowed = _decisive_peak(record)
+    if place is None:
+        place, allowed = len(currents) - 1, record.limits.peak_a
     return Moment(
         start_s=max(place - SHOWN_PERIODS, 0) * period,
         end_s=min(place + SHOWN_PERIODS, len(currents)) * period,
         column="peak_current_a",
-        levels=(Mark(words=f"limit {limit:.4g} A", value=limit),),
+        levels=(Mark(words=f"limit {allowed:.4g} A", value=allowed),),
         point=Point(
             words=f"{currents[place]:.4g} A", time_s=(place + 0.5) * period, value=float(currents[place])
         ),
     )
+
+
+def _decisive_peak(record: DutyRecord) -> tuple[int | None, float, float]:
+    """Find the control period whose peak is the greatest over its limit, with both (A); None if none is judged."""
+    currents, allowed = record.run.column("peak_current"), _allowed_a(record)
+    judged = np.flatnonzero(np.isfinite(allowed))
+    if not judged.size:
+        return None, 0.0, math.inf
+    place = int(judged[np.argmax(currents[judged] / allowed[judged])])
+    return place, float(currents[place]), float(allowed[place])
+
+
+def _allowed_a(record: DutyRecord) -> NDArray[np.float64]:
+    """Return the limit of the peak of each control period (A); infinite where no answer can act yet."""
+    limits, scale = record.limits, record.scenario.scales.inductance
+    link = record.run.column("link")
+    # More ripple than the stated one comes from a higher link, or from less inductance.
+    ripple = float(np.max(link, initial=0.0)) / record.document.inverter.link_voltage_v / scale
+    allowed = _rise_by_link_steps(record) + (limits.peak_a + limits.peak_ripple_a * max(ripple - 1.0, 0.0))
+    allowed[: _first_judged(record)] = math.inf
+    allowed[_locking(record)] = math.inf
+    return allowed
+
+
+def _rise_by_link_steps(record: DutyRecord) -> NDArray[np.float64]:
+    """Return by how much steps of the link raise a current before an answer acts, until it is brought back (A).
+
+    Until then the duty ratios are those for the link before the step.
+    """
+    link, period = record.run.column("link"), record.scenario.control_period_s
+    unanswered = record.document.inverter.update_delay * period
+    steps = np.abs(np.diff(link, prepend=link[:1]))
+    if unanswered == 0.0 or not steps.any():
+        return np.zeros(len(link))
+    asked = np.divide(record.run.voltages, link, out=np.zeros(len(link)), where=link > 0.0)
+    # The answer to the sample before the step acts in the period that begins with it.
+    asked[1:] = asked[:-1].copy()
+    machine = record.document.machine
+    inductance = record.scenario.scales.inductance * min(
+        machine.direct_inductance_h, machine.quadrature_inductance_h
+    )
+    at_steps = asked * steps * unanswered / inductance
+    # No step is greater than the voltage that brings the current back.
+    periods = ceil((unanswered + _return_s(record, unanswered)) / period)
+    rise = at_steps.copy()
+    for later in range(1, min(periods, len(link))):
+        np.maximum(rise[later:], at_steps[:-later], out=rise[later:])
+    return rise
+
+
+def _return_s(record: DutyRecord, voltage_time_s: float) -> float:
+    """Return the time to bring a current back, of which all of the voltage takes a part (s)."""
+    bandwidth = record.declaration.current_bandwidth
+    if bandwidth is None:
+        return float(record.limits.rise_time_s + voltage_time_s)
+    return declared_rise_s(record.document, bandwidth, voltage_time=voltage_time_s)
 
 
 def _first_judged(record: DutyRecord) -> int:
@@ -78,6 +139,25 @@ def _first_judged(record: DutyRecord) -> int:
     speed, link = (float(record.run.column(name)[0]) for name in ("speed", "link"))
     # Diodes rectify with the voltage of six steps, which a controller without overmodulation cannot sustain.
     return first + TAKE_OVER_PERIODS if rectifies(record.plant, speed, link) else first
+
+
+def _locking(record: DutyRecord) -> slice:
+    """Return the control periods in which the current rises, and is brought back, after a shaft locks within one.
+
+    The back-EMF is gone at once. The first sample that shows the current is a period later, and the answer to it acts
+    after the delay. From then on the regulator has the time of a step, and what the link's voltage takes besides.
+    """
+    failure, period = record.scenario.failure, record.scenario.control_period_s
+    if failure is None or failure.kind != "locked-rotor":
+        return slice(0)
+    begin = failure.first_period(period)
+    if not 0 < begin < len(record.run.column("speed")):
+        return slice(0)
+    speed, link = (float(record.run.column(name)[begin - 1]) for name in ("speed", "link"))
+    unanswered = (1 + record.document.inverter.update_delay) * period
+    lost = steady_state(record.plant, speed, 0.0, 0.0).voltage
+    back = _return_s(record, unanswered * lost / undistorted(link))
+    return slice(begin, begin + ceil((unanswered + back) / period))
 
 
 def steady_current(record: DutyRecord) -> Margin | None:
@@ -149,13 +229,15 @@ def _loss_excess(record: DutyRecord, window: DutyWindow) -> Margin:
 OVC_1 = Check(
     id="OVC-1",
     every_run=True,
-    requirement="No phase current exceeds its peak limit, whatever load, reference or supply do.",
-    limit="{peak}",
+    requirement=(
+        "No phase current exceeds its peak limit and ideal ripple, whatever load, reference or supply do."
+    ),
+    limit="{peak} with {peak_ripple} of ripple",
     scenarios=(
         "every run from the control period in which the first answer acts, or 100 control periods later if the diodes "
-        "conduct before"
+        "conduct before; not while a current that rises as the shaft locks is brought back"
     ),
-    formula="1 - greatest phase current / {peak}",
+    formula="1 - greatest phase current / the limit",
     why="Devices and magnets are chosen for that current.",
     evaluate=peak_current,
     moment=peak_moment,

@@ -20,6 +20,7 @@ from drivegate.contracts.duty.record import DutyRecord
 from drivegate.contracts.duty.scenarios.building import (
     failing,
     speed_scenario,
+    supply_step_scenario,
     torque_of,
     torque_scenario,
     with_edges,
@@ -341,7 +342,7 @@ def test_ripple_that_modulation_or_dead_time_adds_is_noticed(slow: DutyRecord) -
     assert not both.met, both.measured
 
 
-def test_ripple_that_nobody_feels_is_not_judged(slow: DutyRecord) -> None:
+def test_ripple_that_nobody_feels_is_always_allowed(slow: DutyRecord) -> None:
     unrest = 1e-5 * np.where(np.arange(len(slow.run.commands)) % 4 < 2, 1.0, -1.0)
     faint = with_command(slow, "first_duty", lambda ratio: ratio + unrest)
     rated = slow.document.rating.rated_power_w
@@ -369,6 +370,82 @@ def test_ripple_is_judged_while_the_speed_is_near_its_reference_alone(
         return changed
 
     assert (judged("RIP-4", with_column(start, "speed", falling)) is not None) is is_judged
+
+
+@pytest.fixture(scope="session")
+def locking(run: Run, interior: PmAcDocument) -> DutyRecord:
+    """Give a shaft that turns at base speed, and locks within a control period."""
+    base = interior.rating.base_speed_rpm
+    return run(failing(speed_scenario(interior, (base,), torque_nm=1.0), "locked-rotor", 0.3))
+
+
+@pytest.mark.parametrize(
+    ("periods", "is_judged"),
+    [(-1, True), (0, False), (2, False), (13, False), (20, True)],
+    ids=["before", "as it locks", "the first answer", "brought back", "later"],
+)
+def test_a_current_that_rises_as_the_shaft_locks_is_judged_once_it_can_be_brought_back(
+    periods: int, is_judged: bool, locking: DutyRecord
+) -> None:
+    place = round(0.3 / locking.scenario.control_period_s) + periods
+
+    def raised(peak: Any) -> Any:
+        changed = peak.copy()
+        changed[place] = 2.0 * locking.limits.peak_a
+        return changed
+
+    assert judged("OVC-1", locking) is not None
+    margin = judged("OVC-1", with_column(locking, "peak_current", raised))
+    assert margin is not None
+    assert margin.met is not is_judged, margin.measured
+
+
+def test_a_plant_with_less_inductance_has_more_ripple_that_is_allowed(
+    run: Run, interior: PmAcDocument
+) -> None:
+    other = run(with_scales(speed_scenario(interior, (1000.0, 1500.0), torque_nm=0.8), inductance=0.5))
+    limits = other.limits
+    allowed = limits.peak_a + limits.peak_ripple_a
+    for peak, is_met in ((0.999 * allowed, True), (1.001 * allowed, False)):
+        margin = judged("OVC-1", with_column(other, "peak_current", lambda _, peak=peak: peak))
+        assert margin is not None
+        assert margin.met is is_met
+
+
+def test_what_a_step_of_the_link_raises_a_current_before_an_answer_acts_is_allowed(
+    run: Run, interior: PmAcDocument
+) -> None:
+    speed = interior.rating.base_speed_rpm
+    held = torque_scenario(interior, speed, (torque_of(interior, speed, 0.5),))
+    stepped = run(supply_step_scenario(held, interior, (1.0, 0.85, 1.0)))
+    link, period = stepped.run.column("link"), stepped.scenario.control_period_s
+    place = int(np.flatnonzero(np.diff(link) > 0.0)[-1]) + 1
+    voltage = float(stepped.run.voltages[place - 1]) / link[place - 1] * (link[place] - link[place - 1])
+    rise = voltage * period / interior.machine.direct_inductance_h
+    assert rise > 0.01 * stepped.limits.peak_a
+    for periods, share, is_met in ((0, 0.99, True), (2, 0.99, True), (0, 1.01, False), (30, 0.99, False)):
+
+        def raised(peak: Any, at: int = place + periods, value: float = share * rise) -> Any:
+            changed = peak.copy()
+            changed[at] = stepped.limits.peak_a + value
+            return changed
+
+        margin = judged("OVC-1", with_column(stepped, "peak_current", raised))
+        assert margin is not None
+        assert margin.met is is_met, (periods, share, margin.measured)
+
+
+def test_another_failure_excuses_no_current(stuck: DutyRecord) -> None:
+    place = round(0.3 / stuck.scenario.control_period_s) + 2
+
+    def raised(peak: Any) -> Any:
+        changed = peak.copy()
+        changed[place] = 2.0 * stuck.limits.peak_a
+        return changed
+
+    margin = judged("OVC-1", with_column(stuck, "peak_current", raised))
+    assert margin is not None
+    assert not margin.met
 
 
 def test_the_sums_of_the_plant_and_of_the_current_are_judged(steps: DutyRecord) -> None:
