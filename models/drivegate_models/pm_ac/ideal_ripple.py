@@ -291,9 +291,15 @@ def ideal_swing(
     - Result: maximum minus minimum torque at any instant (N m); infinite if the plant's advance fails.
     """
     electrical = drive.pole_pairs * speed
-    voltages = steady_voltages(drive, float(electrical), float(currents[0]), float(currents[1]))
+    direct, quadrature = steady_voltages(drive, float(electrical), float(currents[0]), float(currents[1]))
     steady = _Steady(
-        float(speed), float(electrical * period), float(link), *map(float, voltages), float(period), int(kind)
+        float(speed),
+        float(electrical * period),
+        float(link),
+        float(direct),
+        float(quadrature),
+        float(period),
+        int(kind),
     )
     room = _Room(
         np.zeros(3),
