@@ -286,6 +286,8 @@ _DRIVE: Final[dict[str, Effect]] = {
             "torque_tolerance_percent": 3.0,
             "estimate_tolerance_percent": 3.0,
             "overshoot_percent": 33.0,
+            "speed_overshoot_percent": 33.0,
+            "speed_swing_ratio": 3.0,
             "coupled_current_percent": 33.0,
             "rise_periods": 33.0,
             "peak_current_percent": 133.0,

@@ -7,12 +7,16 @@ from typing import Annotated, Final
 from pydantic import Field
 
 from drivegate_cases.documents.document import Section
-from drivegate_cases.drive.limits import SPEED_TOLERANCE, Limit, times
+from drivegate_cases.documents.wording import significant
+from drivegate_cases.drive.limits import SPEED_TOLERANCE, Limit, mechanical_time, times
 from drivegate_cases.drive.pm_ac.limits import peak_ripple_a, safe_state_locked_s, safe_state_s
 from drivegate_cases.drive.usual_values import DriveValues
 
 SETTLING_PERIODS: Final = 8000
 """Control periods in which a steady state has to be reached, where no time is stated."""
+SETTLING_MECHANICAL_TIMES: Final = 3.0
+"""Mechanical time constants in which a speed has to settle, where they are longer: a regulator whose reaction to the
+swing of the seen speed is limited has a bandwidth of a few of their inverses, and its integral is slower still (1)."""
 _Percent = Annotated[float, Field(gt=0.0, le=1000.0)]
 _Ratio = Annotated[float, Field(ge=1.0, le=1000.0)]
 _SHARE: Final = times(0.01)
@@ -29,16 +33,30 @@ def _peak_a(stated: float, drive: DriveValues) -> float:
     return _OF_CURRENT(stated, drive) + peak_ripple_a(drive)
 
 
+def _held_settling_s(drive: DriveValues) -> float:
+    """Return the time in which currents and torque of a held shaft settle (s)."""
+    return SETTLING_PERIODS * _control_period_s(drive)
+
+
+def _settling_s(drive: DriveValues) -> float:
+    """Return the time in which a speed settles (s)."""
+    mechanical = significant(SETTLING_MECHANICAL_TIMES * mechanical_time(drive), 2)
+    return max(_held_settling_s(drive), mechanical)
+
+
 class PmAcRequirements(Section):
     """Limits of the checks; one that has a unit follows from the drive where it is left out."""
 
     settling_s: Annotated[
-        float | None, Limit("settling_s", otherwise=lambda drive: SETTLING_PERIODS * _control_period_s(drive))
+        float | None,
+        Limit("settling_s", otherwise=_settling_s),
+        Limit("held_settling_s", otherwise=_held_settling_s),
     ] = Field(
         default=None,
         ge=0.01,
-        le=60.0,
-        description="time after a change from which on a steady state is judged, by default 8000 control periods",
+        le=600.0,
+        description="time after a change from which on a steady state is judged, by default 8000 control periods, or "
+        "for a speed 3 mechanical time constants (inertia times base speed over rated torque) if that is longer",
     )
     speed_tolerance_rpm: Annotated[float | None, SPEED_TOLERANCE] = Field(
         default=None,
@@ -55,6 +73,16 @@ class PmAcRequirements(Section):
     )
     overshoot_percent: Annotated[_Percent, Limit("overshoot", _SHARE)] = Field(
         default=10.0, description="greatest overshoot of the torque, in percent of the reference's step"
+    )
+    speed_overshoot_percent: Annotated[_Percent, Limit("speed_overshoot", _SHARE)] = Field(
+        default=55.0,
+        description="greatest overshoot of the speed, in percent of the step that its regulator has to make; with 0.3 "
+        "to 2 times the inertia, a symmetrical optimum (a = 2) has 51 %, or 25 % with a set-point filter",
+    )
+    speed_swing_ratio: Annotated[_Ratio, Limit("speed_swing_ratio")] = Field(
+        default=1.5,
+        description="greatest swing of the speed in the last part of a steady stretch, over that before; a slow swing "
+        "that lasts differs by as much",
     )
     coupled_current_percent: Annotated[_Percent, Limit("coupling", _SHARE)] = Field(
         default=10.0,

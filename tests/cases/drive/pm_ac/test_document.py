@@ -11,7 +11,7 @@ import pytest
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.drive.drive_document import DriveDocument, drive_names, load_drive
 from drivegate_cases.drive.drive_file import drive_schema, drive_toml
-from drivegate_cases.drive.limits import limits_of
+from drivegate_cases.drive.limits import limits_of, mechanical_time
 from drivegate_cases.drive.plant import Scales
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.scenario import Scenario
@@ -76,7 +76,17 @@ def test_a_limit_that_is_left_out_follows_from_the_drive() -> None:
     assert limits_of(stated).peak_a == pytest.approx(
         1.5 * drive.rating.current_limit_a + limits.peak_ripple_a
     )
-    assert limits_of(stated).settling_s == 0.3
+    assert limits_of(stated).settling_s == limits_of(stated).held_settling_s == 0.3
+
+
+def test_a_speed_settles_in_the_longer_of_control_periods_and_mechanical_times() -> None:
+    drive = packaged("pm-ac-interior")
+    periods = 8000 * drive.control_period_s
+    assert limits_of(drive).settling_s == limits_of(drive).held_settling_s == periods
+    heavy = drive.replaced(inertia_kg_m2=30.0 * drive.machine.inertia_kg_m2)
+    assert limits_of(heavy).settling_s == pytest.approx(3.0 * mechanical_time(heavy), rel=0.05)
+    assert limits_of(heavy).settling_s > 20.0 * periods
+    assert limits_of(heavy).held_settling_s == periods, "a shaft that is held has no mechanics"
 
 
 @pytest.mark.parametrize(

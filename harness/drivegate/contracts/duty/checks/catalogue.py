@@ -6,7 +6,7 @@ from typing import Final
 
 from drivegate.checks.check import Check
 from drivegate.checks.every_contract import DET_1, TIM_1
-from drivegate.contracts.duty.checks.accuracy import ACC_1, ROB_4, ROB_5
+from drivegate.contracts.duty.checks.accuracy import ACC_1, ROB_5
 from drivegate.contracts.duty.checks.commands import DUT_1
 from drivegate.contracts.duty.checks.current import EFF_1, MTP_1, OVC_1, OVC_2
 from drivegate.contracts.duty.checks.decoupling import DEC_1
@@ -14,6 +14,7 @@ from drivegate.contracts.duty.checks.estimate import EST_1
 from drivegate.contracts.duty.checks.failures import SAF_1
 from drivegate.contracts.duty.checks.power import DUTY_PWR_1
 from drivegate.contracts.duty.checks.ripple import DTM_1, RIP_4
+from drivegate.contracts.duty.checks.speed_response import ROB_4
 from drivegate.contracts.duty.checks.starting import STA_1
 from drivegate.contracts.duty.checks.steps import STP_1
 from drivegate.contracts.duty.checks.symmetry import SYM_1

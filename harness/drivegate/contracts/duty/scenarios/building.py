@@ -9,12 +9,12 @@ from typing import Final
 
 from drivegate.contracts.duty.document import duty_document
 from drivegate.contracts.duty.scenarios.drawn_range import slow_load_share
-from drivegate.contracts.duty.scenarios.windows import WINDOW_SHARE, run_up_s
+from drivegate.contracts.duty.scenarios.windows import WINDOW_SHARE, is_held, run_up_s, settling_s
 from drivegate.scenarios.changes import in_steps
 from drivegate.scenarios.drive_scale import rated_torque_at, tidy
 from drivegate.scenarios.title import titled
 from drivegate_cases.drive.document import Position
-from drivegate_cases.drive.limits import limits_of, rounded
+from drivegate_cases.drive.limits import rounded
 from drivegate_cases.drive.plant import Scales
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.control_periods import first_period_from, period_start_s
@@ -46,9 +46,11 @@ def slow_torque(drive: PmAcDocument, speed_rpm: float, share: float = 1.0) -> fl
     return torque_of(drive, speed_rpm, share * slow_load_share(speed_rpm, drive))
 
 
-def dwell_periods(drive: PmAcDocument, speed_change_rpm: float = 0.0, inertia_factor: float = 1.0) -> int:
+def dwell_periods(
+    drive: PmAcDocument, speed_change_rpm: float = 0.0, inertia_factor: float = 1.0, *, held: bool = False
+) -> int:
     """Return the control periods after a change in which a steady state is reached and judged."""
-    settling = limits_of(drive).settling_s
+    settling = settling_s(drive, held=held)
     time = (1.0 + WINDOW_SHARE) * settling + run_up_s(drive, speed_change_rpm, inertia_factor)
     return PERIODS_AT_A_TIME * math.ceil(round(time / (PERIODS_AT_A_TIME * drive.control_period_s), 6))
 
@@ -58,14 +60,14 @@ def start_s(drive: PmAcDocument, period: int) -> float:
     return period_start_s(period, drive.control_period_s)
 
 
-def _ends_of_dwells(drive: PmAcDocument, count: int) -> list[float]:
+def _ends_of_dwells(drive: PmAcDocument, count: int, *, held: bool) -> list[float]:
     """Return the ends of dwells of equal length (s)."""
-    return [start_s(drive, number * dwell_periods(drive)) for number in range(1, count + 1)]
+    return [start_s(drive, number * dwell_periods(drive, held=held)) for number in range(1, count + 1)]
 
 
 def torque_scenario(drive: PmAcDocument, speed_rpm: float, torques_nm: Sequence[float]) -> Scenario:
     """Make a run at a held speed through steps of the torque reference, each long enough to be judged."""
-    *times, end = _ends_of_dwells(drive, len(torques_nm))
+    *times, end = _ends_of_dwells(drive, len(torques_nm), held=True)
     return titled(
         Scenario(
             name="torque",
@@ -264,7 +266,9 @@ def _period_from(time_s: float, period_s: float) -> float:
 def _settling_after(times_s: Sequence[float], run: Scenario) -> Scenario:
     """Go on with a run for as long as it takes to settle after the last of some times."""
     drive = duty_document(run.drive)
-    periods = round(max(times_s, default=0.0) / run.control_period_s) + dwell_periods(drive)
+    periods = round(max(times_s, default=0.0) / run.control_period_s) + dwell_periods(
+        drive, held=is_held(run)
+    )
     return titled(run.replaced(duration_s=max(run.duration_s, start_s(drive, periods))))
 
 
@@ -295,6 +299,6 @@ def with_edges(run: Scenario, position: Position, seed: int) -> Scenario:
 
 def supply_step_scenario(base: Scenario, drive: PmAcDocument, shares: Sequence[float]) -> Scenario:
     """Make a run at one operating point through steps of the link's voltage, each long enough to be judged."""
-    *times, end = _ends_of_dwells(drive, len(shares))
+    *times, end = _ends_of_dwells(drive, len(shares), held=is_held(base))
     volts = [tidy(share * drive.inverter.supply_voltage_v) for share in shares]
     return titled(base.replaced(duration_s=end, supply_v=in_steps(volts, times)))

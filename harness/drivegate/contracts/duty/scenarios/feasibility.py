@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
-from math import isfinite
 from typing import Final
 
 import numpy as np
@@ -17,13 +16,13 @@ from drivegate.contracts.duty.scenarios.drawn_range import (
     slow_load_share,
     unnoticed_because,
 )
+from drivegate.contracts.duty.scenarios.reaching import greatest_torque, is_too_late
 from drivegate.contracts.duty.scenarios.windows import duty_dwells
 from drivegate.scenarios.drive_scale import rated_torque_at
 from drivegate_cases.drive.data_sheet import USABLE_SHARE
 from drivegate_cases.drive.limits import limits_of
 from drivegate_cases.drive.plant import NOMINAL
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
-from drivegate_cases.drive.pm_ac.greatest_torque import greatest_within
 from drivegate_cases.drive.pm_ac.limits import GREATEST_ANGLE_DEG
 from drivegate_cases.scenario.courses import friction_since, profiles_of
 from drivegate_cases.scenario.load import DynamometerLoad, LockedLoad, VehicleLoad
@@ -35,7 +34,6 @@ from drivegate_models.contract.duty.signals import LEG_OFF
 from drivegate_models.loop.sensing.hall import SECTOR
 from drivegate_models.machine import ledger
 from drivegate_models.machine.friction import friction_torque
-from drivegate_models.pm_ac.oracle import undistorted_limits
 from drivegate_models.pm_ac.plant.advance import make_phases
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
 from drivegate_models.pm_ac.rectifying import settle_rectifying
@@ -52,13 +50,24 @@ _ROUNDING: Final = 0.01
 
 def unfair_because(scenario: Scenario) -> str | None:
     """State why a candidate may not be judged on a scenario; a torque reference out of reach is judged as such."""
+    reasons = (_unfair_begin, unnoticed_because, _unfair_position, _unfair_load)
+    return next((because for reason in reasons if (because := reason(scenario)) is not None), None)
+
+
+def _unfair_begin(scenario: Scenario) -> str | None:
+    """State why a scenario begins as no drive does, or goes where none may."""
     differs = scenario.scales != NOMINAL
     if differs and abs(scenario.initial_speed_rpm) > scenario.drive.rating.base_speed_rpm:
         return "it begins above base speed, on a plant that the controller does not know"
-    if (unnoticed := unnoticed_because(scenario)) is not None:
-        return unnoticed
+    if _is_beyond_overspeed(scenario):
+        return "it begins or has a reference above overspeed, where a drive turns itself off"
     if _rectified_current(scenario) > limits_of(duty_document(scenario.drive)).peak_a:
         return "it begins so fast that the current through the diodes alone exceeds the limit of OVC-1"
+    return None
+
+
+def _unfair_position(scenario: Scenario) -> str | None:
+    """State why the sensor of the shaft shows too little of it, or what is too wrong."""
     if _shows_a_failure(scenario):
         return "its false edges are so many of an encoder's speed window that they look like a failure of the encoder"
     greatest_deg = GREATEST_ANGLE_DEG["exact"]
@@ -70,11 +79,16 @@ def unfair_because(scenario: Scenario) -> str | None:
     is_torque = isinstance(scenario.load, DynamometerLoad)
     if by_hall and is_torque and any(speed == 0.0 for _, speed in scenario.speed_rpm):
         return "Hall switches show the angle of a shaft at rest no closer than 30 electrical degrees"
+    if by_hall and is_slow(scenario):
+        return "below 10 % of base speed the edges of Hall switches come too rarely to regulate the speed by them"
+    return None
+
+
+def _unfair_load(scenario: Scenario) -> str | None:
+    """State why no torque within the limits bears the load of a scenario."""
     weakens = duty_document(scenario.drive).weakens
     if isinstance(scenario.load, LockedLoad) and weakens:
         return None
-    if by_hall and is_slow(scenario):
-        return "below 10 % of base speed the edges of Hall switches come too rarely to regulate the speed by them"
     if _stops_at_low_speed(scenario):
         return "at so low a speed its load stops the shaft before a regulator of the speed can act"
     if _stops_within_a_sector(scenario):
@@ -82,7 +96,14 @@ def unfair_because(scenario: Scenario) -> str | None:
     if not all(_is_driven(scenario, dwell) for dwell in duty_dwells(scenario)):
         unweakened = "" if weakens else " without field weakening"
         return f"at one of its operating points no currents within the limits give the torque{unweakened}"
+    if is_too_late(scenario):
+        return "the torque that the limits leave brings its shaft to a reference too late to settle there"
     return None
+
+
+def _is_beyond_overspeed(scenario: Scenario) -> bool:
+    speeds = (scenario.initial_speed_rpm, *(speed for _, speed in scenario.speed_rpm))
+    return max(map(abs, speeds)) > scenario.drive.rating.overspeed_rpm
 
 
 def _shows_a_failure(scenario: Scenario) -> bool:
@@ -151,8 +172,8 @@ def required_torque(document: PmAcDocument, plant: PmAcDrive, speed: float, link
     """
     limits, weakens = limits_of(document), document.weakens
     return min(
-        IN_HAND * _greatest(plant, speed, link, weakens),
-        limits.weakening * _greatest(plant, speed, limits.weakening_voltage * link, weakens),
+        IN_HAND * greatest_torque(plant, speed, link, weakens),
+        limits.weakening * greatest_torque(plant, speed, limits.weakening_voltage * link, weakens),
     )
 
 
@@ -173,10 +194,3 @@ def _settled_peak(plant: PmAcDrive, speed: float, link: float, period: float) ->
     legs_off = np.zeros(3), np.full(3, LEG_OFF, np.int64)
     settle_rectifying(plant, make_phases(), 0.0, speed, link, (1.0, 1.0), period, *legs_off, totals)
     return float(totals[ledger.PEAK])
-
-
-@lru_cache(maxsize=_KEPT)
-def _greatest(plant: PmAcDrive, speed: float, link: float, weakens: bool) -> float:
-    """Find the greatest torque (N·m); below every load where the limits leave none."""
-    torque = greatest_within(plant, undistorted_limits(plant, link), speed, weakens=weakens).torque
-    return torque if isfinite(torque) else -1.0

@@ -7,6 +7,7 @@ from collections.abc import Collection
 from typing import Final
 
 from drivegate.contracts.duty.scenarios.building import (
+    dwell_periods,
     edge_positions,
     failing,
     hoist_scenario,
@@ -18,6 +19,7 @@ from drivegate.contracts.duty.scenarios.building import (
     slow_torque,
     speed_and_load_step_scenario,
     speed_scenario,
+    start_s,
     stop_scenario,
     supply_step_scenario,
     torque_of,
@@ -52,8 +54,6 @@ FAILURE_TIME_SHARE: Final = 0.6
 """When something fails, over the run's length (1)."""
 GONE_PERIODS: Final = 1000
 """Control periods for which a load vanishes: too few for a steady state, whatever the carrier."""
-WAIT_PERIODS: Final = 10_000
-"""Control periods at standstill between a stop and low speed: enough for a steady state."""
 DEAD_TIME_SPEED_SHARE: Final = 0.08
 """Speed at which dead time is looked at, over base speed (1)."""
 
@@ -182,7 +182,7 @@ def _slow_speeds(drive: PmAcDocument) -> list[Scenario]:
         load_step_scenario(drive, slowest, slow_torque(drive, slowest), (0.0, 1.0)),
         speed_scenario(drive, (slow,), torque_nm=slow_torque(drive, slow), initial_speed_rpm=0.0),
         speed_scenario(drive, (speed_of(drive, -0.5), 0.0, slow)),
-        stop_scenario(drive, speed_of(drive, 0.0), WAIT_PERIODS * drive.control_period_s, slow),
+        stop_scenario(drive, speed_of(drive, 0.0), start_s(drive, dwell_periods(drive)), slow),
     ]
 
 

@@ -8,6 +8,7 @@ from drivegate.contracts.duty.document import duty_document
 from drivegate_cases.drive.limits import limits_of
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.control_periods import first_period_from
+from drivegate_cases.scenario.load import DynamometerLoad, VehicleLoad
 from drivegate_cases.scenario.profile import Dwell, dwells
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.units import RADIANS_PER_RPM
@@ -26,6 +27,23 @@ def duty_dwells(scenario: Scenario) -> tuple[Dwell, ...]:
     return dwells(scenario, seen_throughout=True)
 
 
+def settling_s(drive: PmAcDocument, *, held: bool) -> float:
+    """Return the time in which a speed settles, or on a held shaft a torque (s)."""
+    limits = limits_of(drive)
+    return float(limits.held_settling_s if held else limits.settling_s)
+
+
+def is_held(scenario: Scenario) -> bool:
+    """Return True if a dynamometer holds the shaft while the controller follows a torque."""
+    return isinstance(scenario.load, DynamometerLoad)
+
+
+def shaft_inertia(scenario: Scenario, dwell: Dwell) -> float:
+    """Return the inertia that the machine turns, with that of a vehicle (kg·m²)."""
+    vehicle = scenario.load.inertia_kg_m2 if isinstance(scenario.load, VehicleLoad) else 0.0
+    return duty_document(scenario.drive).machine.inertia_kg_m2 * dwell.scales.inertia + vehicle
+
+
 def run_up_s(drive: PmAcDocument, speed_change_rpm: float, inertia_factor: float = 1.0) -> float:
     """Return the time in which a free shaft is to have changed its speed (s)."""
     torque = drive.rating.rated_power_w / (drive.rating.highest_speed_rpm * RADIANS_PER_RPM)
@@ -40,16 +58,20 @@ def run_up_s(drive: PmAcDocument, speed_change_rpm: float, inertia_factor: float
 
 
 def duty_windows(scenario: Scenario) -> list[tuple[Dwell, float, float]]:
-    """Find the end of every dwell that is long enough to settle in, with its start and end (s)."""
-    drive = duty_document(scenario.drive)
-    settling, period = limits_of(drive).settling_s, drive.control_period_s
+    """Find the end of every dwell that is long enough to settle in, with its start and end (s).
+
+    Where a dwell is too short for the shaft to reach its reference, the next one has to make the rest of the way.
+    """
+    drive, held = duty_document(scenario.drive), is_held(scenario)
+    settling, period = settling_s(drive, held=held), drive.control_period_s
     length = WINDOW_SHARE * settling
     windows = []
-    before = scenario.initial_speed_rpm
+    speed = scenario.initial_speed_rpm
     for dwell in duty_dwells(scenario):
-        change = 0.0 if dwell.torque_reference_nm is not None else dwell.speed_rpm - before
-        needed = first_period_from(settling + length + run_up_s(drive, change, dwell.scales.inertia), period)
-        before = dwell.speed_rpm
+        change = 0.0 if held else dwell.speed_rpm - speed
+        run_up = run_up_s(drive, change, shaft_inertia(scenario, dwell) / drive.machine.inertia_kg_m2)
+        needed = first_period_from(settling + length + run_up, period)
+        speed += change if run_up <= dwell.duration else change * dwell.duration / run_up
         if round(dwell.end / period) - round(dwell.start / period) >= needed:
             windows.append((dwell, dwell.end - length, dwell.end))
     return windows

@@ -176,7 +176,7 @@ def test_a_microhenry_at_48_khz_is_planned() -> None:
 @pytest.mark.parametrize("kilohertz", [13.333, 22, 30, 44.1])
 def test_a_dwell_of_exactly_what_it_takes_is_judged_at_every_step(kilohertz: float) -> None:
     drive = on_carrier(kilohertz, "double")
-    each = dwell_periods(drive)
+    each = dwell_periods(drive, held=True)
     assert each % PERIODS_AT_A_TIME == 0
     run = torque_scenario(drive, 100.0, [0.1 * number for number in range(12)])
     assert run.control_periods == 12 * each

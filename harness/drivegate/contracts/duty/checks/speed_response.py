@@ -1,0 +1,134 @@
+"""Check of a regulated speed: how it follows a step, whether it stays calm, and whether another plant is held."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate.checks.check import Check
+from drivegate.checks.margin import Margin, at_most
+from drivegate.contracts.duty.checks.accuracy import ERROR_FACTOR, reference_error
+from drivegate.contracts.duty.checks.judged import at, worst
+from drivegate.contracts.duty.record import DutyRecord, DutyWindow
+from drivegate.contracts.duty.scenarios.reaching import greatest_torque, load_on_shaft, reaction_s
+from drivegate.contracts.duty.scenarios.windows import duty_windows
+from drivegate_cases.drive.limits import limits_of
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.scenario.profile import Dwell
+from drivegate_models.units import RADIANS_PER_RPM
+
+
+def speed_response(record: DutyRecord) -> Margin | None:
+    """Judge overshoot and swing of a regulated speed, on a plant other than the nominal one also its mean."""
+    is_other = not record.has_nominal_plant
+    if record.fails or not (is_other or record.is_nominal):
+        return None
+    return worst(_margins(record, is_other))
+
+
+def _margins(record: DutyRecord, is_other: bool) -> Iterator[Margin | None]:
+    for window in record.steady:
+        if window.torque_reference is not None:
+            continue
+        if is_other:
+            yield reference_error("ROB-4", record, window, ERROR_FACTOR)
+        yield _swing(record, window)
+        step = judged_step_rpm(record, window.dwell)
+        if step != 0.0:
+            speed = record.run.column("speed")[record.periods(window.dwell.start, window.dwell.end)]
+            beyond = (speed - window.speed_reference) / RADIANS_PER_RPM
+            yield overshoot_of_speed(beyond, step, window.dwell.start, record.document)
+
+
+def judged_step_rpm(record: DutyRecord, dwell: Dwell) -> float:
+    """Return the step of the speed (rpm) with which a dwell begins; 0 where no overshoot is judged.
+
+    It is judged from the start of the run, or from a state that the regulator had time to settle in, if the step comes
+    alone: nothing else happens in that control period that pushes the shaft beyond the new reference.
+    """
+    scenario = record.scenario
+    if dwell.start == 0.0:
+        speed = scenario.initial_speed_rpm
+        pushed = load_on_shaft(scenario, dwell, speed * RADIANS_PER_RPM)
+    else:
+        settled = {before.end: before for before, _, _ in duty_windows(scenario)}
+        before = settled.get(dwell.start)
+        if before is None or dwell.start in scenario.restarts_s or _is_other_plant(before, dwell):
+            return 0.0
+        speed = before.speed_rpm
+        loads = (load_on_shaft(scenario, each, speed * RADIANS_PER_RPM) for each in (before, dwell))
+        pushed = -next(loads) + next(loads)
+    step = dwell.speed_rpm - speed
+    return 0.0 if pushed * step > 0.0 else step
+
+
+def _is_other_plant(before: Dwell, dwell: Dwell) -> bool:
+    """Return True if more than reference, load and friction changes from one dwell to the next."""
+    first, second = (each.scales.model_copy(update={"friction_added_n_m": 0.0}) for each in (before, dwell))
+    return first != second or before.supply_v != dwell.supply_v
+
+
+def overshoot_of_speed(
+    beyond: NDArray[np.float64], step: float, start_s: float, drive: PmAcDocument
+) -> Margin:
+    """Judge how far a speed goes beyond its reference, over the step that its regulator has to make.
+
+    `beyond` is the speed without the reference (rpm), `step` the signed step of the reference (rpm). The regulator has
+    to make more of it where a load takes the speed farther away first, and only the last part of one that it begins at
+    the torque limit. What a steady speed may be off by is no overshoot.
+    """
+    limits = limits_of(drive)
+    ahead = beyond if step > 0.0 else -beyond
+    peak = int(np.argmax(ahead))
+    made = min(max(abs(step), -float(np.min(ahead[: peak + 1]))), regulated_rpm(drive))
+    over = max(float(ahead[peak]), 0.0)
+    allowed = max(limits.speed_overshoot * made, ERROR_FACTOR * limits.speed_tolerance_rpm)
+    share = f"{100.0 * over / made:.3g} % of the {made:.4g} rpm that its regulator makes"
+    measured = f"speed overshoots by {over:.4g} rpm, {share}, from {start_s:.4g} s on"
+    return Margin("ROB-4", at_most(over, allowed), measured)
+
+
+def regulated_rpm(drive: PmAcDocument) -> float:
+    """Return the greatest step of the speed (rpm) that a regulator makes without the greatest torque of the drive.
+
+    It is that of the slowest one that settles in time: its torque reaches the limit at the error that this torque
+    makes up for in its reaction time.
+    """
+    torque = greatest_torque(drive.plant(), 0.0, drive.inverter.link_voltage_v, drive.weakens)
+    return reaction_s(drive) * torque / drive.machine.inertia_kg_m2 / RADIANS_PER_RPM
+
+
+def _swing(record: DutyRecord, window: DutyWindow) -> Margin:
+    """Judge whether what swings about the mean grows; below the allowed error it may do what it likes.
+
+    The second half of the window is compared with three times that time before it: of a slow swing that lasts, a
+    shorter one might show only where it turns.
+    """
+    rows = record.periods(window.start_s, window.end_s)
+    half = (rows.stop - rows.start) // 2
+    speed = record.run.column("speed")
+    middle = rows.stop - half
+    parts = speed[max(middle - 3 * half, 0) : middle], speed[middle : rows.stop]
+    allowed = record.limits.speed_tolerance_rpm * RADIANS_PER_RPM
+    first, last = (max(float(np.ptp(part)), allowed) for part in parts)
+    growth = last / first
+    measured = f"speed swings by {last / RADIANS_PER_RPM:.4g} rpm, {growth:.3g} times as much as before, {at(window)}"
+    return Margin("ROB-4", at_most(growth, record.limits.speed_swing_ratio), measured)
+
+
+ROB_4 = Check(
+    id="ROB-4",
+    families=("parameter", "speed step", "reversal", "load step", "start"),
+    requirement="The speed follows a step without much overshoot and does not swing; on a plant that differs from the "
+    "nameplate it is also held.",
+    limit="overshoot {speed_overshoot}, swing × {speed_swing_ratio}, on another plant speed error 2 k1",
+    scenarios="runs of a speed reference on the nominal drive, and with R × 0.5 to 2, L × 0.7 to 1.3, ψ × 0.8 to 1.05 "
+    "and J × 0.3 to 2, also within a run, as of a wheel that is lifted and set down",
+    formula="the least of 1 - overshoot / {speed_overshoot}, 1 - growth of the swing / {speed_swing_ratio}, and on "
+    "another plant 1 - speed error / 2 k1",
+    why="Loops above the speed rely on its response. Windings warm up, iron saturates, magnets age, loads have inertia "
+    "of their own; the nameplate stays.",
+    evaluate=speed_response,
+)
