@@ -12,7 +12,6 @@ from numba.np.numpy_support import carray
 from drivegate_models.compilation.calling import step_signature
 from drivegate_models.compilation.kernels import KEEPS_CACHE, inlined
 from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE
-from drivegate_models.contract.duty.signals import SPEED_REFERENCE
 from drivegate_models.controllers.duty.current_reference import (
     currents_for_torque,
     least_current_direct,
@@ -38,6 +37,13 @@ from drivegate_models.controllers.duty.plausibility import (
     watch_flux,
 )
 from drivegate_models.controllers.duty.position import locate_shaft, regulated_speed, reset_position
+from drivegate_models.controllers.duty.speed_regulator import (
+    LIMITED,
+    ramped,
+    requested_torque,
+    reset_speed_regulator,
+    unwind_speed,
+)
 from drivegate_models.controllers.duty.state import (
     BY_PREDICTION,
     FOC_STATE,
@@ -53,16 +59,6 @@ _CONVERGED: Final = 1e-9
 VOLTAGE_SHARE: Final = 0.98
 """Share of the undistorted voltage for the reference currents; the rest is reserved for the current regulators."""
 
-# Bandwidth of the speed regulator relative to that of the currents, and its maximum for a light rotor. With a gain
-# below the slope of the load's torque the integral is slow; the steepest load is a fan of this exponent at rated power.
-_SPEED_SHARE = 0.02
-_MOST_SPEED_SHARE = 0.1
-_FAN_EXPONENT = 2.0
-# Swing of the seen speed by a position sensor's error of 2 electrical degrees twice a turn, over the speed and for one
-# pole pair; and the torque that the regulator may answer it with at base speed, over rated torque.
-_SPEED_SWING = 0.07
-_SWING_TORQUE = 0.5
-_SPEED_INTEGRAL = 0.25
 # Rate of field weakening by the voltage in use, relative to that of the currents; minimum share of the undistorted
 # voltage for the references; and maximum voltage in use, because a step needs its voltage only for a short time.
 _WEAKENING_RATE = 0.02
@@ -71,12 +67,6 @@ _MOST_USED = 1.5
 # Voltage reserve of a speed regulator during braking, and share of the maximum torque from which it is complete.
 _BRAKING_ROOM = 0.1
 _WHOLE_ROOM_FROM = 0.2
-# Control periods in which a speed regulator may change its torque by the maximum torque.
-_FULL_TORQUE_PERIODS = 80.0
-# Share of the requested torque below which it counts as limited.
-_LIMITED = 0.999999
-# Torque requested for a speed error, over the greatest torque, from which the shaft is accelerating.
-_ACCELERATING = 0.5
 
 
 @inlined
@@ -84,32 +74,21 @@ def reset_state(state: Any, nameplate: Any) -> None:
     """Write the constants of a controller and reset everything else, except for its aim and its regulation."""
     period = nameplate.control_period
     state.control_period = period
-    slope = _FAN_EXPONENT * nameplate.rated_power / (nameplate.base_speed * nameplate.base_speed)
-    current_bandwidth = BANDWIDTH / period
-    swing = _SPEED_SWING * nameplate.base_speed / nameplate.pole_pairs
-    calm = _SWING_TORQUE * nameplate.rated_power / (nameplate.base_speed * nameplate.inertia * swing)
-    slowest, fastest = min(_SPEED_SHARE * current_bandwidth, calm), _MOST_SPEED_SHARE * current_bandwidth
-    speed_bandwidth = min(max(slope / nameplate.inertia, slowest), fastest)
     reset_regulator(state, nameplate)
     reset_prediction(state)
     reset_torque_regulation(state)
-    state.regulates_speed = 1 if nameplate.reference_kind == SPEED_REFERENCE else 0
     state.core_loss_conductance = nameplate.core_loss_conductance
     state.deepest = -nameplate.current_limit
     most = maximum_torque_direct(state, state.current_limit)
     state.greatest_torque = torque_per_quadrature(state, most) * sqrt(
         state.current_limit * state.current_limit - most * most
     )
-    state.speed_gain = nameplate.inertia * speed_bandwidth
-    state.speed_integral_step = state.speed_gain * _SPEED_INTEGRAL * speed_bandwidth * period
     state.weakening_step = _WEAKENING_RATE * BANDWIDTH
-    state.torque_step = state.greatest_torque / _FULL_TORQUE_PERIODS
-    state.speed_integral = 0.0
-    state.torque = 0.0
+    speed_bandwidth, filter_rate = reset_speed_regulator(state, nameplate)
     state.added_flux = 0.0
     state.voltage_share = VOLTAGE_SHARE
     reset_search(state, nameplate)
-    reset_position(state, nameplate)
+    reset_position(state, nameplate, filter_rate)
     reset_observer(state, speed_bandwidth, nameplate.inertia)
     reset_plausibility(state, nameplate)
 
@@ -146,50 +125,15 @@ def _searched_direct(
     There is no search if the limits do not allow the requested torque: less power is less torque.
     """
     speed = electrical / state.pole_pairs
-    if possible < _LIMITED * min(abs(torque), state.greatest_torque):
+    if possible < LIMITED * min(abs(torque), state.greatest_torque):
         restart_search(state, torque, speed)
         return direct
     searched: float = direct + searched_offset(state, torque, speed, power)
     found, quadrature = currents_for_torque(state, searched, possible, False)
-    if torque_per_quadrature(state, found) * quadrature < _LIMITED * possible:
+    if torque_per_quadrature(state, found) * quadrature < LIMITED * possible:
         restart_search(state, torque, speed)
         return direct
     return searched
-
-
-@inlined
-def _requested_torque(state: Any, reference: float, speed: float) -> float:
-    """Return the torque requested by the reference (N m): the reference itself, or the speed regulator's output."""
-    if state.regulates_speed == 0:
-        return reference
-    error = reference - speed
-    state.speed_integral += state.speed_integral_step * error
-    return float(state.speed_gain * error + state.speed_integral)
-
-
-@inlined
-def _ramped(state: Any, requested: float) -> float:
-    """Return the requested torque in this period (N m); that of a speed regulator changes at a limited rate."""
-    if state.regulates_speed == 0:
-        return requested
-    within = min(max(requested, -state.greatest_torque), state.greatest_torque)
-    state.torque = min(max(within, state.torque - state.torque_step), state.torque + state.torque_step)
-    return float(state.torque)
-
-
-@inlined
-def _unwind_speed(state: Any, reference: float, speed: float, requested: float, possible: float) -> None:
-    """Anti-windup: stop the speed regulator's integral if the limits do not allow the requested torque.
-
-    The limited rate alone only counts while the shaft accelerates. Otherwise a seen speed that swings within a turn
-    would stop the integral in one half of each swing, and lower the mean speed.
-    """
-    error = reference - speed
-    limited = state.torque
-    if state.speed_gain * abs(error) > _ACCELERATING * state.greatest_torque:
-        limited = requested
-    if state.regulates_speed == 1 and abs(possible) < _LIMITED * abs(limited) and requested * error > 0.0:
-        state.speed_integral -= state.speed_integral_step * error
 
 
 @inlined
@@ -220,16 +164,16 @@ def step_state(state: Any, sense: Any, command: Any) -> None:
         return
     electrical = state.pole_pairs * sense.speed
     limit = voltage_limit(state, sense)
-    requested = _requested_torque(state, sense.reference, speed)
+    requested = requested_torque(state, sense.reference, speed)
     direct_reference, quadrature_reference = _currents_for(
         state,
-        _ramped(state, requested),
+        ramped(state, requested),
         electrical,
         state.voltage_share * limit,
         sense.supply_voltage * sense.supply_current,
     )
     possible = torque_per_quadrature(state, direct_reference) * quadrature_reference
-    _unwind_speed(state, sense.reference, speed, requested, possible)
+    unwind_speed(state, sense.reference, speed, requested, possible)
     watch_approach(state, direct, quadrature, direct_reference, quadrature_reference)
 
     if state.regulation == BY_PREDICTION:

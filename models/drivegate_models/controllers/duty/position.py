@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import pi
+from math import isnan, nan, pi
 from typing import Any, Final
 
 from drivegate_models.compilation.kernels import inlined
@@ -19,8 +19,13 @@ _HELD_BACK: Final = 0.9
 
 
 @inlined
-def reset_position(state: Any, nameplate: Any) -> None:
-    """Write the constants and reset the position."""
+def reset_position(state: Any, nameplate: Any, filter_rate: float) -> None:
+    """Write the constants and reset the position.
+
+    `filter_rate` is that of the filter of the seen speed (rad/s), infinite for none.
+    """
+    state.filter_share = 1.0 / (1.0 + 1.0 / (filter_rate * nameplate.control_period))
+    state.filtered_speed = nan
     state.led_on_longest = _LED_ON
     state.led_on_from = _LEAST_SPEED * nameplate.base_speed
     state.led_on = 0.0
@@ -76,8 +81,14 @@ def locate_shaft(state: Any, sense: Any) -> Any:
 
 @inlined
 def regulated_speed(state: Any, seen: Any, timed: float) -> float:
-    """Return the speed for the regulator (rad/s), limited to a sector over the time since the last Hall edge."""
+    """Return the speed for the regulator (rad/s).
+
+    That of Hall switches is limited to a sector over the time since the last edge. Any other one, `timed` (rad/s), is
+    filtered, because it swings within a turn with the errors of the sensor.
+    """
     if seen.hall < 0:
-        return timed
+        before = timed if isnan(state.filtered_speed) else state.filtered_speed
+        state.filtered_speed = before + state.filter_share * (timed - before)
+        return float(state.filtered_speed)
     most = greatest_speed(state)
     return float(min(max(seen.speed, -most), most))

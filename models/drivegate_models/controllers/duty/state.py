@@ -133,6 +133,9 @@ FOC_STATE: Final = np.dtype(
         ("hall_before", np.int64),
         ("hall_angle", np.float64),
         ("hall_speed", np.float64),
+        # Share of a new speed in the filtered one, and that one (rad/s; NaN before the first step).
+        ("filter_share", np.float64),
+        ("filtered_speed", np.float64),
         # Hall switches of a shaft that a speed is requested of: rate of the observer (1/s), inertia, sector of the
         # states (-1 before the first step), whether an edge has shown the place, time since the last edge (s), its
         # place and what has been turned since (rad electrical), speed now and at that edge (rad/s electrical), what the

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import pi, remainder, tau
+from math import inf, pi, remainder, tau
 from typing import Any
 
 import numpy as np
@@ -33,7 +33,7 @@ class Shaft:
         self.state.pole_pairs, self.state.control_period, self.state.regulates_speed = POLE_PAIRS, PERIOD, 1
         nameplate: Any = np.zeros(1, DUTY_NAMEPLATE).view(np.recarray)[0]
         nameplate.base_speed = BASE_SPEED
-        reset_position(self.state, nameplate)
+        reset_position(self.state, nameplate, inf)
         reset_observer(self.state, 40.0, INERTIA)
         self.state.led_on_from = led_on_from
         self.currents = np.zeros(3)

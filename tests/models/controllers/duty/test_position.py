@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import pi, remainder, tau
+from math import inf, pi, remainder, tau
 from typing import Any
 
 import numpy as np
@@ -35,7 +35,7 @@ class Shaft:
         self.state.pole_pairs, self.state.control_period = POLE_PAIRS, PERIOD
         nameplate: Any = np.zeros(1, DUTY_NAMEPLATE).view(np.recarray)[0]
         nameplate.base_speed = BASE_SPEED
-        reset_position(self.state, nameplate)
+        reset_position(self.state, nameplate, inf)
         self.currents = np.zeros(3)
         self.sensed = duty_sense_record(self.currents)
         self.sense: Any = self.sensed.view(np.recarray)[0]
