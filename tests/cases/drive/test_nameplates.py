@@ -10,6 +10,7 @@ import pytest
 
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.scenario.sensors import ShuntSensors
 from drivegate_models.contract.current.records import NAMEPLATE, nameplate_record
 from drivegate_models.contract.current.signals import HALF_BRIDGE, PM_AC, STAR
 from drivegate_models.contract.duty.records import DUTY_NAMEPLATE, duty_nameplate_record
@@ -51,7 +52,7 @@ OF_DUTY_RATIOS: Final[dict[str, Callable[[PmAcDocument], float]]] = {
     "control_every": lambda drive: drive.inverter.control_every or 1,
     "switch_drop": lambda drive: drive.inverter.switch_drop_v,
     "diode_drop": lambda drive: drive.inverter.diode_drop_v,
-    "position_error": lambda drive: {"exact": 12.0, "encoder": 0.0, "hall": 30.0}[drive.position] * DEGREE,
+    "position_error": lambda drive: {"exact": 12.0, "encoder": 0.0, "hall": 2.5}[drive.position] * DEGREE,
 }
 """What each field of a nameplate of duty ratios is of a drive's file."""
 
@@ -73,7 +74,9 @@ def test_drops_and_the_error_of_the_position_are_on_the_nameplate() -> None:
     assert isinstance(drive, PmAcDocument)
     plate = drive.duty_nameplate(drive.control_period_s, torque_reference=False)
     assert (plate.switch_drop, plate.diode_drop) == (1.6, 1.1)
-    assert plate.position_error == pytest.approx(30.0 * DEGREE, rel=1e-12), "half a sector"
+    usual = ShuntSensors(kind="shunts")
+    switches = usual.placement_error_deg + usual.hysteresis_deg
+    assert plate.position_error == pytest.approx(switches * DEGREE, rel=1e-12)
     encoder = drive.replaced(sensing={"position": "encoder"})
     assert isinstance(encoder, PmAcDocument)
     assert encoder.duty_nameplate(1e-4, torque_reference=False).position_error == 0.0

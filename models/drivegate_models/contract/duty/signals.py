@@ -129,5 +129,5 @@ class DutyNameplate(NamedTuple):
     diode_drop: float = 0.0
     """Forward drop of a diode with current (V)."""
     position_error: float = 0.0
-    """Greatest error of the shown electrical angle (rad): of the tracks of a sensor without edges, which swings within
-    a turn and shows in the speed, or half a sector of Hall switches; 0 for an encoder."""
+    """Greatest error by which the shown electrical angle swings within a turn (rad): of the tracks of a sensor without
+    edges, which also shows in the speed, or of the places of Hall switches; 0 for an encoder."""

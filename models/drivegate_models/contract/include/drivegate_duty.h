@@ -83,9 +83,9 @@ typedef struct drivegate_duty_nameplate {
     int64_t control_every;         /* carrier periods from one step to the next; the duty ratios hold in all of them */
     double switch_drop;            /* forward drop of a switch with current, V */
     double diode_drop;             /* forward drop of a diode with current, V */
-    double position_error;         /* greatest error of the shown electrical angle, rad: of the tracks of a sensor
-                                    * without edges, which swings within a turn and shows in the speed, or half a sector
-                                    * of Hall switches; 0 for an encoder */
+    double position_error;         /* greatest error by which the shown electrical angle swings within a turn, rad: of
+                                    * the tracks of a sensor without edges, which also shows in the speed, or of the
+                                    * places of Hall switches; 0 for an encoder */
 } drivegate_duty_nameplate;
 
 /* What the controller senses at the start of a control period. */

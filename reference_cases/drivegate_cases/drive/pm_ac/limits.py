@@ -12,11 +12,11 @@ from drivegate_models.units import RADIANS_PER_RPM
 
 FAILURE_SPEED_SHARE: Final = 0.2
 """Least speed at which something fails, over base speed: below, a phase takes too long to be missed (1)."""
-GREATEST_ANGLE_DEG: Final[Mapping[Position, float]] = {"exact": 12.0, "encoder": 0.0, "hall": 30.0}
-"""Greatest error of the angle by what shows the position (electrical degrees).
+GREATEST_ANGLE_DEG: Final[Mapping[Position, float]] = {"exact": 12.0, "encoder": 0.0, "hall": 2.5}
+"""Greatest error by which the angle swings within a turn, by what shows the position (electrical degrees).
 
-A position without edges is judged with errors of its tracks up to this one. Hall switches show a shaft at rest to half
-a sector. The edges of an encoder have no errors, and their steps show in no speed.
+A position without edges is judged with errors of its tracks up to this one. That of Hall switches is their usual error
+of placement and hysteresis. The edges of an encoder have no errors, and their steps show in no speed.
 """
 _SAFE_PERIODS: Final = 1000
 _SAFE_MOST_S: Final = 0.1
