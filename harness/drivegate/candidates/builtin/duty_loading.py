@@ -2,11 +2,14 @@
 
 from typing import Any
 
+import numpy as np
+
 from drivegate.candidates.contract import require_nameplate_of
 from drivegate.candidates.controller import CompiledController
 from drivegate_models.contract.duty.records import duty_nameplate_record
 from drivegate_models.contract.duty.signals import CURRENT_REFERENCE
-from drivegate_models.controllers.duty.foc import reset_function, step_function
+from drivegate_models.controllers.duty import foc, load_observer
+from drivegate_models.controllers.duty.load_observer import LOAD_OBSERVER_STATE
 from drivegate_models.controllers.duty.state import foc_state
 from drivegate_models.errors import InputError
 
@@ -18,7 +21,9 @@ class DutyController(CompiledController):
     """
 
     def __init__(self, name: str = "foc") -> None:
-        super().__init__(step_function(), foc_state(name))
+        self._module: Any = load_observer if name == "load-observer" else foc
+        state = np.zeros(1, LOAD_OBSERVER_STATE) if name == "load-observer" else foc_state(name)
+        super().__init__(self._module.step_function(), state)
         self.state_size: int = self._state.nbytes
 
     def reset(self, nameplate: Any) -> None:
@@ -28,4 +33,4 @@ class DutyController(CompiledController):
             raise InputError(
                 "a built-in controller of duty ratios follows a speed or a torque, but this run gives a q current"
             )
-        reset_function()(self._state, duty_nameplate_record(nameplate))
+        self._module.reset_function()(self._state, duty_nameplate_record(nameplate))

@@ -1,0 +1,232 @@
+"""Control of speed or torque with an observer of shaft and load.
+
+The speed regulator has no integral: the observed load is added to its output. After Han, "From PID to active
+disturbance rejection control", IEEE Transactions on Industrial Electronics 56(3), 2009. It shares the choice of
+currents, the prediction of the flux and the Hall observer with the other controllers, but neither their speed regulator
+nor their plausibility checks.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from math import nan, pi, sqrt
+from typing import Any, Final
+
+import numba
+import numpy as np
+from numba.np.numpy_support import carray
+
+from drivegate_models.compilation.calling import step_signature
+from drivegate_models.compilation.kernels import KEEPS_CACHE, inlined
+from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE
+from drivegate_models.contract.duty.signals import SPEED_REFERENCE
+from drivegate_models.controllers.duty.current_reference import (
+    currents_for_torque,
+    least_current_direct,
+    limited_by_voltage,
+    maximum_torque_direct,
+    torque_per_quadrature,
+)
+from drivegate_models.controllers.duty.current_regulator import (
+    reset_regulator,
+    rotor_currents,
+    voltage_limit,
+)
+from drivegate_models.controllers.duty.flux_prediction import regulate_flux, reset_prediction
+from drivegate_models.controllers.duty.hall_observer import reset_observer
+from drivegate_models.controllers.duty.position import locate_shaft, reset_position
+from drivegate_models.controllers.duty.state import FOC_STATE
+from drivegate_models.machine.cycle import within_half_turn
+
+LOAD_OBSERVER_STATE: Final = np.dtype(
+    [
+        # Machine data, modulation, flux prediction and Hall observer, as of the other controllers.
+        ("machine", FOC_STATE),
+        # Rate of the speed error (1/s), and corrections of the observer by the angle's error: of angle (1), speed
+        # (1/s) and load (N m/rad).
+        ("speed_rate", np.float64),
+        ("angle_share", np.float64),
+        ("rate_gain", np.float64),
+        ("load_gain", np.float64),
+        # Maximum change of the requested torque in a control period (N m).
+        ("torque_step", np.float64),
+        # Observed shaft: 1 once it has been seen, angle (rad), speed (rad/s), and load (N m).
+        ("is_seen", np.int64),
+        ("angle", np.float64),
+        ("speed", np.float64),
+        ("load", np.float64),
+        # Requested torque, torque of the measured currents (N m), and share of the voltage for the references.
+        ("torque", np.float64),
+        ("torque_seen", np.float64),
+        ("voltage_share", np.float64),
+    ],
+    align=True,
+)
+"""State of the controller, in SI units; angle, speed and torques are the shaft's."""
+
+# Rate of the speed error relative to the sampling rate; with an observer five times as fast, the shaft settles at
+# 0.3 to 10 times the nominal inertia. It is faster where the torque of a fan rises steeply.
+_SPEED_RATE: Final = 0.004
+_MOST_SPEED_RATE: Final = 0.02
+_FAN_EXPONENT: Final = 2.0
+_OBSERVER: Final = 5.0
+# Swing of the seen speed by a position sensor's error of 2 electrical degrees twice a turn, over the speed and for one
+# pole pair; and the torque that the regulator may answer it with at base speed, over rated torque.
+_SPEED_SWING: Final = 0.07
+_SWING_TORQUE: Final = 0.3
+# Control periods in which the torque may change by the maximum torque, and the greatest observed load over it.
+_FULL_TORQUE_PERIODS: Final = 40.0
+_MOST_LOAD: Final = 4.0
+# Greatest and least share of the undistorted voltage for the references, the share in use that is aimed at with its
+# maximum, and the change of the first one by an error of it in a control period.
+_VOLTAGE_SHARE: Final = 0.98
+_LEAST_SHARE: Final = 0.5
+_USED: Final = 0.99
+_MOST_USED: Final = 1.5
+_SHARE_STEP: Final = 0.004
+# Voltage reserve of a speed regulator during braking, and share of the maximum torque from which it is complete.
+_BRAKING_ROOM: Final = 0.1
+_WHOLE_ROOM_FROM: Final = 0.2
+_TURN: Final = 2.0 * pi
+
+
+@inlined
+def reset_state(state: Any, nameplate: Any) -> None:
+    """Write the constants and reset everything else."""
+    machine, period = state.machine, nameplate.control_period
+    machine.control_period = period
+    reset_regulator(machine, nameplate)
+    reset_prediction(machine)
+    machine.regulates_speed = 1 if nameplate.reference_kind == SPEED_REFERENCE else 0
+    machine.core_loss_conductance = nameplate.core_loss_conductance
+    machine.deepest = -nameplate.current_limit
+    machine.added_flux = 0.0
+    machine.led_on = 0.0
+    most = maximum_torque_direct(machine, nameplate.current_limit)
+    machine.greatest_torque = torque_per_quadrature(machine, most) * sqrt(
+        nameplate.current_limit * nameplate.current_limit - most * most
+    )
+    slope = _FAN_EXPONENT * nameplate.rated_power / (nameplate.base_speed * nameplate.base_speed)
+    swing = _SPEED_SWING * nameplate.base_speed / nameplate.pole_pairs
+    calm = _SWING_TORQUE * nameplate.rated_power / (nameplate.base_speed * nameplate.inertia * swing)
+    rate = min(max(slope / nameplate.inertia, min(_SPEED_RATE / period, calm)), _MOST_SPEED_RATE / period)
+    state.speed_rate = rate
+    # All three poles of the observer are at 1 - share.
+    share = 1.0 - 1.0 / (1.0 + _OBSERVER * rate * period)
+    state.angle_share = 3.0 * share
+    state.rate_gain = 3.0 * share * share / period
+    state.load_gain = nameplate.inertia * share * share * share / (period * period)
+    state.torque_step = machine.greatest_torque / _FULL_TORQUE_PERIODS
+    state.is_seen = 0
+    state.angle = 0.0
+    state.speed = 0.0
+    state.load = 0.0
+    state.torque = 0.0
+    state.torque_seen = 0.0
+    state.voltage_share = _VOLTAGE_SHARE
+    reset_position(machine, nameplate)
+    reset_observer(machine, rate, nameplate.inertia)
+    machine.seen_torque = 0.0
+
+
+@inlined
+def _observe(state: Any, sense: Any) -> None:
+    """Follow the shaft by the torque of the currents, and correct angle, speed and load by the measured angle."""
+    machine = state.machine
+    period = machine.control_period
+    if sense.hall >= 0:
+        state.angle, state.speed = sense.angle, sense.speed
+        state.load = machine.slowing * machine.inertia / machine.pole_pairs
+        return
+    if state.is_seen == 0:
+        state.is_seen = 1
+        state.angle, state.speed = sense.angle, sense.speed
+        return
+    gained = period * (state.torque_seen - state.load) / machine.inertia
+    state.angle += period * (state.speed + 0.5 * gained)
+    state.speed += gained
+    missed = within_half_turn(sense.angle - state.angle)
+    state.angle += state.angle_share * missed
+    state.speed += state.rate_gain * missed
+    state.load -= state.load_gain * missed
+    state.angle -= _TURN if state.angle > _TURN else 0.0
+    state.angle += _TURN if state.angle < 0.0 else 0.0
+    most = _MOST_LOAD * machine.greatest_torque
+    state.load = min(max(state.load, -most), most)
+
+
+@inlined
+def _requested_torque(state: Any, reference: float) -> float:
+    """Return the torque requested by the reference (N m): the reference itself, or the speed regulator's output."""
+    machine = state.machine
+    if machine.regulates_speed == 0:
+        return reference
+    torque = machine.inertia * state.speed_rate * (reference - state.speed) + state.load
+    torque = min(max(torque, -machine.greatest_torque), machine.greatest_torque)
+    state.torque = min(max(torque, state.torque - state.torque_step), state.torque + state.torque_step)
+    return float(state.torque)
+
+
+@inlined
+def _currents_for(state: Any, torque: float, electrical: float, voltage: float) -> tuple[float, float]:
+    """Return the d-axis and q-axis currents (A) for a torque (N m), or for as much of it as the limits allow."""
+    machine = state.machine
+    requested = min(abs(torque), machine.greatest_torque)
+    resistance = machine.resistance
+    if torque * electrical < 0.0:
+        if machine.regulates_speed == 0:
+            resistance = -resistance
+        else:
+            voltage *= 1.0 - _BRAKING_ROOM * min(
+                requested / (_WHOLE_ROOM_FROM * machine.greatest_torque), 1.0
+            )
+    direct = least_current_direct(machine, requested)
+    direct, requested = limited_by_voltage(machine, requested, electrical, voltage, resistance, direct)
+    return currents_for_torque(machine, direct, requested, torque < 0.0)
+
+
+@inlined
+def step_state(state: Any, sense: Any, command: Any) -> None:
+    """Compute the command of one control period."""
+    machine = state.machine
+    sense = locate_shaft(machine, sense)
+    _observe(state, sense)
+    direct, quadrature = rotor_currents(machine, sense)
+    command.angle = sense.angle
+    command.speed = sense.speed
+    limit = voltage_limit(sense)
+    electrical = machine.pole_pairs * sense.speed
+    direct_reference, quadrature_reference = _currents_for(
+        state, _requested_torque(state, sense.reference), electrical, state.voltage_share * limit
+    )
+    used = regulate_flux(machine, sense, command, direct, quadrature, direct_reference, quadrature_reference)
+    spare = _USED - min(used / max(limit, 1e-9), _MOST_USED)
+    state.voltage_share = min(max(state.voltage_share + _SHARE_STEP * spare, _LEAST_SHARE), _VOLTAGE_SHARE)
+    torque = torque_per_quadrature(machine, direct) * quadrature
+    command.torque = torque
+    state.torque_seen = torque
+    machine.seen_torque = torque
+    machine.quadrature_before = machine.quadrature_seen
+    machine.direct_seen, machine.quadrature_seen = direct, quadrature
+    command.input_power = nan
+
+
+@cache
+def step_function() -> Any:
+    """Return the controller's step, compiled; the caller must retain the object."""
+    signature = step_signature(LOAD_OBSERVER_STATE, DUTY_SENSE, DUTY_COMMAND)
+
+    def drivegate_duty_step(state: Any, sense: Any, command: Any) -> None:
+        step_state(carray(state, 1)[0], carray(sense, 1)[0], carray(command, 1)[0])
+
+    return numba.cfunc(signature, cache=KEEPS_CACHE)(drivegate_duty_step)
+
+
+@cache
+def reset_function() -> Any:
+    """Return the compiled function that resets the controller, with the arguments of `foc`'s."""
+
+    def reset(state: Any, nameplate: Any) -> None:
+        reset_state(state[0], nameplate[0])
+
+    return numba.njit(cache=KEEPS_CACHE)(reset)

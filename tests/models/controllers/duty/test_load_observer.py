@@ -1,0 +1,50 @@
+"""The controller with an observer of shaft and load: speed without an integral, on shafts of any inertia."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.checks.check import judged
+from drivegate.containment.judge import own_candidate
+from drivegate.contracts.catalogue import contract_of
+from drivegate.contracts.duty.scenarios.building import load_step_scenario, speed_scenario, torque_of
+from drivegate.drives.running import recorded
+from drivegate.scenarios.changes import with_scales
+from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_models.units import RADIANS_PER_RPM
+
+DRIVES = ("pm-ac-interior", "pm-ac-surface", "pm-ac-msl", "pm-ac-2kw")
+
+
+def run(scenario: Scenario):
+    loaded = own_candidate(resolve_candidate("load-observer"))
+    return recorded(loaded, scenario, loaded.controller())
+
+
+@pytest.mark.parametrize("name", DRIVES)
+@pytest.mark.parametrize("inertia", [0.3, 1.0, 2.0])
+def test_the_speed_hardly_overshoots_whatever_the_inertia(name: str, inertia: float) -> None:
+    drive = load_drive(name)
+    base = drive.rating.base_speed_rpm
+    steps = speed_scenario(drive, (0.3 * base, 0.8 * base, 0.3 * base), torque_nm=torque_of(drive, base, 0.4))
+    record = run(with_scales(steps, inertia=inertia))
+    speed = record.run.column("speed") / RADIANS_PER_RPM
+    assert np.max(speed) < 0.83 * base
+    margins = judged(record, contract_of(drive).checks).margins
+    assert [margin for margin in margins if not margin.met] == []
+
+
+@pytest.mark.parametrize("name", DRIVES)
+def test_the_observed_load_holds_the_speed_under_a_load_step(name: str) -> None:
+    drive = load_drive(name)
+    speed = 0.5 * drive.rating.base_speed_rpm
+    record = run(load_step_scenario(drive, speed, torque_of(drive, speed, 0.8), (0.0, 1.0, 0.5)))
+    assert record.run.column("speed")[-1] == pytest.approx(speed * RADIANS_PER_RPM, rel=1e-4)
+    margins = [
+        margin for margin in judged(record, contract_of(drive).checks).margins if margin.check == "ACC-1"
+    ]
+    assert margins
+    assert all(margin.met for margin in margins), margins
