@@ -46,9 +46,12 @@ class Limits(NamedTuple):
 def undistorted_limits(drive: PmAcDrive, link: float | None = None) -> Limits:
     """Return a drive's current limit and the linear modulation limit of a link voltage.
 
+    While the machine drives, current flows through two switches from one rail to the other, which take their drops.
+
     `link`: voltage of the link (V); the drive's nominal one by default.
     """
-    return Limits(drive.current_limit, LINEAR_LIMIT * (drive.link_voltage if link is None else link))
+    whole = drive.link_voltage if link is None else link
+    return Limits(drive.current_limit, LINEAR_LIMIT * max(whole - 2.0 * drive.switch_drop, 0.0))
 
 
 @inlined

@@ -7,8 +7,7 @@ from math import isfinite, pi, sqrt
 from drivegate_models.contract.current.signals import PM_AC, Nameplate
 from drivegate_models.contract.duty.signals import DutyNameplate
 from drivegate_models.machine.sine import cosine_sine
-from drivegate_models.pm_ac.fundamental import LINEAR_LIMIT
-from drivegate_models.pm_ac.oracle import CURRENT, Limits, least_at
+from drivegate_models.pm_ac.oracle import CURRENT, least_at, undistorted_limits
 from drivegate_models.pm_ac.plant.drive import PmAcDrive, make_pm_ac_drive
 
 _STEPS = 8
@@ -76,7 +75,7 @@ def _minimum_current_angle(drive: PmAcDrive, nameplate: DutyNameplate, speed: fl
     """Return the angle of minimum current at rated power (rad), with a voltage reserve if the drive has it."""
     torque = nameplate.rated_power / speed
     for share in _VOLTAGE_SHARES:
-        limits = Limits(drive.current_limit, share * LINEAR_LIMIT * drive.link_voltage)
+        limits = undistorted_limits(drive, share * drive.link_voltage)
         state = least_at(drive, limits, speed, torque, CURRENT)
         if isfinite(state.direct):
             break

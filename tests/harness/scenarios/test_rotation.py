@@ -37,7 +37,9 @@ def record_of(scenario: Scenario, name: str = "foc") -> DutyRecord:
     return record
 
 
-@pytest.mark.parametrize("name", ["foc", "predictive-flux", "direct-torque", "load-observer", "foc-loss-model"])
+@pytest.mark.parametrize(
+    "name", ["foc", "predictive-flux", "direct-torque", "load-observer", "foc-loss-model"]
+)
 def test_drive_and_controllers_turn_backward_as_they_turn_forward(name: str) -> None:
     run = mirrored(torque_scenario(DRIVE, 3000.0, (1.0, -1.0)).replaced(initial_angle_deg=20.0))
     record = record_of(run, name)

@@ -24,6 +24,7 @@ from drivegate_models.pm_ac.oracle import (
     constant_power_end,
     greatest_torque,
     least_at,
+    undistorted_limits,
 )
 from drivegate_models.pm_ac.plant.advance import advance_period, make_phases, stored_energy
 from drivegate_models.pm_ac.plant.drive import CENTRED, PmAcDrive, electrical_torque, make_pm_ac_drive
@@ -246,3 +247,11 @@ def test_a_sweep_of_the_switched_plant_has_its_least_loss_where_the_oracle_says(
     least = fine[np.argmin(np.polyval(coefficients, fine))]
     assert abs(least) < 0.15, f"the plant's least loss lies {least:.3f} A from the oracle's"
     assert min(losses) >= 0.99 * best.loss / torque
+
+
+def test_two_switches_take_their_drops_from_the_voltage_of_the_link() -> None:
+    drive = library_machine()
+    dropping = drive._replace(switch_drop=2.0)
+    assert undistorted_limits(dropping, 300.0).voltage == pytest.approx(LINEAR_LIMIT * 296.0)
+    assert undistorted_limits(drive, 300.0).voltage == pytest.approx(LINEAR_LIMIT * 300.0)
+    assert undistorted_limits(dropping, 3.0).voltage == 0.0, "less than nothing cannot be left"

@@ -87,7 +87,7 @@ class InformedController:
         middle = 0.5 * (now + wanted)
         voltage = self._inductive(drive, wanted - now) / self._period + self._steady(drive, middle, speed)
         voltage -= self._disturbance
-        limit = undistorted(link)
+        limit = undistorted(drive, link)
         if abs(voltage) > limit:
             voltage *= limit / abs(voltage)
         at_rest = voltage * _turn(angle + (self._delay + 0.5) * turn)

@@ -43,7 +43,7 @@ def _steady_point(record: DutyRecord, window: DutyWindow) -> Row:
         "least_loss_w": cool.loss if isfinite(cool.loss) else None,
         "loss_above_least_percent": _above(own.loss, cool.loss),
         "efficiency_percent": efficiency(own, window.speed),
-        "voltage_percent": 100.0 * window.voltage / undistorted(window.link),
+        "voltage_percent": 100.0 * window.voltage / undistorted(record.plant, window.link),
         "ripple_percent": 100.0 * _swing(record, window) / record.document.rating.rated_torque_nm,
     }
 

@@ -156,7 +156,7 @@ def _locking(record: DutyRecord) -> slice:
     speed, link = (float(record.run.column(name)[begin - 1]) for name in ("speed", "link"))
     unanswered = (1 + record.document.inverter.update_delay) * period
     lost = steady_state(record.plant, speed, 0.0, 0.0).voltage
-    back = _return_s(record, unanswered * lost / undistorted(link))
+    back = _return_s(record, unanswered * lost / undistorted(record.plant, link))
     return slice(begin, begin + ceil((unanswered + back) / period))
 
 
@@ -185,7 +185,7 @@ def _current_excess(record: DutyRecord, window: DutyWindow) -> Margin | None:
     if abs(window.torque) < LEAST_TORQUE_SHARE * record.document.rating.rated_torque_nm:
         return None
     least = least_free(record.plant, window.speed, window.torque)
-    if not (isfinite(least.voltage) and least.voltage < FREE_SHARE * undistorted(window.link)):
+    if not (isfinite(least.voltage) and least.voltage < FREE_SHARE * undistorted(record.plant, window.link)):
         return None
     excess = window.current / least.current - 1.0
     measured = f"{100.0 * excess:.3g} % above {least.current:.4g} A for {window.torque:.4g} N·m {at(window)}"

@@ -12,7 +12,7 @@ from drivegate.checks.margin import Margin
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
 from drivegate.scenarios.rotation import sense_of
 from drivegate_cases.drive.pm_ac.greatest_torque import greatest_within
-from drivegate_models.pm_ac.fundamental import LINEAR_LIMIT, SteadyState
+from drivegate_models.pm_ac.fundamental import SteadyState
 from drivegate_models.pm_ac.oracle import CURRENT, LOSS, Limits, least_at, undistorted_limits
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
 from drivegate_models.units import RADIANS_PER_RPM
@@ -40,9 +40,9 @@ STEADY_FAMILIES: Final = ("torque step", "weakening", *UNWEAKENED_FAMILIES[1:])
 """Families of scenarios with any steady state."""
 
 
-def undistorted(link: float) -> float:
+def undistorted(drive: PmAcDrive, link: float) -> float:
     """Return the greatest peak voltage of a phase that a link gives without distortion (V)."""
-    return LINEAR_LIMIT * link
+    return undistorted_limits(drive, link).voltage
 
 
 @lru_cache(maxsize=_KEPT)

@@ -116,7 +116,7 @@ def _is_rippling(record: DutyRecord, window: DutyWindow) -> bool:
         return False
     is_slow = abs(window.speed) < LEAST_SPEED_SHARE * base
     is_weak = abs(window.torque) < LEAST_TORQUE_SHARE * record.document.rating.rated_torque_nm
-    greatest = undistorted(window.link)
+    greatest = undistorted(record.plant, window.link)
     if is_slow or is_weak or window.voltage > VOLTAGE_SHARE * greatest:
         return False
     # Legs that ignore their duty ratios make another voltage than these ask for; the currents show the true one.

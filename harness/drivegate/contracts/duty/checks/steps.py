@@ -126,7 +126,9 @@ def is_free(record: DutyRecord, step: TorqueStep) -> bool:
     if record.scenario.supply_v is not None or not is_within_reach(record, speed, link, greatest):
         return False
     used = _used_voltage(record, step)
-    return abs(step.after - step.before) >= smallest and used <= VOLTAGE_SHARE * undistorted(link)
+    return abs(step.after - step.before) >= smallest and used <= VOLTAGE_SHARE * undistorted(
+        record.plant, link
+    )
 
 
 def overshoot_of(torque: NDArray[np.float64], end: float, step: float) -> float:
@@ -210,7 +212,7 @@ def voltage_time_s(record: DutyRecord, step: TorqueStep) -> float:
         drive.direct_inductance * (last.direct - first.direct),
         drive.quadrature_inductance * (last.quadrature - first.quadrature),
     )
-    return flux / (undistorted(drive.link_voltage) - _used_voltage(record, step))
+    return flux / (undistorted(drive, drive.link_voltage) - _used_voltage(record, step))
 
 
 def _used_voltage(record: DutyRecord, step: TorqueStep) -> float:

@@ -76,7 +76,11 @@ def _share_of_greatest(record: DutyRecord, window: DutyWindow) -> Margin:
 
 
 def needless_direct_current(record: DutyRecord) -> Margin | None:
-    windows = (window for window in record.nominal if window.voltage < FREE_SHARE * undistorted(window.link))
+    windows = (
+        window
+        for window in record.nominal
+        if window.voltage < FREE_SHARE * undistorted(record.plant, window.link)
+    )
     return worst(_direct_error(record, window) for window in windows)
 
 
@@ -84,7 +88,7 @@ def _direct_error(record: DutyRecord, window: DutyWindow) -> Margin | None:
     # Weakening may keep this much voltage in reserve, and only what goes further is needless. None is needed where the
     # voltage suffices, which the controller may know better: dead time takes some of it when motoring, and gives it
     # back when braking.
-    plant, voltage = record.plant, FREE_SHARE * undistorted(window.link)
+    plant, voltage = record.plant, FREE_SHARE * undistorted(record.plant, window.link)
     best, cool = (
         least_free(plant, window.speed, window.torque, voltage, purpose).direct for purpose in _PURPOSES
     )

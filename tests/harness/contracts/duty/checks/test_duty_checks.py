@@ -539,7 +539,7 @@ def test_braking_needs_less_voltage_and_so_less_weakening(
     braking = record.steady[-1]
     assert braking.torque == pytest.approx(-16.17, rel=0.001)
     # Less voltage than in use, and therefore more weakening, would be needless.
-    used = max(braking.voltage, 0.9 * undistorted(braking.link))
+    used = max(braking.voltage, 0.9 * undistorted(record.plant, braking.link))
     least = least_free(record.plant, braking.speed, braking.torque, used).direct
     assert braking.direct == pytest.approx(least, abs=record.limits.direct_error_a)
     assert (braking.voltage > used * 0.999) is is_weakened
@@ -557,7 +557,7 @@ def test_a_voltage_that_suffices_needs_no_weakening(run: Run) -> None:
     assert isinstance(drive, PmAcDocument)
     record = run(torque_scenario(drive, 1715.0, (0.0, -6.0)))
     braking = record.steady[-1]
-    plant, share = record.plant, 0.9 * undistorted(braking.link)
+    plant, share = record.plant, 0.9 * undistorted(record.plant, braking.link)
     free, within = (least_free(plant, braking.speed, braking.torque, voltage) for voltage in (1e9, share))
     assert braking.voltage < share < free.voltage
     assert within.direct < free.direct - record.limits.direct_error_a
