@@ -319,13 +319,13 @@ _UNNAMED: Final = {
         least_reference=lambda plate: 0.06 * plate.base_speed,
     ),
     "light-rotor-assumed": _regulation(
-        "ROB-4", "Regulates the speed with 60 % of the gain, as for a lighter rotor.", speed_gain=0.6
+        "ROB-4", "Regulates the speed with a quarter of the gain, as for a lighter rotor.", speed_gain=0.25
     ),
     "heavy-rotor-assumed": _regulation(
         "ROB-4",
-        "Regulates the speed with seven times the gains, as for a heavier rotor.",
-        speed_gain=7.0,
-        speed_integral_step=7.0,
+        "Regulates the speed with twelve times the gains, as for a heavier rotor.",
+        speed_gain=12.0,
+        speed_integral_step=12.0,
     ),
     "backward-refused": _signals(
         "ACC-1", "Takes a speed reference backward for standstill.", under=SPEED_REFERENCE, backward_limit=0.0
