@@ -54,10 +54,10 @@ def test_checks_of_weakening_do_not_apply_and_say_why() -> None:
 def test_no_fixed_scenario_is_above_base_speed_or_asks_for_weakening() -> None:
     fixed = fixed_scenarios(DRIVE)
     assert max(map(fastest, fixed)) == BASE
-    unfair = [run for run in fixed if unfair_because(run) is not None]
-    # A torque at base speed is out of reach with less voltage.
-    assert all(run.supply_v is not None for run in unfair)
-    assert len(unfair) <= 2
+    reasons = {run: because for run in fixed if (because := unfair_because(run)) is not None}
+    # A torque at base speed is out of reach with less voltage, and a heavier rotor too slow with what its load leaves.
+    assert all(run.supply_v is not None or "too late" in because for run, because in reasons.items()), reasons
+    assert len(reasons) <= 3
 
 
 def test_the_highest_speed_is_not_passed_by_rounding() -> None:

@@ -99,7 +99,7 @@ def test_it_is_left_out_or_made_rounder() -> None:
 @pytest.mark.parametrize(
     ("friction", "sentence"),
     [
-        ([[0.0, -1.0]], r"the key 'drift.friction_n_m' is .*, but must have torques from 0 to 100000 N·m"),
+        ([[0.0, -1.0]], r"the key 'drift.friction_n_m' is .*, but must have torques from 0 to 1e\+10 N·m"),
         (
             [[0.0, 0.0], [1e4, 2.0]],
             "the key 'drift.friction_n_m' has a point at 10000.0 s, but must end within",

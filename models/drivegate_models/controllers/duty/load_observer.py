@@ -9,7 +9,7 @@ nor their plausibility checks.
 from __future__ import annotations
 
 from functools import cache
-from math import nan, pi, sqrt
+from math import inf, nan, pi, sqrt
 from typing import Any, Final
 
 import numba
@@ -70,10 +70,10 @@ _SPEED_RATE: Final = 0.004
 _MOST_SPEED_RATE: Final = 0.02
 _FAN_EXPONENT: Final = 2.0
 _OBSERVER: Final = 5.0
-# Swing of the seen speed by a position sensor's error of 2 electrical degrees twice a turn, over the speed and for one
-# pole pair; and the torque that the regulator may answer it with at base speed, over rated torque.
-_SPEED_SWING: Final = 0.07
-_SWING_TORQUE: Final = 0.3
+# Greatest torque by which regulator and observed load may answer an error of the position sensor, over rated torque and
+# by the rate's square: both together answer it, at its worst frequency, by 15.5 J e / p at most.
+_SWING_TORQUE: Final = 2.0
+_ANSWERED: Final = 15.5
 # Control periods in which the torque may change by the maximum torque, and the greatest observed load over it.
 _FULL_TORQUE_PERIODS: Final = 40.0
 _MOST_LOAD: Final = 4.0
@@ -107,9 +107,11 @@ def reset_state(state: Any, nameplate: Any) -> None:
         nameplate.current_limit * nameplate.current_limit - most * most
     )
     slope = _FAN_EXPONENT * nameplate.rated_power / (nameplate.base_speed * nameplate.base_speed)
-    swing = _SPEED_SWING * nameplate.base_speed / nameplate.pole_pairs
-    calm = _SWING_TORQUE * nameplate.rated_power / (nameplate.base_speed * nameplate.inertia * swing)
-    rate = min(max(slope / nameplate.inertia, min(_SPEED_RATE / period, calm)), _MOST_SPEED_RATE / period)
+    rate = min(max(slope / nameplate.inertia, _SPEED_RATE / period), _MOST_SPEED_RATE / period)
+    if nameplate.position_error > 0.0:
+        torque = _SWING_TORQUE * nameplate.rated_power / nameplate.base_speed
+        answered = _ANSWERED * nameplate.inertia * nameplate.position_error / nameplate.pole_pairs
+        rate = min(rate, sqrt(torque / answered))
     state.speed_rate = rate
     # All three poles of the observer are at 1 - share.
     share = 1.0 - 1.0 / (1.0 + _OBSERVER * rate * period)
@@ -124,7 +126,7 @@ def reset_state(state: Any, nameplate: Any) -> None:
     state.torque = 0.0
     state.torque_seen = 0.0
     state.voltage_share = _VOLTAGE_SHARE
-    reset_position(machine, nameplate)
+    reset_position(machine, nameplate, inf)
     reset_observer(machine, rate, nameplate.inertia)
     machine.seen_torque = 0.0
 
@@ -194,7 +196,7 @@ def step_state(state: Any, sense: Any, command: Any) -> None:
     direct, quadrature = rotor_currents(machine, sense)
     command.angle = sense.angle
     command.speed = sense.speed
-    limit = voltage_limit(sense)
+    limit = voltage_limit(machine, sense)
     electrical = machine.pole_pairs * sense.speed
     direct_reference, quadrature_reference = _currents_for(
         state, _requested_torque(state, sense.reference), electrical, state.voltage_share * limit
