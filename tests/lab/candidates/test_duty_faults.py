@@ -68,10 +68,7 @@ def rare_families() -> dict[str, dict[str, Scenario]]:
     assert isinstance(INTERIOR, PmAcDocument)
     base, highest = INTERIOR.rating.base_speed_rpm, INTERIOR.rating.highest_speed_rpm
     rated = torque_of(INTERIOR, base, 1.0)
-    light, heavy = (
-        speed_scenario(INTERIOR, (0.5 * base, 0.55 * base), torque_nm=0.3 * rated, inertia_factor=factor)
-        for factor in (0.3, 2.0)
-    )
+    light = speed_scenario(INTERIOR, (0.5 * base, 0.55 * base), torque_nm=0.3 * rated, inertia_factor=0.3)
     lifted = lifted_scenario(INTERIOR, base, 0.7 * rated, (2.0, 0.3), initial_speed_rpm=0.4 * base)
     held = torque_scenario(INTERIOR, 0.5 * base, (0.5 * rated,))
     turning = load_step_scenario(INTERIOR, base, 0.5 * rated, (1.0, 0.8))
@@ -96,7 +93,6 @@ def rare_families() -> dict[str, dict[str, Scenario]]:
             "idle-speed-forced": load_step_scenario(INTERIOR, 0.01 * base, 0.02 * rated, (0.0, 1.0)),
         },
         "inertia": {
-            "light-rotor-assumed": heavy,
             "heavy-rotor-assumed": light,
             "lift-taken-for-broken-coupling": lifted,
         },
