@@ -123,5 +123,5 @@ def test_a_check_accepts_every_value_that_a_refusal_names(
 
 
 def test_a_rated_torque_beyond_all_machines_is_refused() -> None:
-    with pytest.raises(InputError, match=r"takes 1.91e\+07 N·m at 500 rpm, but must take at most 1e\+06 N·m"):
-        load_drive("paper-5-phase").replaced(rated_power_w=1e9)
+    with pytest.raises(InputError, match=r"takes 1.06e\+09 N·m at 9 rpm, but must take at most 1e\+09 N·m"):
+        load_drive("pm-ac-interior").replaced(rated_power_w=1e9, base_speed_rpm=9.0)

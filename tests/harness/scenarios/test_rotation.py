@@ -25,7 +25,7 @@ from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import InputError
 
 DRIVE = load_drive("pm-ac-interior").replaced(settling_s=0.1)
-SETTLED = load_drive("pm-ac-interior").replaced(settling_s=0.5)
+SETTLED = load_drive("pm-ac-interior").replaced(settling_s=0.8)
 assert isinstance(DRIVE, PmAcDocument)
 assert isinstance(SETTLED, PmAcDocument)
 
