@@ -60,9 +60,6 @@ def machine(power_w: float, pairs: int, base_rpm: float) -> PmAcDocument:
             "current_limit_a": current,
         },
     }
-    # A field that turns once a minute is wound with so many henry that the voltage needs seconds to move the current.
-    if (slow := 2.0 * REACTANCE / electrical) > 1.0:
-        values["requirements"] = {"settling_s": slow}
     drive = parse_document(values, DriveDocument, "a size")
     assert isinstance(drive, PmAcDocument)
     return drive

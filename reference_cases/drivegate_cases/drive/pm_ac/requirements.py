@@ -17,6 +17,9 @@ SETTLING_PERIODS: Final = 8000
 SETTLING_MECHANICAL_TIMES: Final = 3.0
 """Mechanical time constants in which a speed has to settle, where they are longer: a regulator whose reaction to the
 swing of the seen speed is limited has a bandwidth of a few of their inverses, and its integral is slower still (1)."""
+SETTLING_VOLTAGE_TIMES: Final = 4.0
+"""Times in which the link's voltage alone moves the flux of the current limit, where they are longer: what the back-EMF
+leaves of the voltage is less (1)."""
 _Percent = Annotated[float, Field(gt=0.0, le=1000.0)]
 _Ratio = Annotated[float, Field(ge=1.0, le=1000.0)]
 _SHARE: Final = times(0.01)
@@ -35,7 +38,10 @@ def _peak_a(stated: float, drive: DriveValues) -> float:
 
 def _held_settling_s(drive: DriveValues) -> float:
     """Return the time in which currents and torque of a held shaft settle (s)."""
-    return SETTLING_PERIODS * _control_period_s(drive)
+    machine = drive.machine
+    inductance = max(machine.direct_inductance_h, machine.quadrature_inductance_h)
+    moved = inductance * drive.rating.current_limit_a / drive.inverter.link_voltage_v
+    return max(SETTLING_PERIODS * _control_period_s(drive), significant(SETTLING_VOLTAGE_TIMES * moved, 2))
 
 
 def _settling_s(drive: DriveValues) -> float:
@@ -55,8 +61,9 @@ class PmAcRequirements(Section):
         default=None,
         ge=0.01,
         le=600.0,
-        description="time after a change from which on a steady state is judged, by default 8000 control periods, or "
-        "for a speed 3 mechanical time constants (inertia times base speed over rated torque) if that is longer",
+        description="time after a change from which on a steady state is judged, by default 8000 control periods or 4 "
+        "times in which the link moves the flux of the current limit, or for a speed 3 mechanical time constants "
+        "(inertia times base speed over rated torque), whichever is longest",
     )
     speed_tolerance_rpm: Annotated[float | None, SPEED_TOLERANCE] = Field(
         default=None,

@@ -89,6 +89,14 @@ def test_a_speed_settles_in_the_longer_of_control_periods_and_mechanical_times()
     assert limits_of(heavy).held_settling_s == periods, "a shaft that is held has no mechanics"
 
 
+def test_currents_settle_no_sooner_than_the_voltage_can_move_them() -> None:
+    drive = packaged("pm-ac-interior")
+    slow = drive.replaced(quadrature_inductance_h=1000.0 * drive.machine.quadrature_inductance_h)
+    flux = slow.machine.quadrature_inductance_h * slow.rating.current_limit_a
+    assert limits_of(slow).held_settling_s == pytest.approx(4.0 * flux / 122.5, rel=0.05)
+    assert limits_of(slow).held_settling_s > 5.0 * limits_of(drive).held_settling_s
+
+
 @pytest.mark.parametrize(
     ("carrier", "parts"), [("single", 12.0), ("double", 12.0), ("sawtooth", 6.0)], ids=str
 )
