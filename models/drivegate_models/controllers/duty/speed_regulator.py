@@ -23,7 +23,7 @@ _MOST_SPEED_BANDWIDTH = 300.0
 # rate of the filter of the seen speed relative to the bandwidth, which a rotor of 0.3 of the nominal inertia triples.
 _SWING_TORQUE = 1.0
 _LEAST_FILTER = 6.0
-_SPEED_INTEGRAL = 0.2
+_SPEED_INTEGRAL = 0.25
 # Control periods in which a speed regulator may change its torque by the maximum torque.
 _FULL_TORQUE_PERIODS = 80.0
 # Torque requested for a speed error, over the greatest torque, from which the shaft is accelerating.
