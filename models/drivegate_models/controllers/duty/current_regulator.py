@@ -193,7 +193,7 @@ def write_voltage(
 
 
 @inlined
-def _limited_request(
+def limited_request(
     steady: tuple[float, float], moving: tuple[float, float], coupling: tuple[float, float], limit: float
 ) -> tuple[float, float]:
     """Return the sum of the d and q voltages that maintain, move and decouple the currents, within the limit (V).
@@ -249,7 +249,7 @@ def regulate_currents(
     coupling, across_coupling = electrical * quadrature_flux, -electrical * direct_flux
     direct_voltage = steady + moving + coupling
     quadrature_voltage = across_steady + across_moving + across_coupling
-    direct_limited, quadrature_limited = _limited_request(
+    direct_limited, quadrature_limited = limited_request(
         (steady, across_steady), (moving, across_moving), (coupling, across_coupling), limit
     )
     # Anti-windup: the voltage cut by the limit does not enter the integrals.

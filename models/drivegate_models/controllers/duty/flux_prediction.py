@@ -7,7 +7,7 @@ from typing import Any
 
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.controllers.duty.current_regulator import (
-    limited_voltage,
+    limited_request,
     voltage_limit,
     write_voltage,
 )
@@ -114,16 +114,20 @@ def regulate_flux(
     # the rest of the flux error does not reduce it, and is added only as far as the limit allows.
     rate = 1.0 / state.control_period
     steady, across_steady = drop - state.direct_missed, across_drop - state.quadrature_missed
-    along = steady + rate * ((cosine - 1.0) * desired - sine * across_desired + _SHARE * error)
-    across = across_steady + rate * (sine * desired + (cosine - 1.0) * across_desired + _SHARE * across_error)
+    steady += rate * ((cosine - 1.0) * desired - sine * across_desired)
+    across_steady += rate * (sine * desired + (cosine - 1.0) * across_desired)
+    moving, across_moving = rate * _SHARE * error, rate * _SHARE * across_error
     left = (_SHARE - 1.0) * rate
     along_added = left * ((cosine - 1.0) * error - sine * across_error)
     across_added = left * (sine * error + (cosine - 1.0) * across_error)
-    applied, across_applied = limited_voltage(
-        along, across, along_added, across_added, voltage_limit(state, sense)
+    applied, across_applied = limited_request(
+        (steady, across_steady),
+        (moving, across_moving),
+        (along_added, across_added),
+        voltage_limit(state, sense),
     )
-    along += along_added
-    across += across_added
+    along = steady + moving + along_added
+    across = across_steady + across_moving + across_added
 
     # The same drop in prediction and command leaves no error at rest; within the limit it is that of other currents.
     state.direct_given, state.quadrature_given = applied - drop, across_applied - across_drop
