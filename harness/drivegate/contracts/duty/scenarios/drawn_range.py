@@ -85,8 +85,10 @@ def greatest_angle_error(scenario: Scenario) -> float:
         return 0.0
     parts = math.hypot(given.sine_offset, given.cosine_offset) + math.radians(abs(given.track_phase_deg))
     half_gain = 0.5 * abs(given.track_gain)
-    # The tracks' vector is off by no more than these parts over its mean length.
-    tracks = math.asin(min((parts + half_gain) / (1.0 - half_gain), 1.0))
+    # The tracks' vector is off by no more than these parts over its mean length: the sine of the angle error, which is
+    # below its tangent.
+    sine = min((parts + half_gain) / (1.0 - half_gain), 1.0)
+    tracks = min(sine / math.sqrt(1.0 - sine * sine), 0.5 * math.pi) if sine < 1.0 else 0.5 * math.pi
     shaft = math.radians(given.eccentricity_deg) + tracks
     fastest = max(abs(speed) for _, speed in scenario.speed_rpm) * RADIANS_PER_RPM
     return scenario.drive.machine.pole_pairs * (shaft + fastest * given.latency_s)
