@@ -9,8 +9,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from tests.models.duty_runs import COLUMN, held, rating
-from tests.models.pm_ac.conftest import INTERIOR
 
 from drivegate_models.contract.duty.records import duty_sense_record
 from drivegate_models.controllers.duty.current_regulator import (
@@ -20,8 +18,6 @@ from drivegate_models.controllers.duty.current_regulator import (
     voltage_limit,
 )
 from drivegate_models.controllers.duty.state import foc_state
-from drivegate_models.loop.schedule import steady
-from drivegate_models.pm_ac.plant.drive import make_pm_ac_drive
 
 pytestmark = pytest.mark.kernel
 LIMIT = 173.0
@@ -90,18 +86,3 @@ def test_two_switches_take_their_drops_of_the_voltage() -> None:
     assert voltage_limit(with_drops(1.5, 0.7), sense) == pytest.approx(45.0 / 3.0**0.5)
     sense.supply_voltage = 0.0
     assert voltage_limit(with_drops(1.5, 0.7), sense) == 0.0
-
-
-@pytest.mark.parametrize("name", ["foc", "predictive-flux", "direct-torque"])
-@pytest.mark.parametrize("share", [-0.4, 0.1, 0.6])
-def test_drops_leave_the_regulators_nothing_to_make_up_for(name: str, share: float) -> None:
-    """Their first harmonic alone is 1.9 V."""
-    found = {}
-    for drops in ((0.0, 0.0), (1.6, 1.4)):
-        drive = make_pm_ac_drive(**INTERIOR, switch_drop=drops[0], diode_drop=drops[1])
-        run, state = held(drive, name, share * rating(drive)[0], steady(1.0))
-        assert run.trace[-200:, COLUMN["torque"]].mean() == pytest.approx(1.0, rel=5e-3)
-        missed = state["direct_missed"][0], state["quadrature_missed"][0]
-        found[drops] = np.array([state["direct_integral"][0], state["quadrature_integral"][0], *missed])
-    difference = np.abs(found[1.6, 1.4] - found[0.0, 0.0]).max()
-    assert difference < 0.3, f"{difference:.2f} V are left"

@@ -32,7 +32,7 @@ class Shaft:
         self.state: Any = foc_state("foc").view(np.recarray)[0]
         self.state.pole_pairs, self.state.control_period, self.state.regulates_speed = POLE_PAIRS, PERIOD, 1
         nameplate: Any = np.zeros(1, DUTY_NAMEPLATE).view(np.recarray)[0]
-        nameplate.base_speed = BASE_SPEED
+        nameplate.base_speed, nameplate.control_period = BASE_SPEED, PERIOD
         reset_position(self.state, nameplate, inf)
         reset_observer(self.state, 40.0, INERTIA)
         self.state.led_on_from = led_on_from

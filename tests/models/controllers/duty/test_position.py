@@ -34,7 +34,7 @@ class Shaft:
         self.state: Any = foc_state("foc").view(np.recarray)[0]
         self.state.pole_pairs, self.state.control_period = POLE_PAIRS, PERIOD
         nameplate: Any = np.zeros(1, DUTY_NAMEPLATE).view(np.recarray)[0]
-        nameplate.base_speed = BASE_SPEED
+        nameplate.base_speed, nameplate.control_period = BASE_SPEED, PERIOD
         reset_position(self.state, nameplate, inf)
         self.currents = np.zeros(3)
         self.sensed = duty_sense_record(self.currents)
