@@ -16,7 +16,7 @@ from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_lab.candidates.duty_faults import DUTY_FAULTS
 from drivegate_lab.candidates.faulty_duty_controller import PerturbedController
-from drivegate_models.controllers.duty.foc import VOLTAGE_SHARE
+from drivegate_models.controllers.duty.reference_voltage import VOLTAGE_SHARE
 
 
 @pytest.mark.parametrize(("reserved", "met"), [(0.04, True), (0.12, False)])

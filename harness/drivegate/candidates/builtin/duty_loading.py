@@ -21,8 +21,11 @@ class DutyController(CompiledController):
     """
 
     def __init__(self, name: str = "foc") -> None:
-        self._module: Any = load_observer if name == "load-observer" else foc
-        state = np.zeros(1, LOAD_OBSERVER_STATE) if name == "load-observer" else foc_state(name)
+        self._module: Any
+        if name == "load-observer":
+            self._module, state = load_observer, np.zeros(1, LOAD_OBSERVER_STATE)
+        else:
+            self._module, state = foc, foc_state(name)
         super().__init__(self._module.step_function(), state)
         self.state_size: int = self._state.nbytes
 

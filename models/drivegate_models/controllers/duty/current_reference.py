@@ -36,6 +36,15 @@ def maximum_torque_direct(state: Any, current: float) -> float:
 
 
 @inlined
+def greatest_torque(state: Any) -> float:
+    """Return the torque at the current limit, without a voltage limit (N m)."""
+    direct = maximum_torque_direct(state, state.current_limit)
+    return torque_per_quadrature(state, direct) * sqrt(
+        state.current_limit * state.current_limit - direct * direct
+    )
+
+
+@inlined
 def _initial_flux(state: Any, square: float) -> float:
     """Return the initial value for the root y of ``y (psi + y)**3 = square``: usually the last result."""
     last = state.added_flux

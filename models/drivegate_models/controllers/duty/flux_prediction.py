@@ -110,8 +110,8 @@ def regulate_flux(
         (now + _SHARE * (direct_reference - now), across_now + _SHARE * (quadrature_reference - across_now)),
         halfway,
     )
-    # The voltage that rotates the desired flux with the rotor and moves the flux toward it. The voltage that rotates
-    # the rest of the flux error does not reduce it, and is added only as far as the limit allows.
+    # The voltage that rotates the desired flux with the rotor, the one that moves the flux toward it, and the one that
+    # rotates the rest of the flux error, so that it decouples without reducing it.
     rate = 1.0 / state.control_period
     steady, across_steady = drop - state.direct_missed, across_drop - state.quadrature_missed
     steady += rate * ((cosine - 1.0) * desired - sine * across_desired)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
-from math import nan, sqrt
+from math import nan
 from typing import Any, Final
 
 import numba
@@ -14,13 +14,12 @@ from drivegate_models.compilation.kernels import KEEPS_CACHE, inlined
 from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE
 from drivegate_models.controllers.duty.current_reference import (
     currents_for_torque,
+    greatest_torque,
     least_current_direct,
     limited_by_voltage,
-    maximum_torque_direct,
     torque_per_quadrature,
 )
 from drivegate_models.controllers.duty.current_regulator import (
-    BANDWIDTH,
     regulate_currents,
     reset_regulator,
     rotor_currents,
@@ -37,6 +36,11 @@ from drivegate_models.controllers.duty.plausibility import (
     watch_flux,
 )
 from drivegate_models.controllers.duty.position import locate_shaft, regulated_speed, reset_position
+from drivegate_models.controllers.duty.reference_voltage import (
+    reset_voltage_share,
+    share_voltage,
+    with_reserve,
+)
 from drivegate_models.controllers.duty.speed_regulator import (
     LIMITED,
     ramped,
@@ -56,17 +60,6 @@ from drivegate_models.controllers.duty.torque_regulation import regulate_torque,
 
 _NEWTON_STEPS: Final = 16
 _CONVERGED: Final = 1e-9
-VOLTAGE_SHARE: Final = 0.98
-"""Share of the undistorted voltage for the reference currents; the rest is reserved for the current regulators."""
-
-# Rate of field weakening by the voltage in use, relative to that of the currents; minimum share of the undistorted
-# voltage for the references; and maximum voltage in use, because a step needs its voltage only for a short time.
-_WEAKENING_RATE = 0.02
-_LEAST_SHARE = 0.5
-_MOST_USED = 1.5
-# Voltage reserve of a speed regulator during braking, and share of the maximum torque from which it is complete.
-_BRAKING_ROOM = 0.1
-_WHOLE_ROOM_FROM = 0.2
 
 
 @inlined
@@ -79,14 +72,10 @@ def reset_state(state: Any, nameplate: Any) -> None:
     reset_torque_regulation(state)
     state.core_loss_conductance = nameplate.core_loss_conductance
     state.deepest = -nameplate.current_limit
-    most = maximum_torque_direct(state, state.current_limit)
-    state.greatest_torque = torque_per_quadrature(state, most) * sqrt(
-        state.current_limit * state.current_limit - most * most
-    )
-    state.weakening_step = _WEAKENING_RATE * BANDWIDTH
+    state.greatest_torque = greatest_torque(state)
     speed_bandwidth, filter_rate = reset_speed_regulator(state, nameplate)
     state.added_flux = 0.0
-    state.voltage_share = VOLTAGE_SHARE
+    reset_voltage_share(state)
     reset_search(state, nameplate)
     reset_position(state, nameplate, filter_rate)
     reset_observer(state, speed_bandwidth, nameplate.inertia)
@@ -99,13 +88,7 @@ def _currents_for(
 ) -> tuple[float, float]:
     """Return the d-axis and q-axis currents (A) for a torque (N m), or for as much of it as the limits allow."""
     requested = min(abs(torque), state.greatest_torque)
-    resistance = state.resistance
-    if torque * electrical < 0.0 and state.regulates_speed == 0:
-        resistance = -resistance
-    elif torque * electrical < 0.0:
-        # Braking currents beyond the voltage limit move further away from their references.
-        braking = min(requested / (_WHOLE_ROOM_FROM * state.greatest_torque), 1.0)
-        voltage *= 1.0 - _BRAKING_ROOM * braking
+    voltage, resistance = with_reserve(state, torque, requested, electrical, voltage)
     direct = least_current_direct(state, requested)
     if state.aim == MODELLED_LOSS:
         direct = _least_loss_direct(state, requested, electrical, direct)
@@ -134,19 +117,6 @@ def _searched_direct(
         restart_search(state, torque, speed)
         return direct
     return searched
-
-
-@inlined
-def _share_voltage(state: Any, used: float) -> None:
-    """Reduce the voltage of the next references while the regulators use more than intended; otherwise increase it.
-
-    After Kim and Sul, "Speed control of interior permanent magnet synchronous motor drive for the flux weakening
-    operation", IEEE Transactions on Industry Applications 33(1), 1997: the voltage requested by the regulators shows
-    the field weakening that a machine with other than nominal data needs.
-    """
-    spare = 0.5 * (1.0 + VOLTAGE_SHARE) - min(used, _MOST_USED)
-    share = state.voltage_share + state.weakening_step * spare
-    state.voltage_share = min(max(share, _LEAST_SHARE), VOLTAGE_SHARE)
 
 
 @inlined
@@ -188,7 +158,7 @@ def step_state(state: Any, sense: Any, command: Any) -> None:
         used = regulate_currents(
             state, sense, command, direct, quadrature, direct_reference, quadrature_reference
         )
-    _share_voltage(state, used / max(limit, 1e-9))
+    share_voltage(state, used / max(limit, 1e-9))
     command.torque = torque_per_quadrature(state, direct) * quadrature
     state.seen_torque = command.torque
     state.quadrature_before = state.quadrature_seen

@@ -2,8 +2,8 @@
 
 The speed regulator has no integral: the observed load is added to its output. After Han, "From PID to active
 disturbance rejection control", IEEE Transactions on Industrial Electronics 56(3), 2009. It shares the choice of
-currents, the prediction of the flux and the Hall observer with the other controllers, but neither their speed regulator
-nor their plausibility checks.
+currents and of their voltage, the prediction of the flux and the Hall observer with the other controllers, but neither
+their speed regulator nor their plausibility checks.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE
 from drivegate_models.contract.duty.signals import SPEED_REFERENCE
 from drivegate_models.controllers.duty.current_reference import (
     currents_for_torque,
+    greatest_torque,
     least_current_direct,
     limited_by_voltage,
-    maximum_torque_direct,
     torque_per_quadrature,
 )
 from drivegate_models.controllers.duty.current_regulator import (
@@ -35,6 +35,11 @@ from drivegate_models.controllers.duty.current_regulator import (
 from drivegate_models.controllers.duty.flux_prediction import regulate_flux, reset_prediction
 from drivegate_models.controllers.duty.hall_observer import reset_observer
 from drivegate_models.controllers.duty.position import locate_shaft, reset_position
+from drivegate_models.controllers.duty.reference_voltage import (
+    reset_voltage_share,
+    share_voltage,
+    with_reserve,
+)
 from drivegate_models.controllers.duty.state import FOC_STATE
 from drivegate_models.machine.cycle import within_half_turn
 
@@ -55,10 +60,8 @@ LOAD_OBSERVER_STATE: Final = np.dtype(
         ("angle", np.float64),
         ("speed", np.float64),
         ("load", np.float64),
-        # Requested torque, torque of the measured currents (N m), and share of the voltage for the references.
+        # Requested torque (N m).
         ("torque", np.float64),
-        ("torque_seen", np.float64),
-        ("voltage_share", np.float64),
     ],
     align=True,
 )
@@ -77,16 +80,6 @@ _ANSWERED: Final = 15.5
 # Control periods in which the torque may change by the maximum torque, and the greatest observed load over it.
 _FULL_TORQUE_PERIODS: Final = 40.0
 _MOST_LOAD: Final = 4.0
-# Greatest and least share of the undistorted voltage for the references, the share in use that is aimed at with its
-# maximum, and the change of the first one by an error of it in a control period.
-_VOLTAGE_SHARE: Final = 0.98
-_LEAST_SHARE: Final = 0.5
-_USED: Final = 0.99
-_MOST_USED: Final = 1.5
-_SHARE_STEP: Final = 0.004
-# Voltage reserve of a speed regulator during braking, and share of the maximum torque from which it is complete.
-_BRAKING_ROOM: Final = 0.1
-_WHOLE_ROOM_FROM: Final = 0.2
 _TURN: Final = 2.0 * pi
 
 
@@ -101,11 +94,8 @@ def reset_state(state: Any, nameplate: Any) -> None:
     machine.core_loss_conductance = nameplate.core_loss_conductance
     machine.deepest = -nameplate.current_limit
     machine.added_flux = 0.0
-    machine.led_on = 0.0
-    most = maximum_torque_direct(machine, nameplate.current_limit)
-    machine.greatest_torque = torque_per_quadrature(machine, most) * sqrt(
-        nameplate.current_limit * nameplate.current_limit - most * most
-    )
+    machine.greatest_torque = greatest_torque(machine)
+    reset_voltage_share(machine)
     slope = _FAN_EXPONENT * nameplate.rated_power / (nameplate.base_speed * nameplate.base_speed)
     rate = min(max(slope / nameplate.inertia, _SPEED_RATE / period), _MOST_SPEED_RATE / period)
     if nameplate.position_error > 0.0:
@@ -124,11 +114,8 @@ def reset_state(state: Any, nameplate: Any) -> None:
     state.speed = 0.0
     state.load = 0.0
     state.torque = 0.0
-    state.torque_seen = 0.0
-    state.voltage_share = _VOLTAGE_SHARE
     reset_position(machine, nameplate, inf)
     reset_observer(machine, rate, nameplate.inertia)
-    machine.seen_torque = 0.0
 
 
 @inlined
@@ -144,7 +131,7 @@ def _observe(state: Any, sense: Any) -> None:
         state.is_seen = 1
         state.angle, state.speed = sense.angle, sense.speed
         return
-    gained = period * (state.torque_seen - state.load) / machine.inertia
+    gained = period * (machine.seen_torque - state.load) / machine.inertia
     state.angle += period * (state.speed + 0.5 * gained)
     state.speed += gained
     missed = within_half_turn(sense.angle - state.angle)
@@ -174,14 +161,7 @@ def _currents_for(state: Any, torque: float, electrical: float, voltage: float) 
     """Return the d-axis and q-axis currents (A) for a torque (N m), or for as much of it as the limits allow."""
     machine = state.machine
     requested = min(abs(torque), machine.greatest_torque)
-    resistance = machine.resistance
-    if torque * electrical < 0.0:
-        if machine.regulates_speed == 0:
-            resistance = -resistance
-        else:
-            voltage *= 1.0 - _BRAKING_ROOM * min(
-                requested / (_WHOLE_ROOM_FROM * machine.greatest_torque), 1.0
-            )
+    voltage, resistance = with_reserve(machine, torque, requested, electrical, voltage)
     direct = least_current_direct(machine, requested)
     direct, requested = limited_by_voltage(machine, requested, electrical, voltage, resistance, direct)
     return currents_for_torque(machine, direct, requested, torque < 0.0)
@@ -199,15 +179,12 @@ def step_state(state: Any, sense: Any, command: Any) -> None:
     limit = voltage_limit(machine, sense)
     electrical = machine.pole_pairs * sense.speed
     direct_reference, quadrature_reference = _currents_for(
-        state, _requested_torque(state, sense.reference), electrical, state.voltage_share * limit
+        state, _requested_torque(state, sense.reference), electrical, machine.voltage_share * limit
     )
     used = regulate_flux(machine, sense, command, direct, quadrature, direct_reference, quadrature_reference)
-    spare = _USED - min(used / max(limit, 1e-9), _MOST_USED)
-    state.voltage_share = min(max(state.voltage_share + _SHARE_STEP * spare, _LEAST_SHARE), _VOLTAGE_SHARE)
-    torque = torque_per_quadrature(machine, direct) * quadrature
-    command.torque = torque
-    state.torque_seen = torque
-    machine.seen_torque = torque
+    share_voltage(machine, used / max(limit, 1e-9))
+    command.torque = torque_per_quadrature(machine, direct) * quadrature
+    machine.seen_torque = command.torque
     machine.quadrature_before = machine.quadrature_seen
     machine.direct_seen, machine.quadrature_seen = direct, quadrature
     command.input_power = nan
