@@ -133,10 +133,15 @@ class DutyRecord(Record):
         return self.steady if self.is_nominal else ()
 
     @cached_property
+    def windows(self) -> tuple[tuple[Dwell, float, float], ...]:
+        """Every dwell that is long enough to settle in, with start and end of its judged stretch (s)."""
+        return tuple(duty_windows(self.scenario))
+
+    @cached_property
     def steady(self) -> tuple[DutyWindow, ...]:
         """The stretches in which a steady state is judged."""
         found = []
-        for dwell, start, end in duty_windows(self.scenario):
+        for dwell, start, end in self.windows:
             rows = self.periods(start, end)
             mean = {name: exact_mean(self.run.column(name)[rows]) for name in _MEANS}
             voltage = exact_mean(self.run.voltages[rows])
@@ -168,7 +173,7 @@ class _UnseenDutyRecord(DutyRecord):
     @cached_property
     def steady(self) -> tuple[DutyWindow, ...]:
         """The stretches in which a steady state would be judged."""
-        return tuple(_UnseenWindow(*window) for window in duty_windows(self.scenario))
+        return tuple(_UnseenWindow(*window) for window in self.windows)
 
 
 def unseen_duty_record(declaration: Declaration, scenario: Scenario) -> DutyRecord:

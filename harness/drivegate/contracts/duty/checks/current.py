@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import replace
-from math import ceil, isfinite
+from math import ceil, inf, isfinite
 
 import numpy as np
 from numpy.typing import NDArray
@@ -82,7 +81,7 @@ def _decisive_peak(record: DutyRecord) -> tuple[int | None, float, float]:
     currents, allowed = record.run.column("peak_current"), _allowed_a(record)
     judged = np.flatnonzero(np.isfinite(allowed))
     if not judged.size:
-        return None, 0.0, math.inf
+        return None, 0.0, inf
     place = int(judged[np.argmax(currents[judged] / allowed[judged])])
     return place, float(currents[place]), float(allowed[place])
 
@@ -94,8 +93,8 @@ def _allowed_a(record: DutyRecord) -> NDArray[np.float64]:
     # More ripple than the stated one comes from a higher link, or from less inductance.
     ripple = float(np.max(link, initial=0.0)) / record.document.inverter.link_voltage_v / scale
     allowed = _rise_by_link_steps(record) + (limits.peak_a + limits.peak_ripple_a * max(ripple - 1.0, 0.0))
-    allowed[: _first_judged(record)] = math.inf
-    allowed[_locking(record)] = math.inf
+    allowed[: _first_judged(record)] = inf
+    allowed[_locking(record)] = inf
     return allowed
 
 

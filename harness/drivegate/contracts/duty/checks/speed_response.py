@@ -13,7 +13,6 @@ from drivegate.contracts.duty.checks.accuracy import ERROR_FACTOR, reference_err
 from drivegate.contracts.duty.checks.judged import at, worst
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
 from drivegate.contracts.duty.scenarios.reaching import greatest_torque, load_on_shaft, reaction_s
-from drivegate.contracts.duty.scenarios.windows import duty_windows
 from drivegate_cases.drive.limits import limits_of
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.profile import Dwell
@@ -53,7 +52,7 @@ def judged_step_rpm(record: DutyRecord, dwell: Dwell) -> float:
         speed = scenario.initial_speed_rpm
         pushed = load_on_shaft(scenario, dwell, speed * RADIANS_PER_RPM)
     else:
-        settled = {before.end: before for before, _, _ in duty_windows(scenario)}
+        settled = {before.end: before for before, _, _ in record.windows}
         before = settled.get(dwell.start)
         if before is None or dwell.start in scenario.restarts_s or _is_other_plant(before, dwell):
             return 0.0

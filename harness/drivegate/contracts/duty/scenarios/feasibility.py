@@ -17,7 +17,7 @@ from drivegate.contracts.duty.scenarios.drawn_range import (
     unnoticed_because,
 )
 from drivegate.contracts.duty.scenarios.reaching import greatest_torque, is_too_late
-from drivegate.contracts.duty.scenarios.windows import duty_dwells
+from drivegate.contracts.duty.scenarios.windows import duty_dwells, shaft_inertia
 from drivegate.scenarios.drive_scale import rated_torque_at
 from drivegate_cases.drive.data_sheet import USABLE_SHARE
 from drivegate_cases.drive.limits import limits_of
@@ -134,10 +134,7 @@ def _stops_within_a_sector(scenario: Scenario) -> bool:
     load = scenario.load
     if isinstance(load, (LockedLoad, DynamometerLoad)) or scenario.drive.position != "hall":
         return False
-    machine = duty_document(scenario.drive).machine
-    inertia = machine.inertia_kg_m2 * scenario.scales.inertia + (
-        load.inertia_kg_m2 if isinstance(load, VehicleLoad) else 0.0
-    )
+    machine, inertia = duty_document(scenario.drive).machine, shaft_inertia(scenario, scenario.scales)
     before, time, speed_rpm = 0.0, 0.0, scenario.initial_speed_rpm
     for dwell in duty_dwells(scenario):
         torque = load.torque_at(speed_rpm, dwell.load_factor) + friction_since(scenario.scales, dwell.scales)

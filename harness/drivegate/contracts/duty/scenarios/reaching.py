@@ -21,7 +21,7 @@ from drivegate.scenarios.rotation import sense_of
 from drivegate_cases.drive.limits import limits_of
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.greatest_torque import greatest_within
-from drivegate_cases.scenario.load import HoistLoad, LockedLoad
+from drivegate_cases.scenario.load import HoistLoad, LockedLoad, SwitchedLoad, VehicleLoad
 from drivegate_cases.scenario.profile import Dwell
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.machine.friction import friction_torque
@@ -78,7 +78,13 @@ def load_on_shaft(scenario: Scenario, dwell: Dwell, speed: float) -> float:
     turning = speed or dwell.speed_rpm * RADIANS_PER_RPM
     if turning == 0.0 and not isinstance(load, HoistLoad):
         return 0.0
-    plant = duty_document(scenario.drive).plant(dwell.scales)
+    return _torque_against(load, dwell, duty_document(scenario.drive).plant(dwell.scales), turning)
+
+
+def _torque_against(
+    load: SwitchedLoad | VehicleLoad, dwell: Dwell, plant: PmAcDrive, turning: float
+) -> float:
+    """Return the torque of load and friction on a shaft that turns at a speed (rad/s), positive forward (N·m)."""
     against = load.torque_at(turning / RADIANS_PER_RPM, dwell.load_factor)
     return -sense_of(turning) * (against + float(friction_torque(plant, abs(turning))))
 
@@ -102,13 +108,16 @@ def _speed_after(scenario: Scenario, dwell: Dwell, speed: float, time: float) ->
     step = (reference - speed) / _CELLS
     if step == 0.0:
         return reference
-    document = duty_document(scenario.drive)
-    inertia, plant = shaft_inertia(scenario, dwell), document.plant(dwell.scales)
+    load, document = scenario.load, duty_document(scenario.drive)
+    assert not isinstance(load, LockedLoad), "a shaft that is held has no load"
+    inertia, plant = shaft_inertia(scenario, dwell.scales), document.plant(dwell.scales)
     speeds, torques = _required_torques(document, plant, 2.0 * dwell.supply_v)
     for cell in range(_CELLS):
         middle = speed + (cell + 0.5) * step
         torque = float(np.interp(abs(middle), speeds, torques))
-        accelerating = torque + copysign(1.0, step) * load_on_shaft(scenario, dwell, middle)
+        # A cell whose middle is at rest lies on the way to the reference.
+        loaded = _torque_against(load, dwell, plant, middle or reference)
+        accelerating = torque + copysign(1.0, step) * loaded
         if accelerating <= 0.0:
             return speed + cell * step
         time -= inertia * abs(step) / accelerating

@@ -6,6 +6,7 @@ from typing import Final
 
 from drivegate.contracts.duty.document import duty_document
 from drivegate_cases.drive.limits import limits_of
+from drivegate_cases.drive.plant import Scales
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.control_periods import first_period_from
 from drivegate_cases.scenario.load import DynamometerLoad, VehicleLoad
@@ -38,10 +39,10 @@ def is_held(scenario: Scenario) -> bool:
     return isinstance(scenario.load, DynamometerLoad)
 
 
-def shaft_inertia(scenario: Scenario, dwell: Dwell) -> float:
-    """Return the inertia that the machine turns, with that of a vehicle (kg·m²)."""
+def shaft_inertia(scenario: Scenario, scales: Scales) -> float:
+    """Return the inertia that the machine turns, with that of a vehicle, at some deviations of the plant (kg·m²)."""
     vehicle = scenario.load.inertia_kg_m2 if isinstance(scenario.load, VehicleLoad) else 0.0
-    return duty_document(scenario.drive).machine.inertia_kg_m2 * dwell.scales.inertia + vehicle
+    return duty_document(scenario.drive).machine.inertia_kg_m2 * scales.inertia + vehicle
 
 
 def run_up_s(drive: PmAcDocument, speed_change_rpm: float, inertia_factor: float = 1.0) -> float:
@@ -69,7 +70,7 @@ def duty_windows(scenario: Scenario) -> list[tuple[Dwell, float, float]]:
     speed = scenario.initial_speed_rpm
     for dwell in duty_dwells(scenario):
         change = 0.0 if held else dwell.speed_rpm - speed
-        run_up = run_up_s(drive, change, shaft_inertia(scenario, dwell) / drive.machine.inertia_kg_m2)
+        run_up = run_up_s(drive, change, shaft_inertia(scenario, dwell.scales) / drive.machine.inertia_kg_m2)
         needed = first_period_from(settling + length + run_up, period)
         speed += change if run_up <= dwell.duration else change * dwell.duration / run_up
         if round(dwell.end / period) - round(dwell.start / period) >= needed:
