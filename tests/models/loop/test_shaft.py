@@ -76,6 +76,7 @@ def test_viscous_friction_is_second_order(speed: float) -> None:
     def rests(_time: float, state: np.ndarray) -> float:
         return float(state[0])
 
+    # scipy reads this from the function itself, which has no such attribute for a type checker.
     rests.terminal = True  # type: ignore[attr-defined]
     first = solve_ivp(rate, (0.0, duration), [speed], rtol=1e-12, atol=1e-14, events=rests)
     final, time = float(first.y[0, -1]), float(first.t[-1])

@@ -51,7 +51,7 @@ def test_ideal_modulation_at_standstill_swings_by_what_falls_off_in_one_zero_vec
 
 
 def test_ideal_modulation_has_even_zero_vectors(surface: Factory) -> None:
-    # The voltage lies where two legs are alike, so that they are left out of the middle without a zero sequence.
+    # Two legs have the same voltage there, so that they are left out of the middle without a zero sequence.
     drive = surface(resistance=1.0)
     voltage = drive.resistance * 20.0
     quadrature = 20.0 * 0.5 * sqrt(3.0)

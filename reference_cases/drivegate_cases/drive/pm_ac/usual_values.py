@@ -20,14 +20,14 @@ _KRPM: Final = 1000.0 * RADIANS_PER_RPM
 _SQRT3: Final = sqrt(3.0)
 
 
-_CONSTANTS: Final[dict[str, Callable[[float, int], float]]] = {
-    "millivolt seconds": lambda value, _: 1e-3 * value,
-    "newton metres per ampere": lambda value, pairs: value / (1.5 * pairs),
-    "volts per 1000 turns a minute": lambda value, pairs: value * sqrt(2.0) / (_SQRT3 * _KRPM * pairs),
-    "volts per hertz": lambda value, _: value / (2.0 * pi),
-    "turns a minute per volt": lambda value, pairs: 1.0 / (_SQRT3 * pairs * value * RADIANS_PER_RPM),
+_CONSTANTS: Final[dict[str, Callable[[int, float], float]]] = {
+    "millivolt seconds": lambda _, value: 1e-3 * value,
+    "newton metres per ampere": lambda pairs, value: value / (1.5 * pairs),
+    "volts per 1000 turns a minute": lambda pairs, value: value * sqrt(2.0) / (_SQRT3 * _KRPM * pairs),
+    "volts per hertz": lambda _, value: value / (2.0 * pi),
+    "turns a minute per volt": lambda pairs, value: 1.0 / (_SQRT3 * pairs * value * RADIANS_PER_RPM),
 }
-"""Flux linkage (V·s) of what a data sheet may state in its place, and of the pole pairs, by its name in words."""
+"""Flux linkage (V·s) by pole pairs and by what a data sheet may state in its place, by its name in words."""
 _HIGHEST_EMF: Final = 1.3
 """Greatest usual EMF at base speed over the voltage of a phase: above 1 only weakening reaches that speed (1)."""
 
@@ -50,13 +50,9 @@ def ranges_of_pm_ac(drive: DriveValues) -> tuple[tuple[UsualRange, ...], ...]:
                 _HIGHEST_EMF * flux,
                 f"for {link:g} V {scale.geared}",
                 other_quantities=tuple(
-                    (name, partial(_of_pairs, flux_of, pole_pairs)) for name, flux_of in _CONSTANTS.items()
+                    (name, partial(flux_of, pole_pairs)) for name, flux_of in _CONSTANTS.items()
                 ),
             ),
             *scale.shaft_and_core(),
         ),
     )
-
-
-def _of_pairs(flux_of: Callable[[float, int], float], pairs: int, value: float) -> float:
-    return flux_of(value, pairs)
