@@ -15,9 +15,11 @@ VOLTAGE_SHARE: Final = 0.98
 _WEAKENING_RATE = 0.02
 _LEAST_SHARE = 0.5
 _MOST_USED = 1.5
-# Voltage reserve of a speed regulator during braking, and share of the maximum torque from which it is complete.
-_BRAKING_ROOM = 0.1
-_WHOLE_ROOM_FROM = 0.2
+# Voltage reserve of a speed regulator during braking, the share of the maximum torque from which it is complete, and
+# the greatest share of the voltage beyond that of the weakest field, which is all that torque has.
+_BRAKING_RESERVE = 0.1
+_WHOLE_RESERVE_FROM = 0.2
+_GREATEST_RESERVE = 0.5
 
 
 @inlined
@@ -42,8 +44,10 @@ def with_reserve(
         resistance = -resistance
     elif torque * electrical < 0.0:
         # Braking currents beyond the voltage limit move further away from their references.
-        braking = min(requested / (_WHOLE_ROOM_FROM * state.greatest_torque), 1.0)
-        voltage *= 1.0 - _BRAKING_ROOM * braking
+        braking = min(requested / (_WHOLE_RESERVE_FROM * state.greatest_torque), 1.0)
+        weakest = state.magnet_flux + state.direct_inductance * state.deepest
+        left = max(voltage - abs(electrical) * max(weakest, 0.0), 0.0)
+        voltage -= min(_BRAKING_RESERVE * braking * voltage, _GREATEST_RESERVE * left)
     return voltage, resistance
 
 
