@@ -35,6 +35,7 @@ _VARYING: Final = tuple(
         (r"SHA256:[\w+/]{43}", "SHA256:{key}"),
         (r"[\d.]+ [nµm]?s a step( \([^)]*\))?(, [\d.e-]+ %)?", "{time of a step}"),
         (r"\b\d+(\.\d+)? (s|min|h), report", "{duration}, report"),
+        (r"[\d.e+]+ points a second", "{rate} points a second"),
         (r"\b(process|pid)([ =:]+)\d+", r"\1\2{process}"),
         (r'File "[^"]*", line \d+', "File {line}"),
     )

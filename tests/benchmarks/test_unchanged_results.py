@@ -21,6 +21,7 @@ HASH = "6ea88350f05a5789"
     [
         (f"sources {HASH}, report: /scratch/a.json", "sources {hash}, report: {scratch}/a.json"),
         ("91 runs, 69 s, report: a", "91 runs, {duration}, report: a"),
+        ("1.03e+04 points a second", "{rate} points a second"),
         ("at 2026-11-28T12:16:09+00:00 until 2026-12-01", "at {time} until {day}"),
         ('File "/clone/a.py", line 12, in step', "File {line}, in step"),
         (f"signed by SHA256:{'b+/C' * 10}abc", "signed by SHA256:{key}"),
