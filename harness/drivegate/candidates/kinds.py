@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.controller import Controller
+from drivegate.candidates.step_costs import NO_COSTS
 
 if TYPE_CHECKING:
     from drivegate_cases.documents.document import Document
@@ -65,6 +66,8 @@ class Kind:
     """Whether a fault without a traceback is reported with what the candidate's process printed."""
     way_of_running: str = ""
     """How its steps run, without which their time says little; empty where the controller itself states it."""
+    untimed_because: str = ""
+    """Why the time of its steps is not judged, in one clause; empty where it is."""
 
     def from_text(self, specification: str) -> Candidate:
         candidate: Candidate = self._module("resolution").from_text(specification)
@@ -119,6 +122,8 @@ _ALL: Final = (
         ),
         compiles_own_code=True,
         way_of_running="an emulated target",
+        untimed_because="the speed of the emulator says nothing of the target, so the manifest states limits of a step "
+        "instead, such as 'step_cycles'",
     ),
     Kind("fmu", "fmu", ways=("file.fmu",), suffixes=(".fmu",), way_of_running="FMU"),
     Kind(
@@ -129,6 +134,7 @@ _ALL: Final = (
         manifest_keys=("step_deadline_s",),
         reports_output=True,
         way_of_running="a process of its own",
+        untimed_because="most of the time of a program's step passes in the pipes to it",
     ),
     Kind(
         "inner",
@@ -148,3 +154,8 @@ WHOLE_FILE_SUFFIXES: Final = (MANIFEST_SUFFIX, *(suffix for kind in _ALL for suf
 
 def load_controller(candidate: Candidate) -> Controller:
     return KINDS[candidate.kind].load_controller(candidate)
+
+
+def untimed_because(candidate: Candidate) -> str:
+    """Return why neither the time nor the cost of a candidate's steps is judged; empty where one is."""
+    return "" if candidate.step_limits != NO_COSTS else KINDS[candidate.kind].untimed_because

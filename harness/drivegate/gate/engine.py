@@ -13,7 +13,7 @@ from typing import Any, Final
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.fault import Fault, FaultKind
-from drivegate.candidates.kinds import KINDS
+from drivegate.candidates.kinds import KINDS, untimed_because
 from drivegate.checks.check import JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin, margin_in_words
 from drivegate.containment.candidate_isolation import isolating_layers
@@ -117,7 +117,11 @@ def _planned(candidate: Candidate, options: CheckOptions) -> _Plan:
     )
     focus = options.focus.within(drive.contract, [check.id for check in contract_of(drive).checks])
     # What a candidate does not declare is known before anything is compiled or run.
-    focus.require_judged(check_outcomes((), candidate.declaration, drive, complete=False))
+    focus.require_judged(
+        check_outcomes(
+            (), candidate.declaration, drive, complete=False, untimed_because=untimed_because(candidate)
+        )
+    )
     uncompiled = uncompiled_kinds([drive])
     # The oracle needs compiled kernels. With a cold cache `_compile` refuses the drive once workers have made them.
     if not uncompiled:
@@ -178,7 +182,13 @@ def _run(plan: _Plan, progress: Progress) -> Iterator[Event]:
             progress.complete = False
             progress.end()
         complete = progress.complete and not progress.faults
-        judged = check_outcomes(progress.all_runs, candidate.declaration, drive, complete=complete)
+        judged = check_outcomes(
+            progress.all_runs,
+            candidate.declaration,
+            drive,
+            complete=complete,
+            untimed_because=untimed_because(candidate),
+        )
         options.focus.require_judged(judged)
         progress.outcomes = options.focus.outcomes(judged)
         try:

@@ -195,12 +195,13 @@ def time_steps(loaded: JudgedCandidate, scenario: Scenario) -> ShardOutcome:
     controller = loaded.controller()
     record = recorded(loaded, scenario, controller, trace_every=1)
     step_time = contract_of(scenario.drive).step_seconds(controller, record)
-    way = way_of_running(loaded.candidate.kind, controller)
+    kind = loaded.candidate.kind
     costs = greatest_costs((record.costs, taken_costs(controller)))
     margin = counted_margin(costs, loaded.candidate.step_limits)
-    if margin is None:
-        margin = timing_margin(way, step_time, scenario.control_period_s)
-    return ShardOutcome((JudgedRun(scenario.to_mapping(), (margin,), costs=costs),))
+    if margin is None and not KINDS[kind].untimed_because:
+        margin = timing_margin(way_of_running(kind, controller), step_time, scenario.control_period_s)
+    margins = () if margin is None else (margin,)
+    return ShardOutcome((JudgedRun(scenario.to_mapping(), margins, costs=costs),))
 
 
 def way_of_running(kind: str, controller: AnyController) -> str:

@@ -18,6 +18,7 @@ from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.contract import Contract
 from drivegate.contracts.parting import room_for_commands
 from drivegate.drives.running import recorded, with_repetitions
+from drivegate.scenarios.rotation import needs_reverse
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.scenario import Scenario
 
@@ -67,7 +68,7 @@ def content_key(scenario: Mapping[str, Any]) -> str:
 
 
 def run_fixed(loaded: JudgedCandidate, plan: FixedRuns) -> ShardOutcome:
-    scenarios, infeasible = _fair(plan.scenarios) if plan.only_fair else (plan.scenarios, ())
+    scenarios, infeasible = _fair(plan, loaded.candidate.declaration)
     if not plan.repeat:
         declaration = loaded.candidate.declaration
         scenarios = tuple(one for one in scenarios if is_needed(one, declaration, plan.only))
@@ -85,12 +86,18 @@ def run_fixed(loaded: JudgedCandidate, plan: FixedRuns) -> ShardOutcome:
 
 
 def _fair(
-    scenarios: tuple[Scenario, ...],
+    plan: FixedRuns, declaration: Declaration
 ) -> tuple[tuple[Scenario, ...], tuple[InfeasibleScenario, ...]]:
-    """Part scenarios that a candidate may be judged on from those that no controller could do."""
-    reasons = [(scenario, contract_of(scenario.drive).unfair_because(scenario)) for scenario in scenarios]
+    """Part scenarios that a candidate may be judged on from those that no controller, or not this one, could do."""
+    reasons = [(scenario, _unfair_because(scenario, plan, declaration)) for scenario in plan.scenarios]
     unfair = (InfeasibleScenario(scenario.name, why) for scenario, why in reasons if why is not None)
     return tuple(scenario for scenario, why in reasons if why is None), tuple(unfair)
+
+
+def _unfair_because(scenario: Scenario, plan: FixedRuns, declaration: Declaration) -> str | None:
+    if not declaration.reverses and needs_reverse(scenario):
+        return "it needs a shaft that turns both ways, but the candidate's manifest states 'reverses = false'"
+    return contract_of(scenario.drive).unfair_because(scenario) if plan.only_fair else None
 
 
 def searched_checks(contract: Contract) -> frozenset[str]:

@@ -18,6 +18,7 @@ from drivegate.gate.plan import REPEATED
 from drivegate.gate.shard import content_key
 from drivegate.results.document import CheckSection, FoundSection
 from drivegate.results.verdict import considered
+from drivegate.scenarios.rotation import needs_reverse
 from drivegate.scenarios.simplification import Simplification, simplified, size_of
 from drivegate.scenarios.title import titled
 from drivegate_cases.documents.document import parse_document
@@ -103,9 +104,12 @@ class _Trials:
         return margin
 
     def is_due(self, scenario: Scenario) -> bool:
-        """Return True if a scenario was not run yet, suits the candidate's speeds, and is as fair as the first."""
-        lowest, highest = self._loaded.candidate.declaration.speed_range_rpm or (-math.inf, math.inf)
-        declared = all(lowest <= speed <= highest for _, speed in scenario.speed_rpm)
+        """Return True if a scenario was not run yet, is what the candidate declares, and is as fair as the first."""
+        declaration = self._loaded.candidate.declaration
+        lowest, highest = declaration.speed_range_rpm or (-math.inf, math.inf)
+        declared = all(lowest <= speed <= highest for _, speed in scenario.speed_rpm) and (
+            declaration.reverses or needs_reverse(self._start) or not needs_reverse(scenario)
+        )
         is_new = content_key(scenario.to_mapping()) not in self._known
         return declared and is_new and contract_of(scenario.drive).is_as_fair(scenario, self._start)
 

@@ -33,12 +33,30 @@ def check_outcomes(
     drive: DriveDocument,
     *,
     complete: bool,
+    untimed_because: str = "",
 ) -> tuple[CheckSection, ...]:
-    """Judge every check of a drive's contract over all runs."""
+    """Judge every check of a drive's contract over all runs.
+
+    `untimed_because` states why the time of a candidate's steps is not judged, where it is not.
+    """
     own = contract_of(drive).checks
-    return tuple(
+    outcomes = (
         _outcome(on_drive(check, drive, declaration), runs, declaration, drive, complete) for check in own
     )
+    return tuple(_without_time(outcome, runs, untimed_because) for outcome in outcomes)
+
+
+def _without_time(outcome: CheckSection, runs: Sequence[JudgedRun], because: str) -> CheckSection:
+    """State of a check of the time why it judged nothing, and what steps cost on a target."""
+    if not because or not all_checks()[outcome.id].volatile or outcome.runs:
+        return outcome
+    costs = _costs_on_target(runs)
+    return outcome.model_copy(update={"verdict": "not applicable", "message": f"{because}{costs}"})
+
+
+def _costs_on_target(runs: Sequence[JudgedRun]) -> str:
+    costs = costs_in_words(greatest_costs(run.costs for run in runs))
+    return f"; on the target, a step takes at most {costs}" if costs else ""
 
 
 def machine_dependent(runs: Sequence[JudgedRun]) -> dict[str, dict[str, Any]]:
@@ -89,9 +107,7 @@ def _outcome(
     if margin.is_timed:
         # Which run was the worst, and by how much, another machine would find otherwise.
         message = f"{'not ' if failed else ''}met; the numbers depend on the machine and are with the times"
-        if counted_costs := costs_in_words(greatest_costs(run.costs for run in runs)):
-            message += f"; on the target, a step takes at most {counted_costs}"
-        return _made(check, verdict, None, len(items), message, None)
+        return _made(check, verdict, None, len(items), message + _costs_on_target(runs), None)
     if check.volatile:
         check = on_target(check)
     if failed:

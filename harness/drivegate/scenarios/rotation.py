@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from drivegate.scenarios.title import titled
 from drivegate_cases.scenario.load import DynamometerLoad, HoistLoad, VehicleLoad
-from drivegate_cases.scenario.piecewise import Profile
+from drivegate_cases.scenario.piecewise import Profile, breakpoints, value_from, value_until
 from drivegate_cases.scenario.scenario import Scenario
 
 
@@ -16,6 +16,26 @@ def sense_of(speed: float) -> float:
 def goes_backward(scenario: Scenario) -> bool:
     """Return True if a run begins with a speed backward or has a reference of one."""
     return min(scenario.initial_speed_rpm, *(speed for _, speed in scenario.speed_rpm)) < 0.0
+
+
+def needs_reverse(scenario: Scenario) -> bool:
+    """Return True if a run needs a drive that turns both ways: backward, by a weight, or by a torque at standstill.
+
+    A shaft at rest is turned backward by any torque against the forward sense, and by a hoist's weight; a shaft that
+    turns forward is only braked.
+    """
+    return goes_backward(scenario) or isinstance(scenario.load, HoistLoad) or _pulls_back_at_rest(scenario)
+
+
+def _pulls_back_at_rest(scenario: Scenario) -> bool:
+    if not isinstance(scenario.load, DynamometerLoad):
+        return False
+    profiles = scenario.speed_rpm, scenario.load.torque_reference_nm
+    return any(
+        value_at(profiles[1], time) < 0.0 and value_at(profiles[0], time) <= 0.0
+        for time in breakpoints(profiles, scenario.duration_s)
+        for value_at in (value_until, value_from)
+    )
 
 
 def is_mirrored(scenario: Scenario) -> bool:

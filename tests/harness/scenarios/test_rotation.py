@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, seed, settings
 
 from drivegate.candidates.declaration import NOTHING_DECLARED
 from drivegate.candidates.resolution import resolve_candidate
@@ -14,13 +15,17 @@ from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.duty.checks.symmetry import same_both_ways
 from drivegate.contracts.duty.record import DutyRecord
 from drivegate.contracts.duty.scenarios.building import hoist_scenario, speed_scenario, torque_scenario
+from drivegate.contracts.duty.scenarios.drawn.families import FAMILY_GROUPS, drawn_scenarios
 from drivegate.contracts.duty.scenarios.feasibility import unfair_because
 from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios
 from drivegate.drives.running import recorded
-from drivegate.scenarios.rotation import goes_backward, mirrored
+from drivegate.gate.shard import FixedRuns, run_fixed
+from drivegate.scenarios.rotation import goes_backward, mirrored, needs_reverse
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
-from drivegate_cases.scenario.load import VehicleLoad
+from drivegate_cases.scenario.failure_kind import FAILURE_KINDS, FailureKind
+from drivegate_cases.scenario.load import DynamometerLoad, HoistLoad, VehicleLoad
+from drivegate_cases.scenario.piecewise import value_from
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import InputError
 
@@ -123,4 +128,57 @@ def test_nobody_is_run_backward_who_states_to_turn_one_way() -> None:
         InputError, match=r"speeds from 0, since the key 'reverses' in the drive's \[rating\]"
     ):
         backward[0].replaced(drive=one_way)
-    assert len(fixed_scenarios(DRIVE)) == len(fixed_scenarios(DRIVE, reverses=False)) + len(backward)
+    both_ways = [run for run in fixed_scenarios(DRIVE) if needs_reverse(run)]
+    assert len(fixed_scenarios(DRIVE)) == len(fixed_scenarios(DRIVE, reverses=False)) + len(both_ways)
+
+
+def pulls_backward(run: Scenario) -> bool:
+    """Return True if a run asks for what a shaft that turns one way cannot do, looked at every millisecond."""
+    if isinstance(run.load, HoistLoad):
+        return True
+    torques = run.load.torque_reference_nm if isinstance(run.load, DynamometerLoad) else ((0.0, 0.0),)
+    times = [0.001 * number for number in range(int(1000.0 * run.duration_s))]
+    return any(
+        value_from(run.speed_rpm, time) < 0.0
+        or (value_from(torques, time) < 0.0 and value_from(run.speed_rpm, time) == 0.0)
+        for time in times
+    )
+
+
+@pytest.mark.parametrize("detected", [(), FAILURE_KINDS])
+def test_no_fixed_run_pulls_a_shaft_backward_that_turns_one_way(detected: tuple[FailureKind, ...]) -> None:
+    runs = fixed_scenarios(DRIVE, detected=detected, reverses=False)
+    assert not [run.name for run in runs if pulls_backward(run)]
+    assert any(pulls_backward(run) for run in fixed_scenarios(DRIVE, detected=detected))
+
+
+@pytest.mark.parametrize("group", range(len(FAMILY_GROUPS)))
+def test_no_drawn_run_pulls_a_shaft_backward_that_turns_one_way(group: int) -> None:
+    drawn = drawn_scenarios(DRIVE, group, detected=FAILURE_KINDS, reverses=False)
+
+    @settings(max_examples=40, database=None, deadline=None, suppress_health_check=list(HealthCheck))
+    @seed(group)
+    @given(drawn)
+    def drawn_forward(run: Scenario) -> None:
+        assert not pulls_backward(run)
+
+    drawn_forward()
+
+
+def test_a_torque_backward_at_standstill_needs_a_drive_that_reverses() -> None:
+    one_way = DRIVE.with_overrides(["rating.reverses=false"])
+    assert isinstance(one_way, PmAcDocument)
+    for torques, at_rest, braking in (((1.0, -1.0), True, False), ((1.0, 0.5), False, False)):
+        assert needs_reverse(torque_scenario(DRIVE, 0.0, torques)) is at_rest
+        assert needs_reverse(torque_scenario(DRIVE, 1000.0, torques)) is braking
+        assert (unfair_because(torque_scenario(one_way, 0.0, torques)) is not None) is at_rest
+        assert unfair_because(torque_scenario(DRIVE, 0.0, torques)) is None
+
+
+def test_a_stored_run_backward_is_set_aside_for_a_candidate_that_turns_one_way() -> None:
+    loaded = own_candidate(
+        replace(resolve_candidate("foc"), declaration=replace(NOTHING_DECLARED, reverses=False))
+    )
+    outcome = run_fixed(loaded, FixedRuns((torque_scenario(DRIVE, 0.0, (-1.0,)),)))
+    assert not outcome.runs
+    assert "states 'reverses = false'" in outcome.infeasible[0].reason

@@ -9,6 +9,7 @@ from typing import Any, Final, TypeAlias
 
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault, FaultKind, bounded_line
+from drivegate.candidates.kinds import untimed_because
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.check import JudgedRun
 from drivegate.containment.messages import Job, JudgedCandidate
@@ -177,7 +178,11 @@ def _run_checks(
             break
     assert compared.candidate is not None, "only a candidate has checks"
     compared.outcomes = check_outcomes(
-        runs, compared.candidate.declaration, drive, complete=compared.complete and not compared.faults
+        runs,
+        compared.candidate.declaration,
+        drive,
+        complete=compared.complete and not compared.faults,
+        untimed_because=untimed_because(compared.candidate),
     )
 
 

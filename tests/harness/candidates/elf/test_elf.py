@@ -14,7 +14,7 @@ import pytest
 from drivegate.candidates.elf.instruction_count import CORE, REFILL, cycles_of
 from drivegate.candidates.elf.loading import TargetController
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind
-from drivegate.candidates.kinds import load_controller
+from drivegate.candidates.kinds import load_controller, untimed_because
 from drivegate.candidates.native.compiler import include_folder
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.candidates.step_costs import NO_COSTS, StepCosts
@@ -303,6 +303,31 @@ def test_a_step_is_judged_by_what_the_manifest_allows_in_every_run(
     assert {name for name, cost in steps.items() if cost["limit"]} == {key.removeprefix("step_")}
     assert {cost["scenario"] for cost in steps.values()} == {scenario.name}
     assert set(steps) == {"instructions", "cycles", "stack_bytes"}
+
+
+@pytest.mark.parametrize(("limit", "judged"), [("", False), ("stack_bytes = 60000", True)])
+def test_an_image_is_never_judged_by_the_speed_of_the_emulator(
+    image: Callable[..., Path], limit: str, judged: bool
+) -> None:
+    file = image().with_name("candidate.toml")
+    file.write_text(
+        f'schema = 1\nname = "mine"\nkind = "elf"\nentry = "mine.elf"\n{limit}\n', encoding="utf-8"
+    )
+    scenario, candidate = scenario_of("paper-5-phase"), resolve_candidate(str(file))
+    with Judge(candidate) as judge:
+        timed = judge.once(Job(time_steps, scenario))
+    assert not isinstance(timed, Fault), timed
+    (run,) = timed.runs
+    assert all("emulated" not in margin.measured for margin in run.margins)
+    assert not any(margin.is_timed for margin in run.margins)
+    because = untimed_because(candidate)
+    outcomes = check_outcomes(
+        timed.runs, candidate.declaration, scenario.drive, complete=True, untimed_because=because
+    )
+    (outcome,) = (outcome for outcome in outcomes if outcome.id == "TIM-1")
+    assert outcome.verdict == ("pass" if judged else "not applicable")
+    assert judged or "the speed of the emulator says nothing of the target" in outcome.message
+    assert judged or "on the target, a step takes at most" in outcome.message
 
 
 @pytest.mark.parametrize(("source", "drive"), [(CURRENT, "paper-5-phase"), (DUTY, "pm-ac-surface")])

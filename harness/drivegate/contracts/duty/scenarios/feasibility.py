@@ -19,6 +19,7 @@ from drivegate.contracts.duty.scenarios.drawn_range import (
 from drivegate.contracts.duty.scenarios.reaching import greatest_torque, is_too_late
 from drivegate.contracts.duty.scenarios.windows import duty_dwells, shaft_inertia
 from drivegate.scenarios.drive_scale import rated_torque_at
+from drivegate.scenarios.rotation import needs_reverse
 from drivegate_cases.drive.data_sheet import USABLE_SHARE
 from drivegate_cases.drive.limits import limits_of
 from drivegate_cases.drive.plant import NOMINAL
@@ -61,6 +62,8 @@ def _unfair_begin(scenario: Scenario) -> str | None:
         return "it begins above base speed, on a plant that the controller does not know"
     if _is_beyond_overspeed(scenario):
         return "it begins or has a reference above overspeed, where a drive turns itself off"
+    if (because := scenario.drive.one_way_because) is not None and needs_reverse(scenario):
+        return f"it needs a shaft that turns both ways, but {because}"
     if _rectified_current(scenario) > limits_of(duty_document(scenario.drive)).peak_a:
         return "it begins so fast that the current through the diodes alone exceeds the limit of OVC-1"
     return None

@@ -34,7 +34,7 @@ from drivegate.contracts.duty.scenarios.building import (
 from drivegate.contracts.duty.scenarios.drawn_range import BEYOND_SHARE, SLOW_SHARE
 from drivegate.scenarios.changes import with_real_sensors, with_scales
 from drivegate.scenarios.drive_scale import rated_torque_at, tidy
-from drivegate.scenarios.rotation import mirrored
+from drivegate.scenarios.rotation import mirrored, needs_reverse
 from drivegate_cases.drive.limits import nearest_step
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.limits import FAILURE_SPEED_SHARE
@@ -65,10 +65,11 @@ def fixed_scenarios(
     *,
     reverses: bool = True,
 ) -> tuple[Scenario, ...]:
-    """List those of the references, and of the failures that a candidate detects, backward only if it reverses.
+    """List those of the references, and of the failures that a candidate detects; both ways only if it reverses.
 
     Speeds are shares of the drive's range, torques shares of the rated one.
     """
+    reverses = reverses and drive.one_way_because is None
     every = (
         *_torques(drive),
         *_speeds(drive),
@@ -79,10 +80,14 @@ def fixed_scenarios(
         *_sensed(drive),
         *_disturbed(drive),
         *_at_once(drive),
-        *(_backward(drive) if reverses and drive.one_way_because is None else ()),
+        *(_backward(drive) if reverses else ()),
         *(run for run in _failures(drive) if run.failure is not None and run.failure.kind in detected),
     )
-    followed = [scenario for scenario in reversed(every) if reference_of(scenario) in references]
+    followed = [
+        scenario
+        for scenario in reversed(every)
+        if reference_of(scenario) in references and (reverses or not needs_reverse(scenario))
+    ]
     return tuple(dict.fromkeys(followed))[::-1]
 
 

@@ -1,14 +1,17 @@
 """TIM-1: the limit of a step's compute time, and what is timed."""
 
+import sys
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from drivegate.candidates.fault import Fault
 from drivegate.candidates.python.bridge import PythonController
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import own_candidate
-from drivegate.containment.messages import JudgedCandidate
+from drivegate.containment.judge_process import Judge
+from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.gate.plan import time_steps, timing_margin, way_of_running
 from drivegate_cases.scenario.scenario import load_scenario
 
@@ -41,6 +44,21 @@ class Rarely(Slow):
         return Command(5.0, 0.0)
 """
 
+PROGRAM = """
+import json
+import sys
+
+for line in sys.stdin:
+    message = json.loads(line)
+    if "sense" in message:
+        answer = {"current_reference": 5.0, "advance_angle": 0.0}
+    elif "reset" in message:
+        answer = {"ready": True}
+    else:
+        answer = {"drivegate": 1}
+    print(json.dumps(answer), flush=True)
+"""
+
 
 def loaded(specification: str) -> JudgedCandidate:
     return own_candidate(resolve_candidate(specification))
@@ -69,6 +87,16 @@ def test_how_a_step_runs_is_reported():
     assert way_of_running("python", native) == "native", "a NumbaController is compiled"
     assert way_of_running("exec", python) == "a process of its own"
     assert way_of_running("fmu", python) == "FMU"
+
+
+def test_a_program_is_not_judged_by_the_time_of_the_pipes_to_it(tmp_path, short_run):
+    program = tmp_path / "answers.py"
+    program.write_text(PROGRAM)
+    with Judge(resolve_candidate(f"exec:{sys.executable} {program}")) as judge:
+        outcome = judge.once(Job(time_steps, short_run.replaced(duration_s=0.05)))
+    assert not isinstance(outcome, Fault), outcome
+    (run,) = outcome.runs
+    assert not run.margins
 
 
 @pytest.mark.parametrize("name", ["reference", "published", "initial"])

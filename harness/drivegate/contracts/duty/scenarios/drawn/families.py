@@ -31,7 +31,7 @@ from drivegate.contracts.duty.scenarios.drawn.circumstances import (
 )
 from drivegate.contracts.duty.scenarios.drawn.failures import failure_scenarios, that_can_fail
 from drivegate.contracts.duty.scenarios.drawn.steps import Drawn
-from drivegate.scenarios.rotation import goes_backward, is_mirrored, mirrored
+from drivegate.scenarios.rotation import goes_backward, is_mirrored, mirrored, needs_reverse
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.failure_kind import FailureKind
 from drivegate_cases.scenario.reference import FollowedReference, Reference, reference_of
@@ -101,7 +101,7 @@ def drawn_scenarios(
     chosen = groups if group is None else [groups[group % len(groups)]]
     drawn = st.one_of([family(drive) for families in chosen for family in families])
     if not reverses:
-        return drawn
+        return drawn.filter(lambda run: not needs_reverse(run))
 
     def turned(run: Scenario, backward: bool) -> Scenario:
         return mirrored(run) if backward and is_mirrored(run) and not goes_backward(run) else run
