@@ -41,7 +41,7 @@ DEFAULT_OUTPUT = "drivegate-report"
     "--max-time",
     type=bounded(0.0, above=True),
     metavar="SECONDS",
-    help="Begin no more work after this time; what is left is inconclusive.",
+    help="Begin no more work after this time; what is left is inconclusive, or not yet witnessed.",
 )
 @click.option(
     "--search/--no-search",

@@ -45,7 +45,7 @@ from drivegate.gate.same_drive import require_same_drive
 from drivegate.gate.shard import searched_checks
 from drivegate.gate.shrinking import Shrunk, simplest_failures, with_simplest
 from drivegate.gate.warm_up import compile_kernels, judges_on, uncompiled_kinds
-from drivegate.gate.witnesses import Accusation, Acquittal, Defence, accusations, with_witnesses
+from drivegate.gate.witnesses import Acquittal, Defence, accusations, with_witnesses
 from drivegate.results.baseline import compared
 from drivegate.results.document import (
     CandidateSection,
@@ -178,7 +178,8 @@ def _run(plan: _Plan, progress: Progress) -> Iterator[Event]:
             if progress.complete and not progress.cuts_short():
                 _repeat(pool, progress)
         except WorkEnded:
-            # What was judged by then is reported: a failure counts, and a check that was met so far is inconclusive.
+            # What was judged by then is reported: a failure is not witnessed yet, and a check that was met so far is
+            # inconclusive.
             progress.complete = False
             progress.end()
         complete = progress.complete and not progress.faults
@@ -333,17 +334,21 @@ def _shrink(pool: WorkerPool, effort: str, progress: Progress) -> Iterator[Event
 
 
 def _hear(pool: WorkerPool, drive: DriveDocument, progress: Progress, *, counts: bool) -> Iterator[Event]:
-    """Run known good controllers where the candidate fails, and contest what none of them meets."""
+    """Run known good controllers where the candidate fails; contest what none of them meets, and note what is left."""
     accused = accusations(progress.outcomes, progress.all_runs, drive)
-    if not accused or progress.cuts_short():
-        return
-    yield WitnessesHeard("", 0, len(accused))
-    heard: dict[str, tuple[Accusation, Acquittal | Defence | Fault]] = {}
-    endings = pool.map([accusation.job() for accusation in accused])
-    for accusation, ending in zip(accused, endings, strict=True):
-        heard[accusation.check] = accusation, ending
-        yield WitnessesHeard(accusation.check, len(heard), len(accused))
-    progress.outcomes = with_witnesses(progress.outcomes, heard, counts=counts)
+    heard: dict[str, Acquittal | Defence | Fault] = {}
+    if accused and not progress.cuts_short():
+        yield WitnessesHeard("", 0, len(accused))
+        endings = pool.map([accusation.job() for accusation in accused])
+        try:
+            for accusation, ending in zip(accused, endings, strict=True):
+                heard[accusation.check] = ending
+                yield WitnessesHeard(accusation.check, len(heard), len(accused))
+        except WorkEnded as ended:
+            heard |= {accused[index].check: ending for index, ending in ended.outcomes.items()}
+            progress.end()
+    endings_of = {accusation.check: (accusation, heard.get(accusation.check)) for accusation in accused}
+    progress.outcomes = with_witnesses(progress.outcomes, endings_of, counts=counts)
 
 
 def _record(pool: WorkerPool, progress: Progress) -> None:

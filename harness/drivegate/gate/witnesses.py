@@ -21,7 +21,7 @@ from drivegate.drives.running import recorded
 from drivegate.gate.plan import REPEATED
 from drivegate.gate.shrinking import shown_by
 from drivegate.results.document import CheckSection, WitnessedSection
-from drivegate.results.result import witness_in_words
+from drivegate.results.result import NOT_WITNESSED, witness_in_words
 from drivegate.results.verdict import considered
 from drivegate.scenarios.simplification import size_of
 from drivegate_cases.documents.document import parse_document
@@ -168,11 +168,14 @@ def judged_witness(witness: Witness, scenario: Scenario, declaration: Declaratio
 
 def with_witnesses(
     outcomes: Iterable[CheckSection],
-    heard: Mapping[str, tuple[Accusation, Acquittal | Defence | Fault]],
+    heard: Mapping[str, tuple[Accusation, Acquittal | Defence | Fault | None]],
     *,
     counts: bool = False,
 ) -> tuple[CheckSection, ...]:
-    """Put what the witnesses did into the outcomes; a contested failure remains one where it `counts`."""
+    """Put what the witnesses did into the outcomes, None where they were not heard.
+
+    A failure that is contested, or not witnessed yet, remains one where it `counts`.
+    """
     return tuple(
         _with_witness(outcome, *heard[outcome.id], counts) if outcome.id in heard else outcome
         for outcome in outcomes
@@ -180,16 +183,25 @@ def with_witnesses(
 
 
 def _with_witness(
-    outcome: CheckSection, accusation: Accusation, ending: Acquittal | Defence | Fault, counts: bool
+    outcome: CheckSection, accusation: Accusation, ending: Acquittal | Defence | Fault | None, counts: bool
 ) -> CheckSection:
-    if isinstance(ending, Fault):
-        return outcome
+    if ending is None or isinstance(ending, Fault):
+        sentence = f"{NOT_WITNESSED}: the check ended before known good controllers were run there"
+        return _uncounted(outcome, sentence, NOT_WITNESSED, counts)
     if isinstance(ending, Defence):
         message = f"{outcome.message}; {witness_in_words(dict(ending.witnessed))}"
         made = outcome.model_copy(update={"witness": ending.witnessed, "message": message})
         return made if ending.place == 0 else shown_by(made, *accusation.failures[ending.place])
     names = ", ".join(ending.witnesses)
-    sentence = f"contested: none of {names} meets it there"
+    return _uncounted(outcome, f"contested: none of {names} meets it there", "contested", counts)
+
+
+def _uncounted(outcome: CheckSection, sentence: str, verdict: str, counts: bool) -> CheckSection:
+    """Let a failure not count, unless the user has every failure without a witness count."""
     sentence += ", but --contested fail counts it" if counts else ", so it does not count"
-    verdict = outcome.verdict if counts else "contested"
-    return outcome.model_copy(update={"verdict": verdict, "message": f"{outcome.message}; {sentence}"})
+    return outcome.model_copy(
+        update={
+            "verdict": outcome.verdict if counts else verdict,
+            "message": f"{outcome.message}; {sentence}",
+        }
+    )

@@ -24,6 +24,7 @@ STYLES: Final = {
     "fail": "bold red",
     ADVISED: "yellow",
     "contested": "yellow",
+    "not yet witnessed": "yellow",
     "waived": "yellow",
     "unexpectedly passes": "bold yellow",
     "no difference": "dim",

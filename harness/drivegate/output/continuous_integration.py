@@ -13,7 +13,7 @@ from drivegate.checks.margin import margin_in_words
 from drivegate.output.explanations import distinct_faults, explanations, in_runs, unjudged_in_words
 from drivegate.output.result_file import counterexample_name
 from drivegate.output.wording import drive_in_words, printed_margin, runs_in_short
-from drivegate.results.result import STALE_WAIVERS, counted_levels
+from drivegate.results.result import NOT_WITNESSED, STALE_WAIVERS, counted_levels
 from drivegate_cases.documents.wording import one_line
 
 JUNIT_FILE: Final = "junit.xml"
@@ -33,10 +33,10 @@ def junit_xml(result: dict[str, Any]) -> bytes:
 
     An advisory check that fails is reported in the output of its case, which passes unless advisory checks count. One
     that is waived is skipped, with its owner and the last day of the waiver, and so is an advisory one that a fault
-    kept from being judged; of a required one that is an error. What explains an outcome comes first in its message:
-    the cause that several failures share, or that fault. A comparison with a baseline has cases of its own. The class
-    of a case is the candidate and the family of the check. A run serves many checks, so the time of a check is its
-    share of all times that a run was judged.
+    kept from being judged; of a required one that is an error, and so is a failure that is not witnessed yet. What
+    explains an outcome comes first in its message: the cause that several failures share, or that fault. A comparison
+    with a baseline has cases of its own. The class of a case is the candidate and the family of the check. A run
+    serves many checks, so the time of a check is its share of all times that a run was judged.
     """
     name = one_line(result["candidate"]["name"])
     suite = ElementTree.Element("testsuite", name=f"drivegate {name}")
@@ -151,8 +151,13 @@ def _what_failed(result: dict[str, Any]) -> list[str]:
     failed = [check for check in result["checks"] if check["counterexample"] is not None]
     failed.sort(key=lambda check: (check["verdict"] == "waived", check["level"] not in counted))
     contested = [check for check in failed if check["verdict"] == "contested"]
+    unwitnessed = [check for check in failed if check["verdict"] == NOT_WITNESSED]
+    counting = [check for check in failed if check not in (*contested, *unwitnessed)]
     lines = _listed_failures(result, "Contested: no known good controller meets these either", contested)
-    lines += _listed_failures(result, "What failed", [check for check in failed if check not in contested])
+    lines += _listed_failures(result, "What failed", counting)
+    lines += _listed_failures(
+        result, "Not yet witnessed: no known good controller was run there", unwitnessed
+    )
     if failed:
         # Indented code, in which nothing has to be escaped.
         candidate = quote(one_line(result["candidate"]["specification"]))

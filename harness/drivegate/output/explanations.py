@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from drivegate.results.result import NOT_WITNESSED
 from drivegate_cases.documents.wording import counted, one_line
 
 _NOT_JUDGED = "not judged"
@@ -21,7 +22,7 @@ def _urgency(check: Mapping[str, Any]) -> int:
         return 3
     if check["verdict"] == "contested":
         return -1
-    if check["verdict"] in ("waived", "inconclusive"):
+    if check["verdict"] in ("waived", NOT_WITNESSED, "inconclusive"):
         return 2
     return 0 if check["level"] == "required" else 1
 

@@ -17,7 +17,7 @@ from drivegate.output.report_writers import (
 )
 from drivegate.output.result_file import write_result_files
 from drivegate.output.streams import without_commands
-from drivegate.results.result import STALE_WAIVERS, content_hash, counted_levels
+from drivegate.results.result import NOT_WITNESSED, STALE_WAIVERS, content_hash, counted_levels
 from drivegate_cases.documents.wording import nearest, one_line, shown_path
 from drivegate_models.errors import HarnessFault, InputError
 
@@ -60,7 +60,8 @@ def _level(check: dict[str, Any], counted: tuple[str, ...]) -> str:
     verdict = check["verdict"]
     if verdict in ("pass", "not applicable"):
         return ""
-    if verdict in STALE_WAIVERS or (check["level"] in counted and verdict not in ("contested", "waived")):
+    uncounted = ("contested", NOT_WITNESSED, "waived")
+    if verdict in STALE_WAIVERS or (check["level"] in counted and verdict not in uncounted):
         return "error"
     return "notice" if verdict == "waived" else "warning"
 

@@ -125,7 +125,8 @@ class CheckSection(Section):
     level: Literal["required", "advisory"] = Field(description="whether a failure fails the candidate")
     limit: Text = Field(description="the limit in people's units")
     verdict: Text = Field(
-        description="pass, fail, contested, waived, waiver expired, unexpectedly passes, not applicable or inconclusive"
+        description="pass, fail, contested, not yet witnessed, waived, waiver expired, unexpectedly passes, "
+        "not applicable or inconclusive"
     )
     margin: Number = Field(
         description="least margin: distance from the limit over the limit, negative when not met"

@@ -13,6 +13,8 @@ RESULT_SCHEMA: Final = 2
 """Version of the result document."""
 MOST_MARGINS: Final = 1000
 """Most margins of a check that a result keeps."""
+NOT_WITNESSED: Final = "not yet witnessed"
+"""Verdict of a check that failed before known good controllers were run there; it does not count as a failure."""
 STALE_WAIVERS: Final = ("waiver expired", "unexpectedly passes")
 """Verdicts of checks whose waiver has to be renewed or removed."""
 

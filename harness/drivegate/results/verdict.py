@@ -13,7 +13,7 @@ from drivegate.checks.every_contract import costs_in_words, on_target
 from drivegate.checks.margin import Margin
 from drivegate.contracts.catalogue import all_checks, contract_of, on_drive
 from drivegate.results.document import CheckSection, ComparisonSection
-from drivegate.results.result import MOST_MARGINS, STALE_WAIVERS, counted_levels
+from drivegate.results.result import MOST_MARGINS, NOT_WITNESSED, STALE_WAIVERS, counted_levels
 from drivegate_cases.documents.wording import counted, significant
 from drivegate_cases.drive.drive_document import DriveDocument
 
@@ -179,7 +179,7 @@ def candidate_verdict(
         return "harness fault", 3
     if faults:
         return faults[0].kind.value, 1
-    for verdict in ("fail", *STALE_WAIVERS, "inconclusive"):
+    for verdict in ("fail", *STALE_WAIVERS, NOT_WITNESSED, "inconclusive"):
         if verdict in found:
             return verdict, 1
     return next((verdict for verdict in ("contested", "waived") if verdict in found), "pass"), 0

@@ -12,6 +12,7 @@ from pydantic import BeforeValidator, Field
 
 from drivegate.contracts.catalogue import all_checks
 from drivegate.results.document import CheckSection
+from drivegate.results.result import NOT_WITNESSED
 from drivegate_cases.documents.document import Document, Section, read_document
 from drivegate_cases.documents.wording import nearest, one_line, shown, shown_path
 from drivegate_models.errors import InputError
@@ -98,6 +99,7 @@ def under_waivers(
 
 def _waived(outcome: CheckSection, waiver: Waiver, today: date) -> CheckSection:
     verdict, sentence = outcome.verdict, f"there is a waiver of {waiver.owner} for it"
+    is_unwitnessed = outcome.verdict == NOT_WITNESSED
     holds = outcome.margin is not None and outcome.margin >= waiver.margin
     if outcome.verdict == "pass":
         verdict = "unexpectedly passes"
@@ -107,7 +109,7 @@ def _waived(outcome: CheckSection, waiver: Waiver, today: date) -> CheckSection:
         sentence = f"the waiver of {waiver.owner} held until {waiver.expires}"
     elif outcome.verdict == "fail" and not holds:
         sentence = f"the waiver of {waiver.owner} holds down to a margin of {waiver.margin:g} only"
-    elif outcome.verdict == "fail":
+    elif outcome.verdict == "fail" or (is_unwitnessed and holds and today <= waiver.expires):
         verdict = "waived"
         sentence = f"waived by {waiver.owner} until {waiver.expires}: {waiver.reason}"
     message = f"{outcome.message}; {one_line(sentence)}"

@@ -14,7 +14,7 @@ from drivegate.output.causes import causes_of, first_to_mend, likely_causes_of
 from drivegate.output.explanations import unjudged_in_words
 from drivegate.output.result_file import counterexample_name
 from drivegate.output.wording import drive_in_words, drive_option
-from drivegate.results.result import RESULT_SCHEMA, counted_levels
+from drivegate.results.result import NOT_WITNESSED, RESULT_SCHEMA, counted_levels
 from drivegate.results.waivers import DAY_VARIABLE, present_day
 from drivegate_reports.page.page import LONGEST_BLOCK, LONGEST_TEXT, clean, require_document
 
@@ -53,8 +53,9 @@ def page_values(document: Mapping[str, Any]) -> dict[str, Any]:
         "failing": failing,
         "rests_on": _rests_on(document, checks),
         "next_step": clean(_next_step(document, failing)),
-        "broken": [check for check in broken if check["verdict"] != "contested"],
+        "broken": [check for check in broken if check["verdict"] not in ("contested", NOT_WITNESSED)],
         "contested": [check for check in broken if check["verdict"] == "contested"],
+        "unwitnessed": [check for check in broken if check["verdict"] == NOT_WITNESSED],
         "met": [
             check for check in checks if check["counterexample"] is None and check["scenario"] is not None
         ],
@@ -75,6 +76,8 @@ def _meaning(verdict: str, failing: Sequence[str]) -> str:
         "pass": "Every required check is met in every run that it applies to.",
         "contested": "Every required check is met, except where no known good controller meets it in the same scenario "
         "either. Such a failure does not count; it may be a fault of drivegate.",
+        NOT_WITNESSED: "A check fails, but the check of the candidate ended before known good controllers were run in "
+        "the same scenario. Such a failure does not count yet.",
         "waived": "Every required check is met, but for failures that somebody answers for by a waiver.",
         "waiver expired": "A check fails whose waiver has expired.",
         "unexpectedly passes": "A check passes that has a waiver, which is to be removed.",

@@ -18,6 +18,7 @@ from drivegate_reports.page.page import LONGEST_BLOCK, clean, plain_data
 TONES: Final = {
     "pass": "pass",
     "contested": "caution",
+    "not yet witnessed": "caution",
     "waived": "caution",
     "waiver expired": "fail",
     "unexpectedly passes": "caution",

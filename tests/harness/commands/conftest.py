@@ -89,7 +89,7 @@ def outcome(
         runs=int(applied),
         message=message,
         scenario=scenario if applied else None,
-        counterexample=scenario if verdict in ("fail", "contested") else None,
+        counterexample=scenario if verdict in ("fail", "contested", "not yet witnessed") else None,
     )
 
 

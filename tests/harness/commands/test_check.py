@@ -251,6 +251,29 @@ def test_a_contested_failure_is_listed_first_and_passes(command, engine, tmp_pat
     assert "none meets it" in case.find("skipped").get("message")
 
 
+def test_a_failure_that_is_not_witnessed_yet_is_a_state_of_its_own_everywhere(command, engine, tmp_path):
+    engine.outcomes = (outcome("CNV-1", "inconclusive"), outcome("CNV-2", "not yet witnessed"))
+    engine.verdict, engine.exit_code = "not yet witnessed", 1
+    ended = command("check", "reference")
+    assert ended.code == 1
+    assert (
+        "not yet witnessed: CNV-2: the check ended before known good controllers were run there" in ended.out
+    )
+    assert "CNV-2 fails, not yet witnessed" in ended.out
+    assert "next: drivegate check reference --last-failed" in ended.out
+    folder = tmp_path / "drivegate-report"
+    summary = (folder / "summary.md").read_text(encoding="utf-8")
+    assert summary.index("## Not yet witnessed") < summary.index("**CNV-2** not yet witnessed")
+    assert "## What failed" not in summary
+    cases = ElementTree.parse(folder / "junit.xml").iter("testcase")
+    case = next(case for case in cases if case.get("name") == "CNV-2")
+    assert case.find("failure") is None
+    assert case.find("error").get("type") == "not yet witnessed"
+    annotations = (folder / "annotations.txt").read_text(encoding="utf-8")
+    assert "::warning title=reference CNV-2 not yet witnessed::" in annotations
+    assert json.loads((folder / "result.json").read_text(encoding="utf-8"))["verdict"] == "not yet witnessed"
+
+
 def test_a_witness_is_named_with_its_margin(command, engine):
     witness = WitnessedSection(
         name="predictive-flux", margin=0.62, measured="as good as it gets", knows_plant=False

@@ -175,7 +175,12 @@ def test_faults_of_a_python_candidate_become_verdicts(
     assert (result.verdict, result.exit_code) == (verdict, 1), result.faults
     if verdict != "non-deterministic":
         assert result.faults[0].sense is None or "speed" in result.faults[0].sense
-        assert set(verdicts(result).values()) <= {"inconclusive", "fail", "not applicable"}, verdicts(result)
+        assert set(verdicts(result).values()) <= {
+            "inconclusive",
+            "fail",
+            "not yet witnessed",
+            "not applicable",
+        }, verdicts(result)
 
 
 def test_commands_out_of_range_fail_their_checks_and_are_clamped(tmp_path: Path, few_jobs: None) -> None:
@@ -209,8 +214,10 @@ def test_a_check_that_is_ended_has_what_its_runs_have_shown(tmp_path: Path, few_
     assert len(ended) == 1, "no more work begins"
     assert isinstance(event, CheckFinished)
     result = event.result
-    assert (result.verdict, result.exit_code, result.incomplete) == ("fail", 1, "interrupted")
+    unheard = "not yet witnessed"
+    assert (result.verdict, result.exit_code, result.incomplete) == (unheard, 1, "interrupted")
     failed = {outcome.id: outcome for outcome in result.checks}["CMD-1"]
+    assert failed.verdict == unheard
     assert failed.counterexample is not None
     assert result.runs == ended[0].done
     document = json.loads(as_json(result.written()))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from datetime import date
 from typing import Any
 
 import pytest
@@ -28,6 +29,7 @@ from drivegate.gate.witnesses import (
 from drivegate.results.document import FoundSection, WitnessedSection
 from drivegate.results.result import witness_in_words
 from drivegate.results.verdict import candidate_verdict
+from drivegate.results.waivers import Waiver, under_waivers
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.scenario.scenario import load_scenario
 
@@ -119,10 +121,37 @@ def test_a_contested_failure_counts_where_the_user_wants_it_to() -> None:
     assert "--contested fail counts it" in outcome.message
 
 
-def test_a_witness_that_was_not_heard_changes_nothing() -> None:
+@pytest.mark.parametrize("ending", [None, Fault(FaultKind.CRASH, "it ended", "step")])
+def test_a_failure_whose_witnesses_were_not_heard_does_not_count(ending: Fault | None) -> None:
     (accused,) = accusations([OUTCOME], RUNS, PAPER)
-    fault = Fault(FaultKind.CRASH, "it ended", "step")
-    assert with_witnesses([OUTCOME], {"CNV-1": (accused, fault)}) == (OUTCOME,)
+    (outcome,) = with_witnesses([OUTCOME], {"CNV-1": (accused, ending)})
+    assert outcome.verdict == "not yet witnessed"
+    assert outcome.counterexample == SHRUNK, "it can be run again"
+    assert (
+        "the check ended before known good controllers were run there, so it does not count"
+        in outcome.message
+    )
+    assert candidate_verdict([outcome], []) == ("not yet witnessed", 1)
+    other = OUTCOME.model_copy(update={"id": "CNV-2", "verdict": "inconclusive"})
+    assert candidate_verdict([other, outcome], []) == ("not yet witnessed", 1)
+    (counted,) = with_witnesses([OUTCOME], {"CNV-1": (accused, ending)}, counts=True)
+    assert counted.verdict == "fail"
+
+
+def test_a_waiver_holds_for_what_is_not_witnessed_yet() -> None:
+    (accused,) = accusations([OUTCOME], RUNS, PAPER)
+    outcomes = with_witnesses([OUTCOME], {"CNV-1": (accused, None)})
+    last, margin = date(2030, 1, 1), -3.0
+    for day, least, verdict in (
+        (last, margin, "waived"),
+        (date(2030, 1, 2), margin, "not yet witnessed"),
+        (last, -1.0, "not yet witnessed"),
+    ):
+        waiver = Waiver(
+            check="CNV-1", candidate="mine", reason="later", owner="me", expires=last, margin=least
+        )
+        (outcome,) = under_waivers(outcomes, "mine", [waiver], day)
+        assert outcome.verdict == verdict
 
 
 def test_the_reference_meets_what_the_published_search_does_not_in_the_same_scenario() -> None:

@@ -45,6 +45,7 @@ def check(verdict: str, level: str = "required", message: str = "as measured") -
         ("waiver expired", "required", "required", "error"),
         ("waived", "required", "required", "notice"),
         ("contested", "required", "required", "warning"),
+        ("not yet witnessed", "required", "required", "warning"),
         ("fail", "advisory", "required", "warning"),
         ("fail", "advisory", "advisory", "error"),
     ],

@@ -161,3 +161,15 @@ def test_numbers_that_depend_on_the_machine_are_shown_with_their_check(
 )
 def test_numbers_are_not_written_in_powers_of_ten(value: float, digits: int, text: str) -> None:
     assert plain_number(value, digits) == text
+
+
+def test_a_failure_that_is_not_witnessed_yet_has_a_section_of_its_own(failing: dict[str, Any]) -> None:
+    failing["verdict"] = failing["checks"][0]["verdict"] = "not yet witnessed"
+    values = page_values(failing)
+    assert [check["id"] for check in values["unwitnessed"]] == ["CNV-1"]
+    assert failing["checks"][0]["id"] not in {check["id"] for check in values["broken"]}
+    assert words.tone_of(values["result"]) == "caution"
+    assert not values["failing"]
+    text = page(failing)
+    assert '<h2 id="not-yet-witnessed">Not yet witnessed</h2>' in text
+    assert "ended before known good controllers were run in the same scenario" in text

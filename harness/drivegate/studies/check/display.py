@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 from shlex import quote
-from typing import Any
+from typing import Any, Final
 
 from rich.console import Console
 from rich.text import Text
@@ -21,9 +21,14 @@ from drivegate.output.wording import (
     runs_in_short,
     scenario_in_short,
 )
-from drivegate.results.result import counted_levels, witness_in_words
+from drivegate.results.result import NOT_WITNESSED, counted_levels, witness_in_words
 from drivegate.scenarios.facts import facts_in_short
 from drivegate.studies.check.checked import Checked
+
+_UNCOUNTED: Final = {
+    "contested": "no known good controller meets them in the same scenarios either",
+    NOT_WITNESSED: "the check ended before known good controllers were run there",
+}
 
 
 def show_checked(console: Console, checked: Checked) -> None:
@@ -40,10 +45,7 @@ def show_checked(console: Console, checked: Checked) -> None:
             print_line(console, cause, "bold red")
         for words in likely_causes_of(document):
             print_line(console, words, "bold")
-    contested = ", ".join(check["id"] for check in document["checks"] if check["verdict"] == "contested")
-    if contested:
-        sentence = "no known good controller meets them in the same scenarios either, so they do not count"
-        print_line(console, f"contested: {contested}: {sentence}", "bold yellow")
+    _show_uncounted(console, document)
     print_line(console, f"on the drive {drive_in_words(document['drive'])}", "dim")
     listed = table("check", "level", "verdict", "margin", "message", right=("margin",))
     counted = counted_levels(document.get("fail_on"))
@@ -62,6 +64,14 @@ def show_checked(console: Console, checked: Checked) -> None:
         _show_counterexample(console, document, check, folder)
     if folder is not None:
         print_line(console, f"next: {_next_step(checked, folder)}", "dim")
+
+
+def _show_uncounted(console: Console, document: dict[str, Any]) -> None:
+    """Print the failures that do not count, since no witness meets the requirement, or none was run."""
+    for verdict, because in _UNCOUNTED.items():
+        names = ", ".join(check["id"] for check in document["checks"] if check["verdict"] == verdict)
+        if names:
+            print_line(console, f"{verdict}: {names}: {because}, so they do not count", "bold yellow")
 
 
 def _show_fault(console: Console, fault: dict[str, Any], count: int) -> None:
@@ -102,6 +112,8 @@ def _next_step(checked: Checked, folder: Path) -> str:
         return (
             f"mend what is named first ({kind}), then drivegate check {specification}{drive_option(document)}"
         )
+    if any(check["verdict"] == NOT_WITNESSED for check in document["checks"]):
+        return f"drivegate check {specification}{drive_option(document)} --last-failed runs known good controllers"
     if document.get("focus") is not None or document.get("incomplete"):
         return f"the whole check: drivegate check {specification}{drive_option(document)}"
     return "open the report; drivegate checks lists what was required"
