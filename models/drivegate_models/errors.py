@@ -1,4 +1,4 @@
-"""The two ways in which a run ends without a verdict on a candidate."""
+"""The ways in which a run ends without a verdict on a candidate."""
 
 
 class InputError(Exception):
@@ -13,4 +13,11 @@ class HarnessFault(Exception):
     """The harness itself, or its reference plant, broke a rule that it guarantees.
 
     No verdict on a candidate can be trusted then. The command line exits with code 3.
+    """
+
+
+class OutOfMemory(HarnessFault):
+    """The machine has too little memory.
+
+    The message is one sentence with what is needed. The command line prints it, and exits with code 3.
     """

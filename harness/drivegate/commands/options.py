@@ -31,7 +31,9 @@ json_option = json_flag(exposed=False)
 """The flag that the command line has read before; here it is only accepted and described."""
 
 workers_option = click.option(
-    "--workers", type=click.IntRange(1, 1024), help="Processes; by default as many as there are processors."
+    "--workers",
+    type=click.IntRange(1, 1024),
+    help="Processes; by default one for each processor, fewer where memory is short.",
 )
 
 

@@ -10,10 +10,11 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import Any, Final, TypeVar
 
+from drivegate.containment.machine_memory import lack_of_memory, usual_workers
 from drivegate.isolation.layers import ISOLATION_VARIABLE, Isolation
 from drivegate.isolation.system_calls import end_with_parent
 from drivegate_cases.documents.wording import one_line
-from drivegate_models.errors import HarnessFault, InputError
+from drivegate_models.errors import InputError
 
 # Attempts in a row that bring not one result; further ones would end in the same way.
 _ATTEMPTS: Final = 3
@@ -57,7 +58,7 @@ def done_by(
     while left:
         progressed = False
         with ExitStack() as stack:
-            jobs = backend.workers or cpu_count()
+            jobs = backend.workers or min(cpu_count(), usual_workers())
             if backend.name == "dask":
                 stack.enter_context(_cluster(backend))
                 jobs = -1
@@ -81,9 +82,8 @@ def done_by(
             except BrokenExecutor as error:
                 failures = 1 if progressed else failures + 1
                 if failures == _ATTEMPTS:
-                    raise HarnessFault(
-                        f"worker processes were killed {failures} times in a row, perhaps for want of memory; "
-                        "take fewer with --workers"
+                    raise lack_of_memory(
+                        f"worker processes were killed {failures} times in a row, perhaps for want of memory"
                     ) from error
 
 

@@ -3,6 +3,7 @@
 What comes back from it is never believed: commands are played back by whoever judges them, and text is bounded.
 """
 
+import signal
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -16,6 +17,7 @@ from drivegate.candidates.fault import CandidateFault, Fault, FaultKind, bounded
 from drivegate.candidates.kinds import KINDS
 from drivegate.candidates.step_costs import NO_COSTS, StepCosts
 from drivegate.containment.candidate_handle import CandidateHandle
+from drivegate.containment.machine_memory import is_for_memory, killed_for_memory, lack_of_memory
 from drivegate.containment.protocol import (
     CHECK_BYTES,
     Ending,
@@ -77,6 +79,8 @@ class CandidateProcess:
         self._on_slow = on_slow
         self._handle: CandidateHandle | None = None
         self._memory_watch: MemoryWatch | None = None
+        self._killed_before = 0
+        self._room = 0
         self.generation = 0
         self.starts_afresh = False
         self._is_set_up = False
@@ -141,6 +145,7 @@ class CandidateProcess:
         return self._handle is not None and not self._handle.has_ended()
 
     def _start(self) -> None:
+        self._killed_before = killed_for_memory()
         self._handle = CandidateHandle(self.candidate, self._layers, afresh=self.starts_afresh)
         self.generation += 1
         # Only before this can anything but the candidate be at fault, whatever the process reports later.
@@ -148,6 +153,7 @@ class CandidateProcess:
         self._memory_watch = None
         self._replied(Setup(self.candidate, self._limits.memory_bytes), 0)
         self._memory_watch = MemoryWatch(self._limits.memory_bytes, self._handle.used_memory())
+        self._room = self._handle.room_for_memory()
         self._is_set_up = True
 
     def _replied(self, order: Order, steps: int) -> Reply:
@@ -202,6 +208,7 @@ class CandidateProcess:
             fault = fault_of(reply.text)
         except UnreadableReply:
             return self._garbled(handle)
+        self._require_memory(fault)
         if not fault.traceback and KINDS[self.candidate.kind].reports_output:
             fault = replace(fault, traceback=bounded_text(handle.last_output()))
         if fault.error == MemoryError.__name__:
@@ -218,13 +225,24 @@ class CandidateProcess:
         output = bounded_text(handle.last_output())
         status = handle.exit_status()
         what, error = ending_in_words(status)
+        if status == -signal.SIGKILL and killed_for_memory() > self._killed_before:
+            self.kill()
+            raise lack_of_memory("the system killed the candidate's process")
         if not self._is_set_up:
             self.kill()
             raise HarnessFault(f"the process {what} before it came to the candidate: {output}")
         fault = self._located(handle, Fault(FaultKind.CRASH, f"the process {what}", "loading", error=error))
         if status == LOST_CONNECTION:
             fault = replace(fault, message=_CONNECTION_CLOSED)
-        return replace(fault, traceback=output)
+        fault = replace(fault, traceback=output)
+        self._require_memory(fault)
+        return fault
+
+    def _require_memory(self, fault: Fault) -> None:
+        """End the job without a verdict where a candidate may have had less memory than it is allowed to allocate."""
+        if self._is_set_up and is_for_memory(fault, self._room, self._limits.memory_bytes):
+            self.kill()
+            raise lack_of_memory(f"the candidate's process was refused an allocation ({fault.message})")
 
     def _garbled(self, handle: CandidateHandle) -> Fault:
         fault = self._located(handle, Fault(FaultKind.CRASH, "", "loading"))

@@ -18,12 +18,13 @@ from drivegate.candidates.kinds import KINDS
 from drivegate.containment.candidate_isolation import isolating_layers
 from drivegate.containment.judge import Judge
 from drivegate.containment.kept_process import KeptProcess, Role
-from drivegate.containment.messages import Broken, Faulted, Finished, Job, Outcome, Refused
+from drivegate.containment.machine_memory import killed_for_memory, lack_of_memory
+from drivegate.containment.messages import Broken, Faulted, Finished, Job, Outcome, Refused, WithoutMemory
 from drivegate.containment.watches import SlowRun, WorkerLimits
 from drivegate.isolation.layers import refuse_inspection
 from drivegate.isolation.system_calls import end_with_parent
 from drivegate_cases.documents.system_failure import refusal_by_system
-from drivegate_models.errors import HarnessFault, InputError
+from drivegate_models.errors import HarnessFault, InputError, OutOfMemory
 
 _KILLED = "a process of the harness that watched the candidate was killed"
 _STOPPED = "a process of the harness that watched the candidate was stopped"
@@ -49,6 +50,7 @@ class JudgeProcess:
         self._kernels = kernels
         self._on_slow = on_slow
         self._kept: KeptProcess | None = None
+        self._killed_before = 0
         self._connection: Connection[Any, Any] | None = None
         self._busy = False
         self._stopped_since: float | None = None
@@ -67,6 +69,7 @@ class JudgeProcess:
         if layers:
             refuse_inspection()
         ours, theirs = Pipe()
+        self._killed_before = killed_for_memory()
         try:
             self._kept = KeptProcess(
                 Role.JUDGE,
@@ -98,6 +101,8 @@ class JudgeProcess:
             outcome: Outcome | SlowRun = connection.recv()
         except (EOFError, ConnectionResetError):
             self.kill()
+            if killed_for_memory() > self._killed_before:
+                raise lack_of_memory("the system killed a worker") from None
             if KINDS[self._candidate.kind].is_included:
                 raise HarnessFault("a judge's process has died") from None
             # No candidate but one that means it ends the process that judges it.
@@ -109,6 +114,8 @@ class JudgeProcess:
         self._busy = False
         if isinstance(outcome, Refused):
             raise InputError(outcome.sentence)
+        if isinstance(outcome, WithoutMemory):
+            raise OutOfMemory(outcome.sentence)
         if isinstance(outcome, Broken):
             raise HarnessFault(f"the harness failed in a judge's process: {outcome.traceback}")
         return outcome
@@ -178,6 +185,10 @@ def _outcome(judge: Judge, job: Job[Any]) -> Outcome:
         result = judge.once(job)
     except InputError as error:
         return Refused(str(error))
+    except OutOfMemory as error:
+        return WithoutMemory(str(error))
+    except MemoryError:
+        return WithoutMemory(str(lack_of_memory("an allocation of drivegate's own was refused")))
     except Exception as error:
         refusal = refusal_by_system(error)
         return Broken(traceback.format_exc()) if refusal is None else Refused(refusal)

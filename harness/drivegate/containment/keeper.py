@@ -22,7 +22,7 @@ from pathlib import Path
 
 from drivegate.isolation.layers import Layer, isolate, read_order
 from drivegate.isolation.namespaces import enter_process_namespace
-from drivegate.isolation.system_calls import control_process
+from drivegate.isolation.system_calls import control_process, die_first
 
 # Number of the option in linux/prctl.h.
 _SET_CHILD_SUBREAPER = 36
@@ -50,6 +50,7 @@ def keep(role: str, isolation: str, temporary: str, *descriptors: str) -> None:
     if worker == 0:
         # A process group for the worker, so that one signal kills all that has not left it.
         os.setsid()
+        die_first()
         isolate(layers, places)
         _become_worker(role, temporary, [int(descriptor) for descriptor in descriptors], keeper)
         return

@@ -60,11 +60,18 @@ class Refused:
 
 
 @dataclass(frozen=True)
+class WithoutMemory:
+    """The machine has too little memory for the job."""
+
+    sentence: str
+
+
+@dataclass(frozen=True)
 class Broken:
     """The harness's own code failed in a job."""
 
     traceback: str
 
 
-Outcome: TypeAlias = Finished | Faulted | Refused | Broken
+Outcome: TypeAlias = Finished | Faulted | Refused | WithoutMemory | Broken
 """How a job ended, as a judge's process reports it."""

@@ -11,6 +11,7 @@ from drivegate.candidates.kinds import KINDS
 from drivegate.containment.judge import is_hang
 from drivegate.containment.judge_process import JudgeProcess
 from drivegate.containment.kept_process import prepare_judges
+from drivegate.containment.machine_memory import require_memory
 from drivegate.containment.messages import Faulted, Finished, Job, ResultT
 from drivegate.containment.templates import Preparation
 from drivegate.containment.watches import SlowRun, WorkerLimits
@@ -48,6 +49,7 @@ class WorkerPool:
         report = None if on_slow is None else _once(on_slow)
         # Listed and loaded before any of the candidate's code runs, which might change them.
         kernels = {} if KINDS[candidate.kind].is_included else kernel_digests()
+        require_memory()
         if preparation is not None:
             prepare_judges(preparation, is_one_of_many=workers > 1)
         self._workers = [

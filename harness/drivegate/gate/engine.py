@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
@@ -17,6 +16,7 @@ from drivegate.candidates.kinds import KINDS, untimed_because
 from drivegate.checks.check import JudgedRun, ShardOutcome
 from drivegate.checks.margin import Margin, margin_in_words
 from drivegate.containment.candidate_isolation import isolating_layers
+from drivegate.containment.machine_memory import usual_workers
 from drivegate.containment.messages import Job
 from drivegate.containment.pool import WorkEnded, WorkerPool
 from drivegate.contracts.catalogue import all_checks, all_contracts, contract_of
@@ -132,7 +132,7 @@ def _planned(candidate: Candidate, options: CheckOptions) -> _Plan:
         own if options.drive is None else "user",
         options.effort,
         options.seed,
-        options.workers or os.cpu_count() or 1,
+        options.workers or usual_workers(),
         isolating_layers(candidate),
     )
     today = present_day() if options.waivers else None

@@ -16,6 +16,7 @@ from drivegate.candidates.fault import Fault
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.check import judged
 from drivegate.containment.judge import own_candidate
+from drivegate.containment.machine_memory import usual_workers
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.containment.pool import WorkerPool
 from drivegate.containment.templates import Preparation
@@ -109,7 +110,7 @@ def _compile_kind(kind: str, *, is_ended: Callable[[], bool]) -> None:
     """Compile the parts of a kind at once: what two of them need is compiled by one, and the other waits for it."""
     candidate = resolve_candidate(_contract(kind).usual_candidate)
     rounds = ((_use_oracle, _use_closed_loop, _use_steady_state), (_judge_a_run,))
-    with WorkerPool(candidate, workers=len(rounds[0]), is_ended=is_ended) as pool:
+    with WorkerPool(candidate, workers=min(len(rounds[0]), usual_workers()), is_ended=is_ended) as pool:
         for targets in rounds:
             for outcome in pool.map([Job(target, kind) for target in targets]):
                 if isinstance(outcome, Fault):

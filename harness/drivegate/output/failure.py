@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import sys
 import traceback
@@ -14,7 +15,7 @@ import click
 from drivegate.output.streams import leave_unread, write_to
 from drivegate_cases.documents.system_failure import refusal_by_system
 from drivegate_cases.documents.wording import LONGEST_MESSAGE, one_line, short_line, shortened
-from drivegate_models.errors import HarnessFault, InputError
+from drivegate_models.errors import HarnessFault, InputError, OutOfMemory
 
 DEBUG_VARIABLE: Final = "DRIVEGATE_DEBUG"
 """Environment variable that adds the traceback to the sentence of a failure when it is 1."""
@@ -62,6 +63,9 @@ def failure_of(error: BaseException) -> Failure:
         return Failure(_sentence(error.format_message()), ExitCode.REFUSED)
     if isinstance(error, KeyboardInterrupt) or isinstance(error.__cause__, KeyboardInterrupt):
         return Failure("interrupted", ExitCode.INTERRUPTED)
+    lack = _lack_of_memory(error)
+    if lack is not None:
+        return Failure(_sentence(lack), ExitCode.HARNESS_FAULT)
     refusal = refusal_by_system(error)
     if refusal is not None:
         return Failure(_sentence(refusal), ExitCode.REFUSED)
@@ -73,6 +77,20 @@ def failure_of(error: BaseException) -> Failure:
         ),
         ExitCode.HARNESS_FAULT,
     )
+
+
+def _lack_of_memory(error: BaseException) -> str | None:
+    """Return a sentence if an error shows that the machine has too little memory."""
+    if isinstance(error, OutOfMemory):
+        return str(error)
+    if not isinstance(error, MemoryError) and not (
+        isinstance(error, OSError) and error.errno == errno.ENOMEM
+    ):
+        return None
+    # It brings what measures processes, which commands that succeed do not need.
+    from drivegate.containment.machine_memory import lack_of_memory
+
+    return str(lack_of_memory("an allocation of drivegate's own was refused"))
 
 
 def complain(failure: Failure, error: BaseException | None = None) -> None:

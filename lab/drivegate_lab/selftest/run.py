@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -12,6 +11,7 @@ from drivegate.candidates.fault import Fault
 from drivegate.candidates.kinds import FAULTY_PREFIX
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.check import ShardOutcome
+from drivegate.containment.machine_memory import usual_workers
 from drivegate.containment.messages import Job
 from drivegate.containment.pool import WorkerPool
 from drivegate.contracts.catalogue import contract_of
@@ -79,7 +79,7 @@ def try_faults(faults: Sequence[SeededFault], effort: SelftestEffort) -> Iterato
         return
     # The processes are started for the controller that has no fault; the faulty ones are loaded beside it.
     host = resolve_candidate(contract_of(drive).usual_candidate)
-    count = effort.workers or os.cpu_count() or 1
+    count = effort.workers or usual_workers()
     with WorkerPool(host, workers=min(count, len(jobs)), preparation=judges_on(drive)) as pool:
         outcomes = pool.map(jobs)
         for fault, on_drive in zip(faults, resolved, strict=True):

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Final, TypeGuard
 
 _OF_THE_DISK: Final = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO)
-_OF_THE_MACHINE: Final = (errno.ENOMEM, errno.EMFILE, errno.ENFILE, errno.EAGAIN)
+_OF_THE_MACHINE: Final = (errno.EMFILE, errno.ENFILE, errno.EAGAIN)
 
 
 def is_of_the_disk(error: BaseException) -> TypeGuard[OSError]:
@@ -16,13 +16,12 @@ def is_of_the_disk(error: BaseException) -> TypeGuard[OSError]:
 
 
 def refusal_by_system(error: BaseException) -> str | None:
-    """Return a sentence about what the system lacks: disk, memory, processes, files or the working folder."""
+    """Return a sentence about what the system lacks: disk, processes, files or the working folder."""
     if is_of_the_disk(error):
         place = f" at {error.filename}" if error.filename else ""
         return f"cannot write{place}: {error.strerror}; make room, or name a place on another disk"
-    if isinstance(error, MemoryError) or (isinstance(error, OSError) and error.errno in _OF_THE_MACHINE):
-        reason = error.strerror if isinstance(error, OSError) else "not enough memory"
-        return f"the system refuses to continue: {reason}; raise the limit (ulimit -a) or free the resource"
+    if isinstance(error, OSError) and error.errno in _OF_THE_MACHINE:
+        return f"the system refuses to continue: {error.strerror}; raise the limit (ulimit -a) or free the resource"
     if isinstance(error, FileNotFoundError) and not _has_working_folder():
         return "the working folder no longer exists; change to another one with cd"
     return None

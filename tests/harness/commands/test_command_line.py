@@ -17,7 +17,7 @@ from drivegate.candidates.kinds import KINDS, MANIFEST_SUFFIX
 from drivegate.commands.command_line import COMMANDS
 from drivegate.commands.conduct import Outcome, conducted
 from drivegate.output.result_reports import read_result
-from drivegate_models.errors import HarnessFault, InputError
+from drivegate_models.errors import HarnessFault, InputError, OutOfMemory
 
 HEAVY = ("numba", "numpy", "pandas", "pint", "pydantic", "scipy", "hypothesis", "matplotlib", "rich")
 
@@ -129,7 +129,13 @@ def test_an_option_that_does_not_exist_is_named(refused):
         (ZeroDivisionError("division by zero"), 3, "drivegate itself failed"),
         (OSError(28, "No space left on device", "x.csv"), 2, "cannot write at x.csv: No space left"),
         (OSError(24, "Too many open files"), 2, "the system refuses to continue: Too many open files; raise"),
-        (MemoryError(), 2, "the system refuses to continue: not enough memory; raise the limit (ulimit -a)"),
+        (
+            MemoryError(),
+            3,
+            "the machine has too little memory, which is no verdict on a candidate: an allocation",
+        ),
+        (OSError(12, "Cannot allocate memory"), 3, "or name fewer workers with --workers"),
+        (OutOfMemory("the machine has too little memory"), 3, "error: the machine has too little memory\n"),
         (KeyboardInterrupt(), 130, "error: interrupted\n"),
     ],
 )

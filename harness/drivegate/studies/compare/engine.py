@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final, TypeAlias
@@ -12,6 +11,7 @@ from drivegate.candidates.fault import Fault, FaultKind, bounded_line
 from drivegate.candidates.kinds import untimed_because
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.check import JudgedRun
+from drivegate.containment.machine_memory import usual_workers
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.containment.pool import WorkerPool
 from drivegate.contracts.catalogue import contract_of
@@ -155,7 +155,7 @@ def run_plan(
 
 
 def _count(workers: int | None) -> int:
-    return workers or os.cpu_count() or 1
+    return workers or usual_workers()
 
 
 def _checks_work(candidate: Candidate, drive: DriveDocument, seed: int) -> list[Work]:
