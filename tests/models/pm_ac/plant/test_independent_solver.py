@@ -388,7 +388,11 @@ def _drawn(seed: int) -> Point:
     )
 
 
-POINTS = [*CHOSEN, *(_drawn(seed) for seed in range(40))]
+# The chosen ones take every branch, which is what is tested without compilation.
+POINTS = [
+    *(pytest.param(point, marks=pytest.mark.kernel) for point in CHOSEN),
+    *(_drawn(seed) for seed in range(40)),
+]
 
 
 def differences(interior: Callable[..., PmAcDrive], point: Point) -> dict[str, float]:
@@ -448,7 +452,6 @@ def differences(interior: Callable[..., PmAcDrive], point: Point) -> dict[str, f
     return apart
 
 
-@pytest.mark.kernel
 @pytest.mark.parametrize("point", POINTS, ids=str)
 def test_currents_and_integrals_agree_with_a_numerical_solver(
     interior: Callable[..., PmAcDrive], point: Point

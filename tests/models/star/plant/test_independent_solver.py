@@ -473,7 +473,11 @@ def _drawn(seed: int) -> Point:
     )
 
 
-POINTS = [*CHOSEN, *(_drawn(seed) for seed in range(40))]
+# The chosen ones take every branch, which is what is tested without compilation.
+POINTS = [
+    *(pytest.param(point, marks=pytest.mark.kernel) for point in CHOSEN),
+    *(_drawn(seed) for seed in range(40)),
+]
 
 
 def differences(star: Callable[..., StarDrive], point: Point) -> dict[str, float]:
@@ -530,7 +534,6 @@ def differences(star: Callable[..., StarDrive], point: Point) -> dict[str, float
     return apart
 
 
-@pytest.mark.kernel
 @pytest.mark.parametrize("point", POINTS, ids=str)
 def test_currents_and_integrals_agree_with_a_numerical_solver(
     star: Callable[..., StarDrive], point: Point
