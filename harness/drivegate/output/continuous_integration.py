@@ -10,7 +10,13 @@ from shlex import quote
 from typing import Any, Final
 
 from drivegate.checks.margin import margin_in_words
-from drivegate.output.explanations import distinct_faults, explanations, in_runs, unjudged_in_words
+from drivegate.output.explanations import (
+    by_urgency,
+    distinct_faults,
+    explanations,
+    in_runs,
+    unjudged_in_words,
+)
 from drivegate.output.result_file import counterexample_name
 from drivegate.output.wording import drive_in_words, printed_margin, runs_in_short
 from drivegate.results.result import NOT_WITNESSED, STALE_WAIVERS, counted_levels
@@ -34,22 +40,16 @@ def junit_xml(result: dict[str, Any]) -> bytes:
     An advisory check that fails is reported in the output of its case, which passes unless advisory checks count. One
     that is waived is skipped, with its owner and the last day of the waiver, and so is an advisory one that a fault
     kept from being judged; of a required one that is an error, and so is a failure that is not witnessed yet. What
-    explains an outcome comes first in its message: the cause that several failures share, or that fault. A comparison
-    with a baseline has cases of its own. The class of a case is the candidate and the family of the check. A run
-    serves many checks, so the time of a check is its share of all times that a run was judged.
+    explains an outcome comes first in its message: the cause that several failures share, or that fault. Faults and
+    what failed come first, since servers show a few cases only. A comparison with a baseline has cases of its own. The
+    class of a case is the candidate and the family of the check. A run serves many checks, so the time of a check is
+    its share of all times that a run was judged.
     """
     name = one_line(result["candidate"]["name"])
     suite = ElementTree.Element("testsuite", name=f"drivegate {name}")
     counted = counted_levels(result.get("fail_on"))
     seconds = result["timing"].get("seconds", 0.0)
     explained = explanations(result)
-    judged = sum(check["runs"] for check in result["checks"]) or 1
-    for check in result["checks"]:
-        case = _case(suite, f"{name}.{check['id'].partition('-')[0]}", check["id"])
-        case.set("time", f"{seconds * check['runs'] / judged:.3f}")
-        _judge(case, result, check, explained.get(check["id"], ""))
-    for entry in result["baseline"] or ():
-        _compare(_case(suite, name, f"{entry['check']} against the baseline"), entry, counted)
     for number, (fault, count) in enumerate(distinct_faults(result["faults"]), start=1):
         case = _case(suite, name, f"fault {number}")
         error = ElementTree.SubElement(
@@ -59,6 +59,13 @@ def junit_xml(result: dict[str, Any]) -> bytes:
             message=one_line(f"{fault['kind']}{in_runs(count)}: {fault['message']}"),
         )
         error.text = "\n".join(map(one_line, fault["traceback"].splitlines()))
+    judged = sum(check["runs"] for check in result["checks"]) or 1
+    for check in by_urgency(result["checks"]):
+        case = _case(suite, f"{name}.{check['id'].partition('-')[0]}", check["id"])
+        case.set("time", f"{seconds * check['runs'] / judged:.3f}")
+        _judge(case, result, check, explained.get(check["id"], ""))
+    for entry in result["baseline"] or ():
+        _compare(_case(suite, name, f"{entry['check']} against the baseline"), entry, counted)
     cases = suite.findall("testcase")
     suite.set("tests", str(len(cases)))
     for kind, attribute in (("failure", "failures"), ("error", "errors"), ("skipped", "skipped")):
@@ -137,7 +144,7 @@ def markdown(result: dict[str, Any]) -> str:
         "| check | level | verdict | margin | message |",
         "|---|---|---|---:|---|",
     ]
-    for check in result["checks"]:
+    for check in by_urgency(result["checks"]):
         margin = printed_margin(result, check)
         cells = (check["id"], check["level"], check["verdict"], margin, check["message"])
         lines.append(f"| {' | '.join(map(escaped, cells))} |")

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import chain
 from pathlib import Path, PurePath
 from typing import Any, Final
 
 from drivegate.output.continuous_integration import write_junit, write_markdown
-from drivegate.output.explanations import distinct_faults, explanations, in_runs
+from drivegate.output.explanations import by_urgency, distinct_faults, explanations, in_runs
 from drivegate.output.report_writers import (
     LoadWriter,
     WriteReport,
@@ -23,6 +24,14 @@ from drivegate_models.errors import HarnessFault, InputError
 
 _ANNOTATIONS_FILE: Final = "annotations.txt"
 
+_LEVELS: Final = ("error", "warning", "notice")
+_PLACES: Final = 10
+"""Annotations of one level that GitHub shows of a step."""
+_OPEN: Final = "inconclusive"
+
+_Line = tuple[str, str, str]
+"""Level, title and message of an annotation."""
+
 _IN_MESSAGE: Final = str.maketrans({"%": "%25", "\r": "%0D", "\n": "%0A"})
 _IN_TITLE: Final = _IN_MESSAGE | str.maketrans({":": "%3A", ",": "%2C"})
 
@@ -34,25 +43,53 @@ def _write_annotations(result: dict[str, Any], folder: Path) -> Path:
 
 
 def workflow_commands(result: dict[str, Any]) -> list[str]:
-    """Return one command for each fault and for each check that is not simply met, at the candidate's file."""
+    """Return one command for each fault and for each check that is not simply met, at the candidate's file.
+
+    GitHub shows a few of each level: what failed comes first, and one line sums up what was not judged.
+    """
     name, file = result["candidate"]["name"], _candidate_file(result["candidate"]["specification"])
     counted = counted_levels(result.get("fail_on"))
-    lines = [
-        _command("error", file, f"{name} {fault['kind']}{in_runs(count)}", fault["message"])
+    first, *others = [
+        [("error", f"{fault['kind']}{in_runs(count)}", fault["message"])]
         for fault, count in distinct_faults(result["faults"])
-    ]
+    ] or [[]]
     explained = explanations(result)
-    for check in result["checks"]:
+    judged, open_ones = [], []
+    for check in by_urgency(list(result["checks"])):
         level = _level(check, counted)
+        message = "; ".join(filter(None, (explained.get(check["id"]), check["message"])))
         if level:
-            message = "; ".join(filter(None, (explained.get(check["id"]), check["message"])))
-            lines.append(_command(level, file, f"{name} {check['id']} {check['verdict']}", message))
-    lines += [
-        _command("error", file, f"{name} {entry['check']} against the baseline", entry["message"])
+            listed = open_ones if check["verdict"] == _OPEN else judged
+            listed.append((level, f"{check['id']} {check['verdict']}", message))
+    against = [
+        ("error", f"{entry['check']} against the baseline", entry["message"])
         for entry in result["baseline"] or ()
         if entry["level"] in counted and entry["verdict"] == "fail"
     ]
-    return lines
+    lines = [*first, *judged, *against, *chain(*others)]
+    return [
+        _command(level, file, f"{name} {title}", message)
+        for one_level in _LEVELS
+        for level, title, message in _in_few_places(
+            [line for line in lines if line[0] == one_level],
+            [line for line in open_ones if line[0] == one_level],
+        )
+    ]
+
+
+def _in_few_places(lines: list[_Line], open_ones: list[_Line]) -> list[_Line]:
+    """Sum up in one line each what was not judged, and what has no place."""
+    if len(open_ones) > 1:
+        names = [title.split()[0] for _, title, _ in open_ones]
+        level, _, reason = open_ones[0]
+        message = f"{', '.join(names)}; {names[0]}: {reason}"
+        open_ones = [(level, f"{len(names)} checks {_OPEN}", message)]
+    most = _PLACES - len(open_ones)
+    if len(lines) > most:
+        left = lines[most - 1 :]
+        summed = (left[0][0], f"{len(left)} more", "; ".join(title for _, title, _ in left))
+        lines = [*lines[: most - 1], summed]
+    return [*lines, *open_ones]
 
 
 def _level(check: dict[str, Any], counted: tuple[str, ...]) -> str:

@@ -24,9 +24,11 @@ def result(
     }
 
 
-def check(verdict: str, level: str = "required", message: str = "as measured") -> dict[str, Any]:
+def check(
+    verdict: str, level: str = "required", message: str = "as measured", name: str = "CNV-1"
+) -> dict[str, Any]:
     return {
-        "id": "CNV-1",
+        "id": name,
         "verdict": verdict,
         "level": level,
         "message": message,
@@ -87,3 +89,27 @@ def test_a_fault_is_an_error() -> None:
         "scenario": None,
     }
     assert workflow_commands(result(faults=(fault,)))[0].startswith("::error title=mine exception")
+
+
+def test_the_first_places_are_those_of_failures() -> None:
+    open_ones = [check("inconclusive", name=f"TRP-{number}") for number in range(1, 17)]
+    advisory = [check("inconclusive", "advisory", name=f"TRA-{number}") for number in range(1, 4)]
+    lines = workflow_commands(result(*open_ones, *advisory, check("fail", name="STP-1")))
+    assert lines[0].startswith("::error title=mine STP-1 fail::")
+    assert lines[1].startswith("::error title=mine 16 checks inconclusive::TRP-1, TRP-2, ")
+    assert lines[2] == "::warning title=mine 3 checks inconclusive::TRA-1, TRA-2, TRA-3; TRA-1: as measured"
+    assert len(lines) == 3
+
+
+def test_what_has_no_place_is_named_in_the_last_one() -> None:
+    failing = [check("fail", name=f"STP-{number}") for number in range(1, 15)]
+    faults = tuple(
+        {"kind": "crash", "message": f"at {place}", "phase": "step", "traceback": "", "scenario": None}
+        for place in range(5)
+    )
+    lines = workflow_commands(result(*failing, check("inconclusive", name="CNV-1"), faults=faults))
+    assert len(lines) == 10
+    assert lines[0].startswith("::error title=mine crash::at 0")
+    assert lines[1].startswith("::error title=mine STP-1 fail::")
+    assert lines[8].startswith("::error title=mine 11 more::STP-8 fail; ")
+    assert lines[9].startswith("::error title=mine CNV-1 inconclusive::")

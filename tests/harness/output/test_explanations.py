@@ -90,6 +90,14 @@ def test_junit_gives_the_reason_and_skips_what_only_advises(crashed: dict[str, A
         name: (case[0].tag, case[0].get("message")) for name, case in cases.items() if name in expected
     } == expected
     assert [line for line in workflow_commands(crashed) if "CNV-1" in line] == [
-        "::error file=mine.py,title=mine CNV-1 inconclusive::"
-        "not judged, because of crash: the process was killed; as measured"
+        "::error file=mine.py,title=mine 2 checks inconclusive::ADV-1, CNV-1; "
+        "ADV-1: judged in part only, because of crash: the process was killed; as measured"
     ]
+
+
+def test_what_failed_comes_before_what_was_not_judged(crashed: dict[str, Any]) -> None:
+    crashed["checks"].append(check("STP-1", "fail") | {"requirement": "Settles.", "limit": "25 %"})
+    cases = [case.get("name") for case in ElementTree.fromstring(junit_xml(crashed)).iter("testcase")]
+    assert cases[:2] == ["fault 1", "STP-1"]
+    rows = [line for line in markdown(crashed).splitlines() if line.startswith("| ")]
+    assert rows[1].startswith("| STP-1 | required | fail |")
