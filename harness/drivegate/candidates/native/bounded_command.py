@@ -21,7 +21,6 @@ _LIMITED: Final = (
     'ulimit -t "$1"; ulimit -v "$2" 2>/dev/null; ulimit -f "$3"; ulimit -c 0; shift 3; exec "$@"'
 )
 
-
 # What decides where a compiler finds its parts, headers and libraries; no secret of a CI job is among them.
 _PASSED: Final = frozenset(
     (
@@ -93,9 +92,9 @@ def run_bounded(
                 process.wait(max(deadline - time.monotonic(), 0.0))
             status = process.returncode
         finally:
-            if process.returncode is None:
-                with suppress(ProcessLookupError):
-                    os.killpg(process.pid, signal.SIGKILL)
+            # Also after its end: it may have left processes in its group.
+            with suppress(ProcessLookupError, PermissionError):
+                os.killpg(process.pid, signal.SIGKILL)
     return Ended(status, output.decode(errors="replace"))
 
 

@@ -26,6 +26,7 @@ from drivegate.candidates.fault import bounded_line
 from drivegate.candidates.native.bounded_command import Bounds, Ended, run_bounded
 from drivegate.candidates.native.build import cache_folder, digest_of
 from drivegate.candidates.native.compiler import include_folder
+from drivegate.candidates.native.compiler_wrappers import private_caches
 from drivegate.isolation.layers import Places, isolated_command, requested_layers
 from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.documents.wording import one_line, shown_path
@@ -158,7 +159,9 @@ def _copy_of(build: ProjectBuild, root: Path) -> Path:
 def _environment(scratch: Path) -> dict[str, str]:
     """Return what the commands find in the environment: `drivegate include-dir` too, and no network for cargo."""
     path = os.pathsep.join(filter(None, (os.environ.get("PATH"), sysconfig.get_path("scripts"))))
-    return {"LC_ALL": "C", "TMPDIR": str(scratch / "temporary"), "PATH": path, "CARGO_NET_OFFLINE": "true"}
+    temporary = scratch / "temporary"
+    own = {"LC_ALL": "C", "TMPDIR": str(temporary), "PATH": path, "CARGO_NET_OFFLINE": "true"}
+    return own | private_caches(temporary)
 
 
 def _readable() -> Iterator[str]:

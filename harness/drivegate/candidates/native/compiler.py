@@ -17,6 +17,7 @@ from typing import Final
 
 from drivegate.candidates.fault import bounded_line, bounded_reason
 from drivegate.candidates.native.bounded_command import COMPILATION, Bounds, Ended, run_bounded
+from drivegate.candidates.native.compiler_wrappers import private_caches, without_wrapper
 from drivegate.isolation.layers import Places, isolated_command, requested_layers
 from drivegate_cases.documents.wording import one_line
 from drivegate_models import contract
@@ -118,7 +119,7 @@ def language_of(source: str) -> Language:
 
 
 def found_compiler(language: Language) -> tuple[str, ...]:
-    """Find a language's compiler: the one that the environment variable names, or the usual one."""
+    """Find a language's compiler: the one that the environment variable names, or the usual one; without a cache."""
     chosen = os.environ.get(language.variable, "").strip()
     try:
         words = shlex.split(chosen) or [language.program]
@@ -126,6 +127,7 @@ def found_compiler(language: Language) -> tuple[str, ...]:
         raise InputError(
             f"the environment variable {language.variable} is '{one_line(chosen)}', which is no command line: {error}"
         ) from error
+    words = without_wrapper(words)
     program = shutil.which(words[0])
     if program is None:
         named = (
@@ -217,7 +219,7 @@ def _run(
     words: Sequence[str], language: Language, compilers: Compilers, plan: Compilation, scratch: Path
 ) -> str:
     compiler = compilers[language]
-    environment = {"LC_ALL": "C", "TMPDIR": str(scratch)}
+    environment = {"LC_ALL": "C", "TMPDIR": str(scratch), **private_caches(scratch)}
     # Flags and sources may start programs, or take in any file.
     command = [*compiler, *_options(plan, language), *words]
     isolated = isolated_command(command, requested_layers(), _places(command[0], plan, scratch))

@@ -1,10 +1,13 @@
 """A candidate in C or in a shared library: how it is named, compiled, kept, and refused."""
 
 import logging
+import os
 import shutil
 import subprocess
+from contextlib import suppress
 from pathlib import Path
 
+import psutil
 import pytest
 
 from drivegate.candidates.candidate import NativeBuild
@@ -12,7 +15,7 @@ from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.native.bounded_command import KEPT_OUTPUT, Bounds, run_bounded
 from drivegate.candidates.native.build import FOLDER, built_library
-from drivegate.candidates.native.compiler import Compilation, include_folder
+from drivegate.candidates.native.compiler import C, Compilation, found_compiler, include_folder
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_models.compilation.cache_folder import CacheChoice
@@ -317,10 +320,24 @@ def test_a_tool_that_prints_without_end_is_stopped(folder):
     assert 0 < len(ended.output) <= 2 * KEPT_OUTPUT, "more is kept than the beginning and the end"
 
 
+def has_gone(number):
+    """Return True if a process has ended; whoever adopted it may not have reaped it yet."""
+    with suppress(psutil.NoSuchProcess):
+        psutil.Process(number).wait(5.0)
+    return not psutil.pid_exists(number)
+
+
 def test_a_tool_that_leaves_a_process_behind_is_not_waited_for(folder):
-    command = ["sh", "-c", "sleep 30 & echo done"]
+    command = ["sh", "-c", "sleep 30 & echo $!"]
     ended = run_bounded(command, folder=folder, environment={}, bounds=Bounds(1.0))
-    assert ended.output == "done\n"
+    assert has_gone(int(ended.output))
+
+
+def test_a_tool_that_closes_its_output_and_leaves_a_process_is_reported_as_ended(folder):
+    command = ["sh", "-c", "sleep 30 >/dev/null 2>&1 & echo $!"]
+    ended = run_bounded(command, folder=folder, environment={}, bounds=Bounds(5.0))
+    assert ended.status == 0
+    assert has_gone(int(ended.output))
 
 
 def test_without_a_compiler_it_is_said_what_to_install(folder, monkeypatch, written, controller_source):
@@ -347,6 +364,43 @@ def test_a_compiler_that_is_not_there_is_reported(
 def test_the_compiler_of_the_environment_is_used(folder, monkeypatch, written, controller_source):
     written(folder, "#ifndef CHOSEN\n#error not chosen\n#endif\n" + controller_source())
     monkeypatch.setenv("CC", f"{shutil.which('cc')} -DCHOSEN")
+    assert resolve_candidate("mine.c").kind == "c"
+
+
+@pytest.fixture
+def cached(folder, monkeypatch):
+    """A compiler cache of which the folder on PATH has a link, as Debian's /usr/lib/ccache does."""
+    links = folder / "links"
+    links.mkdir()
+    ccache = written_program(folder / "ccache", 'mkdir -p "${CCACHE_DIR-/proc/no}" || exit 3; exec cc "$@"')
+    (links / "cc").symlink_to(ccache)
+    monkeypatch.setenv("PATH", f"{links}:{os.environ['PATH']}")
+    return ccache
+
+
+def written_program(file, script):
+    file.write_text(f"#!/bin/sh\n{script}\n", encoding="utf-8")
+    file.chmod(0o755)
+    return file
+
+
+@pytest.mark.parametrize(
+    "chosen", ["", "{folder}/links/cc -g", "{ccache} cc", "{ccache} debug=true {ccache} cc -g"]
+)
+def test_a_compiler_behind_a_cache_is_called_without_it(folder, monkeypatch, cached, chosen):
+    monkeypatch.setenv("CC", chosen.format(folder=folder, ccache=cached))
+    program, *flags = found_compiler(C)
+    assert Path(program).resolve().name != "ccache"
+    assert flags == (["-g"] if chosen.endswith("-g") else [])
+
+
+def test_a_wrapper_that_is_a_script_compiles_with_a_cache_of_its_own(
+    folder, monkeypatch, cached, written, controller_source
+):
+    script = written_program(folder / "my-cc", f'PATH=/usr/bin:/bin exec {cached} "$@"')
+    written(folder, controller_source())
+    monkeypatch.setenv("CC", str(script))
+    monkeypatch.setenv("DRIVEGATE_READ", str(folder))
     assert resolve_candidate("mine.c").kind == "c"
 
 
