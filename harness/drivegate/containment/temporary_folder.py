@@ -11,6 +11,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Final
 
+from drivegate_cases.documents.system_failure import is_without_locks
 from drivegate_cases.documents.wording import one_line
 from drivegate_models.errors import InputError
 
@@ -58,7 +59,12 @@ def _locked_folder(place: Path) -> tuple[Path, int]:
         # Another process may take it for abandoned between our making and locking it.
         with suppress(FileNotFoundError):
             descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
-            fcntl.flock(descriptor, fcntl.LOCK_EX)
+            try:
+                fcntl.flock(descriptor, fcntl.LOCK_EX)
+            except OSError as error:
+                # Where there are no locks, no process finds a folder abandoned either.
+                if not is_without_locks(error):
+                    raise
             if folder.exists():
                 return folder, descriptor
             os.close(descriptor)

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import fcntl
+import logging
 import os
 from contextlib import suppress
 from pathlib import Path
 
-from drivegate_cases.documents.wording import one_line
+from drivegate_cases.documents.system_failure import is_without_locks
+from drivegate_cases.documents.wording import one_line, shown_path
+
+_log = logging.getLogger("drivegate")
 
 
 class LockedElsewhere(Exception):
@@ -17,7 +21,8 @@ class LockedElsewhere(Exception):
 def locked_file(path: Path) -> int:
     """Lock a file, which the system unlocks when this process ends, however it ends, and return its descriptor.
 
-    Raises LockedElsewhere if another process has the lock.
+    On a file system without locks it warns, and goes on without one. Raises LockedElsewhere if another process has the
+    lock.
     """
     while True:
         descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
@@ -27,6 +32,16 @@ def locked_file(path: Path) -> int:
             holder = os.read(descriptor, 1000).decode(errors="replace")
             os.close(descriptor)
             raise LockedElsewhere(one_line(holder.strip())) from error
+        except OSError as error:
+            if not is_without_locks(error):
+                os.close(descriptor)
+                raise
+            _log.warning(
+                "the file system of %s has no file locks (%s); see to it that no other drivegate writes there",
+                shown_path(path.parent),
+                one_line(error.strerror or str(error)),
+            )
+            return descriptor
         with suppress(FileNotFoundError):
             if os.path.samestat(os.fstat(descriptor), path.stat()):
                 return descriptor

@@ -7,12 +7,18 @@ from pathlib import Path
 from typing import Final, TypeGuard
 
 _OF_THE_DISK: Final = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO)
+_WITHOUT_LOCKS: Final = (errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP, errno.ENOTSUP, errno.EINVAL)
 _OF_THE_MACHINE: Final = (errno.EMFILE, errno.ENFILE, errno.EAGAIN)
 
 
 def is_of_the_disk(error: BaseException) -> TypeGuard[OSError]:
     """Return True if a disk is full, read-only or broken."""
     return isinstance(error, OSError) and error.errno in _OF_THE_DISK
+
+
+def is_without_locks(error: OSError) -> bool:
+    """Return True if a file system has no file locks, as some of networks and containers."""
+    return error.errno in _WITHOUT_LOCKS
 
 
 def refusal_by_system(error: BaseException) -> str | None:

@@ -1,5 +1,9 @@
 """A full disk and two runs into one folder: a sentence, the exit code of its kind, and nothing lost."""
 
+import errno
+import fcntl
+import os
+
 import pytest
 
 from drivegate.output.report_folder import ReportFolder
@@ -57,4 +61,19 @@ def test_two_runs_into_one_folder_are_refused_before_any_work(command, engine, t
         assert engine.options is None, "the check must not have begun"
         assert command("check", "reference", "--output", "elsewhere").code == 0
     assert command("check", "reference", "--output", "out").code == 0, "the lock ends with its holder"
+    assert not list(tmp_path.glob(".*")), "no lock stays behind"
+
+
+@pytest.mark.parametrize("number", [errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP])
+def test_a_file_system_without_locks_is_used_and_named(
+    command, engine, monkeypatch, caplog, tmp_path, number
+):
+    def fails(descriptor, operation):
+        raise OSError(number, os.strerror(number))
+
+    monkeypatch.setattr(fcntl, "flock", fails)
+    ended = command("check", "reference", "--output", "out")
+    assert ended.code == 0, ended.err
+    assert f"has no file locks ({os.strerror(number)})" in caplog.text
+    assert (tmp_path / "out" / "result.json").is_file()
     assert not list(tmp_path.glob(".*")), "no lock stays behind"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import signal
 import stat
@@ -33,6 +34,18 @@ def test_it_belongs_to_its_owner_alone_and_goes_with_the_context(place: Path) ->
     with temporary_folder() as folder:
         assert stat.S_IMODE(folder.stat().st_mode) == 0o700
         (folder / "file").touch()
+    assert list(place.iterdir()) == []
+
+
+def test_it_needs_no_locks_of_its_file_system(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fails(*_: int) -> None:
+        raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
+
+    monkeypatch.setattr(module.fcntl, "flock", fails)
+    with temporary_folder() as folder:
+        monkeypatch.setattr(module, "_swept", set())
+        with temporary_folder():
+            assert folder.is_dir(), "one in use was taken for abandoned"
     assert list(place.iterdir()) == []
 
 
