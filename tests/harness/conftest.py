@@ -1,6 +1,8 @@
 """What the tests of the harness share: controllers with one law broken on purpose, and an eye on processes."""
 
 import ctypes
+import sys
+import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -12,11 +14,15 @@ from tests.harness.beside_templates import children
 from drivegate.candidates.builtin.loading import BuiltinController
 from drivegate.candidates.fault import Fault
 from drivegate.isolation.layers import ISOLATION_VARIABLE
+from drivegate.isolation.system_calls import control_process
 from drivegate_models.contract.current.records import COMMAND, SENSE
 from drivegate_models.contract.current.signals import Nameplate
 from drivegate_models.controllers.current.builtin import SEARCHES
 
 STEP = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p)
+# Number of the option in linux/prctl.h.
+_SET_CHILD_SUBREAPER = 36
+_PATIENCE = 2.0
 Alter = Callable[[Any, Any], None]
 
 
@@ -52,9 +58,24 @@ def altered() -> Callable[[str, Alter], AlteredController]:
 def no_process_left() -> Iterator[None]:
     """Hold a test to leaving no process but those of before and what they start, as the session's browser does."""
     before = children()
+    # Adopts what lost its own parent, which would not be among the children otherwise.
+    if sys.platform.startswith("linux"):
+        control_process(_SET_CHILD_SUBREAPER, 1)
     yield
     left = [child for child in children() if child not in before and not _descends_from(before, child)]
+    until = time.monotonic() + _PATIENCE
+    # What is being killed needs a moment on a busy machine.
+    while (left := [child for child in left if not _has_ended(child)]) and time.monotonic() < until:
+        time.sleep(0.02)
     assert left == [], "a worker process is left"
+
+
+def _has_ended(process: psutil.Process) -> bool:
+    """Return True if a process has ended, also if nobody has reaped it yet."""
+    try:
+        return process.status() == psutil.STATUS_ZOMBIE
+    except psutil.NoSuchProcess:
+        return True
 
 
 def _descends_from(processes: list[psutil.Process], process: psutil.Process) -> bool:

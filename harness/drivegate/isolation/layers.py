@@ -14,17 +14,17 @@ from dataclasses import dataclass
 from enum import StrEnum
 from functools import cache
 from pathlib import Path
-from typing import Final
+from typing import Final, NoReturn
 
 from drivegate.isolation.namespaces import (
     DEVICES,
     SCRATCH,
     drop_privileges,
     enter_file_system,
-    enter_process_namespace,
+    start_process_namespace,
 )
 from drivegate.isolation.rights import refuse_calls, restrict_to
-from drivegate.isolation.system_calls import control_process
+from drivegate.isolation.system_calls import control_process, end_with_parent
 from drivegate_cases.documents.wording import shown
 from drivegate_models.errors import InputError
 
@@ -168,10 +168,14 @@ def isolated_command(words: Sequence[str], layers: Sequence[Layer], places: Plac
     """Return the command that isolates itself and then becomes the given one.
 
     `words`: the program, found along ``PATH``, and its arguments. `layers`: what isolates it. With namespaces, the
-    process that becomes isolated is a child of the command.
+    process that becomes isolated is a child of the command. All of it ends with this process, which has to start it.
     """
     return python_command(
-        "drivegate.isolation.layers", "become_isolated", written_order(layers, places), *words
+        "drivegate.isolation.layers",
+        "become_isolated",
+        written_order(layers, places),
+        str(os.getpid()),
+        *words,
     )
 
 
@@ -198,21 +202,34 @@ def read_order(order: str) -> tuple[tuple[Layer, ...], Places]:
     return tuple(map(Layer, layers)), Places(tuple(readable), tuple(writable))
 
 
-def become_isolated(order: str, *words: str) -> None:
+def become_isolated(order: str, parent: str, *words: str) -> None:
     """Isolate this process, and execute a program in its place; this is the inside of `isolated_command`."""
+    end_with_parent(int(parent))
     layers, places = read_order(order)
     if Layer.NAMESPACES in layers:
-        enter_process_namespace()
+        first = start_process_namespace()
+        if first:
+            _end_as(first)
+        # The first process is the parent of the program: the kernel waits in its end for all to be reaped, and a
+        # container often has nobody who would reap a program that lost another parent.
         program = os.fork()
         if program:
-            # A shell reports the end by a signal in the same way.
-            status = os.waitstatus_to_exitcode(os.waitpid(program, 0)[1])
-            os._exit(status if status >= 0 else 128 - status)
+            _end_as(program)
     isolate(layers, places)
     # Python ignores these, and the program would too.
     for ignored in (signal.SIGPIPE, signal.SIGXFSZ):
         signal.signal(ignored, signal.SIG_DFL)
     os.execvp(words[0], words)
+
+
+def _end_as(process: int) -> NoReturn:
+    """Wait for a child, reap all others, and end as it did."""
+    ended, status = 0, 0
+    while ended != process:
+        ended, status = os.waitpid(-1, 0)
+    code = os.waitstatus_to_exitcode(status)
+    # A shell reports the end by a signal in the same way.
+    os._exit(code if code >= 0 else 128 - code)
 
 
 def refuse_inspection() -> None:

@@ -5,6 +5,7 @@ distributions forbid that.
 """
 
 import ctypes
+import errno
 import os
 import signal
 import socket
@@ -44,10 +45,40 @@ def enter_process_namespace() -> None:
 
     Raises OSError if the system forbids it.
     """
+    if start_process_namespace() == 0:
+        _reap_for_ever()
+
+
+def start_process_namespace() -> int:
+    """Make a process table, and fork its first process, which ends with this one; return as `fork` does.
+
+    Raises OSError if the system forbids it.
+    """
     _enter_user_namespace()
     succeeded(SYSTEM.unshare(_PROCESSES), "unshare")
-    if os.fork() == 0:
-        _reap_for_ever()
+    reader, writer = os.pipe()
+    first = os.fork()
+    if first == 0:
+        os.close(reader)
+        _end_with_parent(writer)
+        return 0
+    os.close(writer)
+    # Waited for: if this process ended first, nothing would end the other one, which no signal but KILL can end.
+    is_ready = os.read(reader, 1)
+    os.close(reader)
+    if not is_ready:
+        raise OSError(errno.ECHILD, os.strerror(errno.ECHILD), "the first process of a table")
+    return first
+
+
+def _end_with_parent(ready: int) -> None:
+    try:
+        die_with_parent()
+        # A parent that has ended before reads nothing, and its number cannot be seen from here.
+        os.write(ready, b"1")
+    except OSError:
+        os._exit(1)
+    os.close(ready)
 
 
 def _enter_user_namespace() -> None:
@@ -65,8 +96,7 @@ def _enter_user_namespace() -> None:
 
 
 def _reap_for_ever() -> None:
-    """Be the first process of a table: do nothing but reap what is left to it, and end with the keeper."""
-    die_with_parent()
+    """Be the first process of a table, and do nothing but reap what is left to it."""
     # An open end of a pipe here would hide from the harness that all others have been closed.
     os.closerange(0, os.sysconf("SC_OPEN_MAX"))
     # Blocked, the signal stays pending while nobody waits for it, so that no end is missed.

@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import shutil
 import signal
+import subprocess
+import sys
 import time
 from collections.abc import Callable
 from contextlib import suppress
@@ -276,3 +278,58 @@ def test_what_a_stopped_keeper_keeps_ends_with_it(
     with Judge(resolve_candidate(f"{file}:Mine")) as judge:
         assert judge.once(Job(worker_jobs.drive, 1)) == 1.0
         time.sleep(0.5)
+
+
+# The first process of a table is late, as on a busy machine, and its parent has nothing more to do.
+_LATE = """
+import os, time
+from drivegate.isolation import namespaces
+in_time = namespaces.die_with_parent
+def late():
+    time.sleep(0.3)
+    in_time()
+namespaces.die_with_parent = late
+namespaces.enter_process_namespace()
+"""
+
+
+@pytest.mark.parametrize("signal_number", [0, signal.SIGKILL])
+def test_the_first_process_of_a_table_never_outlives_its_parent(
+    signal_number: int, no_process_left: None
+) -> None:
+    process = subprocess.Popen([sys.executable, "-c", _LATE], stderr=subprocess.DEVNULL)
+    if signal_number:
+        while process.poll() is None and not psutil.Process(process.pid).children():
+            time.sleep(0.01)
+        process.send_signal(signal_number)
+    process.wait(20.0)
+
+
+def test_an_isolated_tool_ends_with_the_process_that_started_it(no_process_left: None) -> None:
+    starts = (
+        "import subprocess; from drivegate.isolation.layers import *; "
+        "subprocess.run(isolated_command(['sleep', '60'], available_layers(), Places((), ())))"
+    )
+    process = subprocess.Popen([sys.executable, "-c", starts])
+    own = psutil.Process(process.pid)
+    while not [child for child in own.children(recursive=True) if child.name() == "sleep"]:
+        assert process.poll() is None
+        time.sleep(0.05)
+    process.kill()
+    process.wait()
+
+
+@pytest.mark.parametrize(
+    "source",
+    ["int nothing", "int nowhere(void);\nint drivegate_step(void) { return nowhere(); }"],
+    ids=["not compiled", "not loaded"],
+)
+def test_no_process_is_left_of_a_candidate_that_cannot_be_loaded(
+    tmp_path: Path, source: str, no_process_left: None
+) -> None:
+    (tmp_path / "mine.c").write_text(f"{source}\n", encoding="utf-8")
+    with (
+        pytest.raises(InputError),
+        Judge(resolve_candidate(str(tmp_path / "mine.c"))) as judge,
+    ):
+        judge.once(Job(worker_jobs.drive, 2))
