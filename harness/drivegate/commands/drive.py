@@ -40,7 +40,8 @@ def command(
     initial angles that follows, and what the drive's times mean for a controller. What a check
     refuses of the drive is printed with the value that it accepts, and the exit code is then 2 as well.
 
-    With --fit it shows instead which constants explain measured or published torques, with the uncertainty of each.
+    With --fit it shows instead which constants explain measured or published torques, with the uncertainty of each. The
+    exit code is 2 if none do, or if the points do not determine all of them.
     """
     if keep and measured is None:
         raise click.UsageError("--keep goes with --fit only")
@@ -58,7 +59,8 @@ def command(
         from drivegate.studies.drive.run import fitted_drive
 
         fit = fitted_drive(chosen, measured, keep)
-        return Outcome(fit, lambda console: show_fit(console, fit, quote(drive)))
+        code = ExitCode.PASSED if fit["usable"] else ExitCode.REFUSED
+        return Outcome(fit, lambda console: show_fit(console, fit, quote(drive)), code)
 
     from drivegate.studies.drive.display import show_drive
     from drivegate.studies.drive.run import studied_drive

@@ -224,9 +224,22 @@ def test_constants_are_fitted_to_published_points_and_can_be_set_as_printed(comm
 def test_what_a_fit_cannot_show_is_stated(command, tmp_path):
     rows = "".join(f"5,0,{1.2 * current},{current}\n" for current in (1, 2, 3, 4, 5))
     (tmp_path / "slow.csv").write_text(f"speed_rpm,advance_deg,torque_nm,current_a\n{rows}", encoding="utf-8")
-    stated = command("drive", *QUICK, "--fit", "slow.csv").out
+    ended = command("drive", *QUICK, "--fit", "slow.csv")
+    stated = ended.out
+    assert ended.code == 2
     assert "the points do not show resistance_ohm; keep it with --keep resistance_ohm" in stated
     assert "next: the same with more points" in stated
+
+
+def test_a_fit_that_explains_nothing_says_so_and_proposes_nothing(command, tmp_path):
+    rows = "".join(
+        f"{speed},0,{torque}\n" for speed, torque in zip(range(100, 700, 100), [5, 20] * 3, strict=True)
+    )
+    (tmp_path / "other.csv").write_text(f"speed_rpm,advance_deg,torque_nm\n{rows}", encoding="utf-8")
+    ended = command("drive", *QUICK, "--fit", "other.csv")
+    assert ended.code == 2
+    assert "no constants explain these torques: the best fit leaves" in ended.out
+    assert "--set" not in ended.out
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import isfinite
+from math import isfinite, sqrt
 from typing import Any, Final
 
 from rich.console import Console
@@ -159,6 +159,10 @@ def show_fit(console: Console, document: dict[str, Any], name: str) -> None:
         values = (number(value) for value in (torque, fitted, fitted - torque))
         points.add_row(f"{point['speed_rpm']:g}", angle, f"{point['current_a']:g}", *values)
     console.print(points)
+    if not document["explained"]:
+        print_line(console, _unexplained(document), "bold red")
+        print_line(console, "next: the same with points of this drive, or with another drive", "dim")
+        return
     columns = ("fitted", "±", "drive's own")
     constants = table("constant", *columns, "unit", right=columns)
     for row in document["constants"]:
@@ -175,6 +179,16 @@ def show_fit(console: Console, document: dict[str, Any], name: str) -> None:
     for words in _doubts(document):
         print_line(console, words, "yellow")
     print_line(console, _next(document, name), "dim")
+
+
+def _unexplained(document: dict[str, Any]) -> str:
+    rows = document["points"]
+    torque = sqrt(sum(row["torque_nm"] ** 2 for row in rows) / len(rows))
+    return (
+        "no constants explain these torques: the best fit leaves "
+        f"{document['rms_residual_nm']:.2g} of {torque:.2g} N·m (rms); are they N·m, rpm, degrees and amperes, and is "
+        "the drive of this kind?"
+    )
 
 
 def _doubts(document: dict[str, Any]) -> list[str]:
@@ -201,7 +215,7 @@ def _doubts(document: dict[str, Any]) -> list[str]:
 
 
 def _next(document: dict[str, Any], name: str) -> str:
-    if not all(row["determined"] and not row["at_bound"] for row in document["constants"]):
+    if not document["usable"]:
         return "next: the same with more points, or with --keep KEY for each constant that is known otherwise"
     settings = (f"--set {row['key']}={row['fitted']:.{_DIGITS}g}" for row in document["constants"])
     return f"next: drivegate drive {name} {' '.join(settings)}"

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import isfinite, isnan, nan, radians, sqrt
+from math import isfinite, isnan, nan, radians
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from drivegate.drives.kinds import require_angles
 from drivegate.drives.rating import drive_with, machine_constants
@@ -38,6 +38,10 @@ _WIDEST_FLAT: Final = 175.0
 _FLATS: Final = (60.0, 100.0, 140.0)
 """Flat widths from which the search begins next to the drive's own, since it may end in the wrong valley (deg)."""
 _AT_BOUND: Final = 1e-3
+_MOST_LEFT: Final = 0.1
+"""Residual over the torques, both root mean square, from which on a fit explains nothing (1)."""
+_SCATTER: Final = 3.0
+"""Residual over the stated uncertainty, where that allows more (1)."""
 
 
 @dataclass(frozen=True)
@@ -116,6 +120,7 @@ def fitted_constants(document: DriveDocument, kept: Sequence[str]) -> dict[str, 
 def fit_document(
     document: DriveDocument, points: Sequence[MeasuredTorque], kept: Sequence[str] = ()
 ) -> dict[str, Any]:
+    require_angles(document)
     stored = fitted_constants(document, kept)
     if len(points) < len(stored):
         raise InputError(
@@ -125,15 +130,22 @@ def fit_document(
     weights = np.array([1.0 if isnan(point.uncertainty) else 1.0 / point.uncertainty for point in points])
     found = _best_fit(document, stored, points, weights)
     residuals = found.residuals / weights
+    left = _root_mean_square(residuals)
+    is_explained = left <= _most_left(points)
+    constants = _constants(stored, found, points) if is_explained else []
     limit = document.plant().current_limit
     return {
         "schema": SCHEMA,
         "kind": "fit of a drive",
         "drive": document.name,
-        "constants": _constants(stored, found, points),
+        "usable": bool(constants)
+        and found.converged
+        and all(row["determined"] and not row["at_bound"] for row in constants),
+        "explained": is_explained,
+        "constants": constants,
         "condition": found.condition,
         "converged": found.converged,
-        "rms_residual_nm": sqrt(float(residuals @ residuals) / len(residuals)),
+        "rms_residual_nm": left,
         "points": [
             {
                 "speed_rpm": point.speed_rpm,
@@ -147,13 +159,23 @@ def fit_document(
     }
 
 
+def _most_left(points: Sequence[MeasuredTorque]) -> float:
+    """Return the residual from which on a fit explains nothing (N·m): a share of the torques, or their uncertainty."""
+    share = _MOST_LEFT * _root_mean_square([point.torque for point in points])
+    stated = [point.uncertainty for point in points if not isnan(point.uncertainty)]
+    return max(share, _SCATTER * _root_mean_square(stated)) if stated else share
+
+
+def _root_mean_square(values: ArrayLike) -> float:
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
 def _best_fit(
     document: DriveDocument,
     stored: Mapping[str, float],
     points: Sequence[MeasuredTorque],
     weights: NDArray[np.float64],
 ) -> ConstantsFit:
-    require_angles(document)
     measured = np.array([point.torque for point in points])
 
     def residuals(values: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -1,5 +1,6 @@
 """A drive's constants come back from torques that were made with them, and the published ones from the paper's."""
 
+from dataclasses import replace
 from math import isinf, isnan, pi
 from typing import Any
 
@@ -69,6 +70,7 @@ def test_constants_come_back_from_what_they_gave_wherever_the_search_begins() ->
         document = fit_document(PAPER.replaced(**start), measured(PAPER))
         assert by_key(document, "fitted") == pytest.approx(TRUE, rel=1e-4)
         assert document["rms_residual_nm"] < 1e-6
+        assert document["usable"]
         assert not any(by_key(document, "at_bound").values())
 
 
@@ -98,6 +100,22 @@ def test_what_the_points_do_not_show_is_uncertain_without_end() -> None:
     ]
     uncertainty = by_key(fit_document(PAPER, slow), "uncertainty")
     assert isinf(uncertainty["resistance_ohm"]) or uncertainty["resistance_ohm"] > 0.08
+
+
+def test_torques_that_no_constants_explain_propose_none() -> None:
+    true = measured(PAPER)
+    scattered = [replace(point, torque=5.0 + 3.0 * (number % 3)) for number, point in enumerate(true)]
+    document = fit_document(PAPER, scattered)
+    assert not document["usable"]
+    assert not document["explained"]
+    assert document["constants"] == []
+    # What is said to scatter so much may.
+    assert fit_document(PAPER, [replace(point, uncertainty=3.0) for point in scattered])["explained"]
+
+
+def test_a_drive_without_an_advance_angle_is_refused() -> None:
+    with pytest.raises(InputError, match="has no steady states of an advance angle"):
+        fit_document(load_drive("pm-ac-interior"), PUBLISHED)
 
 
 def test_a_sine_has_no_flat_width() -> None:
