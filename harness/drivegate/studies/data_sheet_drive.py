@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping
 from math import pi, sqrt
 from types import MappingProxyType
 from typing import Any, Final
 
 from drivegate_cases.documents.document import parse_document
+from drivegate_cases.documents.quantity.poles import PolesQuestion
 from drivegate_cases.documents.quantity.question import Amount, PairQuestion, Question, Reading
-from drivegate_cases.documents.wording import one_line
 from drivegate_cases.drive.drive_document import PM_AC, DriveDocument
-from drivegate_models.errors import InputError
 
 _DIGITS: Final = 5
 """Digits of a converted value: more than any data sheet states."""
@@ -21,35 +19,6 @@ _OVERSPEED: Final = 1.1
 _SQRT2, _SQRT3 = sqrt(2.0), sqrt(3.0)
 _PER_DC: Final = 2.0 / _SQRT3
 """Peak current of a sine over the direct current through two phases that produces the same torque (1)."""
-_WHOLE: Final = r"(\d{1,6})(?:\.0+)?"
-_COUNT: Final = r"(?:(?:number|no\.?|#)\s*(?:of\s*)?)?"
-_PAIRS: Final = re.compile(
-    rf"{_WHOLE}\s*(?:-?\s*(?:pole[\s-]*)?pairs?(?:\s*of\s*poles)?|p\.?p\.?)"
-    rf"|{_COUNT}pole[\s-]*pairs?\s*[=:]?\s*{_WHOLE}"
-)
-_POLES: Final = re.compile(
-    rf"(?:\d+\s*[ns]\s*)?{_WHOLE}\s*(?:-?\s*(?:magnet\s*)?poles?|p)?"
-    rf"|(?:2p|{_COUNT}(?:magnet\s*)?poles?)\s*[=:]?\s*{_WHOLE}"
-)
-
-
-class PolesQuestion(Question):
-    """The question of the number of poles, which has no unit."""
-
-    def read(self, text: str) -> Amount:
-        plain, quoted = text.strip().lower(), f"'{one_line(text)[:60]}'"
-        of_pairs, of_poles = _PAIRS.fullmatch(plain), _POLES.fullmatch(plain)
-        found = of_pairs or of_poles
-        if found is None:
-            raise self._not_understood(text)
-        number = int(next(filter(None, found.groups())))
-        if number == 0:
-            raise InputError(f"{self.quantity}: {quoted} must be above 0")
-        if of_pairs is None and number % 2:
-            raise InputError(
-                f"{self.quantity}: {quoted} makes no whole number of pole pairs; accepted: {self.accepted}"
-            )
-        return Amount(float(number if of_pairs else number // 2), one_line(text).strip(), "pairs of poles")
 
 
 def _word(*names: str) -> frozenset[str]:
@@ -100,7 +69,7 @@ def _constants() -> Iterator[Reading]:
             how = f"Ke {times}/ ({over}pole pairs) with Ke in V·s/rad {emf}"
             yield Reading(_EMF, words, factor / divisor, how, needless=needless)
         how = f"1 / ({over}pole pairs Kv) with Kv in rad/s per volt of the peak EMF {of}"
-        yield Reading(_SPEED, place, 1.0 / divisor, how, True, needless)
+        yield Reading(_SPEED, place, 1.0 / divisor, how, True, needless | {"no load"})
 
 
 def _of_winding(unit: str) -> tuple[Reading, ...]:
@@ -128,7 +97,7 @@ def _currents() -> tuple[Reading, ...]:
 
 _OF_CURRENT: Final = ": say whether it is 'rms' or 'peak', or 'dc' (I_peak = 1.155 I_dc)"
 _CURRENT_UNITS: Final = "A or mA with rms, peak or dc; I_peak = 1.414 I_rms = 1.155 I_dc"
-_RPM: Final = (Reading("shaft_rpm", how="in turns a minute"),)
+_RPM: Final = (Reading("shaft_rpm", how="in turns a minute", needless=_word("no load")),)
 _RPM_UNITS: Final = "rpm, r/min, 1/min, min-1, krpm or rad/s"
 QUESTIONS: Final[Mapping[str, Question]] = MappingProxyType(
     {
@@ -148,13 +117,14 @@ QUESTIONS: Final[Mapping[str, Question]] = MappingProxyType(
             "'0.42 ohm', '420 mohm' or, of one phase, '0.21 ohm phase'",
             "ohm, mΩ, µΩ, alone or with l-l, line-line or terminal, or with phase or l-n",
             _of_winding("ohm"),
+            ": of R_s, add 'phase' or 'line-line'",
         ),
         "inductance": PairQuestion(
             "inductance between two terminals",
             "'1.2 mH', of one phase '0.6 mH phase', or L_d/L_q of one phase '0.5/0.8 mH phase'",
             "H, mH, µH, alone or with l-l, line-line or terminal, or with phase or l-n",
             _of_winding("henry"),
-            ": of L_d/L_q, add 'phase' or 'line-line'",
+            ": of L_s or of L_d/L_q, add 'phase' or 'line-line'",
         ),
         "inertia": Question(
             "inertia of rotor and load",
@@ -173,11 +143,21 @@ QUESTIONS: Final[Mapping[str, Question]] = MappingProxyType(
             "'48 V', or '230 V ac' for a rectified supply",
             "V, V dc, kV, or V ac or V rms of a rectified supply",
             (
-                Reading("volt", needless=_word("dc")),
+                Reading("volt", needless=_word("dc", "supply")),
                 Reading(
-                    "volt", _word("ac"), _SQRT2, "sqrt(2) times the ac voltage", needless=_word("rms", "line")
+                    "volt",
+                    _word("ac"),
+                    _SQRT2,
+                    "sqrt(2) times the ac voltage",
+                    needless=_word("rms", "line", "supply"),
                 ),
-                Reading("volt", _word("rms"), _SQRT2, "sqrt(2) times the ac voltage", needless=_word("line")),
+                Reading(
+                    "volt",
+                    _word("rms"),
+                    _SQRT2,
+                    "sqrt(2) times the ac voltage",
+                    needless=_word("line", "supply"),
+                ),
             ),
         ),
         "rated_speed": Question("rated speed", "'3000 rpm'", _RPM_UNITS, _RPM, bare_unit="shaft_rpm"),

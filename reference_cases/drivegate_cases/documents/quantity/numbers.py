@@ -12,9 +12,11 @@ _EITHER: Final = re.compile(r"[1-9]\d{0,2}[.,]\d{3}")
 _POWER: Final = r"10\s*(?:(?:\^|\*\*)\s*\(?[+-]?|[+-])\d{1,2}(?!\d)\)?"
 _DIGITS: Final = r"\d{1,3}(?:[ ']\d{3})+(?!\d)(?:[.,]\d+)?|\d[\d.,]*|[.,]\d+"
 _NUMBER: Final = re.compile(
-    rf"(?P<bare>{_POWER})|(?P<digits>{_DIGITS})(?P<exponent>[eE][+-]?\d+)?(?:\s*[x×·*]?\s*(?P<power>{_POWER}))?"
+    rf"(?P<bare>{_POWER})|(?P<digits>{_DIGITS})(?P<exponent>\s?[eE][+-]?\d+)?(?:\s*[x×·*]?\s*(?P<power>{_POWER}))?"
 )
-_POWER_AFTER: Final = re.compile(rf"\s*\(?\s*(?:[x×·*.]\s*)?(?P<power>{_POWER})\s*\)?\s*$")
+_POWER_AFTER: Final = re.compile(
+    rf"\s*\(?\s*(?:[x×·*.]\s*)?(?P<power>{_POWER}|(?<=[\s*·x×])1?[eE]-\d{{1,2}})\s*\)?\s*$"
+)
 _GROUPS: Final = str.maketrans("", "", " '")
 
 
@@ -47,7 +49,7 @@ def leading_number(text: str) -> tuple[Number, str] | None:
     if value is None:
         return None
     # Python reads "1e-4" itself, so that it rounds once.
-    exponent = found["exponent"] or ""
+    exponent = (found["exponent"] or "").strip()
     if found["power"]:
         exponent = f"e{_exponent(found['power'])}" if not exponent else ""
     is_either = _EITHER.fullmatch(digits) is not None and not exponent
@@ -84,4 +86,4 @@ def _power(text: str) -> float:
 
 
 def _exponent(text: str) -> int:
-    return int(re.sub(r"^10|[\s^*()]", "", text))
+    return int(re.sub(r"^(?:10|1?[eE])|[\s^*()]", "", text))

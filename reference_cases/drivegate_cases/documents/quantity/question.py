@@ -18,11 +18,15 @@ from drivegate_models.errors import InputError
 _LONGEST: Final = 60
 _POINT_MAY_GROUP: Final = frozenset({"", "shaft_rpm", "field_hertz"})
 """Units of numbers so large that a point before three digits may separate thousands."""
-_LABEL: Final = re.compile(r"\s*l_?[dq]\s*[/,&]\s*l_?[dq]\b[^\d=:]*[=:]?\s*", re.IGNORECASE)
-_NEXT: Final = re.compile(r"\s*(?:/|;|,\s|\band\b|\s(?=l_?q))\s*(?=(?:l_?q\s*[=:]?\s*)?[\d.])", re.IGNORECASE)
-_NAME: Final = re.compile(r"\s*l_?[dq]\s*(?=\d)", re.IGNORECASE)
-_NAME_FIRST: Final = re.compile(r"\s*l_?q\b", re.IGNORECASE)
-"""Name of the second inductance, in front of the first number."""
+_SPEED_PER_VOLT: Final = "shaft_rpm/volt"
+_LABEL: Final = re.compile(r"\s*l_?[dq]\s*[/,&=]\s*l_?[dq]\b[^\d=:]*[=:]?\s*", re.IGNORECASE)
+_OF_ONE_PHASE: Final = re.compile(r"(?:.*\s)?(?:[rl]_?[adqs1]|[dq]-axis)\b.*")
+"""A symbol that is mostly of one phase, among the words in front of a number."""
+_NEXT: Final = re.compile(
+    r"\s*(?:/|;|,\s|\band\b|\s(?=l_?[dq]))\s*(?=(?:l_?[dq]\s*[=:]?\s*)?[\d.])", re.IGNORECASE
+)
+_NAME: Final = re.compile(r"[\s(]*l_?(?P<axis>[dq])(?![a-z])\s*\)?", re.IGNORECASE)
+"""Name of one inductance of a pair, before or behind its number."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +36,7 @@ class Reading:
     unit: str
     """A unit of the quantity, in names of the units library; the answer may have any other of the same quantity."""
     words: frozenset[str] = frozenset()
-    """Words that the answer must have: rms, peak, dc, ac, line or phase."""
+    """Words that the answer must have, of those of `split_words`."""
     factor: float = 1.0
     """The value over the number in `unit`, or over its inverse."""
     how: str = "as stated"
@@ -99,6 +103,8 @@ class Question:
             raise self._not_understood(text)
         words = frozenset[str]().union(*(part.words for part in parts))
         self._refuse_two_meanings(text, parts)
+        if not words & {"phase", "line"} and any(_OF_ONE_PHASE.fullmatch(part.label) for part in parts):
+            raise self._not_understood(text, self.missing)
         fitting = [
             (reading, values)
             for reading in self.readings
@@ -128,7 +134,7 @@ class Question:
     def _refuse_two_meanings(self, text: str, parts: Iterable[Spelled]) -> None:
         for part in parts:
             number = part.number
-            if number.grouped is not None and (number.is_open or part.units[0] in _POINT_MAY_GROUP):
+            if number.grouped is not None and (number.is_open or _may_group(number, part.units[0])):
                 raise InputError(
                     f"{self.quantity}: {_quoted(text)} may mean {number.value:g} or {number.grouped:g}; write it "
                     f"without a separator of thousands, as {_plain(number)} or {number.grouped:.0f}"
@@ -159,15 +165,23 @@ class PairQuestion(Question):
         label, values = (found[0], text[found.end() :]) if found else ("", text)
         texts = _NEXT.split(values, maxsplit=1)
         if len(texts) == 1:
-            return whole
-        first, second = (spelled(_NAME.sub("", part)) for part in texts)
+            # Both are equal.
+            return super()._parts(f"ld: {values}") if found else whole
+        names = [found["axis"].lower() if (found := _NAME.search(part)) else "" for part in texts]
+        first, second = (spelled(_NAME.sub(" ", part)) for part in texts)
         if first is None or second is None:
             return ()
         units = second.units if first.units == ("",) else first.units
         if not (first.words | second.words | split_words(label)[1]):
             raise self._not_understood(text, self.missing)
         pair = Spelled(first.number, units, first.words | split_words(label)[1]), second
-        return pair[::-1] if _NAME_FIRST.match(text) else pair
+        is_reversed = names[0] == "q" or bool(re.match(r"\s*l_?q\b", label, re.IGNORECASE))
+        return pair[::-1] if is_reversed else pair
+
+
+def _may_group(number: Number, unit: str) -> bool:
+    """Return True if a point before three digits may separate thousands; of a Kv only if it is 1000 to 9999."""
+    return unit in _POINT_MAY_GROUP or (number.value < 10.0 and unit.strip("()") == _SPEED_PER_VOLT)
 
 
 def _quoted(text: str) -> str:

@@ -18,28 +18,50 @@ _LONGEST: Final = 200
 _SIGNS: Final = str.maketrans(
     dict.fromkeys("−–‐‑", "-")
     | dict.fromkeys("⋅∙•", "·")
-    | {"⁄": "/", "[": "(", "]": ")", "’": "'", "º": "°", "˚": "°", "Ω": "ohm", "ω": "ohm", "μ": "u"}
+    | {
+        "⁄": "/",
+        "[": "(",
+        "]": ")",
+        "{": "(",
+        "}": ")",
+        "’": "'",
+        "º": "°",
+        "˚": "°",
+        "⎓": " dc",
+        "Ω": "ohm",
+        "ω": "ohm",
+        "μ": "u",
+    }
 )
 _SUPERSCRIPT: Final = re.compile(r"[⁺⁻⁰¹²³⁴-⁹]+")
 _OPEN_POWER: Final = re.compile(r"\(\s*(?=(?:[x×·*]\s*)?10\s*\^?\s*-\s*\d)")
 _LABEL: Final = re.compile(
-    r"\s*(?P<label>[^\d=:]*?)\s*[=:]\s*(?=.*\d)|\s*(?P<kv>kv)\s*(?=\d)|\s*(?P<words>[a-z][a-z\s_()/-]*?\)?)\s+(?=[\d.])",
+    r"\s*(?P<label>[^\d=:]*?)\s*[=:]\s*(?=.*\d)|\s*(?P<kv>kv)\s*(?=\d)|\s*(?P<words>[a-z][a-z\s_()/.,-]*?\)?)\s+(?=[\d.])",
     re.IGNORECASE,
 )
+_HEADER: Final = re.compile(
+    r"(?P<name>[a-z_\s.,-]*)\(\s*(?P<unit>[^=:]+)\)\s*[=:]?\s*(?P<value>[\d.,].*)", re.IGNORECASE
+)
+"""A line of a table, whose unit is in front of the number."""
+_OF_PHASE: Final = re.compile(r"(?:.*[\s_])?[rl]_?ph(?:ase)?\b.*")
+"""A symbol of one phase, among the words in front of a number."""
 _OTHER: Final = re.compile(r"\b(?:minus|less|not|gd|electrical|elec\.?)(?![a-z])", re.IGNORECASE)
 """Words that make another quantity of a number."""
 _RPM: Final = re.compile(
-    r"(?:(?<![\d.,])1\s*|(?<=\d)\s*|(?:(?<![a-z])|(?<=k))(?:r|rev|revs|u|tr|turns?|tours?|rot)\.?\s*)/\s*min(?:ute)?\b"
-    r"|min\s*(?:\^?\s*-1|\^\s*\(-1\))|r\.p\.m\.?|\bupm\b",
+    r"(?:(?<![\d.,])1\s*|(?<=\d)\s*|(?:(?<![a-z])|(?<=k))(?:r|revs?|revolutions?|rotations?|u|tr|turns?|tours?|rot)\.?\s*)"
+    r"(?:/|\bper\b)\s*min(?:ute)?\b"
+    r"|min\s*(?:(?:\^|\*\*)?\s*-1|\^\s*\(-1\))|r\.p\.m\.?|\bupm\b",
     re.IGNORECASE,
 )
 _RADIANS_PER_SECOND: Final = re.compile(
     r"rad(?:ians?)?\s*(?:/\s*s(?:ec(?:ond)?)?\b|[·.*]?\s*s\s*\^?-1)", re.IGNORECASE
 )
 _TURNS_PER_SECOND: Final = re.compile(r"(?<![a-z])(?:r|revs?|turns?)\s*/\s*s(?:ec)?\b", re.IGNORECASE)
-_THOUSAND: Final = r"(?:1\s*000|1?\s*k|10\s*\^\s*3)[\s·*-]*rpm"
+_DEGREES_PER_SECOND: Final = re.compile(r"(?:deg(?:rees?)?|°)\s*/\s*s(?:ec(?:ond)?)?\b", re.IGNORECASE)
+_PREFIX_APART: Final = re.compile(r"\b(milli|micro|kilo|[mu])[\s-]+(?=ohms?\b|henr|h\b)", re.IGNORECASE)
+_THOUSAND: Final = r"(?:1[\s,.']*000|1?\s*k|10\s*\^\s*3)[\s·*-]*rpm"
 _PER_THOUSAND: Final = re.compile(rf"(?:/|\bper\b)\s*(?:\(\s*{_THOUSAND}\s*\)|{_THOUSAND})", re.IGNORECASE)
-_AT_THOUSAND: Final = re.compile(r"\s*(?:@|\bat\b)\s*(?=1\s*000\s*rpm)", re.IGNORECASE)
+_AT_THOUSAND: Final = re.compile(r"\s*(?:@|\bat\b)\s*(?=1[\s,.']*000\s*rpm)", re.IGNORECASE)
 _TOKEN: Final = re.compile(
     r"(?P<run>[a-z]+)\s*(?P<power>(?:\^|\*\*)\s*\(?[+-]?\d\)?|-?\d)?|(?P<sign>[/()])|(?P<times>[\s·.*×_-]+)",
     re.IGNORECASE,
@@ -52,9 +74,10 @@ _NAMES: Final = {
     "n newton newtons": "newton",
     "m meter metre meters metres": "meter",
     # A sheet's ounce, pound and gram are of mass or of force; the dimension of the whole unit decides.
-    "g gram grams": "gram force_gram",
+    "g gm gram grams": "gram force_gram",
     "oz ounce ounces": "ounce force_ounce",
     "lb lbs pound pounds": "pound force_pound",
+    "lbm": "pound",
     "gf": "force_gram",
     "ozf": "force_ounce",
     "lbf": "force_pound",
@@ -71,6 +94,7 @@ _NAMES: Final = {
     "rad radian radians": "shaft_radian",
     "radps": "shaft_radian/second",
     "rps": "shaft_turn/second",
+    "degps": "shaft_degree/second",
     "rpm": "shaft_rpm",
     "kv": "shaft_rpm/volt",
 }
@@ -78,7 +102,9 @@ _UNITS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
     {spelling: tuple(names.split()) for spellings, names in _NAMES.items() for spelling in spellings.split()}
 )
 """What a unit may be in names of the units library, by each spelling in small letters."""
-_WHOLE: Final = re.compile("oz|lbs?|ozf|lbf|in|inch|inches|ft|foot|feet|rad|radians?|radps|rps|kv")
+_WHOLE: Final = re.compile(
+    "oz|lbs?|lbm|gm|ozf|lbf|in|inch|inches|ft|foot|feet|rad|radians?|radps|rps|degps|kv"
+)
 """Units that take no prefix."""
 _MEGA: Final = frozenset({"hz", "hertz"})
 """Units with which a capital M is no mistake."""
@@ -100,13 +126,13 @@ def spelled(text: str) -> Spelled | None:
     """Take a quantity apart; none if the text has no number in front of a unit."""
     if len(text) > _LONGEST or _OTHER.search(text):
         return None
-    plain = _plain(text)
+    plain = _OPEN_POWER.sub("", _unit_behind(_plain(text)))
     found = _LABEL.match(plain)
     label = (found["label"] or found["kv"] or found["words"] or "").lower() if found else ""
     plain = _rates(plain[found.end() :] if found else plain)
     plain, words = split_words(without_conditions(plain))
     if label:
-        words |= split_words(label)[1]
+        words |= split_words(label)[1] | ({"phase"} if _OF_PHASE.fullmatch(label) else set())
     read = leading_number(plain)
     if read is None:
         return None
@@ -121,8 +147,17 @@ def spelled(text: str) -> Spelled | None:
 def _plain(text: str) -> str:
     raised = _SUPERSCRIPT.sub(lambda found: "^" + unicodedata.normalize("NFKC", found[0]), text)
     # Omega and mu have two characters each, which become one here.
-    plain = unicodedata.normalize("NFKC", raised.translate(_SIGNS)).translate(_SIGNS).strip(" ;")
-    return _OPEN_POWER.sub("", plain)
+    return unicodedata.normalize("NFKC", raised.translate(_SIGNS)).translate(_SIGNS).strip(" ;")
+
+
+def _unit_behind(text: str) -> str:
+    """Move the unit of a table's line behind the number."""
+    found = _HEADER.fullmatch(text)
+    if found is None:
+        return text
+    unit = spelled(f"1 {found['unit']}")
+    is_unit = unit is not None and unit.units not in ((), ("",))
+    return f"{found['name']}: {found['value']} {found['unit']}" if is_unit else text
 
 
 def _rates(text: str) -> str:
@@ -131,6 +166,8 @@ def _rates(text: str) -> str:
         (_RPM, "rpm"),
         (_RADIANS_PER_SECOND, "radps"),
         (_TURNS_PER_SECOND, "rps"),
+        (_DEGREES_PER_SECOND, "degps"),
+        (_PREFIX_APART, r"\1"),
         (re.compile(r"\(\s*rpm\s*\)", re.IGNORECASE), "rpm"),
         (_AT_THOUSAND, "/"),
         (_PER_THOUSAND, "/krpm"),

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
 _DEFINITIONS: Final = (
     "shaft_turn = [shaft_angle]",
     "shaft_radian = shaft_turn / 6.283185307179586",
+    "shaft_degree = shaft_turn / 360",
     "shaft_rpm = shaft_turn / minute",
     "field_cycle = [field_angle]",
     "field_hertz = field_cycle / second",
