@@ -397,7 +397,7 @@ def test_cycles_from_rest_match_numerical_integration(motor: Callable[..., Drive
         make_phases(drive, KEPT_TIME),
         speed,
         drive.half_supply_voltage,
-        point.reference,
+        float(point.reference),
         math.radians(point.advance_deg),
         point.cycles,
     )

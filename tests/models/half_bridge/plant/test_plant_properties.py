@@ -54,19 +54,20 @@ class Point(NamedTuple):
         return math.radians(self.advance_deg)
 
 
+# Floats, since a kernel is compiled again for an int.
 IDEAL = [
-    Point(500, 33, 26),
-    Point(900, 0, 12),
-    Point(1200, 40, 26),
-    Point(1500, 52.5, 26),
-    Point(2500, 80, 20),
+    Point(500.0, 33.0, 26.0),
+    Point(900.0, 0.0, 12.0),
+    Point(1200.0, 40.0, 26.0),
+    Point(1500.0, 52.5, 26.0),
+    Point(2500.0, 80.0, 20.0),
 ]
 BANDED = [
-    Point(1400, 20, 6),
-    Point(1500, 58, 18),
-    Point(1500, 52, 26),
-    Point(2000, 85, 26),
-    Point(2500, 45, 4),
+    Point(1400.0, 20.0, 6.0),
+    Point(1500.0, 58.0, 18.0),
+    Point(1500.0, 52.0, 26.0),
+    Point(2000.0, 85.0, 26.0),
+    Point(2500.0, 45.0, 4.0),
 ]
 CERTIFIED = [(0.0, point) for point in IDEAL] + [(0.25, point) for point in BANDED]
 
