@@ -87,6 +87,12 @@ def _descends_from(processes: list[psutil.Process], process: psutil.Process) -> 
 
 
 @pytest.fixture
+def little_shrunk(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Make counterexamples little simpler, where that is not the subject: it takes most runs of a check that fails."""
+    monkeypatch.setattr("drivegate.gate.shrinking._BUDGET", {"quick": 3})
+
+
+@pytest.fixture
 def not_isolated(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let candidates reach the machine, so that a test sees what they do there."""
     monkeypatch.setenv(ISOLATION_VARIABLE, "none")

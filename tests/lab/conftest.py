@@ -1,7 +1,11 @@
 """Fixtures that the laboratory's tests share with those of the packages that it proves right."""
 
+from pathlib import Path
+from typing import Any
+
+import pytest
 from tests.harness.commands.conftest import command, controllers, refused
-from tests.harness.conftest import altered, no_process_left, not_isolated
+from tests.harness.conftest import altered, little_shrunk, no_process_left, not_isolated
 from tests.reports.conftest import (
     browser,
     duty_result,
@@ -10,7 +14,6 @@ from tests.reports.conftest import (
     lock_up,
     make_check,
     make_document,
-    pages,
     recorded,
     recorded_page,
     reproduction,
@@ -25,6 +28,7 @@ __all__ = [
     "duty_result",
     "failing",
     "failing_page",
+    "little_shrunk",
     "lock_up",
     "make_check",
     "make_document",
@@ -37,3 +41,10 @@ __all__ = [
     "refused",
     "reproduction",
 ]
+
+
+@pytest.fixture(scope="session")
+def pages(reproduction: tuple[Path, dict[str, Any]]) -> dict[str, Path]:
+    """Return the page of the reproduction; the others, which take most of the time to draw, are not opened here."""
+    folder, document = reproduction
+    return {"reproduction": folder / document["page"]}

@@ -99,7 +99,7 @@ def test_a_family_stands_for_those_of_its_checks_that_the_contract_has():
     assert focus.within("duty", ["STP-1", "ROB-4"]).only == ("ROB-4", "STP-1")
 
 
-def test_a_check_ends_at_the_first_failure_for_real(command, tmp_path):
+def test_a_check_ends_at_the_first_failure_for_real(command, little_shrunk, undrawn, tmp_path):
     words = ("published", "--effort", "quick", "--workers", "1", "--only", "CNV-1,CNV-2", "-x", "--json")
     document = command("check", *words).document
     assert (document["verdict"], document["exit_code"]) == ("fail", 1)

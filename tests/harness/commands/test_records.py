@@ -54,7 +54,7 @@ def by_check(document):
 
 
 @pytest.fixture
-def small(monkeypatch):
+def small(monkeypatch, little_shrunk):
     """Six fixed scenarios and a shard of one, so that a check in earnest takes seconds."""
     drive = load_drive("paper-5-phase")
     speeds = (600.0, 800.0, 1000.0, 1200.0, 1400.0, 1500.0)

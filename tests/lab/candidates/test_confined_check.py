@@ -45,7 +45,7 @@ def short_runs() -> tuple[Scenario, ...]:
 
 
 @pytest.fixture
-def few_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+def few_runs(monkeypatch: pytest.MonkeyPatch, little_shrunk: None) -> None:
     monkeypatch.setattr(
         "drivegate.contracts.duty.scenarios.fixed.fixed_scenarios", lambda *_, **__: short_runs()
     )
