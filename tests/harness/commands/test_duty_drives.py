@@ -31,7 +31,7 @@ def test_a_new_drive_begins_as_one_of_them(command, tmp_path) -> None:
     assert written.machine == load_drive("pm-ac-surface").machine
 
 
-def test_controllers_of_duty_ratios_are_compared_on_one_drive(command, tmp_path) -> None:
+def test_controllers_of_duty_ratios_are_compared_on_one_drive(command, undrawn, tmp_path) -> None:
     names = ("foc", "foc-loss-model")
     made = command(
         "compare", *names, *DRIVE, "--effort", "quick", "--no-checks", "--workers", "1", "--output", "made"

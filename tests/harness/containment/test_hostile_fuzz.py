@@ -217,7 +217,7 @@ from drivegate.commands.command_line import main
 from drivegate.containment.watches import WorkerLimits
 from drivegate.gate import engine
 from drivegate.output import report_writers
-engine.WorkerPool = partial(engine.WorkerPool, limits=WorkerLimits(step_processor_seconds=1.0))
+engine.WorkerPool = partial(engine.WorkerPool, limits=WorkerLimits(step_processor_seconds=0.5))
 report_writers.entry_points = lambda group: []
 main()
 """
