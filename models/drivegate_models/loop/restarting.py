@@ -63,3 +63,13 @@ def steps_since(restarts: Restarts, done: int, step: int) -> int:
     """
     since: int = step - restarts.steps[done - 1] if done > 0 else step
     return since
+
+
+@inlined
+def waits_again(restarts: Restarts, done: int, step: int, waiting: int) -> bool:
+    """Return True if a step is among the first after the controller's last reset, in which the bridge is off.
+
+    `done`: number of restarts done, including one before this step. `step`: number of the step in the run, from 0.
+    `waiting`: number of steps with the bridge off after each.
+    """
+    return bool(done > 0 and step < restarts.steps[done - 1] + waiting)

@@ -14,7 +14,8 @@ from drivegate_models.pm_ac.sensing import DutySensors
 class DutyLoopInputs(LoopInputs):
     """A run of a controller that commands duty ratios.
 
-    In control periods before the run the controller is stepped with `enable` 0 and all legs are off.
+    In control periods before the run, and after each restart, all legs are off, and the controller is stepped with
+    `enable` 0.
     """
 
     sensors: DutySensors | None = None
@@ -22,7 +23,7 @@ class DutyLoopInputs(LoopInputs):
     resting: int = 0
     """Number of control periods before the run at standstill, which come first."""
     waiting: int = 0
-    """Number of those at the initial speed."""
+    """Number of those at the initial speed, and of those that begin with each restart."""
     torque_reference: Course | None = None
     """Torque reference, instead of the schedule's speed (N m)."""
     failure: Failure | None = None

@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import inlined, unallocating
+from drivegate_models.contract.duty.signals import LEG_OFF
 from drivegate_models.loop.exchange import COMPLETED, STOPPED, Exchange
 from drivegate_models.loop.loop_kernel import PLANT_FAULT
-from drivegate_models.loop.restarting import Restarts, restart_if_due
+from drivegate_models.loop.restarting import Restarts, restart_if_due, waits_again
 from drivegate_models.loop.schedule import Course, Schedule, conditions_at, follow
 from drivegate_models.loop.shaft import held_speed, motion_of, shown_angle, whole_turns, within_a_turn
 from drivegate_models.machine import ledger
@@ -65,7 +66,8 @@ class DutyTiming(NamedTuple):
     resting: int = 0
     """Number of control periods at standstill with all legs off, before those of `waiting`."""
     waiting: int = 0
-    """Number of control periods before the run with all legs off, while the shaft turns at its initial speed."""
+    """Number of control periods with all legs off: before the run, while the shaft turns at its initial speed, and from
+    each restart on."""
     has_no_start: bool = False
     """True if the plant has no steady state to start from, which ends the run."""
 
@@ -137,27 +139,47 @@ def _turn_sensors(
 
 
 @inlined
+def _turn_off(exchange: Exchange, kept: int, room: DutyRoom) -> None:
+    """Turn all legs off at once, and store that in place of an answer that does not act.
+
+    `kept`: number of the answer among those that are stored.
+    """
+    for row in range(2):
+        for leg in range(3):
+            room.legs[row, leg] = LEG_OFF
+            room.ratios[row, leg] = 0.0
+    command = exchange.kept[kept]
+    command.first_leg = command.second_leg = command.third_leg = LEG_OFF
+    command.first_duty = command.second_duty = command.third_duty = 0.0
+    command.next_period = 0.0
+
+
+@inlined
 def _command(
     exchange: Exchange,
     restarts: Restarts,
     restarted: int,
     step: int,
     before: int,
+    waiting: int,
     room: DutyRoom,
     delay: int,
 ) -> tuple[int, int]:
     """Step the controller, after a reset if one is due; return the command's status and the number of resets.
 
     `step`: number of the control period in the run, negative before it. `before`: number of periods before the run.
-    There the bridge is off whatever the answer is.
+    There, and for `waiting` periods from each reset on, the bridge is off whatever the answer is.
     """
     has_failed, restarted = restart_if_due(exchange, restarts, restarted, step)
     if has_failed:
         exchange.kept[before + step] = exchange.command[0]
         return STOPPED, restarted
-    exchange.sense[0].enable = 0 if step < 0 else 1
+    waits = waits_again(restarts, restarted, step, waiting)
+    exchange.sense[0].enable = 0 if step < 0 or waits else 1
     step_controller(exchange, before + step)
-    if step < 0:
+    if waits:
+        _turn_off(exchange, before + step, room)
+    if step < 0 or waits:
         return STOPPED if exchange.command[0].struct_size < 0 else COMPLETED, restarted
     return copy_command(exchange, room.ratios, room.legs, delay), restarted
 
@@ -239,7 +261,7 @@ def run_periods(
         write_sense(exchange, currents, link, reference, clock, shaft_angle, speed)
         _write_voltages(exchange, phases, rests, drive.diode_drop)
         if not sensors.ideal:
-            if k < 0:
+            if k < 0 or waits_again(restarts, restarted, k - 1, timing.waiting):
                 show_currents_of_idle_bridge(sensors, exchange.sensed_currents)
             else:
                 ended = alignment_of(drive.modulator.updates, k + 1)
@@ -251,7 +273,7 @@ def run_periods(
         drop_signals(sensors, k * length, exchange.sensed_currents, exchange.sense[0])
         if rests:
             exchange.sense[0].speed = 0.0
-        status, restarted = _command(exchange, restarts, restarted, k, before, room, delay)
+        status, restarted = _command(exchange, restarts, restarted, k, before, timing.waiting, room, delay)
         if status != COMPLETED:
             return status, before + k
         if rests:

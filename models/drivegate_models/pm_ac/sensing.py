@@ -230,9 +230,10 @@ def show_phase_currents(
 
 @inlined
 def show_currents_of_idle_bridge(sensors: DutySensors, currents: NDArray[np.float64]) -> None:
-    """Replace the phase currents (A), shape (3,), by their measured values while all legs are off before a run.
+    """Replace the phase currents (A), shape (3,), by their measured values while all legs are off.
 
-    Every shunt counts as measurable: without current each shows the offset of its amplifier.
+    That is before a run, and after a restart. Every shunt counts as measurable: without current each shows the offset
+    of its amplifier.
     """
     shown = sensors.shunts.shown
     for leg in range(3):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import cos, pi
 from typing import Any
@@ -16,6 +16,7 @@ from tests.models.schedules import schedule_of
 from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE
 from drivegate_models.loop.exchange import COMPLETED
 from drivegate_models.loop.loop_inputs import SteppedController
+from drivegate_models.loop.restarting import Restarts
 from drivegate_models.machine.load import LOCKED, Load
 from drivegate_models.pm_ac.closed_loop import DutyRun, prepared_duty_loop
 from drivegate_models.pm_ac.loop_inputs import DutyLoopInputs
@@ -52,6 +53,10 @@ def _record(address: int, layout: np.dtype[Any]) -> Any:
     return np.frombuffer(buffer, layout).view(np.recarray)[0]
 
 
+def _address(function: Any) -> int:
+    return int(ctypes.cast(function, ctypes.c_void_p).value or 0)
+
+
 def motoring(drive: PmAcDrive, share: float = 1.2) -> Answer:
     """Return answers of a voltage along the EMF when it acts, a share of its size."""
     ahead = drive.modulator.update_delay + 0.5
@@ -66,8 +71,15 @@ def motoring(drive: PmAcDrive, share: float = 1.2) -> Answer:
     return answer
 
 
-def recorded(drive: PmAcDrive, speed: float, steps: int, answer: Answer, **options: Any) -> Recorded:
-    """Run answers on a shaft whose speed is held, and record what is sensed."""
+def recorded(
+    drive: PmAcDrive,
+    speed: float,
+    steps: int,
+    answer: Answer,
+    restarts: Sequence[int] = (),
+    **options: Any,
+) -> Recorded:
+    """Run answers on a shaft whose speed is held, and record what is sensed; resets do nothing but come."""
     every = steps + options.get("resting", 0) + options.get("waiting", 0)
     senses, currents = np.zeros(every, DUTY_SENSE), np.zeros((every, 3))
     count = 0
@@ -80,7 +92,7 @@ def recorded(drive: PmAcDrive, speed: float, steps: int, answer: Answer, **optio
         count += 1
         answer(sense, command)
 
-    kept = _STEP(step)
+    kept, reset = _STEP(step), _STEP(lambda *_: None)
     schedule = options.pop("schedule", None) or schedule_of(speed, 0.5 * drive.link_voltage)
     run = prepared_duty_loop(
         DutyLoopInputs(
@@ -92,7 +104,8 @@ def recorded(drive: PmAcDrive, speed: float, steps: int, answer: Answer, **optio
             initial_speed=speed,
             **options,
         ),
-        SteppedController(int(ctypes.cast(kept, ctypes.c_void_p).value or 0), 0),
+        SteppedController(_address(kept), 0),
+        Restarts(np.array(restarts, np.int64), _address(reset)),
     ).run()
     assert run.status == COMPLETED
     return Recorded(drive, run, senses, currents)

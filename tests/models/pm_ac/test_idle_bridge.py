@@ -110,3 +110,26 @@ def test_false_edges_come_at_their_time_in_the_run(interior: Factory) -> None:
     shown = begun(interior(), 0.0, sensors=real_duty_sensors(converters(), encoder=counter))
     counts = shown.senses["encoder_count"]
     assert np.flatnonzero(np.diff(counts)).tolist() == [BEFORE + 10]
+
+
+@pytest.mark.parametrize("kind", [None, LOW_SIDE])
+def test_the_bridge_is_off_again_from_a_restart_on(interior: Factory, kind: int | None) -> None:
+    drive = interior()
+    sensors = None if kind is None else real_duty_sensors(converters(), shunt=kind)
+    shown = begun(drive, 150.0, restarts=(10,), waiting=4, resting=0, sensors=sensors)
+    senses, commands = shown.senses, shown.run.commands[4:]
+    assert senses["enable"].tolist() == [0] * 4 + [1] * 10 + [0] * 4 + [1] * (STEPS - 14)
+    off = np.logical_and.reduce([commands[leg] == 0 for leg in ("first_leg", "second_leg", "third_leg")])
+    assert np.flatnonzero(off).tolist() == [10, 11, 12, 13], "what it answers meanwhile is not kept"
+    peaks = shown.column("peak_current")
+    assert peaks[9] > 0.1
+    # It is off at once, not only after the delay, and its answer acts after the delay again.
+    assert (np.diff(peaks[9:14]) < 0.0).all()
+
+
+def test_a_restart_without_waiting_leaves_the_bridge_on(interior: Factory) -> None:
+    drive = interior()
+    usual = recorded(drive, 150.0, STEPS, motoring(drive))
+    restarted = recorded(drive, 150.0, STEPS, motoring(drive), restarts=(10,))
+    assert (restarted.run.trace == usual.run.trace).all()
+    assert restarted.senses["enable"].all()

@@ -19,7 +19,8 @@ from drivegate_models.contract.duty.signals import CURRENT_REFERENCE, LEG_LOW, L
 from drivegate_models.loop.exchange import NOT_FINITE, STOPPED
 
 WAITING_PERIODS: Final = 32
-"""Control periods with a turning shaft: an even number, so that a run begins in the same half of the carrier."""
+"""Control periods with a turning shaft and the bridge off, before a run and after each restart: an even number, so that
+a run begins in the same half of the carrier."""
 PrepareDutyLoop: TypeAlias = Callable[..., Any]
 """Makes a run against the plant ready to begin, `drivegate_models.pm_ac.closed_loop.prepared_duty_loop`."""
 
@@ -31,16 +32,16 @@ LEGS: Final = ("first_leg", "second_leg", "third_leg")
 
 @dataclass(frozen=True)
 class IdleBridge:
-    """Numbers of control periods before a run."""
+    """Numbers of control periods with the bridge off."""
 
     resting: int = 0
     """Those at standstill, which come first."""
     waiting: int = 0
-    """Those in which the shaft turns at the initial speed of the run."""
+    """Those in which the shaft turns: before the run at its initial speed, and after each restart."""
 
     @property
     def periods(self) -> int:
-        """All of them."""
+        """All of them before a run."""
         return self.resting + self.waiting
 
 

@@ -58,8 +58,8 @@ class DutySense(NamedTuple):
     all, the dividers pull the terminals down until the lower diode of the lowest one conducts: differences are
     line-to-line EMFs, and the lowest voltage is minus the drop of a diode. Sensors add no error."""
     enable: int = 1
-    """1 if the answer to this Sense acts on the bridge, 0 while the bridge is off before the run. It is always 1 for a
-    candidate whose manifest does not have `reads_enable = true`."""
+    """1 if the answer to this Sense acts on the bridge, 0 while the bridge is off before the run and after a restart.
+    It is always 1 for a candidate whose manifest does not have `reads_enable = true`."""
 
 
 class DutyCommand(NamedTuple):
@@ -121,7 +121,9 @@ class DutyNameplate(NamedTuple):
     inertia: float
     """Inertia of rotor and load (kg m2)."""
     core_loss_conductance: float = 0.0
-    """Core loss of a phase over the mean square of the voltage induced by the period's mean flux (S); 0 if unknown."""
+    """Core loss of a phase over the mean square of the voltage induced by the period's mean flux (S); 0 if unknown.
+    The link supplies it, or the shaft while no current flows: it takes no part of a phase current, and none of the
+    torque."""
     control_every: int = 1
     """Carrier periods from one step to the next; the duty ratios hold in all of them."""
     switch_drop: float = 0.0

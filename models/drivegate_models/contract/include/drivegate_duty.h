@@ -79,7 +79,8 @@ typedef struct drivegate_duty_nameplate {
     double magnet_flux;            /* nominal peak flux linkage of a phase, V s */
     double inertia;                /* nominal moment of inertia of rotor and load, kg m^2 */
     double core_loss_conductance;  /* core loss of a phase over the mean square of the voltage that the mean flux of a
-                                    * period induces, S; 0 where it is not known */
+                                    * period induces, S; 0 where it is not known; it comes from the link, or without
+                                    * any current from the shaft: no part of a phase current or of the torque */
     int64_t control_every;         /* carrier periods from one step to the next; the duty ratios hold in all of them */
     double switch_drop;            /* forward drop of a switch with current, V */
     double diode_drop;             /* forward drop of a diode with current, V */
@@ -109,8 +110,9 @@ typedef struct drivegate_duty_sense {
     double phase_voltages[3];     /* voltages of the three terminals from the negative rail, as dividers show them when
                                    * the currents are sampled, before the legs switch, V; with all legs off and no
                                    * current they differ by line-to-line EMFs, and a diode's drop below 0 is the lowest */
-    int64_t enable;               /* 1 if the answer acts on the bridge, 0 while the bridge is off before the run, which
-                                   * only a candidate sees whose manifest has reads_enable = true */
+    int64_t enable;               /* 1 if the answer acts on the bridge, 0 while the bridge is off before the run and
+                                   * after a restart, which only a candidate sees whose manifest has
+                                   * reads_enable = true */
 } drivegate_duty_sense;
 
 /* What the controller answers. Before the step the duty ratios and estimates are NaN, the legs DRIVEGATE_LEG_PWM and

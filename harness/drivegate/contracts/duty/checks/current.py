@@ -24,6 +24,8 @@ from drivegate.contracts.duty.checks.judged import (
 from drivegate.contracts.duty.current_bandwidth import declared_rise_s
 from drivegate.contracts.duty.current_reference import unless_current
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
+from drivegate.contracts.duty.run import idle_bridge
+from drivegate_cases.scenario.control_periods import first_period_from
 from drivegate_models.pm_ac.fundamental import SteadyState, steady_state
 from drivegate_models.pm_ac.rectifying import rectifies
 
@@ -57,7 +59,28 @@ def peak_current(record: DutyRecord) -> Margin:
     if place is None:
         return Margin("OVC-1", 1.0, "no current is the controller's doing")
     more = f" of {allowed:.4g} A allowed there" if allowed > record.limits.peak_a else ""
-    return Margin("OVC-1", at_most(peak, allowed), f"{peak:.5g} A{more}")
+    margin = Margin("OVC-1", at_most(peak, allowed), f"{peak:.5g} A{more}")
+    if not margin.met and (since := _since_bridge_on(record, place)) is not None:
+        margin = replace(
+            margin, measured=f"{margin.measured}, {1e3 * since:.3g} ms after the bridge turns on"
+        )
+    return margin
+
+
+def _since_bridge_on(record: DutyRecord, place: int) -> float | None:
+    """Return the time since the bridge has turned on, at the start or after a restart (s); None where that is long."""
+    period = record.scenario.control_period_s
+    turned_on = [0, *(end for _, end in _restarts(record))]
+    since = min((place - begin for begin in turned_on if begin <= place), default=TAKE_OVER_PERIODS)
+    return since * period if since < TAKE_OVER_PERIODS else None
+
+
+def _restarts(record: DutyRecord) -> list[tuple[int, int]]:
+    """List the control periods of the restarts of a run, and of the first ones after them whose answers can act."""
+    period = record.scenario.control_period_s
+    waiting = idle_bridge(record.declaration, period).waiting
+    begins = [first_period_from(time, period) for time in record.scenario.restarts_s]
+    return [(begin, begin + waiting) for begin in begins]
 
 
 def peak_moment(record: DutyRecord) -> Moment:
@@ -94,6 +117,9 @@ def _allowed_a(record: DutyRecord) -> NDArray[np.float64]:
     ripple = float(np.max(link, initial=0.0)) / record.document.inverter.link_voltage_v / scale
     allowed = _rise_by_link_steps(record) + (limits.peak_a + limits.peak_ripple_a * max(ripple - 1.0, 0.0))
     allowed[: _first_judged(record)] = inf
+    for begin, end in _restarts(record):
+        if begin < end < len(link) and _rectifies_at(record, end):
+            allowed[begin : end + TAKE_OVER_PERIODS] = inf
     allowed[_locking(record)] = inf
     return allowed
 
@@ -135,9 +161,14 @@ def _return_s(record: DutyRecord, voltage_time_s: float) -> float:
 def _first_judged(record: DutyRecord) -> int:
     """Return the first control period whose current is the controller's doing."""
     first = record.document.inverter.update_delay
-    speed, link = (float(record.run.column(name)[0]) for name in ("speed", "link"))
     # Diodes rectify with the voltage of six steps, which a controller without overmodulation cannot sustain.
-    return first + TAKE_OVER_PERIODS if rectifies(record.plant, speed, link) else first
+    return first + TAKE_OVER_PERIODS if _rectifies_at(record, 0) else first
+
+
+def _rectifies_at(record: DutyRecord, place: int) -> bool:
+    """Return True if the diodes of a bridge that is off conduct at the start of a control period."""
+    speed, link = (float(record.run.column(name)[place]) for name in ("speed", "link"))
+    return bool(rectifies(record.plant, speed, link))
 
 
 def _locking(record: DutyRecord) -> slice:
