@@ -200,10 +200,10 @@ def _causes(result: dict[str, Any]) -> list[str]:
     if all(check["counterexample"] is None for check in result["checks"]):
         return []
     # It brings the oracle, which a result without failures does not need.
-    from drivegate.output.causes import causes_of
+    from drivegate.output.causes import causes_of, likely_causes_of
 
-    lines = [f"- {escaped(cause)}" for cause in causes_of(result)]
-    return ["", "## Common cause", "", *lines] if lines else []
+    lines = [f"- {escaped(cause)}" for cause in (*causes_of(result), *likely_causes_of(result))]
+    return ["", "## Causes", "", *lines] if lines else []
 
 
 def _comparisons(entries: list[dict[str, Any]]) -> list[str]:

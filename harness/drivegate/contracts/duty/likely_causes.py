@@ -10,6 +10,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
+from drivegate.contracts.duty.checks.accuracy import BRIDGE_OFF
+
 MOST_NAMED: Final = 2
 """Causes that are named at most."""
 _LEAST_AGREEMENT: Final = 0.3
@@ -53,7 +55,8 @@ LIKELY_CAUSES: Final = (
         "current-sensor-offset small-current-offset offsets-under-current offsets-after-idling",
     ),
     _cause(
-        "currents or torque are scaled wrong, by a sensor's gain or the magnet's flux",
+        "currents or torque are scaled wrong: by a sensor's gain, the magnet's flux, or core loss that is counted as a "
+        "current",
         "ACC-1 ACC-1:torque EST-1 ROB-5 STP-1 STP-1:late",
         "ACC-1 confirms it: the torque is off in proportion to its reference",
         "current-sensor-gain weak-magnets-assumed current-sensors-low swings-damped-one-way",
@@ -83,7 +86,7 @@ LIKELY_CAUSES: Final = (
         "slow-currents clamped-phases",
     ),
     _cause(
-        "the gains of the current regulator are too high",
+        "the gains of the current regulator are too high, or its integral alone is: a zero makes the torque overshoot",
         "DEC-1 STP-1 STP-1:overshoot",
         "STP-1 confirms it: the torque overshoots",
         "nervous-currents eager-integrals",
@@ -144,12 +147,26 @@ LIKELY_CAUSES: Final = (
         "torque-of-rms-currents",
     ),
     _cause(
-        "a failure is detected late, not at all, or where there is none",
+        "a failure is detected late, or not at all",
         "SAF-1",
         "SAF-1 confirms it: the drive is not safe in time",
         "third-current-computed patient-stall-watch hall-edges-counted hall-edge-awaited jump-of-angle-believed "
+        "jumps-of-angle-smoothed",
+    ),
+    _cause(
+        "the bridge is off where nothing has failed: by a trip, or since the controller waits for 'enable' and the "
+        "manifest does not state 'reads_enable'",
+        "ACC-1 ACC-1:off ROB-4 ROB-4:off ROB-5 ROB-5:off",
+        "ACC-1 confirms it: all legs are off, and the fault code names the trip",
         "undervoltage-at-once lost-currents-trip false-edges-trip swinging-speed-trips impatient-stall-watch "
-        "jumps-of-angle-smoothed sag-taken-for-short-circuit lift-taken-for-broken-coupling",
+        "sag-taken-for-short-circuit lift-taken-for-broken-coupling lowering-refused overvoltage-ends-braking",
+    ),
+    _cause(
+        "the controller is not ready when the bridge turns on: its integrals and filters begin at 0 while the shaft "
+        "turns, so preload them while 'enable' is 0, with 'reads_enable' in the manifest",
+        "OVC-1 OVC-1:beginning",
+        "OVC-1 confirms it: the current peaks as the bridge turns on",
+        "",
     ),
     _cause(
         "a reset leaves part of the state as it was",
@@ -162,8 +179,7 @@ LIKELY_CAUSES: Final = (
         "ACC-1",
         "ACC-1 confirms it: only some speeds or signs of torque are off",
         "weak-braking braking-cut-off slow-shaft-unseen idle-speed-forced backward-refused microseconds-signed "
-        "overvoltage-ends-braking reference-clipped lowering-refused reference-missed-with-link "
-        "reference-missed-with-sample",
+        "reference-clipped reference-missed-with-link reference-missed-with-sample",
     ),
 )
 """All of them."""
@@ -177,6 +193,8 @@ _SHOWN: Final = (
     ("RIP-4", re.compile(r".* a leg is clamped"), "clamped"),
     ("ROB-4", re.compile(r"speed overshoots"), "overshoot"),
     ("ROB-4", re.compile(r"speed off"), "error"),
+    ("OVC-1", re.compile(r".* after the bridge turns on"), "beginning"),
+    *((check, re.compile(f".*{BRIDGE_OFF}"), "off") for check in ("ACC-1", "ROB-4", "ROB-5")),
 )
 _DIRECT: Final = re.compile(r"d current (\S+) A, (\S+) A is best")
 

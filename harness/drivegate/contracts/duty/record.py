@@ -16,6 +16,7 @@ from drivegate.checks.check import Check, NotRun, Record, Unseen, deciding_stret
 from drivegate.checks.margin import Margin
 from drivegate.contracts.duty.current_reference import quadrature_for
 from drivegate.contracts.duty.document import duty_document
+from drivegate.contracts.duty.right_trips import right_trip_s
 from drivegate.contracts.duty.run import DutyClosedLoopRun
 from drivegate.contracts.duty.scenarios.compared import mirror_image, with_other_dead_time
 from drivegate.contracts.duty.scenarios.windows import duty_windows
@@ -139,9 +140,12 @@ class DutyRecord(Record):
 
     @cached_property
     def steady(self) -> tuple[DutyWindow, ...]:
-        """The stretches in which a steady state is judged."""
+        """The stretches in which a steady state is judged: none after a trip that is right."""
         found = []
+        trip = right_trip_s(self.scenario, self.run.commands)
         for dwell, start, end in self.windows:
+            if trip is not None and end > trip:
+                break
             rows = self.periods(start, end)
             mean = {name: exact_mean(self.run.column(name)[rows]) for name in _MEANS}
             voltage = exact_mean(self.run.voltages[rows])

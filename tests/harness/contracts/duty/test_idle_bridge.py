@@ -12,7 +12,9 @@ from drivegate.candidates.fault import Fault
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job, JudgedCandidate
+from drivegate.contracts.catalogue import check_of
 from drivegate.contracts.contract import Witness
+from drivegate.contracts.duty.likely_causes import likely_causes
 from drivegate.contracts.duty.run import WAITING_PERIODS
 from drivegate.contracts.duty.scenarios.building import torque_scenario
 from drivegate.drives.running import recorded
@@ -101,11 +103,12 @@ class Mine:
 """
 
 
-def peaks(loaded: JudgedCandidate, scenario: Scenario) -> list[float]:
-    """Return the peak current of each control period of a run (A)."""
-    return [
-        float(peak) for peak in recorded(loaded, scenario, loaded.controller()).run.column("peak_current")
-    ]
+def peaks(loaded: JudgedCandidate, scenario: Scenario) -> tuple[list[float], str]:
+    """Return the peak current of each control period of a run (A), and what OVC-1 has measured."""
+    record = recorded(loaded, scenario, loaded.controller())
+    margin = check_of("duty", "OVC-1").evaluate(record)
+    assert margin is not None
+    return [float(peak) for peak in record.run.column("peak_current")], margin.measured
 
 
 def counted(loaded: JudgedCandidate, scenario: Scenario) -> tuple[int, int, int]:
@@ -148,17 +151,35 @@ def test_it_is_stepped_with_the_bridge_off_before_each_run(tmp_path: Path, kind:
 
 
 def test_integrators_preloaded_from_the_terminals_begin_without_a_peak(tmp_path: Path) -> None:
-    spinning = torque_scenario(load_drive("pm-ac-2kw"), 780.0, (0.0,)).replaced(duration_s=0.01)
-    greatest = []
+    drive = load_drive("pm-ac-2kw")
+    spinning = torque_scenario(drive, 780.0, (0.0,)).replaced(duration_s=0.03, restarts_s=(0.015,))
+    again = round(0.015 / spinning.control_period_s) + WAITING_PERIODS
+    shown, begins, again_on = round(3e-3 / spinning.control_period_s), [], []
     for preloads in (False, True):
         manifest = written(tmp_path, "python", "reads_enable = true")
         (tmp_path / "mine.py").write_text(PLAIN.format(preloads=preloads), encoding="utf-8")
         with Judge(resolve_candidate(manifest)) as judge:
             found = judge.run(Job(peaks, spinning))
         assert not isinstance(found, Fault), found
-        greatest.append(max(found[: round(3e-3 / spinning.control_period_s)]))
+        currents, _ = found
+        begins.append(max(currents[:shown]))
+        again_on.append(max(currents[again : again + shown]))
+        assert max(currents[again - 10 : again]) < 0.01, "the bridge is off after a restart too"
     # The rest is the ripple of the carrier.
-    assert greatest[1] < 0.2 * greatest[0], greatest
+    for greatest in (begins, again_on):
+        assert greatest[1] < 0.2 * greatest[0], greatest
+
+
+def test_a_fault_of_enable_is_named_as_one(tmp_path: Path) -> None:
+    manifest = written(tmp_path, "python", "reads_enable = true")
+    spinning = torque_scenario(load_drive("pm-ac-2kw"), 1300.0, (0.0,)).replaced(duration_s=0.02)
+    with Judge(resolve_candidate(manifest)) as judge:
+        found = judge.run(Job(peaks, spinning))
+    assert not isinstance(found, Fault), found
+    _, measured = found
+    assert "ms after the bridge turns on" in measured, "without a voltage it is a short circuit"
+    causes = likely_causes([{"id": "OVC-1", "measured": measured}])
+    assert "while 'enable' is 0" in causes[0].words
 
 
 def test_a_witness_does_not_wait_for_a_bridge_that_it_does_not_read(tmp_path: Path) -> None:

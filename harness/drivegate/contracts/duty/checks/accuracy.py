@@ -8,12 +8,15 @@ from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, at_most
 from drivegate.contracts.duty.checks.judged import UNWEAKENED_FAMILIES, at, is_within_reach, worst
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow, exact_mean
+from drivegate.contracts.duty.right_trips import legs_are_off
 from drivegate.contracts.duty.scenarios.drawn_range import lost_torque_share
 from drivegate.contracts.duty.scenarios.windows import is_held, settling_s
 from drivegate_models.units import RADIANS_PER_RPM
 
 ERROR_FACTOR = 2.0
 """Error of the speed over that which is allowed on the nominal drive (1)."""
+BRIDGE_OFF = "where the controller has turned all legs off"
+"""Words for a stretch without a torque by the controller."""
 SETTLES = 0.9
 """Error in the second half of a window, over that in the first half, below which it is still settling (1)."""
 
@@ -52,9 +55,13 @@ def reference_error(
 
 
 def _judged(record: DutyRecord, window: DutyWindow, margin: Margin, column: str, wanted: float) -> Margin:
-    """Name the settling time where what is off still comes nearer at the end of it."""
+    """Name a bridge that is off, or the settling time where what is off still comes nearer at the end of it."""
     if margin.met:
         return margin
+    commands = record.run.commands[record.periods(window.start_s, window.end_s)]
+    if legs_are_off(commands).all():
+        code = int(commands["fault"][-1])
+        return replace(margin, measured=f"{margin.measured}, {BRIDGE_OFF}, with the fault code {code}")
     values = record.run.column(column)[record.periods(window.start_s, window.end_s)]
     half = len(values) // 2
     first, last = (abs(exact_mean(part) - wanted) for part in (values[:half], values[half:]))

@@ -9,12 +9,11 @@ from drivegate.candidates.declaration import Declaration
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, Mark, Moment, at_most
 from drivegate.contracts.duty.record import DutyRecord
-from drivegate.contracts.duty.run import LEGS
+from drivegate.contracts.duty.right_trips import claimed_safe
 from drivegate.contracts.duty.scenarios.drawn_range import unnoticed_because
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.failure import SURVIVABLE
 from drivegate_cases.scenario.load import DynamometerLoad
-from drivegate_models.contract.duty.signals import LEG_OFF
 
 
 def safe_state(record: DutyRecord) -> Margin | None:
@@ -27,7 +26,7 @@ def safe_state(record: DutyRecord) -> Margin | None:
     if failure.kind in SURVIVABLE and not isinstance(record.scenario.load, DynamometerLoad):
         # What torque a speed regulator wants, nobody else knows, and the speed hardly shows it.
         return None
-    claimed = _claimed(record)
+    claimed = claimed_safe(record.run.commands)
     if len(claimed) - begin < _longest_s(record) / period:
         return None
     if claimed[:begin].any():
@@ -76,14 +75,6 @@ def _ridden_through(record: DutyRecord, begin: int) -> Margin:
     greatest = float(np.max(np.abs(torque - wanted)))
     measured = f"torque {greatest:.4g} N·m off its reference after {_words(record)}"
     return Margin("SAF-1", at_most(greatest, record.limits.failure_torque_nm), measured)
-
-
-def _claimed(record: DutyRecord) -> NDArray[np.bool_]:
-    """Return in which control periods the controller says that it is in a safe state, shape (n,)."""
-    commands = record.run.commands
-    off = np.logical_and.reduce([commands[leg] == LEG_OFF for leg in LEGS])
-    claimed: NDArray[np.bool_] = off | (commands["fault"] != 0)
-    return claimed
 
 
 def _reached(record: DutyRecord, claimed: NDArray[np.bool_], begin: int) -> Margin:

@@ -168,7 +168,7 @@ def _over_free(record: DutyRecord) -> Iterator[tuple[DutyWindow, Margin]]:
     if other is None:
         return
     blanked, free = (record, other) if record.document.inverter.dead_time_s > 0.0 else (other, record)
-    for window, plain in zip(blanked.steady, free.steady, strict=True):
+    for window, plain in zip(blanked.steady, free.steady, strict=False):
         if free.is_nominal and _is_rippling(free, plain):
             yield window, _over("DTM-1", blanked, window, _swing(free, plain), limit, "without dead time")
 

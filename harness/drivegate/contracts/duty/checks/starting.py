@@ -43,6 +43,9 @@ def _wanted(record: DutyRecord) -> float | None:
     wanted = scenario.speed_rpm[-1][1] * RADIANS_PER_RPM
     if scenario.initial_speed_rpm != 0.0 or not record.is_nominal or wanted == 0.0 or not steady:
         return None
+    if steady[-1].dwell != record.windows[-1][0]:
+        # A trip that is right ended the run before.
+        return None
     return wanted if steady[-1].torque_reference is None else None
 
 

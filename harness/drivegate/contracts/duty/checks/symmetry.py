@@ -17,7 +17,8 @@ MIRROR_SHARE: Final = 0.02
 def same_both_ways(record: DutyRecord) -> Margin | None:
     if record.mirror is None:
         return None
-    pairs = zip(record.steady, record.mirror.steady, strict=True)
+    # Either may end with a trip that is right.
+    pairs = zip(record.steady, record.mirror.steady, strict=False)
     return worst(margin for window, forward in pairs for margin in _differences(record, window, forward))
 
 
