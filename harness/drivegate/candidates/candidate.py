@@ -37,13 +37,28 @@ class Program:
     """Time that it has for each step (s)."""
 
 
+WAIT_FOR_INTERRUPT: Final = "wfi"
+"""In the place of a function that pauses: the instruction."""
+
+
+@dataclass(frozen=True)
+class Stub:
+    """A function of an image that does not run."""
+
+    function: str
+    returns: str
+    """Expression of what it returns."""
+    fills: tuple[tuple[str, str], ...] = ()
+    """What it writes, mostly through pointers that it is passed, and the expressions of the values."""
+
+
 @dataclass(frozen=True)
 class Target:
     """How an image for a microcontroller is run."""
 
     image: Path
-    start: str | None = None
-    """Function that is called before each reset, such as one that runs constructors; None for none."""
+    start: tuple[str, ...] = ()
+    """Functions that are called before each reset, such as one that runs constructors, in their order."""
     ram: tuple[tuple[int, int], ...] = ()
     """Address and size of further memory, such as where peripherals are (bytes)."""
     limits: StepCosts = NO_COSTS
@@ -56,8 +71,11 @@ class Target:
     """Variables that are written before a step, and the expressions of their values."""
     read: tuple[tuple[str, str], ...] = ()
     """Fields of the command, and the expressions of their values after a step."""
-    stub: tuple[tuple[str, str], ...] = ()
-    """Functions that do not run, and the expressions of what they return."""
+    stub: tuple[Stub, ...] = ()
+    once: tuple[tuple[str, str], ...] = ()
+    """Variables that are written once, and the expressions of their values."""
+    pause: str | None = None
+    """Function at whose call a step ends, or the instruction ``wfi``; None where the step returns."""
 
 
 @dataclass(frozen=True)

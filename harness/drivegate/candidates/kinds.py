@@ -119,6 +119,8 @@ _ALL: Final = (
             "write",
             "read",
             "stub",
+            "once",
+            "pause",
         ),
         compiles_own_code=True,
         way_of_running="an emulated target",

@@ -86,6 +86,16 @@ class Flowchart(Section):
         )
 
 
+class StubTable(Section):
+    """A function of an image that does not run."""
+
+    returns: Value = Field(default=0.0, description="what it returns")
+    fills: dict[Text, Value] = Field(
+        default={},
+        description="what it writes, such as 'data[0]' = 'angle_counts >> 8' through its parameter 'data'",
+    )
+
+
 class Manifest(Document):
     """A candidate of any kind, described in a file."""
 
@@ -173,8 +183,8 @@ class Manifest(Document):
     step_deadline_s: Positive | None = Field(
         default=None, le=30.0, description="time that a program has for each step, in seconds"
     )
-    start: Text | None = Field(
-        default=None, description="function of an image that is called before each reset"
+    start: Text | tuple[Text, ...] = Field(
+        default=(), description="function of an image that is called before each reset, or a list of them"
     )
     ram: tuple[tuple[Address, Size], ...] = Field(
         default=(), max_length=64, description="address and size of further memory of an image, in bytes"
@@ -208,9 +218,20 @@ class Manifest(Document):
         default={},
         description="fields of the Command, and values such as 'TIM1.CCR1 / TIM1.ARR', from variables of an image",
     )
-    stub: dict[Text, Value] = Field(
+    once: dict[Text, Value] = Field(
         default={},
-        description="functions of an image that do not run, and what they return, from the same names as in [write]",
+        description="variables of an image that are written before each function of 'start' and after the last, and "
+        "then no more in a run, as in [write] with the drive at rest",
+    )
+    pause: Text | None = Field(
+        default=None,
+        description="function at whose call a step of an image ends and goes on at the next one, for a 'step' that "
+        "never returns, such as main; or 'wfi', the instruction",
+    )
+    stub: dict[Text, Value | StubTable] = Field(
+        default={},
+        description="functions of an image that do not run, and what they return, from the same names as in [write] "
+        "and the function's parameters; or a table with 'returns' and 'fills'",
     )
 
     @model_validator(mode="after")
@@ -240,9 +261,11 @@ class Manifest(Document):
             raise ValueError("the key 'build' needs 'sources', the files that the commands may read")
         if self.step is not None and not (self.read and self.contract):
             raise ValueError("the key 'step' needs a table [read] and the key 'contract'")
-        for key in ("peripherals", "write", "read", "stub"):
+        for key in ("peripherals", "write", "once", "read", "stub"):
             if getattr(self, key) and self.step is None:
                 raise ValueError(f"the table [{key}] needs the key 'step', the function that is called")
+        if self.pause is not None and self.step is None:
+            raise ValueError("the key 'pause' needs the key 'step', the function that never returns")
         if self.power_window_s and not self.estimates_power:
             raise ValueError("the key 'power_window_s' needs 'estimates_power = true'")
         if self.calibration_time_s and not self.reads_enable:

@@ -26,12 +26,18 @@ _OPERATORS: Final[dict[type[ast.operator], str]] = {
     ast.Mult: "*",
     ast.Div: "/",
     ast.Mod: "%",
+    ast.BitAnd: "&",
+    ast.BitOr: "|",
+    ast.BitXor: "^",
+    ast.LShift: "<<",
+    ast.RShift: ">>",
 }
+_OF_SIGN: Final[dict[type[ast.unaryop], str]] = {ast.USub: "negated", ast.Invert: "~"}
 _NAME: Final = re.compile(r"(?<!\w)[^\W\d]\w*")
 _MARK: Final = "__name"
 _OF_ONE: Final = ("abs", "floor", "round")
 _OF_MANY: Final = ("min", "max")
-_ALLOWED: Final = f"numbers, names, + - * / %, {', '.join((*_OF_MANY, *_OF_ONE))}"
+_ALLOWED: Final = f"numbers, names, + - * / % & | ^ ~ << >>, {', '.join((*_OF_MANY, *_OF_ONE))}"
 
 
 class Place(NamedTuple):
@@ -64,7 +70,7 @@ def parsed(text: str) -> tuple[Step, ...]:
     depth = deepest = 0
     for step in steps:
         is_operation = isinstance(step, str)
-        depth += 0 if step in (*_OF_ONE, "negated") else -1 if is_operation else 1
+        depth += 0 if step in (*_OF_ONE, *_OF_SIGN.values()) else -1 if is_operation else 1
         deepest = max(deepest, depth)
     if deepest > DEEPEST:
         raise InputError(f"'{short_line(text)}' is nested too deeply; write it with fewer parentheses")
@@ -87,6 +93,8 @@ def _tree(text: str) -> ast.expr:
             raise ValueError(f"it has more than {LONGEST} characters")
         # What is a word of Python, such as a variable `in`, is renamed.
         marked = _NAME.sub(lambda name: name[0] + _MARK * keyword.iskeyword(name[0]), text.strip())
+        # As in C, a field behind a pointer may be written so.
+        marked = marked.replace("->", ".")
         return ast.parse(marked, mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
         reason = error.msg if isinstance(error, SyntaxError) else str(error)
@@ -108,10 +116,10 @@ def _steps(node: ast.expr) -> Iterator[Step]:
         yield from _steps(node.left)
         yield from _steps(node.right)
         yield _OPERATORS[type(node.op)]
-    elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub | ast.UAdd):
+    elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub | ast.UAdd | ast.Invert):
         yield from _steps(node.operand)
-        if isinstance(node.op, ast.USub):
-            yield "negated"
+        if type(node.op) in _OF_SIGN:
+            yield _OF_SIGN[type(node.op)]
     elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and not node.keywords:
         yield from _call(node, node.func.id)
     else:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -11,6 +11,7 @@ from typing import Any, Final
 from elftools.common.exceptions import DWARFError, ELFError
 from elftools.elf.elffile import ELFFile
 
+from drivegate.candidates.elf.memory import ADDRESSES, Stretch
 from drivegate_cases.documents.wording import short_line, shown_path
 from drivegate_models.errors import InputError
 
@@ -37,8 +38,9 @@ class Segment:
     """What is in it after loading; zeros follow."""
     size: int
     """Number of bytes."""
-    is_writable: bool
     is_executable: bool
+    flashed_at: int
+    """Where a programmer writes its content; start-up code copies it from there, where this is another address."""
 
 
 @dataclass(frozen=True)
@@ -46,6 +48,8 @@ class Image:
     file: Path
     segments: tuple[Segment, ...]
     """Its memory, at the addresses at which the code runs; initial values need not be copied."""
+    stretches: tuple[Stretch, ...]
+    """What the code may do where; stretches may overlap."""
     functions: Mapping[str, int]
     """Address of each function by its name."""
     sizes: Mapping[str, int]
@@ -64,7 +68,8 @@ def read_image(file: Path) -> Image:
         with file.open("rb") as stream:
             elf = ELFFile(stream)
             functions, sizes = _functions(elf)
-            image = Image(file, _segments(elf, file), functions, sizes, _core(elf, file))
+            segments = _segments(elf, file)
+            image = Image(file, segments, stretches_of(elf, segments), functions, sizes, _core(elf, file))
     except (ELFError, OSError, ValueError, KeyError, IndexError, OverflowError) as error:
         raise InputError(
             f"{shown_path(file)} cannot be read as an ELF image: {short_line(str(error)) or type(error).__name__}; "
@@ -96,22 +101,74 @@ def hexadecimal(address: int) -> str:
     return f"{address:08X}h"
 
 
+def _loaded(elf: Any) -> list[Any]:
+    return [each for each in elf.iter_segments() if each["p_type"] == "PT_LOAD" and each["p_memsz"]]
+
+
 def _segments(elf: Any, file: Path) -> tuple[Segment, ...]:
-    loaded = [each for each in elf.iter_segments() if each["p_type"] == "PT_LOAD" and each["p_memsz"]]
+    loaded = _loaded(elf)
     if sum(each["p_memsz"] for each in loaded) > LARGEST_IMAGE:
         raise InputError(
             f"{shown_path(file)} takes more than {LARGEST_IMAGE // 2**20} MiB of memory; an image may take no more"
         )
+    beyond = [each for each in loaded if each["p_vaddr"] + each["p_memsz"] > ADDRESSES]
+    if beyond:
+        raise InputError(
+            f"{shown_path(file)} has a segment at {hexadecimal(beyond[0]['p_vaddr'])} that ends beyond the last "
+            "address; link it to the memory of its processor"
+        )
+    # Linkers that state no place in flash leave all of them 0.
+    are_flashed = any(each["p_paddr"] for each in loaded)
     return tuple(
         Segment(
             each["p_vaddr"],
             each.data()[: each["p_memsz"]],
             each["p_memsz"],
-            bool(each["p_flags"] & 2),
             bool(each["p_flags"] & 1),
+            each["p_paddr"]
+            if are_flashed and each["p_paddr"] + each["p_memsz"] <= ADDRESSES
+            else each["p_vaddr"],
         )
         for each in loaded
     )
+
+
+# Tables of functions to call, which only a loader of shared libraries would write.
+_CONSTANT_TABLES: Final = ("SHT_INIT_ARRAY", "SHT_FINI_ARRAY", "SHT_PREINIT_ARRAY")
+_WRITABLE, _ALLOCATED, _EXECUTABLE = 1, 2, 4
+
+
+def stretches_of(elf: Any, segments: Sequence[Segment]) -> tuple[Stretch, ...]:
+    """List what the code of an image may do where.
+
+    Vendors' linker scripts make a single segment of code, tables and constants, which its flags allow everything. The
+    sections within it say more.
+    """
+    sections = [
+        Stretch(
+            each["sh_addr"],
+            each["sh_size"],
+            bool(each["sh_flags"] & _WRITABLE) and each["sh_type"] not in _CONSTANT_TABLES,
+            bool(each["sh_flags"] & _EXECUTABLE),
+        )
+        for each in elf.iter_sections()
+        if each["sh_flags"] & _ALLOCATED and each["sh_size"]
+    ]
+    found: list[Stretch] = []
+    for segment, described in zip(segments, _loaded(elf), strict=True):
+        within = [
+            each
+            for each in sections
+            if segment.address <= each.address and each.address + each.size <= segment.address + segment.size
+        ]
+        may_write = bool(described["p_flags"] & 2) and not within
+        if segment.flashed_at != segment.address and segment.content:
+            # What start-up code copies, code for RAM included, is in writable memory.
+            may_write = True
+            found.append(Stretch(segment.flashed_at, len(segment.content), False, False))
+        found.append(Stretch(segment.address, segment.size, may_write, segment.is_executable and not within))
+        found += within
+    return tuple(found)
 
 
 def _functions(elf: Any) -> tuple[dict[str, int], dict[str, int]]:

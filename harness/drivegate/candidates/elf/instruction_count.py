@@ -1,5 +1,7 @@
 """Counting instructions and cycles of an emulated target, by a C function that the emulator calls before each block.
 
+It also ends a call that has executed more than any step needs.
+
 The cycles are those of a Cortex-M4 with its floating-point unit, from the tables of instructions in its Technical
 Reference Manual, without wait states. Where the manual has a range, such as 2 to 12 for a division, they are the
 greatest of it. A load or store counts 2, although those of neighbours overlap. Encodings are those of the Armv7-M
@@ -15,8 +17,10 @@ import numpy as np
 from numba.np.numpy_support import carray
 from numpy.typing import NDArray
 
-from drivegate.candidates.elf.emulator import called_by_emulator
+from drivegate.candidates.elf.emulator import called_by_emulator, stop
 from drivegate.candidates.elf.image import Image, halfwords_of
+from drivegate.candidates.elf.traps import ENDLESS, MASK, PLACE
+from drivegate_models.compilation.calling import copy_bytes
 
 CORE: Final = "CORTEX_M4"
 """The core, by its name in images, whose cycles these are."""
@@ -27,23 +31,30 @@ _FLOATING_DIVISION: Final = 14
 _FUSED: Final = 3
 _ACCESS: Final = 2
 
-COUNT, BEHIND, PIECES = range(3)
-"""Words of the counter: the count so far, the address after the last block, and the number of pieces of code.
+COUNT, BEHIND, SPENT, BUDGET, PIECES = range(5)
+"""Words of the counter: the count so far, the address after the last block, the bytes of all blocks so far and the
+greatest number of them, and the number of pieces of code. The first four are set before a call.
 
 A count has the instructions in its lower 32 bits, and the cycles above them, so that both are added at once.
 """
+SET_BY_CALLER: Final = 4
+"""Number of words that are set before a call."""
 CYCLE: Final = 2**32
-_FIRST_PIECE: Final = 3
+LONGEST_INSTRUCTION: Final = 4
+"""Size of the longest instruction (bytes)."""
+_OWN, _ENDED, _SCRATCH = 5, 6, 7
+_FIRST_PIECE: Final = _SCRATCH + MASK + 1
 _WORDS_PER_PIECE: Final = 3
 # The table has eight bytes for each halfword, so 16 MiB for this much code.
 _LARGEST_CODE: Final = 2**22
 
 
-def counter(image: Image) -> NDArray[np.int64]:
+def counter(image: Image, ended: NDArray[np.int64]) -> NDArray[np.int64]:
     """Return the memory of `counting_function`, which gets its address, shape (n,).
 
-    It has the counts, the pieces of code (first address, address after the last, place of the table), and for each
-    halfword of their code the count from there to the end of the piece.
+    `ended`: words that state what has ended a call. The memory has the counts, the pieces of code (first address,
+    address after the last, place of the table), and for each halfword of their code the count from there to the end of
+    the piece.
     """
     code = [each for each in image.segments if each.is_executable and each.size <= _LARGEST_CODE]
     tables = [_counts_to_the_end(each.content, has_cycles(image)) for each in code]
@@ -58,7 +69,9 @@ def counter(image: Image) -> NDArray[np.int64]:
             begin,
         )
         begin += table.size
-    return np.concatenate((head, *tables))
+    words = np.concatenate((head, *tables))
+    words[_OWN], words[_ENDED] = words.ctypes.data, ended.ctypes.data
+    return words
 
 
 def has_cycles(image: Image) -> bool:
@@ -82,9 +95,15 @@ def _counts_to_the_end(code: bytes, with_cycles: bool) -> NDArray[np.int64]:
 def counting_function() -> Any:
     """Compile the C function that the emulator calls before each block of instructions."""
 
-    def count_block(_engine: int, address: int, size: int, state: Any) -> None:
+    def count_block(engine: int, address: int, size: int, state: Any) -> None:
         # The emulator calls with the length of a block; the shape of the array is not used for bounds.
         words = carray(state, 2**40)
+        words[SPENT] += size
+        if words[SPENT] > words[BUDGET]:
+            words[_SCRATCH + PLACE], words[_SCRATCH + MASK] = address, ENDLESS
+            copy_bytes(words[_OWN] + 8 * _SCRATCH, words[_ENDED], 8 * (MASK + 1))
+            stop(engine)
+            return
         # A block that does not follow on the one before has been branched to.
         refill = 0 if address == words[BEHIND] else REFILL * CYCLE
         words[BEHIND] = address + size

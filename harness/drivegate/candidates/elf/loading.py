@@ -7,25 +7,18 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.candidates.candidate import Candidate, Target
+from drivegate.candidates.candidate import WAIT_FOR_INTERRUPT, Candidate, Target
 from drivegate.candidates.contract import HEADERS, AnyNameplate, ContractName, require_nameplate_of
-from drivegate.candidates.elf import processor
-from drivegate.candidates.elf.exchange import (
-    LAYOUTS,
-    MOST_PHASES,
-    REQUIRED_OUTPUTS,
-    Programs,
-    answering_function,
-    program_of,
-    records_in,
-    run_program,
-)
-from drivegate.candidates.elf.expression import parsed, parsed_place
+from drivegate.candidates.elf import step as words_of_step
+from drivegate.candidates.elf.evaluation import program_of, run_program
+from drivegate.candidates.elf.exchange import LAYOUTS, MOST_PHASES, records_in
+from drivegate.candidates.elf.hints import passing_function
 from drivegate.candidates.elf.image import Image, read_image
 from drivegate.candidates.elf.instruction_count import counting_function, has_cycles
-from drivegate.candidates.elf.processor import CortexM, TargetFault, step_function
+from drivegate.candidates.elf.processor import CortexM, TargetFault
+from drivegate.candidates.elf.stubs import answering_function
+from drivegate.candidates.elf.tables import Tables
 from drivegate.candidates.elf.traps import trapping_function
-from drivegate.candidates.elf.variables import variables_of
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind, Phase, bounded_line
 from drivegate.candidates.native.controller import RESETS, STEPS, record_of, refused_by_reset
 from drivegate.candidates.native.loading import COMMON, LARGEST_STATE, require_version
@@ -40,10 +33,16 @@ _PHASES_OF_DUTY: Final = 3
 
 def compile_own_code(_candidate: Candidate) -> None:
     """Compile what the emulator calls and what steps a controller on it."""
-    for function in (step_function, counting_function, answering_function, trapping_function):
+    for function in (
+        words_of_step.step_function,
+        counting_function,
+        answering_function,
+        trapping_function,
+        passing_function,
+    ):
         function()
     program, stack = program_of([]), np.zeros(1, np.int64)
-    run_program(program.ctypes.data, stack, stack.ctypes.data)
+    run_program(program.ctypes.data, stack, stack.ctypes.data, stack.ctypes.data, False)
 
 
 def load_controller(candidate: Candidate) -> TargetController:
@@ -54,7 +53,8 @@ def load_controller(candidate: Candidate) -> TargetController:
     target = candidate.details
     contract = _contract_of(image, name) if target.step is None else candidate.contract or "current"
     own = (*COMMON, RESETS[contract], STEPS[contract]) if target.step is None else (target.step,)
-    required = (*own, *filter(None, (target.start,)), *(function for function, _ in target.stub))
+    pauses = () if target.pause in (None, WAIT_FOR_INTERRUPT) else (target.pause,)
+    required = (*own, *target.start, *pauses, *(stub.function for stub in target.stub))
     missing = [function for function in required if function not in image.functions]
     if missing:
         named = f"that {HEADERS[contract]} declares" if target.step is None else "that its manifest names"
@@ -83,6 +83,9 @@ class TargetController:
         self._fault: Fault | None = None
         self._processor = CortexM(image, target.ram)
         self._stack_depth = 0
+        step = self._functions[target.step or STEPS[contract]]
+        paused_at = self._let_pause(target)
+        self._looping = None if paused_at is None else step
         if target.limits.cycles and not has_cycles(image):
             raise InputError(
                 f"{name} is built for another core than the Cortex-M4, whose cycles alone are known; leave out "
@@ -109,24 +112,32 @@ class TargetController:
         nameplate, sense, command, currents, state = (self._processor.mail + place for place in places)
         self._nameplate_at, self._state_at = nameplate, state if self.state_size else 0
         self._mail = self._processor.map_mail(places[-1] + self.state_size + 1)
-        words = self._processor.words_for_step(self._functions[target.step or STEPS[contract]])
+        words = self._processor.words_for_step(step)
+        words[words_of_step.PAUSED_AT] = 0 if paused_at is None else paused_at.ctypes.data
         begin = self._mail.ctypes.data
-        words[processor.HOST_SENSE], words[processor.SENSE_BYTES] = begin + places[1], layout.sense.itemsize
-        words[processor.HOST_COMMAND], words[processor.COMMAND_BYTES] = (
+        words[words_of_step.HOST_SENSE], words[words_of_step.SENSE_BYTES] = (
+            begin + places[1],
+            layout.sense.itemsize,
+        )
+        words[words_of_step.HOST_COMMAND], words[words_of_step.COMMAND_BYTES] = (
             begin + places[2],
             layout.command.itemsize,
         )
-        words[processor.HOST_CURRENTS], words[processor.GUEST_CURRENTS] = begin + places[3], currents
+        words[words_of_step.HOST_CURRENTS], words[words_of_step.GUEST_CURRENTS] = begin + places[3], currents
         fields: Any = layout.sense.fields
-        words[processor.CURRENTS_OFFSET] = fields["phase_currents"][1]
+        words[words_of_step.CURRENTS_OFFSET] = fields["phase_currents"][1]
         registers = self._processor.call_registers(self._state_at, sense, command)
-        words[processor.ARGUMENTS : processor.MOST_INSTRUCTIONS] = registers
+        words[words_of_step.ARGUMENTS : words_of_step.MOST_INSTRUCTIONS] = registers
         self._words = words
         self._places = places
         self._layout = layout
+        self._tables: Tables | None = None
         if not self._has_adapter:
-            self._programs = self._programmed(target, name)
-        self._step = step_function()
+            records = records_in(begin, places, contract)
+            self._tables = Tables(self._processor, target, records, contract, name)
+            words[words_of_step.WRITES] = self._tables.writes.ctypes.data
+            words[words_of_step.READS] = self._tables.reads.ctypes.data
+        self._step = words_of_step.step_function()
         self.step_address: int = self._step.address
         self.state_address: int = words.ctypes.data
 
@@ -136,8 +147,8 @@ class TargetController:
 
     def taken_costs(self) -> StepCosts:
         """Return the greatest costs of a step since they were last taken."""
-        words = self._words[[processor.MOST_INSTRUCTIONS, processor.MOST_CYCLES]].tolist()
-        self._words[[processor.MOST_INSTRUCTIONS, processor.MOST_CYCLES]] = 0
+        words = self._words[[words_of_step.MOST_INSTRUCTIONS, words_of_step.MOST_CYCLES]].tolist()
+        self._words[[words_of_step.MOST_INSTRUCTIONS, words_of_step.MOST_CYCLES]] = 0
         instructions, cycles = words
         depth = max(self._stack_depth, self._processor.stack_depth()) if instructions else 0
         self._stack_depth = 0
@@ -145,19 +156,30 @@ class TargetController:
 
     @property
     def fault(self) -> Fault | None:
-        error = int(self._words[processor.ERROR])
+        error = int(self._words[words_of_step.ERROR])
         if self._fault is None and error:
-            return _crash(self._processor.describe(error), "step")
+            return _crash(self._described(error), "step")
         return self._fault
+
+    def _described(self, error: int) -> str:
+        if self._tables is not None and error in (words_of_step.WILD_WRITE, words_of_step.WILD_READ):
+            row, in_write = int(self._words[words_of_step.ROW]), error == words_of_step.WILD_WRITE
+            return self._tables.wild_pointer(row, in_write=in_write)
+        return self._processor.describe(error)
+
+    def _let_pause(self, target: Target) -> NDArray[np.int64] | None:
+        at_interrupts = target.pause == WAIT_FOR_INTERRUPT
+        pause = None if target.pause is None or at_interrupts else self._functions[target.pause]
+        return self._processor.pass_waiting(pause, at_interrupts=at_interrupts)
 
     def reset(self, nameplate: AnyNameplate) -> None:
         """Switch the target on again, and have the controller prepare for a run."""
         require_nameplate_of(self._contract, nameplate)
         record = record_of(nameplate)
         phases = _PHASES_OF_DUTY if isinstance(nameplate, DutyNameplate) else nameplate.phases
-        self._words[processor.CURRENTS_BYTES] = 8 * phases
-        self._words[processor.ERROR] = 0
-        if self._words[processor.MOST_INSTRUCTIONS]:
+        self._words[words_of_step.CURRENTS_BYTES] = 8 * phases
+        self._words[words_of_step.ERROR] = 0
+        if self._words[words_of_step.MOST_INSTRUCTIONS]:
             # A reset in the middle of a run.
             self._stack_depth = max(self._stack_depth, self._processor.stack_depth())
         self._processor.power_on()
@@ -166,51 +188,37 @@ class TargetController:
         if not self._has_adapter:
             self._sense_rest(nameplate)
         self._fault = self._reset_fault()
+        if self._fault is None and not self._has_adapter:
+            # What the start-up code has cleared is written again.
+            self._write_at_start(is_strict=True)
         # Painted after the reset: what start and reset need of the stack is not that of a step.
         self._processor.paint_stack()
         if self._fault is not None:
             raise CandidateFault(self._fault)
 
-    def _programmed(self, target: Target, name: str) -> tuple[NDArray[np.float64], ...]:
-        """Make the programs of a manifest's tables, which must live as long as the step."""
-        records = records_in(self._mail.ctypes.data, self._places, self._contract)
-        variables = variables_of(self._processor.image.file)
-        peripherals = {key: parsed_place(value) for key, value in target.peripherals}
-        programs = Programs(variables, peripherals, records, self._processor.memory)
-        try:
-            writes = [
-                row for key, value in target.write for row in programs.write(parsed_place(key), parsed(value))
-            ]
-            reads = [row for key, value in target.read for row in programs.read(key, parsed(value))]
-            for function, value in target.stub:
-                words, rows = programs.stub(function, parsed(value))
-                self._processor.answer(self._functions[function], words)
-                writes += rows
-        except InputError as error:
-            raise InputError(f"{name}: {error}") from error
-        unread = [output for output in REQUIRED_OUTPUTS[self._contract] if output not in dict(target.read)]
-        if unread:
-            raise InputError(
-                f"{name}: the table [read] has no {', '.join(unread)}; add what the step answers with"
-            )
-        made = program_of(writes), program_of(reads)
-        self._words[[processor.WRITES, processor.READS]] = [each.ctypes.data for each in made]
-        return made
-
     def _sense_rest(self, nameplate: AnyNameplate) -> None:
-        """Write the Sense of a drive at rest on its nominal supply, and what follows for the target."""
+        """Write the Sense of a drive at rest on its nominal supply."""
         sense = self._mail[self._places[1] :][: self._layout.sense.itemsize].view(self._layout.sense)
         for field in self._layout.sense.names or ():
             if field != "phase_currents":
                 default = self._layout.signals._field_defaults.get(field, 0)
                 sense[field] = getattr(nameplate, field, default)
-        stack = self._words[processor.STACK :]
-        run_program(int(self._words[processor.WRITES]), stack, int(stack.ctypes.data))
+
+    def _write_at_start(self, *, is_strict: bool) -> None:
+        if self._tables is not None:
+            self._tables.write_at_start(is_strict=is_strict)
 
     def _reset_fault(self) -> Fault | None:
         try:
-            if self._start is not None:
-                self._processor.call(self._functions[self._start])
+            for function in self._start:
+                # Each time, since one of the functions may clear all variables.
+                self._write_at_start(is_strict=False)
+                self._processor.call(self._functions[function])
+            if self._looping is not None:
+                self._write_at_start(is_strict=False)
+                self._processor.call(self._looping, may_pause=True)
+                if not self._processor.is_paused:
+                    return _crash(self._processor.describe(words_of_step.RETURNED), "reset")
             if not self._has_adapter:
                 return None
             reset = self._functions[RESETS[self._contract]]

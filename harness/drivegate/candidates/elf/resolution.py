@@ -8,7 +8,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from drivegate.candidates.candidate import Candidate, Target, existing_file, existing_folder, hash_of
+from drivegate.candidates.candidate import Candidate, Stub, Target, existing_file, existing_folder, hash_of
 from drivegate.candidates.elf.expression import parsed, parsed_place
 from drivegate.candidates.native.resolution import ElfHeader, built_or_given, contract_served, elf_header
 from drivegate.candidates.step_costs import StepCosts
@@ -16,7 +16,7 @@ from drivegate_cases.documents.wording import shown_path
 from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
-    from drivegate.candidates.manifest import Manifest
+    from drivegate.candidates.manifest import Manifest, StubTable
 
 _CORTEX_M: Final = ElfHeader(word_size=1, byte_order=1, kind=2, machine=40)
 """That of a linked image for Arm."""
@@ -34,21 +34,33 @@ def from_manifest(manifest: Manifest, specification: str, folder: Path) -> Candi
     image, sources = built_or_given(manifest, file, further, specification, folder)
     target = Target(
         image,
-        manifest.start,
+        (manifest.start,) if isinstance(manifest.start, str) else manifest.start,
         manifest.ram,
         StepCosts(manifest.step_instructions or 0, manifest.step_cycles or 0, manifest.stack_bytes or 0),
         manifest.step,
         _table(manifest.peripherals),
         _table(manifest.write),
         _table(manifest.read),
-        _table(manifest.stub),
+        tuple(_stub(function, stated) for function, stated in manifest.stub.items()),
+        _table(manifest.once),
+        manifest.pause,
     )
     _check_tables(target, shown_path(specification))
     return _candidate(specification, file, sources, target, manifest.build)
 
 
 def _table(values: Mapping[str, str | float]) -> tuple[tuple[str, str], ...]:
-    return tuple((key, value if isinstance(value, str) else repr(value)) for key, value in values.items())
+    return tuple((key, _text(value)) for key, value in values.items())
+
+
+def _text(value: str | float) -> str:
+    return value if isinstance(value, str) else repr(value)
+
+
+def _stub(function: str, stated: str | float | StubTable) -> Stub:
+    if isinstance(stated, str | int | float):
+        return Stub(function, _text(stated))
+    return Stub(function, _text(stated.returns), _table(stated.fills))
 
 
 def _check_tables(target: Target, where: str) -> None:
@@ -57,7 +69,9 @@ def _check_tables(target: Target, where: str) -> None:
         ("peripherals", (), target.peripherals),
         ("write", target.write, target.write),
         ("read", (), target.read),
-        ("stub", (), target.stub),
+        ("once", target.once, target.once),
+        ("stub", (), tuple((stub.function, stub.returns) for stub in target.stub)),
+        *(("stub", stub.fills, stub.fills) for stub in target.stub),
     ):
         try:
             for place, _ in places:

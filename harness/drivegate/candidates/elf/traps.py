@@ -24,8 +24,11 @@ CONTROL_REGISTER: Final = 0xE000_ED14
 _DIVISION_TRAPS: Final = 1 << 4
 
 PLACE, OPERAND, MASK = range(3)
-"""Words of what has trapped: address of the instruction, the address that it accesses, and the bits of that which must
-be zero, 0 for a division; all are 0 where nothing has."""
+"""Words of what has ended a call: address of the instruction, the address that it accesses, and the bits of that which
+must be zero, 0 for a division; all are 0 where nothing has. The last word may also be one of the two below."""
+ENDLESS, WILD_POINTER = -1, -2
+"""In the place of the bits: a call that does not come to its end; a stub that fills what a wild pointer points to,
+whose row of the program is the operand."""
 
 # Words that the compiled function gets. After them, it has for each halfword of the code the place of a row or 0, and
 # then the rows.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from io import BytesIO
@@ -12,6 +12,18 @@ from typing import Any, Final, NamedTuple
 from elftools.common.exceptions import DWARFError, ELFError
 from elftools.elf.elffile import ELFFile
 
+from drivegate.candidates.elf.debug_information import (
+    POINTERS,
+    TYPES,
+    Typed,
+    address_of,
+    described_in,
+    fields_of,
+    is_bit_field,
+    plain,
+    size_of,
+    type_of,
+)
 from drivegate.candidates.elf.expression import Place
 from drivegate.candidates.elf.image import attributes_of
 from drivegate_cases.documents.wording import nearest, short_line, shown_path
@@ -22,13 +34,21 @@ FLOAT, SIGNED, UNSIGNED = range(3)
 
 # Values of DW_AT_encoding (DWARF 5, section 7.8).
 _FORMS: Final = {2: UNSIGNED, 4: FLOAT, 5: SIGNED, 6: SIGNED, 7: UNSIGNED, 8: UNSIGNED, 16: UNSIGNED}
-_TRANSPARENT: Final = ("DW_TAG_typedef", "DW_TAG_volatile_type", "DW_TAG_const_type", "DW_TAG_atomic_type")
-_TYPES: Final = ("DW_TAG_typedef", "DW_TAG_structure_type", "DW_TAG_union_type", "DW_TAG_base_type")
 
 
 class Number(NamedTuple):
     address: int
+    """Where it is, or where the first pointer to it is."""
     form: int
+    size: int
+    """Its size (bytes)."""
+    offsets: tuple[int, ...] = ()
+    """What is added to each pointer on the way to it (bytes); none where no pointer is."""
+
+
+@dataclass(frozen=True)
+class Symbol:
+    address: int
     size: int
     """Its size (bytes)."""
 
@@ -39,14 +59,14 @@ class Variables:
 
     image: str
     """The image's file, as messages name it."""
-    addresses: Mapping[str, tuple[int, ...]]
-    """Addresses of variables by their names."""
+    symbols: Mapping[str, tuple[Symbol, ...]]
+    """Variables in memory by their names."""
     declared: Mapping[str, Any]
     """Variables by their names, as DWARF describes them."""
     types: Mapping[str, Any]
     functions: Mapping[str, Any]
     passes_floats_in_registers: bool
-    """Whether functions return floating-point numbers in registers of the floating-point unit."""
+    """Whether functions take and return floating-point numbers in registers of the floating-point unit."""
 
     def number(self, place: Place) -> Number:
         """Find the number that a place is.
@@ -54,29 +74,62 @@ class Variables:
         Raises InputError if there is no such variable, or if it is no number.
         """
         if place.address is None:
-            address, described = self._variable(place.root)
+            address, typed = self._variable(place.root)
         else:
-            address, described = place.address, _plain(self._known(self.types, place.root, "type"))
+            address, typed = place.address, plain(self._known(self.types, place.root, "type"), self.types)
+        return self.number_within(Number(address, 0, 0), typed, place)
+
+    def number_within(self, begin: Number, typed: Typed | None, place: Place) -> Number:
+        """Follow the fields and elements of a place from what begins at one, of a type."""
+        address, offsets = begin.address, list(begin.offsets)
         for part in place.path:
-            offset, described = self._part(described, part, place)
-            address += offset
-        form, size = self._form(described, place.text)
-        return Number(address, form, size)
+            is_pointer = typed is not None and not typed.lengths and typed.described.tag in POINTERS
+            if is_pointer:
+                offsets.append(0)
+                typed = self._pointed_to(typed, part, place)
+            offset, typed = self._part(typed, part, place)
+            if offsets:
+                offsets[-1] += offset
+            else:
+                address += offset
+        form, size = self._form(typed, place.text)
+        return Number(address, form, size, tuple(offsets))
 
     def returned(self, function: str) -> tuple[int, int] | None:
-        """Find form and size of what a function returns; None where it returns nothing."""
-        described = self._known(self.functions, function, "function")
-        if "DW_AT_type" not in described.attributes:
-            return None
-        return self._form(_plain(described.get_DIE_from_attribute("DW_AT_type")), function)
+        """Find form and size of what a function returns; None where it returns nothing.
 
-    def _variable(self, name: str) -> tuple[int, Any]:
+        One that was compiled without debug information, such as a library's, is taken to return an ``int``.
+        """
+        if function not in self.functions and self.functions:
+            return SIGNED, 4
+        typed = type_of(self.function(function), self.types)
+        return None if typed is None else self._form(typed, function)
+
+    def function(self, name: str) -> Any:
+        """Return a function as DWARF describes it."""
+        if name not in self.functions and self.functions:
+            raise InputError(
+                f"{self.image} has no debug information of the function '{short_line(name)}', whose parameters [stub] "
+                "names; compile it with -g"
+            )
+        return self._known(self.functions, name, "function")
+
+    def _variable(self, name: str) -> tuple[int, Typed | None]:
         declared = self._known(self.declared, name, "variable")
-        addresses = self.addresses.get(name, ())
-        if len(addresses) != 1:
-            count = "no variable" if not addresses else f"{len(addresses)} variables"
-            raise InputError(f"{self.image} has {count} '{short_line(name)}' in memory; name a global one")
-        return addresses[0], _plain(declared.get_DIE_from_attribute("DW_AT_type"))
+        typed, symbols = type_of(declared, self.types), self.symbols.get(name, ())
+        stated = address_of(declared)
+        if not symbols and stated is not None:
+            return stated, typed
+        if len(symbols) != 1:
+            count = "no variable" if not symbols else f"{len(symbols)} variables"
+            raise InputError(
+                f"{self.image} has {count} '{short_line(name)}' in memory; name a global one that is linked"
+            )
+        if typed is not None and typed.lengths[:1] == (None,):
+            # An array that is declared only has no length; its symbol has a size.
+            element = size_of(typed._replace(lengths=typed.lengths[1:]))
+            typed = typed._replace(lengths=(symbols[0].size // max(element, 1), *typed.lengths[1:]))
+        return symbols[0].address, typed
 
     def _known(self, table: Mapping[str, Any], name: str, what: str) -> Any:
         if name in table:
@@ -87,40 +140,51 @@ class Variables:
             f"{self.image} has no {what} '{short_line(name)}', the nearest one is '{nearest(name, list(table))}'"
         )
 
-    def _part(self, described: Any, part: str | int, place: Place) -> tuple[int, Any]:
+    def _pointed_to(self, pointer: Typed | None, part: str | int, place: Place) -> Typed | None:
+        """Return the type that a pointer points to, as an array where an element of it is named."""
+        typed = None if pointer is None else type_of(pointer.described, self.types)
+        if typed is None or not size_of(typed._replace(lengths=())):
+            raise InputError(
+                f"'{place.text}' leads through a pointer to a type without fields; write what is there as Type(address)"
+            )
+        return typed._replace(lengths=(None, *typed.lengths)) if isinstance(part, int) else typed
+
+    def _part(self, typed: Typed | None, part: str | int, place: Place) -> tuple[int, Typed | None]:
         """Find the offset of a field or an element, and its type."""
         if isinstance(part, int):
-            if described.tag != "DW_TAG_array_type":
+            if typed is None or not typed.lengths:
                 raise InputError(f"'{place.text}' has an index, but what it is an element of is no array")
-            count, inner = _length(described), _plain(described.get_DIE_from_attribute("DW_AT_type"))
-            if part >= count:
+            count, inner = typed.lengths[0], typed._replace(lengths=typed.lengths[1:])
+            if count is not None and part >= count:
                 raise InputError(f"'{place.text}' is outside of its array, which has {count} elements")
-            return part * _size(inner), inner
-        if described.tag == "DW_TAG_pointer_type":
-            raise InputError(f"'{place.text}' leads through a pointer; write what is there as Type(address)")
-        fields = {
-            each.attributes["DW_AT_name"].value.decode(): each
-            for each in described.iter_children()
-            if each.tag == "DW_TAG_member" and "DW_AT_name" in each.attributes
-        }
+            return part * size_of(inner), inner
+        fields = {} if typed is None or typed.lengths else fields_of(typed, self.types)
         if part not in fields:
             known = f"; the nearest field is '{nearest(part, list(fields))}'" if fields else ""
             raise InputError(f"'{place.text}' has no field '{short_line(part)}'{known}")
-        if "DW_AT_bit_size" in fields[part].attributes or "DW_AT_data_bit_offset" in fields[part].attributes:
+        offset, field = fields[part]
+        if is_bit_field(field):
             raise InputError(f"'{place.text}' is a bit field; name the whole register")
-        offset = fields[part].attributes.get("DW_AT_data_member_location")
-        return (0 if offset is None else int(offset.value)), _plain(
-            fields[part].get_DIE_from_attribute("DW_AT_type")
-        )
+        return offset, type_of(field, self.types)
 
-    def _form(self, described: Any, text: str) -> tuple[int, int]:
-        if described.tag == "DW_TAG_enumeration_type":
-            return SIGNED, _size(described)
-        encoding = described.attributes.get("DW_AT_encoding")
-        form = None if described.tag != "DW_TAG_base_type" or encoding is None else _FORMS.get(encoding.value)
-        if form is None or _size(described) > 8:
+    def _form(self, typed: Typed | None, text: str) -> tuple[int, int]:
+        size = size_of(typed)
+        form = None
+        if typed is not None and not typed.lengths:
+            form = self._form_of_one(typed.described)
+        if form is None or not 0 < size <= 8:
             raise InputError(f"'{text}' is no number; name a field or an element of it that is one")
-        return form, _size(described)
+        return form, size
+
+    def _form_of_one(self, described: Any) -> int | None:
+        if described.tag in POINTERS:
+            return UNSIGNED
+        if described.tag == "DW_TAG_enumeration_type":
+            constants = (each.attributes.get("DW_AT_const_value") for each in described.iter_children())
+            return SIGNED if any(each is not None and each.value < 0 for each in constants) else UNSIGNED
+        encoding = described.attributes.get("DW_AT_encoding")
+        is_number = described.tag == "DW_TAG_base_type" and encoding is not None
+        return _FORMS.get(encoding.value) if is_number else None
 
 
 @cache
@@ -129,15 +193,14 @@ def variables_of(file: Path) -> Variables:
         # In memory, since types are read when they are needed.
         elf = ELFFile(BytesIO(file.read_bytes()))
         found: dict[str, dict[str, Any]] = {"DW_TAG_variable": {}, "DW_TAG_subprogram": {}, "type": {}}
-        for die in _described(elf):
-            kind = "type" if die.tag in _TYPES else die.tag
-            name = die.attributes["DW_AT_name"].value.decode(errors="replace")
-            # A structure that is declared only has no fields; a definition is behind it.
-            if name not in found[kind] or "DW_AT_declaration" in found[kind][name].attributes:
-                found[kind][name] = die
+        for name, die in described_in(elf.get_dwarf_info()) if elf.has_dwarf_info() else ():
+            known = found["type" if die.tag in TYPES else die.tag]
+            # What is declared only has no fields and no length; a definition is behind it.
+            if name not in known or _completes(die, known[name]):
+                known[name] = die
         return Variables(
             shown_path(file),
-            _addresses(elf),
+            _symbols(elf),
             found["DW_TAG_variable"],
             found["type"],
             found["DW_TAG_subprogram"],
@@ -149,49 +212,15 @@ def variables_of(file: Path) -> Variables:
         ) from error
 
 
-def _described(elf: Any) -> Iterator[Any]:
-    """List the variables, functions and types that have a name, outside of functions."""
-    if not elf.has_dwarf_info():
-        return
-    for unit in elf.get_dwarf_info().iter_CUs():
-        for die in unit.get_top_DIE().iter_children():
-            if (
-                die.tag in ("DW_TAG_variable", "DW_TAG_subprogram", *_TYPES)
-                and "DW_AT_name" in die.attributes
-            ):
-                yield die
+def _completes(die: Any, known: Any) -> bool:
+    return "DW_AT_declaration" in known.attributes and "DW_AT_declaration" not in die.attributes
 
 
-def _addresses(elf: Any) -> dict[str, tuple[int, ...]]:
+def _symbols(elf: Any) -> dict[str, tuple[Symbol, ...]]:
     table = elf.get_section_by_name(".symtab")
-    found: dict[str, tuple[int, ...]] = {}
+    found: dict[str, tuple[Symbol, ...]] = {}
     for symbol in () if table is None else table.iter_symbols():
         if symbol["st_info"]["type"] == "STT_OBJECT" and symbol["st_shndx"] != "SHN_UNDEF":
-            found[symbol.name] = (*found.get(symbol.name, ()), symbol["st_value"])
+            made = Symbol(symbol["st_value"], symbol["st_size"])
+            found[symbol.name] = (*found.get(symbol.name, ()), made)
     return found
-
-
-def _plain(die: Any) -> Any:
-    """Follow names and qualifiers of a type."""
-    while die.tag in _TRANSPARENT and "DW_AT_type" in die.attributes:
-        die = die.get_DIE_from_attribute("DW_AT_type")
-    return die
-
-
-def _length(die: Any) -> int:
-    """Return the number of elements of an array with one dimension."""
-    dimensions = [each.attributes for each in die.iter_children() if each.tag == "DW_TAG_subrange_type"]
-    if len(dimensions) != 1:
-        raise InputError(
-            "an array of several dimensions cannot be named; copy what is needed to a variable of its own"
-        )
-    count, last = (dimensions[0].get(f"DW_AT_{name}") for name in ("count", "upper_bound"))
-    return int(count.value) if count is not None else 0 if last is None else int(last.value) + 1
-
-
-def _size(die: Any) -> int:
-    """Return the size of a type (bytes)."""
-    if die.tag == "DW_TAG_array_type":
-        return _length(die) * _size(_plain(die.get_DIE_from_attribute("DW_AT_type")))
-    # Pointers may have no size of their own in DWARF; on these targets it is four bytes.
-    return int(die.attributes["DW_AT_byte_size"].value) if "DW_AT_byte_size" in die.attributes else 4

@@ -369,6 +369,26 @@ def test_an_image_gives_the_commands_of_a_build_for_this_machine(
             '__asm__ volatile("udf #0");',
             "executes what is no instruction of this processor in drivegate_step",
         ),
+        (
+            '__asm__ volatile("wfe\\n udf #0");',
+            "executes what is no instruction of this processor in drivegate_step",
+        ),
+        (
+            '__asm__ volatile("bkpt #0xAB");',
+            "calls a debugger by semihosting (bkpt ABh) in drivegate_step (mine.c line ",
+        ),
+        (
+            '__asm__ volatile("bkpt #1");',
+            "stops at a breakpoint for a debugger (bkpt 1), often a failed assertion, in drivegate_step (mine.c line ",
+        ),
+        (
+            '__asm__ volatile("svc #5");',
+            "calls an operating system (svc 5), which is not emulated, in drivegate_step (mine.c line ",
+        ),
+        (
+            "while (!*(volatile char *)&self->limit) {}",
+            "executes more than 10 million instructions without coming to an end, in drivegate_step (mine.c line ",
+        ),
     ],
 )
 def test_what_the_target_must_not_do_is_a_fault_with_its_line(
@@ -379,6 +399,30 @@ def test_what_the_target_must_not_do_is_a_fault_with_its_line(
     assert isinstance(fault, Fault)
     assert (fault.kind, fault.phase, fault.step) == (FaultKind.CRASH, "step", 2)
     assert fault.message.startswith(f"the target {reported}"), fault.message
+
+
+@pytest.mark.parametrize("target", ["-mcpu=cortex-m4", "-mcpu=cortex-m0plus"])
+def test_an_instruction_that_waits_does_nothing(image: Callable[..., Path], target: str) -> None:
+    scenario = scenario_of("paper-5-phase")
+    cpu = TARGET if target in TARGET else (target, "-mthumb", "-nostartfiles")
+    plain = run_here(str(image(target=cpu)), scenario)
+    for waiting in ("wfi", "wfe", "yield", "sev", "wfi\\n wfi\\n wfe\\n wfe\\n wfi"):
+        assert run_here(str(image(step=f'__asm__ volatile("{waiting}");', target=cpu)), scenario) == plain
+    if cpu is TARGET:
+        conditional = "wfi.w\\n wfe.w\\n yield.w\\n cmp r0, r0\\n itt eq\\n wfieq\\n wfeeq\\n it ne\\n wfine"
+        step = f'__asm__ volatile("{conditional}" ::: "cc");'
+        assert run_here(str(image(step=step, target=cpu)), scenario) == plain
+
+
+def test_a_reset_that_does_not_end_is_a_fault_with_its_line(image: Callable[..., Path]) -> None:
+    endless = CURRENT.replace(
+        "return RESET;", 'while (nameplate->phases) { __asm__ volatile(""); } return 0;'
+    )
+    fault = run_here(str(image(endless)), scenario_of("paper-5-phase"))
+    assert isinstance(fault, Fault)
+    assert fault.phase == "reset"
+    expected = "the target executes more than 20 million instructions without coming to an end, in drivegate_reset ("
+    assert fault.message.startswith(expected), fault.message
 
 
 M0 = ("-mcpu=cortex-m0plus", "-mthumb", "-nostartfiles")

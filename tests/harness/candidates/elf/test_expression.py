@@ -20,6 +20,12 @@ def test_operands_come_before_what_is_done_with_them() -> None:
     # Words of Python are names like any other.
     assert parsed("in.is % 1e3") == (Place("in", None, ("is",)), 1000.0, "%")
     assert parsed("-min(a.b, 1, 0x10)") == (Place("a", None, ("b",)), 1.0, "min", 16.0, "min", "negated")
+    # Operators bind as in C.
+    assert parsed("~a >> 8 & b | c << 1 + d ^ e") == (
+        *(Place("a", None, ()), "~", 8.0, ">>", Place("b", None, ()), "&"),
+        *(Place("c", None, ()), 1.0, Place("d", None, ()), "+", "<<", Place("e", None, ()), "^", "|"),
+    )
+    assert parsed("hadc1.Instance->DR") == (Place("hadc1", None, ("Instance", "DR")),)
     assert parsed("floor(TIM(0x40010000).CCR[2] % 3)") == (
         Place("TIM", 0x40010000, ("CCR", 2)),
         3.0,
