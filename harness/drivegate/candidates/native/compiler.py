@@ -9,6 +9,7 @@ import os
 import re
 import shlex
 import shutil
+import sys
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -74,6 +75,9 @@ _ERROR = re.compile(
 _WARNING = re.compile(
     r"^(?P<file>[^\s:][^:\n]*):(?P<line>\d+):(?:\d+:)?\s*warning:\s*(?P<message>.*)$", re.MULTILINE
 )
+# GNU's linkers write undefined reference to `f', others undefined symbol: f.
+_UNDEFINED: Final = re.compile(r"undefined (?:reference to|symbol:?) [`'\"]?(?P<name>[^\s`'\",;]+)")
+_MOST_UNDEFINED: Final = 20
 _LINKER = re.compile(
     r"^.*(?:undefined reference|multiple definition|cannot find|error|Error).*$", re.MULTILINE
 )
@@ -193,8 +197,23 @@ def compile_library(compilers: Compilers, plan: Compilation, scratch: Path) -> t
         )
     libraries = [flag for flag in plan.flags if flag.startswith("-l")]
     # Libraries come after the objects: a linker searches each once, for what is missing by then.
-    linked = ["-shared", "-o", str(library), *objects, *libraries, "-lm"]
+    linked = [
+        "-shared",
+        *_reporting_all_undefined(plan.flags),
+        "-o",
+        str(library),
+        *objects,
+        *libraries,
+        "-lm",
+    ]
     return library, output + _run(linked, plan.languages[-1], compilers, plan, scratch)
+
+
+def _reporting_all_undefined(flags: Sequence[str]) -> list[str]:
+    """Return the option by which a linker lists all functions that are nowhere; loading would report the first."""
+    # What checks code as it runs, such as clang's sanitizers, may define its functions only in the program.
+    is_checked = any(flag.startswith("-fsanitize") or "-undefined" in flag for flag in flags)
+    return [] if is_checked or sys.platform == "darwin" else ["-Wl,--no-undefined"]
 
 
 def warnings_in_words(output: str) -> str:
@@ -245,6 +264,16 @@ def _sentence(ended: Ended, plan: Compilation, language: Language, compiler: str
     errors = list(_ERROR.finditer(ended.output))
     if errors:
         return f"{_complaint(errors, 'error')}; the sources must compile with {compiler} {language.standard}"
+    undefined = list(dict.fromkeys(found["name"] for found in _UNDEFINED.finditer(ended.output)))
+    if undefined:
+        more = len(undefined) - _MOST_UNDEFINED
+        named = ", ".join(map(bounded_reason, undefined[:_MOST_UNDEFINED])) + (
+            f" and {more} more" if more > 0 else ""
+        )
+        return (
+            f"{sources}: nothing defines {named}; add the sources or libraries that do, or define them yourself, for "
+            "example as functions that do nothing"
+        )
     lines = [found[0] for found in _LINKER.finditer(ended.output)] or ended.output.strip().splitlines()
     reason = (
         bounded_reason(lines[0]) if lines else f"it ended with status {ended.status} and reported nothing"

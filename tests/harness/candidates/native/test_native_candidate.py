@@ -260,10 +260,13 @@ def test_what_does_not_compile_or_link_is_reported_with_its_place(folder, source
     assert len(message) < 700
 
 
-def test_a_function_that_is_nowhere_is_reported(folder, written, controller_source):
-    written(folder, controller_source(top="void nowhere(void);\n", fifth_step="nowhere();"))
-    with pytest.raises(InputError, match=r"mine\.c cannot be loaded: undefined symbol: nowhere; link all"):
-        load_controller(resolve_candidate("mine.c"))
+def test_all_functions_that_are_nowhere_are_reported_at_once(folder, written, controller_source):
+    top = "void nowhere(void);\nextern int HAL_tick;\nvoid lost(int);\n"
+    written(folder, controller_source(top=top, fifth_step="nowhere(); lost(HAL_tick); nowhere();"))
+    with pytest.raises(
+        InputError, match=r"mine\.c: nothing defines nowhere, HAL_tick, lost; add the sources"
+    ):
+        resolve_candidate("mine.c")
 
 
 def test_the_whole_output_of_the_compiler_is_kept_in_a_file(folder, written):

@@ -86,6 +86,14 @@ static double most_torque(const drivegate_duty_nameplate *plate) {
     return greatest;
 }
 
+/* Ends of a type's range, since generated headers define them for some types only: real types have none. */
+#define IS_REAL(type) ((type)0.5 > (type)0)
+#define IS_SIGNED(type) ((type)-1 < (type)1)
+#define LOWEST(type) (IS_SIGNED(type) ? -ldexp(1.0, 8 * (int)sizeof(type) - 1) : 0.0)
+#define HIGHEST(type) (ldexp(1.0, 8 * (int)sizeof(type) - IS_SIGNED(type)) - 1.0)
+#define CONVERTED(type, worth, signal) \
+    (type)(IS_REAL(type) ? (signal) / (worth) : counts(signal, worth, LOWEST(type), HIGHEST(type)))
+
 static void set_scales(const drivegate_duty_nameplate *plate) {
     scale.pole_pairs = (double)plate->pole_pairs;
     scale.current = plate->current_limit / 8192.0;
@@ -121,7 +129,7 @@ int drivegate_duty_reset(void *state, const drivegate_duty_nameplate *plate) {
 /* Answer for one control period. */
 void drivegate_duty_step(void *state, const drivegate_duty_sense *sense, drivegate_duty_command *command) {
     (void)state;
-#define READ(field, type, worth, signal) rtU.field = (type)counts(signal, worth, MIN_##type, MAX_##type);
+#define READ(field, type, worth, signal) rtU.field = CONVERTED(type, worth, signal);
     INPUTS(READ)
 #undef READ
     controller_step();
