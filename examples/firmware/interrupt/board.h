@@ -6,10 +6,11 @@
 
 typedef struct {
     volatile uint32_t JDR1, JDR2, JDR3, JDR4; /* three phase currents and the link, each the sum of 16 conversions */
+    volatile uint32_t SR;
 } ADC_TypeDef;
 
 typedef struct {
-    volatile uint32_t CNT, ARR, CCR1, CCR2, CCR3;
+    volatile uint32_t CNT, ARR, CCR1, CCR2, CCR3, BDTR;
 } TIM_TypeDef;
 
 #ifdef __arm__
