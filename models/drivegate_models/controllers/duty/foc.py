@@ -28,11 +28,11 @@ from drivegate_models.controllers.duty.current_regulator import (
 from drivegate_models.controllers.duty.flux_prediction import regulate_flux, reset_prediction
 from drivegate_models.controllers.duty.hall_observer import reset_observer
 from drivegate_models.controllers.duty.loss_search import reset_search, restart_search, searched_offset
+from drivegate_models.controllers.duty.missing_phase import watch_approach
 from drivegate_models.controllers.duty.plausibility import (
     detect_fault,
     hold_safe_state,
     reset_plausibility,
-    watch_approach,
     watch_flux,
 )
 from drivegate_models.controllers.duty.position import locate_shaft, regulated_speed, reset_position

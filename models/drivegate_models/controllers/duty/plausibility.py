@@ -15,8 +15,8 @@ from typing import Any, Final
 from drivegate_models.compilation.calling import double_at
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.contract.duty.signals import LEG_OFF
+from drivegate_models.controllers.duty.missing_phase import is_phase_missing, passed_by
 from drivegate_models.machine.cycle import within_half_turn
-from drivegate_models.machine.rotor_frame import of_phase
 from drivegate_models.machine.sine import cosine_sine
 
 CURRENT_FAULT: Final = 1
@@ -39,6 +39,10 @@ _FARTHEST = 0.25
 # speed relative to base speed, because the voltage across the resistance is uncertain and does not fall with the speed.
 _FLUX_FORGOTTEN = 0.6
 _FLUX_SLOW = 0.2
+# Unexplained flux by other than nominal data: shares of that of the currents, and of the link voltage; twice the
+# nominal resistance is possible as well.
+_INDUCTIVE_SHARE = 0.2
+_LINK_SHARE = 0.015
 # Maximum deceleration relative to that of maximum torque and inertia, and speed relative to base speed below which
 # it is not checked. A factor of two is for a load of maximum torque, and the other one for 0.3 of the nominal inertia.
 _STEEPEST = 2.0 / 0.3
@@ -59,14 +63,6 @@ _STALLED_LEAST = 0.06
 _INDUCED = 0.5
 # Torque relative to the maximum that remains under a heavy load to turn the shaft past a sector of its Hall switches.
 _LEFT = 0.1
-# Current of a missing phase relative to the largest, because the diodes of an open leg carry some; minimum of its
-# reference relative to the amplitude, and of the amplitude relative to the limit; and rotation of the field meanwhile
-# (rad electrical) with its maximum in a period. A healthy phase has that little current for 21 degrees.
-_MISSING = 0.2
-_EXPECTED = 0.5
-_CARRYING = 0.15
-_PASSED = pi / 5.0
-_PASSED_IN_A_PERIOD = _PASSED / 8.0
 
 
 @inlined
@@ -93,6 +89,7 @@ def reset_plausibility(state: Any, nameplate: Any) -> None:
     state.across_drift = 0.0
     state.hall_watched = -1
     state.speed_seen = 0.0
+    state.flux_count = 0
     state.sum_count = 0
     state.speed_count = 0
     state.stall_count = 0
@@ -155,6 +152,24 @@ def watch_flux(state: Any, sense: Any, direct: float, quadrature: float) -> None
 
 
 @inlined
+def _is_flux_wrong(state: Any, sense: Any) -> bool:
+    """Return True if the flux alone has shown for some periods that the angle is wrong.
+
+    The speed of an encoder soon falls to zero with a lost position. That of a slow shaft then never disagrees with the
+    angle by the maximum drift.
+    """
+    currents = sense.phase_currents
+    most = max(abs(double_at(currents, 0)), abs(double_at(currents, 1)), abs(double_at(currents, 2)))
+    decay = max(abs(float(state.pole_pairs * sense.speed * state.control_period)), state.flux_decay)
+    rate = decay / (_FLUX_FORGOTTEN * state.control_period)
+    voltage = state.resistance * most + (_LINK_SHARE + state.dead_ratio) * sense.supply_voltage
+    allowed = state.farthest_drift * state.magnet_flux + _INDUCTIVE_SHARE * state.quadrature_inductance * most
+    is_wrong = _length(state.along_drift, state.across_drift) > allowed + voltage / rate
+    state.flux_count = state.flux_count + 1 if sense.hall < 0 and is_wrong else 0
+    return bool(state.flux_count >= _SEEN)
+
+
+@inlined
 def _is_shaft_wrong(state: Any, sense: Any, turned: float, shows_speed: bool) -> bool:
     """Return True if angle and speed disagree, or a measured speed has fallen faster than the shaft can stop.
 
@@ -209,65 +224,6 @@ def _is_stalled(state: Any, sense: Any, has_edge: bool) -> bool:
 
 
 @inlined
-def _passed_by(state: Any, sense: Any, turned: float) -> float:
-    """Return the rotation of the field past the phases (rad electrical), without the step at a Hall edge."""
-    most = _PASSED_IN_A_PERIOD
-    if sense.hall >= 0:
-        most = min(most, abs(float(state.pole_pairs * sense.speed * state.control_period)))
-    return min(max(turned, -most), most)
-
-
-@inlined
-def _is_phase_missing(state: Any, sense: Any, turned: float) -> bool:
-    """Return True if the field has turned past a phase that carries far less current than its reference."""
-    cosine, sine = cosine_sine(state.pole_pairs * sense.angle)
-    along = cosine * state.direct_aim - sine * state.quadrature_aim
-    across = sine * state.direct_aim + cosine * state.quadrature_aim
-    amplitude = _length(along, across)
-    carrying = _CARRYING * state.current_limit
-    if amplitude <= carrying:
-        # With little current, a phase without any proves nothing.
-        return False
-    currents = sense.phase_currents
-    most = max(abs(double_at(currents, 0)), abs(double_at(currents, 1)), abs(double_at(currents, 2)))
-    little = _MISSING * max(most, carrying)
-    missing = False
-    for phase in range(3):
-        without = abs(double_at(currents, phase)) < little
-        lacks = without and abs(of_phase(phase, along, across)) > _EXPECTED * amplitude
-        state.passed[phase] = state.passed[phase] + (turned if lacks else 0.0) if without else 0.0
-        missing = missing or abs(state.passed[phase]) > _PASSED
-    return missing
-
-
-@inlined
-def watch_approach(
-    state: Any, direct: float, quadrature: float, direct_reference: float, quadrature_reference: float
-) -> None:
-    """Store the reference currents (A), and miss no phase while the measured currents (A) approach them.
-
-    In a long step the current vector may stand while it shrinks, with hardly any current in one phase. The flux error
-    then decreases in every period, because all regulators use the voltage nearest to the requested one. With an open
-    phase it rises and falls as the field turns.
-    """
-    direct_flux, quadrature_flux = state.direct_inductance * direct, state.quadrature_inductance * quadrature
-    before = _length(
-        state.direct_inductance * state.direct_aim - direct_flux,
-        state.quadrature_inductance * state.quadrature_aim - quadrature_flux,
-    )
-    if before < state.least_error:
-        for phase in range(3):
-            state.passed[phase] = 0.0
-    state.direct_aim, state.quadrature_aim = direct_reference, quadrature_reference
-    after = _length(
-        state.direct_inductance * direct_reference - direct_flux,
-        state.quadrature_inductance * quadrature_reference - quadrature_flux,
-    )
-    # A reference that moves changes the least error as much as the present one.
-    state.least_error = max(min(before, state.least_error) + after - before, 0.0)
-
-
-@inlined
 def detect_fault(state: Any, sense: Any) -> bool:
     """Return True if a fault has been detected, now or before, and store the code of the first one."""
     if state.fault != 0:
@@ -284,11 +240,15 @@ def detect_fault(state: Any, sense: Any) -> bool:
     state.hall_watched = sense.hall
     if _is_sum_wrong(state, sense):
         state.fault = CURRENT_FAULT
-    elif _is_shaft_wrong(state, sense, turned, sense.hall < 0 or has_edge) or _is_position_lost(state, sense):
+    elif (
+        _is_shaft_wrong(state, sense, turned, sense.hall < 0 or has_edge)
+        or _is_flux_wrong(state, sense)
+        or _is_position_lost(state, sense)
+    ):
         state.fault = SHAFT_FAULT
     elif _is_stalled(state, sense, has_edge):
         state.fault = STALL_FAULT
-    elif _is_phase_missing(state, sense, _passed_by(state, sense, turned)):
+    elif is_phase_missing(state, sense, passed_by(state, sense, turned)):
         state.fault = PHASE_FAULT
     return bool(state.fault != 0)
 

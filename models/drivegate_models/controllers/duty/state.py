@@ -181,6 +181,7 @@ FOC_STATE: Final = np.dtype(
         ("across_flux", np.float64),
         ("hall_watched", np.int64),
         ("speed_seen", np.float64),
+        ("flux_count", np.int64),
         ("sum_count", np.int64),
         ("speed_count", np.int64),
         ("stall_count", np.int64),

@@ -17,6 +17,7 @@ from drivegate_models.contract.duty.records import (
     duty_sense_record,
 )
 from drivegate_models.contract.duty.signals import LEG_OFF, SPEED_REFERENCE, DutyNameplate
+from drivegate_models.controllers.duty.missing_phase import watch_approach
 from drivegate_models.controllers.duty.plausibility import (
     CURRENT_FAULT,
     PHASE_FAULT,
@@ -25,7 +26,6 @@ from drivegate_models.controllers.duty.plausibility import (
     detect_fault,
     hold_safe_state,
     reset_plausibility,
-    watch_approach,
     watch_flux,
 )
 from drivegate_models.controllers.duty.state import foc_state
@@ -83,8 +83,6 @@ class Drive:
         # The balanced currents are those of the reference.
         self.state.direct_aim = peak
         self.state.magnet_flux = NAMEPLATE.magnet_flux
-        # Voltages do not explain the flux.
-        self.state.along_drift = NAMEPLATE.magnet_flux
 
     def turn(self, angle_speed: float) -> None:
         """Turn the shaft for a period, with the field; its angle stays within a turn."""
@@ -139,8 +137,22 @@ def hold_angle(drive: Drive) -> Callable[[int], None]:
     return stick
 
 
-def test_an_angle_that_stands_while_the_speed_goes_on_is_seen_within_a_quarter_radian() -> None:
+def drive_of_unexplained_flux(share: float) -> Drive:
+    """Return a drive with a flux that voltages do not explain, by its share of the magnet's; 45 % are resistive."""
     drive = Drive(300.0)
+    drive.state.resistance = 5.7
+    drive.state.along_drift = share * NAMEPLATE.magnet_flux
+    return drive
+
+
+@pytest.mark.parametrize(("share", "fault"), [(0.4, 0), (0.5, SHAFT_FAULT)])
+def test_a_flux_that_no_data_explain_is_that_of_a_wrong_angle(share: float, fault: int) -> None:
+    drive = drive_of_unexplained_flux(share)
+    assert drive.steps_to_fault(100) == (fault, 5 if fault else 100)
+
+
+def test_an_angle_that_stands_while_the_speed_goes_on_is_seen_within_a_quarter_radian() -> None:
+    drive = drive_of_unexplained_flux(0.3)
     fault, step = drive.steps_to_fault(200, hold_angle(drive))
     assert fault == SHAFT_FAULT
     # 0.06 rad electrical a period: the fourth or fifth misses a quarter, with what is forgotten meanwhile.
@@ -148,8 +160,7 @@ def test_an_angle_that_stands_while_the_speed_goes_on_is_seen_within_a_quarter_r
 
 
 def test_an_angle_ahead_of_the_mean_speed_of_an_encoder_is_right_if_it_agrees_with_the_flux() -> None:
-    drive = Drive(300.0)
-    drive.state.along_drift = 0.2 * NAMEPLATE.magnet_flux
+    drive = drive_of_unexplained_flux(0.2)
     assert drive.steps_to_fault(200, hold_angle(drive))[0] == 0
 
 
@@ -336,6 +347,22 @@ def test_a_phase_with_hardly_any_current_is_missing_where_the_others_carry_some(
         # The field turns by 36 degrees in at least 8 periods.
         needed = max(pi / 5.0 / (POLE_PAIRS * speed * PERIOD), 8.0)
         assert needed - 1.0 <= step <= 1.7 * needed
+
+
+@pytest.mark.parametrize(("used", "fault"), [(0.0, PHASE_FAULT), (0.55, 0)])
+def test_current_against_its_reference_is_that_of_diodes_unless_the_voltage_limit_slows_it(
+    used: float, fault: int
+) -> None:
+    drive = Drive(300.0)
+    drive.sense.supply_voltage = NAMEPLATE.supply_voltage
+    drive.state.along_voltage[0], drive.state.across_voltage[0] = used * NAMEPLATE.supply_voltage, 0.0
+    drive.sense.angle = tau / 3.0 / POLE_PAIRS
+
+    def conduct_through_diodes(_: int) -> None:
+        drive.currents[0] = -0.9
+        drive.currents[2] = -drive.currents[1] - drive.currents[0]
+
+    assert drive.steps_to_fault(200, conduct_through_diodes)[0] == fault
 
 
 @pytest.mark.parametrize(("approach", "fault"), [(0.005, 0), (0.0, PHASE_FAULT)])
