@@ -25,11 +25,20 @@ _SAFE_MOST_S: Final = 0.1
 _DETECTION_PERIODS: Final = 100
 _DETECTION_TURN: Final = 0.5
 _DETECTION_RUN_UP: Final = 0.2
+# A speed regulator raises its torque on a shaft that stands: its rate over the control rate, that of its integral over
+# it, and the torque over the rated one that no load withstands.
+_REGULATED: Final = 0.02
+_INTEGRATED: Final = 0.25
+_HEAVIEST: Final = 1.2
 # Torque over the rated one that is left to turn a shaft past a sector of its Hall switches, where it starts under the
 # heaviest load with an angle that is off by half a sector. Until then it looks like a locked one.
 _LEFT: Final = 0.1
 _SECTORS: Final = 6
 _SECONDS: Final = 60.0
+# Share of the link voltage that a measured link and rounded duty ratios leave uncertain, and that of the voltage that
+# dead time takes.
+_UNCERTAIN_LINK: Final = 0.01
+_UNCERTAIN_DEAD: Final = 0.5
 # Twelfths of link voltage times carrier period over the inductance by which a phase current is beyond its sample.
 _SYMMETRIC_TWELFTHS: Final = 1.0
 _SAWTOOTH_TWELFTHS: Final = 2.0
@@ -42,10 +51,30 @@ def safe_state_s(drive: DriveValues) -> float:
 
 
 def safe_state_locked_s(drive: DriveValues) -> float:
-    """Return the longest time from that at which the rotor locks to the safe state (s)."""
+    """Return the longest time from that at which the rotor locks to the safe state (s).
+
+    A standing shaft is locked only under more torque than any load, and a speed regulator must raise its torque up to
+    that. Of the rate b it requests J b ω at once, and its integral adds a quarter of b J b ω in a second. On a rotor so
+    light that J b ω is less than that torque, this comes before all other times.
+    """
     base, torque = drive.rating.base_speed_rpm * RADIANS_PER_RPM, drive.rating.rated_torque_nm
     run_up = drive.machine.inertia_kg_m2 * base / torque
-    return _safe_state_s(drive, _DETECTION_RUN_UP * run_up + _sector_s(drive, torque))
+    rate = _REGULATED / drive.inverter.control_period_s
+    raised = max(_HEAVIEST / (rate * run_up) - 1.0, 0.0) / (_INTEGRATED * rate)
+    return raised + _safe_state_s(drive, _DETECTION_RUN_UP * run_up + _sector_s(drive, torque))
+
+
+def hides_position(drive: DriveValues, speed_rpm: float, torque_nm: float) -> bool:
+    """Return True if the magnet's EMF at a speed is no more than the voltage that is uncertain under a torque.
+
+    That is the whole voltage across the resistance, because a winding may have twice the nominal one, half of the
+    voltage that dead time takes, and a share of the link voltage.
+    """
+    machine, inverter = drive.machine, drive.inverter
+    emf = machine.pole_pairs * speed_rpm * RADIANS_PER_RPM * machine.magnet_flux_v_s
+    current = torque_nm / (1.5 * machine.pole_pairs * machine.magnet_flux_v_s)
+    uncertain = _UNCERTAIN_LINK + _UNCERTAIN_DEAD * inverter.dead_time_s * inverter.carrier_frequency_hz
+    return bool(emf <= machine.resistance_ohm * current + uncertain * inverter.link_voltage_v)
 
 
 def _sector_s(drive: DriveValues, torque: float) -> float:

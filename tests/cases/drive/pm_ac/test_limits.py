@@ -42,6 +42,17 @@ def test_the_safe_state_follows_the_time_scales_of_the_drive() -> None:
     assert heavy.safe_state_s == 0.1, "a phase does not wait for the shaft"
 
 
+def test_a_light_rotor_is_locked_once_a_speed_regulator_has_raised_its_torque() -> None:
+    base = INTERIOR.rating.base_speed_rpm * 3.141592653589793 / 30.0
+    torque, rate = INTERIOR.rating.rated_power_w / base, 0.02 / 1e-4
+    light = limits(inertia_kg_m2=0.5 * torque / (rate * base))
+    raised = 4.0 / rate * (1.2 / 0.5 - 1.0)
+    assert light.safe_state_locked_s == pytest.approx(0.1 + raised), "J b w is half of rated torque"
+    assert light.safe_state_s == 0.1, "a phase does not wait for the torque"
+    enough = limits(inertia_kg_m2=1.2 * torque / (rate * base))
+    assert enough.safe_state_locked_s == pytest.approx(0.1), "J b w is more than any load"
+
+
 def test_a_stated_time_to_the_safe_state_is_taken_as_it_is() -> None:
     for base in (300.0, 2100.0):
         found = limits(safe_state_ms=20.0, base_speed_rpm=base)

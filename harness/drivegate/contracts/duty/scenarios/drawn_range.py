@@ -10,11 +10,11 @@ from drivegate.scenarios.drive_scale import rated_torque_at
 from drivegate.scenarios.rotation import sense_of
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
-from drivegate_cases.drive.pm_ac.limits import FAILURE_SPEED_SHARE
+from drivegate_cases.drive.pm_ac.limits import FAILURE_SPEED_SHARE, hides_position
 from drivegate_cases.scenario.load import DynamometerLoad, HoistLoad, LockedLoad
 from drivegate_cases.scenario.piecewise import value_from
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_cases.scenario.sensors import ShuntSensors
+from drivegate_cases.scenario.sensors import ShuntSensors, has_encoder
 from drivegate_models.units import RADIANS_PER_RPM
 
 FAILURE_TORQUE_SHARE: Final = 0.3
@@ -63,6 +63,9 @@ def unnoticed_because(scenario: Scenario) -> str | None:
         return (
             f"something fails below {100.0 * FAILURE_TORQUE_SHARE:g} % of rated torque, where it may not show"
         )
+    stops = failure.kind == "lost-position" and has_encoder(scenario.sensors, drive)
+    if stops and hides_position(drive, speed, abs(_torque(scenario))):
+        return "its encoder stops where the EMF is less than what resistance and link leave uncertain"
     return None
 
 
