@@ -421,7 +421,9 @@ def test_a_reset_that_does_not_end_is_a_fault_with_its_line(image: Callable[...,
     fault = run_here(str(image(endless)), scenario_of("paper-5-phase"))
     assert isinstance(fault, Fault)
     assert fault.phase == "reset"
-    expected = "the target executes more than 20 million instructions without coming to an end, in drivegate_reset ("
+    expected = (
+        "the target executes more than 20 million instructions without coming to an end, in drivegate_reset ("
+    )
     assert fault.message.startswith(expected), fault.message
 
 
