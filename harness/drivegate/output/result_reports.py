@@ -54,7 +54,8 @@ def workflow_commands(result: dict[str, Any]) -> list[str]:
         for fault, count in distinct_faults(result["faults"])
     ] or [[]]
     explained = explanations(result)
-    judged, open_ones = [], []
+    judged: list[_Line] = []
+    open_ones: list[_Line] = []
     for check in by_urgency(list(result["checks"])):
         level = _level(check, counted)
         message = "; ".join(filter(None, (explained.get(check["id"]), check["message"])))

@@ -131,16 +131,16 @@ def found_compiler(language: Language) -> tuple[str, ...]:
         raise InputError(
             f"the environment variable {language.variable} is '{one_line(chosen)}', which is no command line: {error}"
         ) from error
-    words = without_wrapper(words)
-    program = shutil.which(words[0])
+    name, *flags = without_wrapper(words)
+    program = shutil.which(name)
     if program is None:
         named = (
-            f"the environment variable {language.variable} names '{one_line(words[0])}', which is not there"
+            f"the environment variable {language.variable} names '{one_line(name)}', which is not there"
             if chosen
             else f"a candidate in {language.name} needs a {language.name} compiler, but there is no {language.program}"
         )
         raise InputError(f"{named}; {_how_to_get(language)}")
-    return (program, *words[1:])
+    return (program, *flags)
 
 
 def _how_to_get(language: Language) -> str:
