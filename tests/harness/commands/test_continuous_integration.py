@@ -93,6 +93,7 @@ def github(tmp_path_factory: pytest.TempPathFactory) -> Job:
     inputs = {name: str(known["default"]) for name, known in ACTION["inputs"].items()} | given
     values = {f"inputs.{name}": value for name, value in inputs.items()}
     values |= {"runner.temp": str(folder / "temp"), "runner.os": "Linux", "github.action_path": str(ROOT)}
+    values["github.event.repository.default_branch"] = "main"
     # Everything is compiled here already.
     values["steps.earlier.outputs.cache-hit"] = "true"
     files = {f"GITHUB_{name}": str(folder / name) for name in ("OUTPUT", "ENV", "STEP_SUMMARY")}
@@ -218,6 +219,29 @@ def test_no_input_gets_into_a_script_but_as_a_variable() -> None:
         assert "run" not in step or step["shell"] == "bash", "a composite action must name the shell"
 
 
+@pytest.mark.parametrize(
+    ("given", "branch", "drawn"),
+    [
+        ("", "main", "default"),
+        ("", "7/merge", "quick"),
+        ("nightly", "main", "nightly"),
+        ("quick", "main", "quick"),
+    ],
+)
+def test_the_main_branch_is_checked_with_more_scenarios_than_a_pull_request(
+    given: str, branch: str, drawn: str, tmp_path: Path
+) -> None:
+    step = next(step for step in ACTION["runs"]["steps"] if step.get("name") == "Check the controller")
+    variables = {"EFFORT": given, "MAIN": "main", "GITHUB_REF_NAME": branch, "WAIVERS": ""}
+    shown = ran(f'drivegate() {{ echo "$4"; }}; {step["run"]}', tmp_path, variables)
+    assert shown.stdout.strip() == drawn
+    rules = GITLAB["gate"]["rules"]
+    assert (GITLAB["gate"]["variables"], rules[0]["variables"]) == (
+        {"EFFORT": "quick"},
+        {"EFFORT": "default"},
+    )
+
+
 def test_the_documentation_lists_the_inputs() -> None:
     text = (DOCS / "continuous_integration.md").read_text(encoding="utf-8")
     rows = dict(re.findall(r"^\| `([a-z-]+)` \| (.+?) \|", text, re.MULTILINE))
@@ -234,7 +258,7 @@ def test_gitlab_checks_the_same_and_finds_junit(tmp_path: Path) -> None:
     assert (tmp_path / "mine" / shared["variables"]["DRIVEGATE"]).is_file()
     assert job["cache"]["key"]["files"] == [shared["variables"]["DRIVEGATE"]]
     # One worker, since the other processor has tests of its own.
-    ended = ran(f"{checks} --workers 1", tmp_path / "mine", shared["variables"])
+    ended = ran(f"{checks} --workers 1", tmp_path / "mine", shared["variables"] | job["variables"])
     assert ended.returncode == 0, f"the first push must be green: {ended.stdout}{ended.stderr}"
     report = tmp_path / "mine" / "drivegate-report"
     result = json.loads((report / "result.json").read_text(encoding="utf-8"))
