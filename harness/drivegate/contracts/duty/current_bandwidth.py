@@ -16,6 +16,9 @@ _TRANSIENT_PERIODS: Final = 100
 _TRANSIENT_RISES: Final = 3.0
 _OBSERVED_PERIODS: Final = 2.0
 """Control periods that sampling and the mean over a period add to the delay of the drive."""
+_DETOUR: Final = 1.8
+"""Time of a large step over that with all of the voltage straight from one end to the other: no regulator takes just
+that way (1)."""
 _MOST_FACTOR: Final = 10.0
 """Time of a step that a declaration may ask for over that of the drive's requirements (1)."""
 _PHASE_LEFT: Final = 0.5 * pi
@@ -35,6 +38,23 @@ def declared_rise_s(
     used_up = min(limited - 1.0, limited * (1.0 - remaining))
     approached = max(_logarithm(1.0 / (limited * remaining)), 0.0)
     return (used_up + approached) / bandwidth + _delay_s(drive)
+
+
+def limited_rise_s(drive: PmAcDocument, remaining: float, voltage_time: float, straight_time: float) -> float:
+    """Return the longest time of a step of the torque (s) by the drive's own requirement, which states no bandwidth.
+
+    A small step has `rise_periods`, from which the bandwidth of a loop of first order follows. A greater one has as
+    long as this loop takes with the voltage that there is, and never more than both times together. `voltage_time`:
+    with the voltage that both ends leave; `straight_time`: with all of it, straight from one end to the other (s).
+    """
+    rise = drive.requirements.rise_periods * drive.control_period_s
+    together = float(rise + voltage_time)
+    approach = rise - _delay_s(drive)
+    if approach <= 0.0:
+        return together
+    bandwidth = _logarithm(1.0 / REMAINING) / approach
+    limited = declared_rise_s(drive, bandwidth, min(remaining, REMAINING), _DETOUR * straight_time)
+    return min(together, limited)
 
 
 def _logarithm(number: float) -> float:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, Mark, Moment, Point, at_most
 from drivegate.contracts.duty.checks.judged import is_within_reach, least_free, undistorted
-from drivegate.contracts.duty.current_bandwidth import REMAINING, declared_rise_s
+from drivegate.contracts.duty.current_bandwidth import REMAINING, declared_rise_s, limited_rise_s
 from drivegate.contracts.duty.current_reference import voltage_along_none
 from drivegate.contracts.duty.record import DutyRecord
 from drivegate_models.pm_ac.fundamental import SteadyState, steady_state
@@ -25,6 +25,8 @@ VOLTAGE_SHARE = 0.8
 """Greatest share of the undistorted voltage that the torques at both ends may take (1)."""
 SHOWN_BEFORE = 10
 """Control periods before a step that figures show."""
+_CELLS = 16
+"""Parts into which the way of the currents is divided."""
 REACHED = 0.9
 """Share of a step by which its time is measured (1)."""
 
@@ -179,9 +181,9 @@ def _followed(record: DutyRecord, step: TorqueStep) -> tuple[NDArray[np.float64]
 def allowed_rise_s(record: DutyRecord, step: TorqueStep) -> float:
     """Return the longest time of a step: what is stated and what the voltage takes, or what a bandwidth takes."""
     bandwidth, voltage_time = record.declaration.current_bandwidth, voltage_time_s(record, step)
-    if bandwidth is None:
-        return float(record.limits.rise_time_s + voltage_time)
     remaining = REMAINING if record.follows_current else _remaining_currents(record, step)
+    if bandwidth is None:
+        return limited_rise_s(record.document, remaining, voltage_time, straight_time_s(record, step))
     return declared_rise_s(record.document, bandwidth, remaining, voltage_time)
 
 
@@ -213,6 +215,31 @@ def voltage_time_s(record: DutyRecord, step: TorqueStep) -> float:
         drive.quadrature_inductance * (last.quadrature - first.quadrature),
     )
     return flux / (undistorted(drive, drive.link_voltage) - _used_voltage(record, step))
+
+
+def straight_time_s(record: DutyRecord, step: TorqueStep) -> float:
+    """Return the time in which all of the voltage moves the currents straight from one end to the other (s).
+
+    At each place the flux moves by what the voltage limit leaves of it in this direction, beside the voltage that holds
+    the currents there.
+    """
+    drive, electrical = record.plant, record.plant.pole_pairs * step.speed_rpm * RADIANS_PER_RPM
+    first, last = (least_state(record, step, torque) for torque in (step.before, step.after))
+    shares = (np.arange(_CELLS) + 0.5) / _CELLS
+    direct = first.direct + shares * (last.direct - first.direct)
+    quadrature = first.quadrature + shares * (last.quadrature - first.quadrature)
+    along = drive.resistance * direct - electrical * drive.quadrature_inductance * quadrature
+    across = drive.resistance * quadrature + electrical * (
+        drive.direct_inductance * direct + drive.magnet_flux
+    )
+    ways = (
+        drive.direct_inductance * (last.direct - first.direct),
+        drive.quadrature_inductance * (last.quadrature - first.quadrature),
+    )
+    flux, limit = hypot(*ways), undistorted(drive, drive.link_voltage)
+    ahead = (along * ways[0] + across * ways[1]) / flux
+    rates = np.sqrt(ahead * ahead + limit * limit - along * along - across * across) - ahead
+    return flux * float(np.mean(1.0 / rates))
 
 
 def _used_voltage(record: DutyRecord, step: TorqueStep) -> float:

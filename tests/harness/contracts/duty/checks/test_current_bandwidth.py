@@ -16,8 +16,13 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.margin import Margin
 from drivegate.containment.judge import own_candidate
 from drivegate.contracts.catalogue import on_drive
-from drivegate.contracts.duty.checks.steps import step_responses
-from drivegate.contracts.duty.current_bandwidth import declared_rise_s, transient_periods
+from drivegate.contracts.duty.checks.steps import (
+    step_responses,
+    straight_time_s,
+    torque_steps,
+    voltage_time_s,
+)
+from drivegate.contracts.duty.current_bandwidth import declared_rise_s, limited_rise_s, transient_periods
 from drivegate.contracts.duty.record import DutyRecord
 from drivegate.contracts.duty.scenarios.building import torque_of, torque_scenario
 from drivegate.drives.running import recorded
@@ -140,3 +145,34 @@ def test_the_slowest_declaration_takes_ten_times_what_the_drive_states() -> None
 def test_the_limit_names_what_is_declared() -> None:
     limit = on_drive(CHECKS["STP-1"], load_drive("pm-ac-surface"), Declaration(current_bandwidth=USUAL)).limit
     assert "90 % of the currents within 2.603 ms, by the declared bandwidth of 1000 rad/s" in limit
+
+
+def test_without_a_declaration_a_large_step_takes_what_the_loop_of_a_small_one_does_with_the_voltage() -> (
+    None
+):
+    drive = load_drive("pm-ac-surface")
+    assert isinstance(drive, PmAcDocument)
+    rise = drive.requirements.rise_periods * drive.control_period_s
+    small, large = (limited_rise_s(drive, 0.1, 10.0, time) for time in (0.0, 4.0 * rise))
+    assert small == pytest.approx(rise)
+    assert 0.9 * 7.2 * rise < large < 7.3 * rise, "the time of the voltage is not added to that of the loop"
+    assert limited_rise_s(drive, 0.1, 1e-3, 1.0) == pytest.approx(rise + 1e-3), "as long as before at most"
+    assert limited_rise_s(drive.replaced(rise_periods=2.0), 0.1, 1e-3, 0.0) == pytest.approx(
+        1e-3 + 2.0 * drive.control_period_s
+    ), "behind so long a delay no loop is that fast"
+
+
+def test_the_straight_way_takes_no_longer_than_with_the_voltage_that_both_ends_leave() -> None:
+    """A fall of the torque is driven by the EMF too, so that it takes a fraction of the rise."""
+    drive = load_drive("pm-ac-interior").replaced(settling_s=0.1)
+    assert isinstance(drive, PmAcDocument)
+    run = torque_scenario(drive, 1200.0, [torque_of(drive, 1200.0, share) for share in (0.9, -0.9, 0.9)])
+    loaded = own_candidate(resolve_candidate("foc"))
+    record = recorded(loaded, run, loaded.controller())
+    assert isinstance(record, DutyRecord)
+    fall, rise = torque_steps(record)
+    for step in (fall, rise):
+        assert straight_time_s(record, step) < voltage_time_s(record, step)
+    assert straight_time_s(record, fall) < 0.7 * straight_time_s(record, rise)
+    for response in step_responses(record):
+        assert response.margin.met, response.margin.measured
