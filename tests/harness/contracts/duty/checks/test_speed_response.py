@@ -240,3 +240,65 @@ def test_a_regulator_with_another_integral_overshoots(
 ) -> None:
     margin = _regulated(interior, step, 1.0, **keys)
     assert not margin.met, margin.measured
+
+
+@pytest.mark.parametrize("speeds", [(1000.0, 1100.0), (1000.0, 900.0), (-1000.0, -900.0)])
+def test_a_step_alone_may_not_move_the_speed_away_from_the_new_reference(
+    interior: PmAcDocument, run: Run, speeds: tuple[float, float]
+) -> None:
+    """What a cleared integral does: the shaft first falls by what it carried of the load."""
+    record = run(_loaded(interior, *speeds))
+    rows = record.periods(record.steady[1].dwell.start, record.steady[1].dwell.end)
+    away = np.sign(speeds[0] - speeds[1]) * RADIANS_PER_RPM
+
+    def detour(rpm: float) -> Any:
+        def changed(speed: Any) -> Any:
+            moved = speed.copy()
+            moved[rows.start + 5 : rows.start + 50] = speeds[0] * RADIANS_PER_RPM + rpm * away
+            return moved
+
+        return judged("ROB-4", with_column(record, "speed", changed))
+
+    allowed = 2.0 * limits_of(interior).speed_tolerance_rpm
+    near, far = detour(0.9 * allowed), detour(1.1 * allowed)
+    assert near is not None
+    assert near.met, near.measured
+    assert far is not None
+    assert not far.met
+    assert "away from a reference 100 rpm off" in far.measured
+
+
+def test_a_load_that_comes_on_with_the_step_may_move_the_speed_away(interior: PmAcDocument, run: Run) -> None:
+    scenario = speed_and_load_step_scenario(
+        interior, (1000.0, 1100.0), torque_of(interior, 1100.0, 0.8), (0.1, 1.0)
+    )
+    record = run(scenario)
+    rows = record.periods(record.steady[1].dwell.start, record.steady[1].dwell.end)
+    assert np.min(record.run.column("speed")[rows]) < 950.0 * RADIANS_PER_RPM
+    margin = judged("ROB-4", record)
+    assert margin is not None
+    assert margin.met, margin.measured
+
+
+def test_a_load_step_may_take_a_settled_speed_as_far_as_a_slow_regulator_lets_it(
+    interior: PmAcDocument, run: Run
+) -> None:
+    torque = torque_of(interior, 1000.0, 0.8)
+    record = run(load_step_scenario(interior, 1000.0, torque, (0.0, 1.0)))
+    rows = record.periods(record.steady[1].dwell.start, record.steady[1].dwell.end)
+    moved = torque * reaction_s(interior) / interior.machine.inertia_kg_m2
+
+    def sagging(share: float) -> Any:
+        def changed(speed: Any) -> Any:
+            sagged = speed.copy()
+            sagged[rows.start + 5 : rows.start + 50] -= share * moved
+            return sagged
+
+        return judged("ROB-4", with_column(record, "speed", changed))
+
+    near, far = sagging(0.9), sagging(1.6)
+    assert near is not None
+    assert near.met, near.measured
+    assert far is not None
+    assert not far.met
+    assert "rpm off after a load step" in far.measured
