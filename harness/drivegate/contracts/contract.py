@@ -114,6 +114,10 @@ class Contract(ABC):
     def fixed_scenarios(self, drive: DriveDocument, declaration: Declaration) -> tuple[Scenario, ...]:
         """Return the scenarios that every check of a candidate runs first."""
 
+    def long_scenarios(self, _drive: DriveDocument, _declaration: Declaration, /) -> tuple[Scenario, ...]:
+        """Return the runs of some minutes that only the greatest effort makes."""
+        return ()
+
     @abstractmethod
     def drawn_scenarios(
         self, drive: DriveDocument, declaration: Declaration, group: int | None

@@ -36,6 +36,8 @@ JOINT: Final = {"quick": 0, "default": 1, "nightly": 5}
 """Times that the runs of joint changes are drawn, by effort."""
 SCRIPTS: Final = {"quick": 10, "default": 60, "nightly": 600}
 """Scripts drawn for a candidate of the profile `flowchart`, by effort."""
+LONG_RUNS: Final = "nightly"
+"""Effort with runs of some minutes."""
 REPEATED: Final = "DET-1"
 """Check that is judged on repetitions of a scenario."""
 
@@ -80,6 +82,8 @@ def planned_work(
     drive = drive or load_drive(DEFAULT_DRIVE)
     fixed = contract_of(drive).fixed_scenarios(drive, declaration)
     repeated = _repeated(fixed[2:])
+    if effort == LONG_RUNS:
+        fixed += contract_of(drive).long_scenarios(drive, declaration)
     examples = EXAMPLES[effort]
     judges_scripts = focus.judges(_OF_ONE_CHECK[Origin.SCRIPTS])
     shards = [

@@ -26,8 +26,9 @@ class FaultyControllers(PrefixedControllers):
     def contract(self, name: str) -> ContractName:
         """Return the contract of a faulty controller."""
         from drivegate_lab.candidates.duty_faults import DUTY_FAULTS
+        from drivegate_lab.candidates.field_faults import FIELD_FAULTS
 
-        return "duty" if name in DUTY_FAULTS else "current"
+        return "duty" if name in DUTY_FAULTS or name in FIELD_FAULTS else "current"
 
     def declaration(self, name: str) -> Declaration:
         """Return what the correct controller declares."""

@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 from drivegate.candidates.builtin.duty_loading import DutyController
 from drivegate.candidates.controller import CompiledController
 from drivegate_lab.candidates.duty_faults import DUTY_FAULTS, DutyFault
+from drivegate_lab.candidates.field_controller import FieldController
+from drivegate_lab.candidates.field_faults import FIELD_FAULTS
 from drivegate_lab.kernels.faults.duty.perturbed import perturbed_state, perturbed_step_function
 
 
@@ -52,7 +54,9 @@ class PerturbedController(CompiledController):
         return perturbed_state(self._inner.step_address, self._inner.state_address, changes)
 
 
-def load_faulty_duty_controller(name: str) -> FaultyDutyController | PerturbedController:
+def load_faulty_duty_controller(name: str) -> FaultyDutyController | PerturbedController | FieldController:
     """Make a new instance of a faulty controller."""
+    if name in FIELD_FAULTS:
+        return FieldController(FIELD_FAULTS[name])
     fault = DUTY_FAULTS[name]
     return PerturbedController(fault) if fault.changes else FaultyDutyController(fault)

@@ -31,6 +31,11 @@ DRAWN = ("half-bridge", "star", "pm-ac")
     help="Only this faulty controller, and no correct designs; may be given again.",
 )
 @click.option(
+    "--rare",
+    is_flag=True,
+    help="Only faulty controllers that operations show which are rarely tried, and no correct designs.",
+)
+@click.option(
     "--seeds",
     type=click.IntRange(1, ALL_SEEDS),
     default=1,
@@ -81,6 +86,7 @@ DRAWN = ("half-bridge", "star", "pm-ac")
 @json_option
 def command(
     faults: tuple[str, ...],
+    rare: bool,
     seeds: int,
     effort: str | None,
     search: bool,
@@ -116,6 +122,7 @@ def command(
             "--drive": drive is not None,
             "--drawn-only": drawn_only,
             "--fault": bool(faults) and every_fault,
+            "--rare": rare,
         }
         _refuse(given, f"does not go with {'--faults' if faults and every_fault else '--drives'}")
     from drivegate_lab.selftest.run import chosen_names, selftested
@@ -140,6 +147,10 @@ def command(
         )
         return _on_drives(request)
     amount = SelftestEffort(effort or "default", seeds, workers, search, drawn_only, named_drive(drive))
+    if rare:
+        from drivegate_lab.selftest.operations import proofs
+
+        faults = (*faults, *proofs(drive_for(None, amount.drive)))
     matrix = selftested(faults, amount, designs=not faults and not drawn_only)
     code = ExitCode.PASSED if matrix.passed else ExitCode.FAILED
     document = matrix.document() | {"drive": drive_for(None, amount.drive).identity()}

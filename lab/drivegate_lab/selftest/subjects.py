@@ -16,9 +16,13 @@ from drivegate_lab.candidates.families import DESIGN_NAMES
 from drivegate_lab.candidates.faults.catalogue import MUTATIONS, find_fault
 from drivegate_lab.candidates.faults.seeded_fault import SeededFault
 from drivegate_lab.candidates.faults.tolerances import NEAR_DESIGNS
+from drivegate_lab.candidates.field_faults import FIELD_FAULTS
 
 _WITHOUT_WEAKENING: Final = "foc-mtpa"
-FAULTS_OF: Final[Mapping[str, Mapping[str, SeededFault]]] = {"current": MUTATIONS, "duty": DUTY_FAULTS}
+FAULTS_OF: Final[Mapping[str, Mapping[str, SeededFault]]] = {
+    "current": MUTATIONS,
+    "duty": {**DUTY_FAULTS, **FIELD_FAULTS},
+}
 """The faulty controllers of each contract, by their names."""
 
 

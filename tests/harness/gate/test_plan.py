@@ -50,3 +50,18 @@ def test_a_check_is_planned_on_the_drive_that_is_named(monkeypatch: Any) -> None
         while len(planned) < count:
             next(events)
     assert planned == [PAPER, MINE]
+
+
+def test_runs_of_some_minutes_are_made_every_night_alone() -> None:
+    drive = load_drive("pm-ac-interior")
+    planned = {
+        effort: [
+            scenario.duration_s
+            for item in planned_work(effort, 0, drive=drive, declaration=Declaration(references=("torque",)))
+            if isinstance(item.job.payload, FixedRuns)
+            for scenario in item.job.payload.scenarios
+        ]
+        for effort in ("default", "nightly")
+    }
+    assert max(planned["default"]) < 100.0
+    assert sorted(planned["nightly"]) == sorted([*planned["default"], 150.0])

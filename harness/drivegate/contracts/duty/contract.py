@@ -25,6 +25,7 @@ from drivegate.contracts.duty.scenarios.compared import mirror_image, with_other
 from drivegate.contracts.duty.scenarios.drawn_range import drawn_range
 from drivegate.contracts.duty.scenarios.feasibility import unfair_because
 from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios
+from drivegate.contracts.duty.scenarios.rare import nightly_scenarios
 from drivegate.contracts.duty.scenarios.simplification import DUTY_SIMPLIFICATIONS
 from drivegate.contracts.duty.timed_steps import duty_step_seconds, given_duty_steps
 from drivegate.contracts.duty.words import account
@@ -106,6 +107,13 @@ class _DutyContract(DutyColumns):
             runs = fixed_scenarios(without_weakening(document), STEPPED, reverses=reverses)
             return tuple(run.replaced(drive=drive) for run in runs if is_current_in_reach(run))
         return fixed_scenarios(document, declaration.references, declaration.detects, reverses=reverses)
+
+    def long_scenarios(self, drive: DriveDocument, declaration: Declaration, /) -> tuple[Scenario, ...]:
+        return (
+            ()
+            if declaration.follows_current
+            else nightly_scenarios(duty_document(drive), declaration.references)
+        )
 
     def drawn_scenarios(
         self, drive: DriveDocument, declaration: Declaration, group: int | None

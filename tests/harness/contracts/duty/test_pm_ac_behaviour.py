@@ -16,7 +16,8 @@ from drivegate.contracts.duty.checks.judged import duty_record
 from drivegate.contracts.duty.checks.steps import step_response
 from drivegate.contracts.duty.record import DutyRecord
 from drivegate.contracts.duty.scenarios.building import torque_of, torque_scenario
-from drivegate.contracts.duty.scenarios.fixed import efficiency_scenarios, speed_of
+from drivegate.contracts.duty.scenarios.drawn_range import speed_of
+from drivegate.contracts.duty.scenarios.fixed import efficiency_scenarios
 from drivegate.contracts.duty.torque import torque_course
 from drivegate.drives.running import recorded
 from drivegate.results.sections import BehaviourSection

@@ -10,6 +10,7 @@ from drivegate.contracts.current.scenarios.building import (
     vehicle_scenario,
 )
 from drivegate.contracts.current.scenarios.feasibility import coasted_rate
+from drivegate.contracts.current.scenarios.rare import rare_scenarios
 from drivegate.scenarios.changes import (
     pulsed,
     stepped,
@@ -47,6 +48,7 @@ def fixed_scenarios(drive: DriveDocument, speed_range_rpm: SpeedRange | None = N
         with_real_sensors(_torque(drive, 0.6, 0.5), seed=2),
         with_real_sensors(_torque(drive, 1.0, 1.0), seed=3),
         *_faults(drive),
+        *rare_scenarios(drive),
     )
     # Where a range has few speeds, some are the same.
     every = tuple(dict.fromkeys(reversed(every)))[::-1]

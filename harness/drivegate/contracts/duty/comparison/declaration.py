@@ -27,7 +27,7 @@ from drivegate.contracts.duty.comparison.page import SECTIONS, method, rise_perc
 from drivegate.contracts.duty.document import duty_document
 from drivegate.contracts.duty.points import steady_points, step_rows
 from drivegate.contracts.duty.scenarios.building import speed_scenario, torque_of, torque_scenario
-from drivegate.contracts.duty.scenarios.fixed import speed_of
+from drivegate.contracts.duty.scenarios.drawn_range import speed_of
 from drivegate.scenarios.title import titled
 from drivegate_cases.documents.wording import significant
 from drivegate_cases.drive.limits import limits_of

@@ -6,9 +6,10 @@ import math
 from typing import Final
 
 from drivegate.scenarios.drawn_range import NONE, DrawnRange, Interval
-from drivegate.scenarios.drive_scale import rated_torque_at
+from drivegate.scenarios.drive_scale import rated_torque_at, tidy
 from drivegate.scenarios.rotation import sense_of
 from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.limits import nearest_step
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.limits import FAILURE_SPEED_SHARE, hides_position
 from drivegate_cases.scenario.load import DynamometerLoad, HoistLoad, LockedLoad
@@ -38,6 +39,15 @@ SLOW_LOAD_SHARE: Final = 0.2
 stops the shaft before a regulator of its speed can act."""
 BEYOND_SHARE: Final = 3.0
 """Torque reference that no drive of this kind can follow in weakening, over the one of rated power there (1)."""
+
+
+def speed_of(drive: PmAcDocument, share: float) -> float:
+    """Return a speed between base speed (0) and the highest (1), or below (negative: -1 is standstill) (rpm)."""
+    rating = drive.rating
+    base, highest = rating.base_speed_rpm, rating.highest_speed_rpm
+    speed = base + share * (highest - base if share >= 0.0 else base)
+    grain = nearest_step(0.01 * base)
+    return min(tidy(round(speed / grain) * grain), highest)
 
 
 def unnoticed_because(scenario: Scenario) -> str | None:

@@ -31,11 +31,11 @@ from drivegate.contracts.duty.scenarios.building import (
     with_lost_samples,
     with_position_errors,
 )
-from drivegate.contracts.duty.scenarios.drawn_range import BEYOND_SHARE, SLOW_SHARE
+from drivegate.contracts.duty.scenarios.drawn_range import BEYOND_SHARE, SLOW_SHARE, speed_of
+from drivegate.contracts.duty.scenarios.rare import rare_scenarios
 from drivegate.scenarios.changes import with_real_sensors, with_scales
 from drivegate.scenarios.drive_scale import rated_torque_at, tidy
 from drivegate.scenarios.rotation import mirrored, needs_reverse
-from drivegate_cases.drive.limits import nearest_step
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.limits import FAILURE_SPEED_SHARE
 from drivegate_cases.scenario.failure_kind import FailureKind
@@ -81,6 +81,7 @@ def fixed_scenarios(
         *_disturbed(drive),
         *_at_once(drive),
         *(_backward(drive) if reverses else ()),
+        *rare_scenarios(drive, reverses=reverses),
         *(run for run in _failures(drive) if run.failure is not None and run.failure.kind in detected),
     )
     followed = [
@@ -119,15 +120,6 @@ def _failures(drive: PmAcDocument) -> list[Scenario]:
         ),
         *(failing(run, "lost-edge", FAILURE_TIME_SHARE * run.duration_s) for run in by_edges),
     ]
-
-
-def speed_of(drive: PmAcDocument, share: float) -> float:
-    """Return a speed between base speed (0) and the highest (1), or below (negative: -1 is standstill) (rpm)."""
-    rating = drive.rating
-    base, highest = rating.base_speed_rpm, rating.highest_speed_rpm
-    speed = base + share * (highest - base if share >= 0.0 else base)
-    grain = nearest_step(0.01 * base)
-    return min(tidy(round(speed / grain) * grain), highest)
 
 
 def _torques(drive: PmAcDocument) -> list[Scenario]:

@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from drivegate.contracts.duty.document import duty_document
 from drivegate.contracts.duty.scenarios.building import TORQUE_DIGITS, speed_scenario, torque_scenario
-from drivegate.contracts.duty.scenarios.fixed import speed_of
+from drivegate.contracts.duty.scenarios.drawn_range import speed_of
 from drivegate.scenarios.course_words import levels
 from drivegate.scenarios.rotation import is_mirrored, mirrored, sense_of
 from drivegate.scenarios.simplification import Fields, Simplification, nominal_parameters, to_whole

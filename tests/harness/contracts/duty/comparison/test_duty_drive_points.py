@@ -8,7 +8,7 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.contracts.comparison import ComparisonRequest
 from drivegate.contracts.duty.comparison.declaration import EFFORTS, planned_duty_runs
 from drivegate.contracts.duty.scenarios.building import torque_of
-from drivegate.contracts.duty.scenarios.fixed import speed_of
+from drivegate.contracts.duty.scenarios.drawn_range import speed_of
 from drivegate.studies.compare.compared_drive import ComparedDrive
 from drivegate.studies.compare.drive_comparison import drive_rows, operating_points, summary_rows
 from drivegate.studies.compare.engine import Compared

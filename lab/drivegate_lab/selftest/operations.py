@@ -1,0 +1,60 @@
+"""The kinds of operation that are rarely tried: the fixed runs of each, and the faulty controllers that prove them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Final
+
+from drivegate.contracts.current.scenarios.rare import RARE as RARE_OF_CURRENT
+from drivegate.contracts.duty.document import duty_document
+from drivegate.contracts.duty.scenarios.rare import RARE, RARE_BACKWARD
+from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_lab.candidates.faults.catalogue import MUTATIONS
+from drivegate_lab.candidates.faults.seeded_fault import SeededFault
+from drivegate_lab.candidates.field_faults import FIELD_FAULTS
+
+_PROOFS_OF_CURRENT: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
+    {
+        "clocks": ("timer-always-due", "catches-up-with-the-clock"),
+        "repeated lost samples": ("twenty-restarts",),
+        "short control period": ("power-sum-overflows", "step-count-in-a-byte"),
+        "minutes": ("milliseconds-overflow",),
+    }
+)
+
+
+@dataclass(frozen=True)
+class Operation:
+    """One kind of operation on a drive."""
+
+    kind: str
+    runs: tuple[Scenario, ...]
+    """Its fixed runs."""
+    faults: tuple[SeededFault, ...]
+    """The faulty controllers that one of these runs shows."""
+
+
+def operations(drive: DriveDocument) -> tuple[Operation, ...]:
+    """List the kinds of operation of a drive's contract."""
+    if drive.contract == "duty":
+        document = duty_document(drive)
+        return tuple(
+            Operation(
+                kind,
+                tuple(runs(document)),
+                tuple(fault for fault in FIELD_FAULTS.values() if fault.kind == kind),
+            )
+            for kind, runs in {**RARE, **RARE_BACKWARD}.items()
+        )
+    return tuple(
+        Operation(kind, tuple(runs(drive)), tuple(MUTATIONS[name] for name in _PROOFS_OF_CURRENT[kind]))
+        for kind, runs in RARE_OF_CURRENT.items()
+    )
+
+
+def proofs(drive: DriveDocument) -> tuple[str, ...]:
+    """Return the names of the faulty controllers of all kinds."""
+    return tuple(dict.fromkeys(fault.name for each in operations(drive) for fault in each.faults))

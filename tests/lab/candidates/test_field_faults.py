@@ -1,0 +1,49 @@
+"""Faults from the field are caught in the fixed runs of their kind, which the correct controller passes."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import pytest
+
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.checks.check import judged
+from drivegate.containment.judge import own_candidate
+from drivegate.contracts.catalogue import contract_of
+from drivegate.contracts.duty.scenarios.rare import RARE, RARE_BACKWARD
+from drivegate.drives.running import recorded
+from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_lab.candidates.field_faults import FIELD_FAULTS
+
+INTERIOR = load_drive("pm-ac-interior")
+CONTRACT = contract_of(INTERIOR)
+KINDS = {**RARE, **RARE_BACKWARD}
+
+
+@cache
+def runs_of(kind: str) -> tuple[Scenario, ...]:
+    assert isinstance(INTERIOR, PmAcDocument)
+    return tuple(KINDS[kind](INTERIOR))
+
+
+@cache
+def failed_checks(name: str, run: Scenario) -> frozenset[str]:
+    loaded = own_candidate(resolve_candidate(name))
+    margins = judged(recorded(loaded, run, loaded.controller()), CONTRACT.checks).margins
+    return frozenset(margin.check for margin in margins if not margin.met)
+
+
+@pytest.mark.parametrize("name", FIELD_FAULTS)
+def test_a_fault_from_the_field_is_caught_in_a_run_of_its_kind(name: str) -> None:
+    fault = FIELD_FAULTS[name]
+    showing = next(
+        (run for run in runs_of(fault.kind) if fault.check in failed_checks(f"faulty:{name}", run)), None
+    )
+    assert showing is not None, f"no run of '{fault.kind}' fails {fault.check}"
+    assert failed_checks("foc", showing) == frozenset()
+
+
+def test_every_kind_of_operation_has_a_fault() -> None:
+    assert {fault.kind for fault in FIELD_FAULTS.values()} == set(KINDS)
