@@ -30,18 +30,16 @@ BUILTIN_CANDIDATES: Final = MappingProxyType(
 
 DUTY_CANDIDATES: Final = MappingProxyType(
     {
-        **{
-            name: Declaration(detects=FAILURE_KINDS)
-            for name in (
-                "foc",
-                "foc-mtpa",
-                "foc-loss-model",
-                "foc-loss-search",
-                "predictive-flux",
-                "direct-torque",
-            )
-        },
-        "load-observer": Declaration(),
+        name: Declaration(detects=FAILURE_KINDS)
+        for name in (
+            "foc",
+            "foc-mtpa",
+            "foc-loss-model",
+            "foc-loss-search",
+            "predictive-flux",
+            "direct-torque",
+            "load-observer",
+        )
     }
 )
 """Declarations of those that answer with duty ratios, by bare name."""

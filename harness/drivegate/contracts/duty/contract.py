@@ -52,8 +52,8 @@ class _DutyContract(DutyColumns):
     rehearsed = "foc-mtpa"
     witnesses = (
         Witness("foc", _KINDS),
-        # This has a speed regulator of its own, and detects no failure.
-        Witness("load-observer", _KINDS, silent_on=("SAF-1",)),
+        # This has its own speed regulator and its own detector of failures.
+        Witness("load-observer", _KINDS),
         # These regulate otherwise, and detect failures as the first one does.
         *(Witness(name, _KINDS, silent_on=("SAF-1",)) for name in ("predictive-flux", "direct-torque")),
         # This is the first one but for the currents that it chooses.

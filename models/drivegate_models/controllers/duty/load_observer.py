@@ -34,12 +34,14 @@ from drivegate_models.controllers.duty.current_regulator import (
 )
 from drivegate_models.controllers.duty.flux_prediction import regulate_flux, reset_prediction
 from drivegate_models.controllers.duty.hall_observer import reset_observer
+from drivegate_models.controllers.duty.plausibility import hold_safe_state
 from drivegate_models.controllers.duty.position import locate_shaft, reset_position
 from drivegate_models.controllers.duty.reference_voltage import (
     reset_voltage_share,
     share_voltage,
     with_reserve,
 )
+from drivegate_models.controllers.duty.residuals import detect_failure, reset_detector, watch_currents
 from drivegate_models.controllers.duty.state import FOC_STATE
 from drivegate_models.machine.cycle import within_half_turn
 
@@ -62,6 +64,35 @@ LOAD_OBSERVER_STATE: Final = np.dtype(
         ("load", np.float64),
         # Requested torque (N m).
         ("torque", np.float64),
+        # Failure detector: constants, code of the first fault, and counts of control periods; currents of the step
+        # before (A, stationary frame, NaN at first), mean speed (rad/s, NaN at first), and mean unexplained voltage
+        # (V); reference currents (A), mean error of the flux (V s), and 1 while that error shrinks; angle of the step
+        # before (rad), what it turned until then (NaN at first), what it is off its speed (rad electrical), and off the
+        # observed shaft (rad).
+        ("base_speed", np.float64),
+        ("stalling", np.float64),
+        ("still_longest", np.int64),
+        ("hall_still_longest", np.int64),
+        ("fault", np.int64),
+        ("sum_count", np.int64),
+        ("still_count", np.int64),
+        ("hall_before", np.int64),
+        ("voltage_count", np.int64),
+        ("off_count", np.int64),
+        ("along_before", np.float64),
+        ("across_before", np.float64),
+        ("mean_speed", np.float64),
+        ("direct_unexplained", np.float64),
+        ("quadrature_unexplained", np.float64),
+        ("missing", np.int64, (3,)),
+        ("direct_aim", np.float64),
+        ("quadrature_aim", np.float64),
+        ("mean_error", np.float64),
+        ("shrinks", np.int64),
+        ("angle_before", np.float64),
+        ("turned", np.float64),
+        ("behind", np.float64),
+        ("angle_missed", np.float64),
     ],
     align=True,
 )
@@ -116,6 +147,7 @@ def reset_state(state: Any, nameplate: Any) -> None:
     state.torque = 0.0
     reset_position(machine, nameplate, inf)
     reset_observer(machine, rate, nameplate.inertia)
+    reset_detector(state, nameplate)
 
 
 @inlined
@@ -135,6 +167,7 @@ def _observe(state: Any, sense: Any) -> None:
     state.angle += period * (state.speed + 0.5 * gained)
     state.speed += gained
     missed = within_half_turn(sense.angle - state.angle)
+    state.angle_missed = missed
     state.angle += state.angle_share * missed
     state.speed += state.rate_gain * missed
     state.load -= state.load_gain * missed
@@ -176,11 +209,15 @@ def step_state(state: Any, sense: Any, command: Any) -> None:
     direct, quadrature = rotor_currents(machine, sense)
     command.angle = sense.angle
     command.speed = sense.speed
+    if detect_failure(state, sense, direct, quadrature):
+        hold_safe_state(state, command)
+        return
     limit = voltage_limit(machine, sense)
     electrical = machine.pole_pairs * sense.speed
     direct_reference, quadrature_reference = _currents_for(
         state, _requested_torque(state, sense.reference), electrical, machine.voltage_share * limit
     )
+    watch_currents(state, direct, quadrature, direct_reference, quadrature_reference)
     used = regulate_flux(machine, sense, command, direct, quadrature, direct_reference, quadrature_reference)
     share_voltage(machine, used / max(limit, 1e-9))
     command.torque = torque_per_quadrature(machine, direct) * quadrature

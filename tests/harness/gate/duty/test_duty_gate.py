@@ -101,7 +101,7 @@ def test_what_stops_the_edges_is_noticed_through_hall_switches_alone(
     assert all(margin.met for margin in found), found
 
 
-@pytest.mark.parametrize("name", ["foc", "predictive-flux", "direct-torque"])
+@pytest.mark.parametrize("name", ["foc", "predictive-flux", "direct-torque", "load-observer"])
 def test_a_correct_controller_passes_the_same_runs_and_repeats_itself(name: str) -> None:
     with Judge(resolve_candidate(name)) as judge:
         outcome = judge.run(Job(run_fixed, FixedRuns(revealing_runs(), repeat=True)))

@@ -1,0 +1,183 @@
+"""Failures on machines of little inductance, little inertia or low speed, noticed by two independent detectors."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.checks.check import judged
+from drivegate.containment.judge import own_candidate
+from drivegate.contracts.catalogue import contract_of
+from drivegate.contracts.duty.scenarios.building import (
+    failing,
+    speed_scenario,
+    torque_of,
+    torque_scenario,
+)
+from drivegate.contracts.duty.scenarios.drawn_range import unnoticed_because
+from drivegate.drives.running import recorded
+from drivegate.scenarios.changes import with_real_sensors
+from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.scenario.failure_kind import FailureKind
+from drivegate_cases.scenario.scenario import Scenario
+
+NAMES = ("foc", "load-observer")
+
+
+def made(inductance: float, speeds: tuple[float, float, float], **values: float) -> PmAcDocument:
+    """Make a drive of one inductance (H), and of base, highest and overspeed (rpm)."""
+    drive = load_drive("pm-ac-surface")
+    assert isinstance(drive, PmAcDocument)
+    given: dict[str, Any] = {
+        "core_loss_conductance_s": 0.0,
+        "direct_inductance_h": inductance,
+        "quadrature_inductance_h": inductance,
+        **dict(zip(("base_speed_rpm", "highest_speed_rpm", "overspeed_rpm"), speeds, strict=True)),
+    }
+    return drive.replaced(**given, **values)
+
+
+def little_inductance(inductance: float, frequency: float) -> PmAcDocument:
+    """Make a 24 V drive of 25 A with 7 pole pairs."""
+    return made(
+        inductance,
+        (3500.0, 4000.0, 4400.0),
+        pole_pairs=7,
+        resistance_ohm=0.02762,
+        magnet_flux_v_s=0.003931,
+        inertia_kg_m2=7.06e-5,
+        link_voltage_v=24.0,
+        carrier_frequency_hz=frequency,
+        rated_power_w=208.0,
+        current_limit_a=25.0,
+    )
+
+
+EIGHT, TWELVE, TWENTY_THREE = (
+    little_inductance(*values) for values in ((8e-6, 40e3), (1.258e-5, 20e3), (2.3e-5, 20e3))
+)
+SLOW = made(
+    0.003,
+    (150.0, 180.0, 200.0),
+    pole_pairs=30,
+    resistance_ohm=0.05,
+    magnet_flux_v_s=0.76,
+    inertia_kg_m2=2.0,
+    link_voltage_v=750.0,
+    carrier_frequency_hz=3000.0,
+    rated_power_w=49393.0,
+    current_limit_a=150.0,
+)
+"""72 V of EMF at 30 rpm."""
+HUB = made(
+    1.2e-4,
+    (220.0, 330.0, 363.0),
+    pole_pairs=23,
+    resistance_ohm=0.08,
+    magnet_flux_v_s=0.0135,
+    inertia_kg_m2=0.02,
+    link_voltage_v=36.0,
+    carrier_frequency_hz=16e3,
+    dead_time_s=1e-6,
+    rated_power_w=250.0,
+    current_limit_a=30.0,
+)
+"""The hub of a bicycle."""
+FAN = made(
+    0.045,
+    (2000.0, 2600.0, 2860.0),
+    pole_pairs=4,
+    resistance_ohm=12.0,
+    magnet_flux_v_s=0.19,
+    inertia_kg_m2=0.0012,
+    link_voltage_v=310.0,
+    carrier_frequency_hz=16e3,
+    dead_time_s=1.5e-6,
+    switch_drop_v=1.2,
+    diode_drop_v=1.0,
+    rated_power_w=160.0,
+    current_limit_a=2.4,
+)
+"""A machine of great inductance and resistance."""
+LIGHT = made(
+    0.00143,
+    (17.8, 19.0, 20.9),
+    pole_pairs=52,
+    resistance_ohm=0.00525,
+    magnet_flux_v_s=3.725,
+    inertia_kg_m2=1940.0,
+    link_voltage_v=1200.0,
+    carrier_frequency_hz=3000.0,
+    rated_power_w=1.55e6,
+    current_limit_a=3252.7,
+)
+"""A generator of 1.5 MW, whose rated torque accelerates it to base speed in 13 control periods."""
+
+
+def assert_safe(name: str, run: Scenario) -> None:
+    loaded = own_candidate(resolve_candidate(name))
+    margins = judged(recorded(loaded, run, loaded.controller()), contract_of(run.drive).checks).margins
+    found = [margin for margin in margins if margin.check == "SAF-1"]
+    assert found
+    assert all(margin.met for margin in found), found
+
+
+def under_torque(drive: PmAcDocument, speed_rpm: float, share: float = 0.5) -> Scenario:
+    return torque_scenario(drive, speed_rpm, (torque_of(drive, speed_rpm, share),))
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("phase", [1, 2, 3])
+@pytest.mark.parametrize(
+    ("drive", "speed_rpm"),
+    [(EIGHT, 700.0), (EIGHT, 3500.0), (TWELVE, 2050.0), (TWENTY_THREE, 700.0), (HUB, 44.0), (FAN, 400.0)],
+)
+def test_an_open_phase_is_noticed_although_its_diodes_carry_current(
+    drive: PmAcDocument, speed_rpm: float, phase: int, name: str
+) -> None:
+    run = with_real_sensors(under_torque(drive, speed_rpm), 2)
+    assert_safe(name, failing(run, "open-phase", 0.55 * run.duration_s, phase))
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("kind", ["stuck-current", "lost-position", "slip"])
+def test_sensors_that_fail_at_little_inductance_are_noticed(kind: FailureKind, name: str) -> None:
+    run = under_torque(EIGHT, 2050.0)
+    seen = run if kind == "slip" else with_real_sensors(run, 2)
+    slip = 60.0 if kind == "slip" else None
+    assert_safe(name, failing(seen, kind, 0.55 * run.duration_s, slip_deg=slip))
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("kind", ["open-phase", "lost-position"])
+def test_failures_of_a_slow_machine_with_much_emf_are_noticed(kind: FailureKind, name: str) -> None:
+    run = with_real_sensors(under_torque(SLOW, 30.0), 2)
+    assert_safe(name, failing(run, kind, 0.55 * run.duration_s))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_light_rotor_that_does_not_start_is_noticed_once_the_torque_has_risen(name: str) -> None:
+    base = LIGHT.rating.base_speed_rpm
+    start = speed_scenario(LIGHT, (base,), torque_nm=torque_of(LIGHT, base, 0.5), initial_speed_rpm=0.0)
+    assert_safe(name, failing(start, "locked-rotor", 0.0))
+
+
+@pytest.mark.parametrize(
+    ("speed_rpm", "kind", "real", "hidden"),
+    [
+        (44.0, "lost-position", True, True),
+        (66.0, "lost-position", True, False),
+        (44.0, "lost-position", False, False),
+        (44.0, "open-phase", True, False),
+    ],
+)
+def test_an_encoder_that_stops_counts_where_the_emf_shows_it(
+    speed_rpm: float, kind: FailureKind, real: bool, hidden: bool
+) -> None:
+    """At 44 rpm the hub has 1.4 V of EMF, 0.9 V across its resistance, and 0.6 V of uncertain link and dead time."""
+    run = under_torque(HUB, speed_rpm)
+    because = unnoticed_because(failing(with_real_sensors(run, 2) if real else run, kind, 0.1))
+    assert (because is not None) is hidden
