@@ -34,9 +34,10 @@ from drivegate.scenarios.covering import FACTORS, covering_rows
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.drive.rating import FOLLOWING
 from drivegate_cases.scenario.sensors import PLAIN
-from drivegate_lab.candidates.duty_faults import DUTY_FAULTS
 from drivegate_lab.candidates.faults.catalogue import MUTATIONS
 from drivegate_lab.drawn.kinds import DRAWN_KINDS
+from drivegate_lab.selftest.operations import operations
+from drivegate_lab.selftest.subjects import FAULTS_OF
 from drivegate_models.contract.current import signals as current_signals
 from drivegate_models.contract.duty import signals as duty_signals
 
@@ -111,7 +112,8 @@ def _known_faults(contract: str, name: str) -> str:
     """The faulty controllers for one check; those of duty ratios with their faults."""
     if not contract:
         return ", ".join(f"`faulty:{fault.name}`" for fault in MUTATIONS.values() if fault.check == name)
-    faults = {fault: found.sentence for fault, found in DUTY_FAULTS.items() if found.check == name}
+    known = FAULTS_OF["duty"]
+    faults = {fault: found.sentence for fault, found in known.items() if found.check == name}
     return "".join(f"\n  - `faulty:{fault}`: {_plain(sentence)}" for fault, sentence in faults.items())
 
 
@@ -143,6 +145,34 @@ def drawn_table(_: str) -> str:
 
 
 _WRITTEN: Final = ("schema", "name", "description")
+
+
+def operations_table(named: str) -> str:
+    """Kinds of operation that are rarely tried, each with its fixed runs and the faulty controllers that prove them."""
+    rows = (
+        (
+            each.kind,
+            _first_of([f"`{run.name}`" for run in each.runs]),
+            ", ".join(f"`{fault.name}` ({fault.check})" for fault in each.faults),
+        )
+        for each in operations(load_drive(named))
+    )
+    return _table(
+        ("kind of operation", "fixed runs", "faulty controllers, and the check that catches them"), rows
+    )
+
+
+def _first_of(names: Sequence[str]) -> str:
+    """Return the names of the first runs, shortened, and how many there are beyond these."""
+    shown = [
+        f"{name[:_LONGEST_NAME]}…`" if len(name) > _LONGEST_NAME else name for name in names[:_SHOWN_RUNS]
+    ]
+    more = len(names) - len(shown)
+    return ", ".join(shown) + (f" and {more} more" if more else "")
+
+
+_SHOWN_RUNS: Final = 2
+_LONGEST_NAME: Final = 60
 
 
 def coverage_table(contract: str) -> str:
@@ -294,6 +324,7 @@ INSERTED: Final = MappingProxyType(
         "fixed-scenarios": fixed_table,
         "drawn-scenarios": drawn_table,
         "coverage-table": coverage_table,
+        "operations": operations_table,
         "signals": signals,
         "shared-options": shared_options,
         "command-table": command_table,

@@ -11,8 +11,8 @@ from drivegate.checks.check import Check
 from drivegate.contracts.catalogue import all_checks
 from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.contracts.duty.checks.catalogue import DUTY_CHECKS
-from drivegate_lab.candidates.duty_faults import DUTY_FAULTS
 from drivegate_lab.candidates.faults.catalogue import MUTATIONS
+from drivegate_lab.selftest.subjects import FAULTS_OF
 
 DOCS = Path(__file__).parents[2] / "docs"
 SECTIONS = ["Judging", "Typical faults", "Counterexample"]
@@ -50,5 +50,5 @@ def test_a_page_inserts_what_the_catalogue_knows_and_states_the_rest(check: Chec
 def test_the_faulty_controllers_that_pages_name_exist() -> None:
     for page in DOCS.rglob("*.md"):
         named = set(re.findall(r"faulty:([a-z0-9-]+)", page.read_text(encoding="utf-8")))
-        known = {*MUTATIONS, *DUTY_FAULTS}
+        known = {*MUTATIONS, *FAULTS_OF["duty"]}
         assert named <= known, f"{page.name} names {named - known}, which do not exist"

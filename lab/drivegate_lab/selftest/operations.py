@@ -18,9 +18,8 @@ from drivegate_lab.candidates.field_faults import FIELD_FAULTS
 
 _PROOFS_OF_CURRENT: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
     {
-        "clocks": ("timer-always-due", "catches-up-with-the-clock"),
-        "repeated lost samples": ("twenty-restarts",),
-        "short control period": ("power-sum-overflows", "step-count-in-a-byte"),
+        "clocks": ("milliseconds-overflow", "timer-always-due"),
+        "short control period": ("integral-of-eight-bits", "step-count-in-a-byte"),
         "minutes": ("milliseconds-overflow",),
     }
 )

@@ -16,9 +16,9 @@ from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_lab.candidates.field_faults import FIELD_FAULTS
+from drivegate_lab.selftest.operations import Operation, operations
 
-INTERIOR = load_drive("pm-ac-interior")
-CONTRACT = contract_of(INTERIOR)
+INTERIOR, PAPER = load_drive("pm-ac-interior"), load_drive("paper-5-phase")
 KINDS = {**RARE, **RARE_BACKWARD}
 
 
@@ -31,7 +31,7 @@ def runs_of(kind: str) -> tuple[Scenario, ...]:
 @cache
 def failed_checks(name: str, run: Scenario) -> frozenset[str]:
     loaded = own_candidate(resolve_candidate(name))
-    margins = judged(recorded(loaded, run, loaded.controller()), CONTRACT.checks).margins
+    margins = judged(recorded(loaded, run, loaded.controller()), contract_of(run.drive).checks).margins
     return frozenset(margin.check for margin in margins if not margin.met)
 
 
@@ -43,6 +43,17 @@ def test_a_fault_from_the_field_is_caught_in_a_run_of_its_kind(name: str) -> Non
     )
     assert showing is not None, f"no run of '{fault.kind}' fails {fault.check}"
     assert failed_checks("foc", showing) == frozenset()
+
+
+@pytest.mark.parametrize("operation", operations(PAPER), ids=lambda operation: operation.kind)
+def test_a_fault_of_current_references_is_caught_in_a_run_of_its_kind(operation: Operation) -> None:
+    for fault in operation.faults:
+        caught = [
+            run
+            for run in operation.runs
+            if fault.check in failed_checks(f"faulty:{fault.name}", run) - failed_checks(fault.base, run)
+        ]
+        assert caught, f"no run of '{operation.kind}' fails {fault.check} by {fault.name}"
 
 
 def test_every_kind_of_operation_has_a_fault() -> None:

@@ -8,11 +8,9 @@ from typing import Final, TypeAlias
 
 from drivegate.contracts.current.scenarios.building import coming_on, steady_scenario
 from drivegate.scenarios.changes import (
-    moments,
     pulsed,
     with_beginning,
     with_load_factor,
-    with_lost_samples,
 )
 from drivegate.scenarios.clocks import wraps_s
 from drivegate.scenarios.drive_scale import scale_of
@@ -48,12 +46,6 @@ def _late_clocks(drive: DriveDocument) -> list[Scenario]:
     return [with_beginning(run, clock_start_s=round(wrap - before, 6)) for wrap in wraps]
 
 
-def _lost_samples(drive: DriveDocument) -> list[Scenario]:
-    scale = scale_of(drive)
-    times = moments(scale.change_s, every_s=10 * scale.dropout_step_s)
-    return [with_lost_samples(_loaded(drive), 1, times)]
-
-
 def _short_period(drive: DriveDocument) -> list[Scenario]:
     return [with_beginning(_loaded(drive), control_period_s=SHORT_PERIOD_S)]
 
@@ -67,7 +59,6 @@ def _minutes(drive: DriveDocument) -> list[Scenario]:
 RARE: Final[Mapping[str, RareRuns]] = MappingProxyType(
     {
         "clocks": _late_clocks,
-        "repeated lost samples": _lost_samples,
         "short control period": _short_period,
         "minutes": _minutes,
     }
