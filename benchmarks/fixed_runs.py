@@ -26,6 +26,7 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import own_candidate
 from drivegate.containment.messages import JudgedCandidate
 from drivegate.contracts.catalogue import contract_of
+from drivegate.contracts.traceability import FIXED
 from drivegate.gate.plan import EXAMPLES, SHARDS
 from drivegate.gate.shard import FixedRuns, run_fixed
 from drivegate_cases.drive.drive_document import load_drive
@@ -106,6 +107,8 @@ def main() -> None:
     drawn: dict[str, dict[str, Scenario]] = {}
     if not given.fixed_only:
         for family, scenarios in drawn_by_family(drive).items():
+            if family == FIXED:
+                continue
             chosen = [run for run in scenarios if contract.unfair_because(run) is None][:OF_EACH_FAMILY]
             drawn[family] = {f"{family} {number}": run for number, run in enumerate(chosen)}
     runs = fixed | {key: run for family in drawn.values() for key, run in family.items()}
