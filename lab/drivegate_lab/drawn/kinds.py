@@ -9,7 +9,7 @@ from random import Random
 from types import MappingProxyType
 from typing import Final
 
-from drivegate.drives.abilities import ability_of
+from drivegate.drives.abilities import ability_of, refusals
 from drivegate.drives.angle_ability import rating_is_met
 from drivegate.drives.rating import rated_drive
 from drivegate.drives.required_ripple import ripple_percent_of_all
@@ -151,7 +151,8 @@ def _pm_ac_measured_by(drive: DriveDocument) -> dict[str, float]:
 
 
 def _pm_ac_accepted(document: DriveDocument) -> DriveDocument | None:
-    return document if ability_of(document).accepts(document) else None
+    # A check also refuses a rotor so heavy that runs would take minutes.
+    return document if ability_of(document).accepts(document) and not refusals(document) else None
 
 
 def _of_legs(kind: str, bounds: Mapping[str, Bound], *, seed: str, names: str) -> DrawnKind:
