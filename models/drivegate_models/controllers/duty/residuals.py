@@ -34,14 +34,17 @@ _OFFSETS: Final = 0.015
 _GAINS: Final = 0.02
 _SUM_PERIODS: Final = 5
 # Share of the present unexplained voltage in its mean. What other than nominal data explain of the mean: shares of the
-# magnet's EMF, of the voltage across inductance and resistance, of the link, and of that lost by dead time; and for how
-# many control periods it is more.
+# magnet's EMF, of the voltage across inductance and resistance, of the link, and of that lost by dead time and drops,
+# where the current over its limit is sure of its sign; and at standstill the EMF of a speed over base speed that an
+# encoder of few lines does not resolve. For how many control periods it is more.
 _RATE: Final = 0.125
 _MAGNET: Final = 0.3
 _INDUCTIVE: Final = 0.35
 _RESISTIVE: Final = 1.0
 _LINK: Final = 0.01
-_DEAD: Final = 0.5
+_LOST: Final = 0.5
+_SURE: Final = 0.1
+_UNRESOLVED: Final = 0.05
 _VOLTAGE_PERIODS: Final = 6
 # Share of the measured speed in its mean. An encoder shows a mean over milliseconds: while a light rotor changes
 # its speed, the EMF of the difference is unexplained as well.
@@ -191,10 +194,14 @@ def _is_voltage_wrong(state: Any, sense: Any, direct: float, quadrature: float) 
     speed = abs(float(machine.pole_pairs * sense.speed))
     changing = abs(float(machine.pole_pairs * (sense.speed - state.mean_speed)))
     amplitude = min(_length(direct, quadrature), machine.current_limit)
-    allowed = (_MAGNET * speed + changing) * machine.magnet_flux
+    unresolved = machine.pole_pairs * max(_UNRESOLVED * state.base_speed - 0.5 * abs(state.mean_speed), 0.0)
+    allowed = (_MAGNET * speed + changing + unresolved) * machine.magnet_flux
     allowed += _INDUCTIVE * speed * machine.quadrature_inductance * amplitude
     allowed += _RESISTIVE * machine.resistance * amplitude
-    allowed += (_LINK + _DEAD * machine.dead_ratio) * sense.supply_voltage
+    lost = machine.dead_ratio * sense.supply_voltage + 0.5 * (machine.switch_drop + machine.diode_drop)
+    allowed += (
+        _LINK * sense.supply_voltage + (_LOST if amplitude > _SURE * machine.current_limit else 1.0) * lost
+    )
     unexplained = _length(state.direct_unexplained, state.quadrature_unexplained)
     state.voltage_count = state.voltage_count + 1 if unexplained > allowed else 0
     is_off = sense.hall >= 0 or abs(float(machine.pole_pairs * state.angle_missed)) > _OFF
