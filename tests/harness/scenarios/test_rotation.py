@@ -20,7 +20,6 @@ from drivegate.contracts.duty.scenarios.feasibility import unfair_because
 from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios
 from drivegate.drives.running import recorded
 from drivegate.gate.shard import FixedRuns, run_fixed
-from drivegate.gate.shrinking import ShrinkPlan, run_shrink
 from drivegate.scenarios.rotation import goes_backward, mirrored, needs_reverse
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
@@ -183,14 +182,3 @@ def test_a_stored_run_backward_is_set_aside_for_a_candidate_that_turns_one_way()
     outcome = run_fixed(loaded, FixedRuns((torque_scenario(DRIVE, 0.0, (-1.0,)),)))
     assert not outcome.runs
     assert "states 'reverses = false'" in outcome.infeasible[0].reason
-
-
-@pytest.mark.parametrize("reverses", [True, False])
-def test_shrinking_asks_for_no_reverse_either(reverses: bool) -> None:
-    weak = resolve_candidate("faulty:weak-braking")
-    loaded = own_candidate(replace(weak, declaration=replace(weak.declaration, reverses=reverses)))
-    braking = torque_scenario(DRIVE, 300.0, (-DRIVE.rating.rated_torque_nm,))
-    shrunk = run_shrink(loaded, ShrinkPlan(braking.to_mapping(), "ACC-1", budget=6))
-    assert shrunk is not None
-    speeds = {speed for _, speed in shrunk.scenario["speed_rpm"]}
-    assert (speeds == {0.0}) is reverses, speeds

@@ -80,16 +80,16 @@ LIKELY_CAUSES: Final = (
         "stuck-weakening strong-magnets-assumed weakening-kept-near-base",
     ),
     _cause(
-        "the current regulator is too slow, or its voltage is limited too early",
-        "DEC-1 STP-1 STP-1:late",
-        "STP-1 confirms it: the torque rises late",
-        "slow-currents clamped-phases",
-    ),
-    _cause(
         "the gains of the current regulator are too high, or its integral alone is: a zero makes the torque overshoot",
         "DEC-1 STP-1 STP-1:overshoot",
         "STP-1 confirms it: the torque overshoots",
         "nervous-currents eager-integrals",
+    ),
+    _cause(
+        "the current regulator is too slow, or its voltage is limited too early",
+        "DEC-1 STP-1 STP-1:late",
+        "STP-1 confirms it: the torque rises late",
+        "slow-currents clamped-phases",
     ),
     _cause(
         "the delay of a control period is not compensated, or by the wrong angle",
@@ -156,7 +156,7 @@ LIKELY_CAUSES: Final = (
     _cause(
         "the bridge is off where nothing has failed: by a trip, or since the controller waits for 'enable' and the "
         "manifest does not state 'reads_enable'",
-        "ACC-1 ACC-1:off ROB-4 ROB-4:off ROB-5 ROB-5:off",
+        "ACC-1 ACC-1:torque ACC-1:off ROB-4 ROB-5",
         "ACC-1 confirms it: all legs are off, and the fault code names the trip",
         "undervoltage-at-once lost-currents-trip false-edges-trip swinging-speed-trips impatient-stall-watch "
         "sag-taken-for-short-circuit lift-taken-for-broken-coupling lowering-refused overvoltage-ends-braking",
@@ -194,7 +194,6 @@ _SHOWN: Final = (
     ("ROB-4", re.compile(r"speed overshoots"), "overshoot"),
     ("ROB-4", re.compile(r"speed off"), "error"),
     ("OVC-1", re.compile(r".* after the bridge turns on"), "beginning"),
-    *((check, re.compile(f".*{BRIDGE_OFF}"), "off") for check in ("ACC-1", "ROB-4", "ROB-5")),
 )
 _DIRECT: Final = re.compile(r"d current (\S+) A, (\S+) A is best")
 
@@ -208,6 +207,8 @@ def _signs(check: str, measured: str) -> Iterator[str]:
     for name, pattern, shown in _SHOWN:
         if name == check and pattern.match(measured):
             yield f"{check}:{shown}"
+    if BRIDGE_OFF in measured:
+        yield "ACC-1:off"
     found = _DIRECT.match(measured)
     if found is not None:
         # Against the magnet, or along it.

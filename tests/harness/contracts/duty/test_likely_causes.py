@@ -34,6 +34,13 @@ def test_signs_and_what_confirms_a_cause_name_checks_that_there_are() -> None:
         ({"DTM-1": "torque swings by 0.07 N·m, 20 times"}, "dead-time-times-ten"),
         ({"DEC-1": "d current moved by 0.2 A"}, "late-samples"),
         ({"FWK-3": "braking with 0.2978 N·m, 13.1 %"}, "delay-turned-back"),
+        (
+            {"ROB-5": "torque off by 1 N·m, where the controller has turned all legs off"},
+            "undervoltage-at-once",
+        ),
+        ({"ROB-4": "speed off by 9 rpm, where the controller has turned all legs off"}, "lowering-refused"),
+        ({"DEC-1": "d current moved by 0.2 A"}, "eager-integrals"),
+        ({"STP-1": "overshoot 14.9 % from 0.5 to 1 N·m"}, "eager-integrals"),
         ({"SAF-1": "torque 72.82 N·m beyond its reference"}, "third-current-computed"),
     ],
 )
