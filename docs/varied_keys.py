@@ -84,6 +84,8 @@ NOT_VARIED: Final[Mapping[str, str]] = {
     **dict.fromkeys(
         (
             "load.torque_reference_nm",
+            "load.released_s",
+            "turns_before",
             "failure.kind",
             "failure.time_s",
             "failure.phase",

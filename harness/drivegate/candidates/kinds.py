@@ -43,6 +43,9 @@ INNER_PREFIX: Final = "inner:"
 
 MANIFEST_SUFFIX: Final = ".toml"
 
+COMPILED_FOLDER: Final = "native"
+"""Folder of the kinds whose code is compiled for this processor."""
+
 
 @dataclass(frozen=True)
 class Kind:

@@ -20,6 +20,7 @@ from drivegate.containment.candidate_handle import CandidateHandle
 from drivegate.containment.machine_memory import is_for_memory, killed_for_memory, lack_of_memory
 from drivegate.containment.protocol import (
     CHECK_BYTES,
+    CloseLoop,
     Ending,
     MakeInstance,
     Order,
@@ -159,7 +160,8 @@ class CandidateProcess:
     def _replied(self, order: Order, steps: int) -> Reply:
         handle = self._running
         handle.forget_output()
-        watch = StallWatch(self._limits, handle.processor_seconds(), time.monotonic(), steps)
+        every = steps + order.steps_before if isinstance(order, CloseLoop) else steps
+        watch = StallWatch(self._limits, handle.processor_seconds(), time.monotonic(), every)
         pace = PaceWatch(steps, self._limits.allowed_seconds(steps))
         handle.send(order, steps * order.commands.itemsize if isinstance(order, RunOrder) else 0)
         while True:

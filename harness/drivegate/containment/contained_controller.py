@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from drivegate.candidates.controller import CompiledController
 from drivegate.candidates.fault import Fault, FaultKind
+from drivegate.candidates.kinds import COMPILED_FOLDER, KINDS
 from drivegate.candidates.step_costs import NO_COSTS, StepCosts, greatest_costs
 from drivegate.containment.candidate_process import Answered, CandidateProcess
 from drivegate.containment.protocol import CloseLoop, GiveSenses, Reset, RunOrder
@@ -66,6 +67,11 @@ class ContainedController:
         self.is_python = made.is_python
         self.state_size = made.state_size
         self._costs = NO_COSTS
+
+    @property
+    def is_compiled(self) -> bool:
+        """Whether its steps are compiled code of this processor, which takes little time for many of them."""
+        return not self.is_python and KINDS[self._process.candidate.kind].folder == COMPILED_FOLDER
 
     def reset(self, nameplate: Nameplate | DutyNameplate) -> None:
         if self._generation != self._process.generation or not self._process.is_running:

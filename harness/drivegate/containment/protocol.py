@@ -73,6 +73,8 @@ class CloseLoop:
     """Steps before which the instance is reset, in the process that has it."""
     layout: Layout = CURRENT
     """Records of the contract."""
+    steps_before: int = 0
+    """Number of steps before those whose commands are kept."""
 
     @property
     def commands(self) -> np.dtype[Any]:

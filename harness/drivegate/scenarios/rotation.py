@@ -55,6 +55,7 @@ def mirrored(scenario: Scenario) -> Scenario:
             initial_speed_rpm=_negative(scenario.initial_speed_rpm),
             speed_rpm=_negated(scenario.speed_rpm),
             initial_angle_deg=_negative(scenario.initial_angle_deg) % 360.0,
+            turns_before=-scenario.turns_before,
             load=load,
         )
     )

@@ -124,6 +124,8 @@ def _load(scenario: Content) -> Iterator[Trait]:
             words = f"held by a dynamometer, torque reference {changing(torque, 'N·m')}"
             fact = f"torque reference {changes_at(torque, 'N·m')}"
             yield Trait(f"torque-{sequence(levels(torque))}Nm", words, fact, short)
+            if (released := load.get("released_s")) is not None:
+                yield Trait("released", f"released at {released:.4g} s", f"shaft released at {released:g} s")
         case "locked":
             yield Trait("locked", "locked to a dynamometer", sized, short)
         case "vehicle":
@@ -294,6 +296,11 @@ def _clock(scenario: Content) -> Iterator[Trait]:
     yield Trait(f"clock-{start:.7g}s", f"clock at {start:.7g} s", f"clock start s {start:g}")
 
 
+def _turns(scenario: Content) -> Iterator[Trait]:
+    turns = scenario["turns_before"]
+    yield Trait(f"after-{turns:.7g}-turns", f"after {turns:.7g} turns", f"after {turns:g} turns")
+
+
 def _angle(scenario: Content) -> Iterator[Trait]:
     angle = scenario["initial_angle_deg"]
     yield Trait(f"rotor-{angle:.4g}deg", f"rotor at {angle:.4g}° at first", f"initial angle deg {angle:g}")
@@ -321,6 +328,7 @@ _TRAITS: Final[Mapping[str, Callable[[Content], Iterator[Trait]]]] = {
     "failure": _failure,
     "control_period_s": _control_period,
     "clock_start_s": _clock,
+    "turns_before": _turns,
     "initial_angle_deg": _angle,
     "restarts_s": _restarts,
 }

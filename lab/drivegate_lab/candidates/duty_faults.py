@@ -486,6 +486,41 @@ _UNNAMED: Final = {
         under=SPEED_REFERENCE,
         refuses_lowering=1.0,
     ),
+    "braking-ends-at-highest-speed": _signals(
+        "ACC-1",
+        "Gives no torque against the rotation above 102 % of the highest speed.",
+        under=TORQUE_REFERENCE,
+        braking_until=lambda plate: 1.02 * plate.highest_speed,
+    ),
+    "overspeed-taken-early": _signals(
+        "ACC-1",
+        "Turns its bridge off above 109 % of the highest speed.",
+        trips_from=lambda plate: 1.09 * plate.highest_speed,
+    ),
+    "speed-taken-for-constant": _signals(
+        "ACC-1",
+        "Takes the speed at the last change of the torque reference for the present one.",
+        under=TORQUE_REFERENCE,
+        keeps_speed=1.0,
+    ),
+    "torque-ramped-after-stall": _signals(
+        "ACC-1",
+        "Ramps its torque up again where a shaft that stood under it begins to turn.",
+        under=TORQUE_REFERENCE,
+        standing=lambda plate: 0.005 * plate.base_speed,
+        stalled_after=1000.0,
+        ramped_within=10_000.0,
+    ),
+    "turns-summed-in-single-precision": _signals(
+        "ACC-1",
+        "Sums its commutation angle over all turns in single precision.",
+        summed_step=lambda plate: radians(0.1) / plate.pole_pairs,
+    ),
+    "edges-summed-in-single-precision": _signals(
+        "ACC-1",
+        "Sums all edges of an encoder in single precision.",
+        summed_step=2.0 * pi / 4096,
+    ),
 }
 
 DUTY_FAULTS: Final = {name: replace(fault, name=name) for name, fault in _UNNAMED.items()}

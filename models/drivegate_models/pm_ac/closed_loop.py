@@ -21,12 +21,13 @@ from drivegate_models.machine import advance_status, ledger
 from drivegate_models.machine.load import Load
 from drivegate_models.pm_ac.failure import make_failure
 from drivegate_models.pm_ac.loop_inputs import DutyLoopInputs
-from drivegate_models.pm_ac.loop_kernel import DutyRoom, DutyTiming, release_before_start, run_periods
+from drivegate_models.pm_ac.loop_kernel import NEVER, DutyRoom, DutyTiming, release_before_start, run_periods
 from drivegate_models.pm_ac.loop_records import DutyRecords, make_records
 from drivegate_models.pm_ac.plant.advance import PmAcPhases, make_phases
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
 from drivegate_models.pm_ac.rectifying import rectifies, settle_rectifying
 from drivegate_models.pm_ac.sensing import delayed_glitches, ideal_duty_sensors, low_side_ratio
+from drivegate_models.pm_ac.turning import no_turning
 
 
 class DutyRun(NamedTuple):
@@ -84,6 +85,7 @@ def prepared_duty_loop(
         float(inputs.clock_start),
         int(inputs.resting),
         int(inputs.waiting),
+        NEVER if inputs.released is None else int(inputs.released),
     )
     phases = make_phases()
     if not _settle_before_start(drive, phases, load, schedule, timing, room):
@@ -100,6 +102,7 @@ def prepared_duty_loop(
         ideal_duty_sensors() if sensors is None else delayed_glitches(sensors, inputs.waiting * period),
         make_failure() if inputs.failure is None else inputs.failure,
         no_restarts() if restarts is None else restarts,
+        no_turning() if inputs.turning is None else inputs.turning,
         records,
     )
     return PreparedLoop(

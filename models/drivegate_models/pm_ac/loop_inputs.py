@@ -8,6 +8,7 @@ from drivegate_models.loop.loop_inputs import LoopInputs
 from drivegate_models.loop.schedule import Course
 from drivegate_models.pm_ac.failure import Failure
 from drivegate_models.pm_ac.sensing import DutySensors
+from drivegate_models.pm_ac.turning import Turning
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,3 +29,7 @@ class DutyLoopInputs(LoopInputs):
     """Torque reference, instead of the schedule's speed (N m)."""
     failure: Failure | None = None
     """A failure during the run; none by default."""
+    released: int | None = None
+    """Number of the control period from which a held shaft turns freely; by default it is held throughout."""
+    turning: Turning | None = None
+    """Turns of the shaft before the run, in which the controller is stepped; none by default."""

@@ -43,7 +43,10 @@ from drivegate_models.pm_ac.sensing import (
     show_shaft,
     turn_shaft_sensors,
 )
+from drivegate_models.pm_ac.turning import Turning, turn_before_run
 
+NEVER: Final = 2**62
+"""Number of a control period that no run has."""
 _LEAST_SHARE: Final = 1e-6
 """Minimum throughput of a period in its balance, relative to the energy of link voltage times current limit (1)."""
 
@@ -68,6 +71,8 @@ class DutyTiming(NamedTuple):
     waiting: int = 0
     """Number of control periods with all legs off: before the run, while the shaft turns at its initial speed, and from
     each restart on."""
+    released: int = NEVER
+    """Control period from which a held shaft turns freely."""
     has_no_start: bool = False
     """True if the plant has no steady state to start from, which ends the run."""
 
@@ -214,14 +219,15 @@ def run_periods(
     sensors: DutySensors,
     failure: Failure,
     restarts: Restarts,
+    turning: Turning,
     records: DutyRecords,
 ) -> tuple[int, int]:
     """Run a controller against the plant, whose machine is in its initial state.
 
     `schedule`: external conditions. The supply is half of the link voltage, and the speed is the reference. `torque`:
-    torque reference (N m). Control periods before the run have negative numbers and are not recorded. Returns `status`,
-    `steps`: `COMPLETED` or the reason for an early end, and the number of completed control periods, including those
-    before the run.
+    torque reference (N m). `turning`: turns of the shaft before the run. Control periods before the run have negative
+    numbers and are not recorded. Returns `status`, `steps`: `COMPLETED` or the reason for an early end, and the number
+    of completed control periods, including those before the run.
     """
     if timing.has_no_start:
         return PLANT_FAULT, 0
@@ -243,11 +249,12 @@ def run_periods(
         rests = k < -timing.waiting
         now = max(k, 0) * length
         # The sensors' own time begins when the shaft turns.
-        turning = max(k + timing.waiting, 0)
+        since_turning = max(k + timing.waiting, 0)
         conditions = conditions_at(schedule, room.course_positions, now)
         plant = drifted(drive, conditions.resistance, conditions.emf_constant)
         is_locked = has_failed(failure, LOCKED_ROTOR, k)
-        if load.kind == LOCKED or is_locked:
+        is_held = load.kind == LOCKED and k < timing.released
+        if is_held or is_locked:
             speed = 0.0 if is_locked else conditions.speed
             change = 0.0
             if is_locked:
@@ -256,7 +263,18 @@ def run_periods(
         reference = torque_reference if timing.regulates_torque else conditions.speed
         link = 2.0 * conditions.supply
         shaft_angle = shown_angle((angle + 2.0 * pi * turns) / drive.pole_pairs)
-        clock = timing.clock_start + (before + k) * length
+        if turning.periods > 0 and k == -timing.waiting:
+            begin_turning = (angle, timing.clock_start + (before + k) * length)
+            idle = 0.0 if timing.regulates_torque else turning.speed
+            enable = 0 if timing.waiting > 0 else 1
+            if (
+                turn_before_run(drive, exchange, turning, begin_turning, link, idle, length, enable)
+                != COMPLETED
+            ):
+                exchange.kept[before + k] = exchange.command[0]
+                return STOPPED, before + k
+        turned_before = turning.periods if k >= -timing.waiting else 0
+        clock = timing.clock_start + (turned_before + before + k) * length
         currents = room.no_currents if rests else phases.currents
         write_sense(exchange, currents, link, reference, clock, shaft_angle, speed)
         _write_voltages(exchange, phases, rests, drive.diode_drop)
@@ -267,7 +285,7 @@ def run_periods(
                 ended = alignment_of(drive.modulator.updates, k + 1)
                 carrier = length / drive.modulator.control_every
                 show_phase_currents(sensors, exchange.sensed_currents, ended, room.last, carrier)
-            show_shaft(sensors, exchange.sense[0], turning, length)
+            show_shaft(sensors, exchange.sense[0], since_turning, length)
         is_exact = sensors.ideal or sensors.position == EXACT
         show_failed(failure, k, exchange.sensed_currents, exchange.sense[0], is_exact)
         drop_signals(sensors, k * length, exchange.sensed_currents, exchange.sense[0])
@@ -316,10 +334,10 @@ def run_periods(
         turns = (turns + whole_turns(turned)) % drive.pole_pairs
         angle = within_a_turn(turned)
         if not sensors.ideal:
-            _turn_sensors(sensors, failure, k, turning, length, held)
+            _turn_sensors(sensors, failure, k, since_turning, length, held)
             for leg in range(3):
                 room.last[leg] = low_side_ratio(room.ratios[0, leg], room.legs[0, leg])
-        if k >= 0 and load.kind != LOCKED and not is_locked:
+        if k >= 0 and not is_held and not is_locked:
             inertia = conditions.inertia * (drive.inertia + load.inertia)
             resisting = (opposing, drag_torque(load, held), conditions.friction)
             gained, change = _turn(

@@ -67,7 +67,7 @@ class DriveDocument(Document):
     """Contract of the controllers: what they answer with."""
     sensor_kinds: ClassVar[tuple[str, ...]] = ("ideal", "mcs96", "hall")
     """Kinds of sensors that such a drive can have."""
-    excluded: ClassVar[Mapping[str, str]] = {"failure": _OF_PM_AC}
+    excluded: ClassVar[Mapping[str, str]] = {"failure": _OF_PM_AC, "turns_before": _OF_PM_AC}
     """Keys of a scenario that are for other drives, with those that they are for."""
     excluded_loads: ClassVar[Mapping[str, str]] = {
         "dynamometer": f"{_OF_PM_AC}, whose controllers take a torque reference",

@@ -42,6 +42,12 @@ class DynamometerLoad(LockedLoad):
             f"must have torques of at most {_MOST_TORQUE_NM:g} N·m either way",
         ),
     ] = Field(description="torque that the controller is asked for, a list of [seconds, newton metres]")
+    released_s: float | None = Field(
+        default=None,
+        gt=0.0,
+        description="time from which the dynamometer no longer holds the shaft, so that the torque turns it freely, in "
+        "seconds",
+    )
 
 
 class _SwitchedLoad(Section):

@@ -66,8 +66,8 @@ def dwell_of(scenario: Scenario, values: Mapping[str, float], start: float = 0.0
 def dwells(scenario: Scenario, *, seen_throughout: bool = False) -> tuple[Dwell, ...]:
     """Find the stretches of a scenario in which reference, load, supply, plant and sensors are all constant.
 
-    A restart of the controller ends one, as an event that is over at once. With `seen_throughout` so does the loss of
-    a signal, at its end; without, it is in none.
+    A restart of the controller ends one, as an event that is over at once, and so does the release of the shaft. With
+    `seen_throughout` so does the loss of a signal, at its end; without, it is in none.
     """
     profiles = profiles_of(scenario)
     # Most stay as they begin, and need no second look.
@@ -79,6 +79,8 @@ def dwells(scenario: Scenario, *, seen_throughout: bool = False) -> tuple[Dwell,
     ]
     failures += [(glitch.time_s, glitch.time_s) for glitch in scenario.glitches]
     failures += [(time, time) for time in scenario.restarts_s]
+    if (released := released_s(scenario)) is not None:
+        failures.append((released, released))
     # A failure begins at the first of its two points and is over at the second.
     events: tuple[Profile, ...] = tuple(((start, 0.0), (end, 0.0)) for start, end in failures)
     interruptions = {end for _, end in failures}
@@ -94,6 +96,11 @@ def dwells(scenario: Scenario, *, seen_throughout: bool = False) -> tuple[Dwell,
         else:
             found.append((start, end, constant))
     return tuple(dwell_of(scenario, begin | values, start, end) for start, end, values in found)
+
+
+def released_s(scenario: Scenario) -> float | None:
+    """Return the time from which a dynamometer no longer holds the shaft (s); None where it always does."""
+    return scenario.load.released_s if isinstance(scenario.load, DynamometerLoad) else None
 
 
 def dwell_torque(scenario: Scenario, dwell: Dwell) -> float:

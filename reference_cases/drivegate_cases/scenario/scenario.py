@@ -18,6 +18,7 @@ from drivegate_cases.scenario.disturbance import CurrentError, Dropout, Glitch
 from drivegate_cases.scenario.failure import Failure
 from drivegate_cases.scenario.load import (
     ConstantPowerLoad,
+    DynamometerLoad,
     Load,
     LockedLoad,
     VehicleLoad,
@@ -40,6 +41,7 @@ LONGEST_CONTROL_PERIOD_S = 0.0005
 SHORTEST_CONTROL_PERIOD_S = 1e-6
 _HIGHEST_SPEED_RPM = OVER_RATING * HIGHEST_SPEED_RPM
 _LATEST_START_S = 1e7
+_MOST_TURNS = 10**9
 _LEFT_OUT: Final[Any] = None
 
 
@@ -78,6 +80,12 @@ class Scenario(Document):
         ge=0.0,
         le=_LATEST_START_S,
         description="what the controller's clock shows at time 0, in seconds",
+    )
+    turns_before: int = Field(
+        default=0,
+        ge=-_MOST_TURNS,
+        le=_MOST_TURNS,
+        description="turns that the shaft has made before time 0 at its initial speed, negative backward",
     )
     restarts_s: tuple[float, ...] = Field(
         default=(),
@@ -166,6 +174,7 @@ class Scenario(Document):
         self._check_profiles_end_in_time()
         self._check_disturbances_end_in_time()
         self._check_load_fits_speed()
+        self._check_turned_before()
         self._check_sizes()
         self._check_phases()
         if self.imbalance is not None and not self.drive.has_split_supply:
@@ -279,7 +288,30 @@ class Scenario(Document):
         if len(set(wrong)) < len(wrong):
             raise ValueError("the key 'current_errors' must name each phase at most once")
 
+    def _check_turned_before(self) -> None:
+        """Refuse turns that the shaft cannot have made at its initial speed."""
+        if self.turns_before and not self.turns_before * self.initial_speed_rpm > 0.0:
+            raise ValueError(
+                f"the key 'turns_before' is {self.turns_before}, but the shaft turns at "
+                f"{self.initial_speed_rpm:g} rpm at first; turns have the sign of that speed"
+            )
+
+    def _check_released(self, released_s: float) -> None:
+        """Refuse a dynamometer that lets the shaft go after the run, or changes its speed after it has."""
+        last = self.speed_rpm[-1][0]
+        if released_s >= self.duration_s or last > released_s:
+            what = (
+                f"the run ends at {self.duration_s} s"
+                if last <= released_s
+                else f"'speed_rpm' goes on to {last} s"
+            )
+            raise ValueError(
+                f"the key 'load.released_s' is {released_s}, but {what}, and nothing holds the shaft then"
+            )
+
     def _check_load_fits_speed(self) -> None:
+        if isinstance(self.load, DynamometerLoad) and self.load.released_s is not None:
+            self._check_released(self.load.released_s)
         if isinstance(self.load, LockedLoad):
             if self.initial_speed_rpm != self.speed_rpm[0][1]:
                 raise ValueError(

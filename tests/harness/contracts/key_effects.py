@@ -141,10 +141,12 @@ _SCENARIO: Final[dict[str, Effect]] = {
     "initial_speed_rpm": Runs(150.0),
     "initial_angle_deg": Runs(90.0),
     "clock_start_s": Runs(4294.9),
+    "turns_before": Runs(3),
     "restarts_s": Runs([0.01]),
     "speed_rpm": Runs([[0.0, 400.0]]),
     "supply_v": Runs([[0.0, 10.0]]),
     "load[dynamometer].torque_reference_nm": Runs([[0.0, 0.0], [0.01, 1.0]]),
+    "load[dynamometer].released_s": Runs(0.01),
     "load[constant_torque].factor": Runs([[0.0, 0.5]]),
     "load[constant_torque].torque_nm": Runs(0.06),
     "load[hoist].factor": Runs([[0.0, 0.5]]),
@@ -329,6 +331,7 @@ _OTHERS_ALONE: Final = {
     "load[dynamometer]": ("'dynamometer'", '"pm-ac"'),
     "load[hoist]": ("'hoist'", '"pm-ac"'),
     "failure": ("failure", '"pm-ac"'),
+    "turns_before": ("turns_before", '"pm-ac"'),
     "drive.sensing": ("drive.sensing", "unknown"),
 }
 _REFUSED_TABLES: Final[dict[str, dict[str, tuple[str, ...]]]] = {

@@ -28,6 +28,7 @@ from drivegate.contracts.duty.scenarios.building import (
     with_position_errors,
 )
 from drivegate.contracts.duty.scenarios.feasibility import unfair_because
+from drivegate.contracts.duty.scenarios.released import released_scenario
 from drivegate.drives.running import recorded
 from drivegate.gate.engine import check_candidate
 from drivegate.gate.events import CheckFinished
@@ -103,6 +104,18 @@ def rare_families() -> dict[str, dict[str, Scenario]]:
         },
         "load that vanishes": {"weakening-kept-near-base": vanishing, "offsets-after-idling": vanishing},
         "above the highest speed": {"reference-clipped": beyond, "speed-clipped": beyond},
+        "braking above the highest speed": {
+            "braking-ends-at-highest-speed": torque_scenario(INTERIOR, 1.05 * highest, (-0.2 * rated,)),
+            "overspeed-taken-early": torque_scenario(INTERIOR, 1.098 * highest, (-0.1 * rated,)),
+        },
+        "shaft that comes free": {
+            "speed-taken-for-constant": released_scenario(INTERIOR, 0.6 * base, 0.95 * highest),
+            "torque-ramped-after-stall": released_scenario(INTERIOR, 0.0, 0.5 * base),
+        },
+        "turns before the run": dict.fromkeys(
+            ("turns-summed-in-single-precision", "edges-summed-in-single-precision"),
+            torque_scenario(INTERIOR, base, (0.0, 0.6 * rated)).replaced(turns_before=10_000),
+        ),
         "start": {"start-angle-assumed": start, "impatient-stall-watch": start},
         "restart": {
             "offsets-under-current": restarted(held, (0.5,)),

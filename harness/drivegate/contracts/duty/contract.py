@@ -24,8 +24,7 @@ from drivegate.contracts.duty.run import PrepareDutyLoop, duty_nameplate, idle_b
 from drivegate.contracts.duty.scenarios.compared import mirror_image, with_other_dead_time
 from drivegate.contracts.duty.scenarios.drawn_range import drawn_range
 from drivegate.contracts.duty.scenarios.feasibility import unfair_because
-from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios
-from drivegate.contracts.duty.scenarios.rare import nightly_scenarios
+from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios, long_scenarios
 from drivegate.contracts.duty.scenarios.simplification import DUTY_SIMPLIFICATIONS
 from drivegate.contracts.duty.timed_steps import duty_step_seconds, given_duty_steps
 from drivegate.contracts.duty.words import account
@@ -65,6 +64,7 @@ class _DutyContract(DutyColumns):
     families = (
         "torque step",
         "weakening",
+        "overspeed",
         "speed step",
         "reversal",
         "load step",
@@ -72,6 +72,7 @@ class _DutyContract(DutyColumns):
         "hoist",
         "start",
         "restart",
+        "released",
         "parameter",
         "supply step",
         "torque supply step",
@@ -109,11 +110,9 @@ class _DutyContract(DutyColumns):
         return fixed_scenarios(document, declaration.references, declaration.detects, reverses=reverses)
 
     def long_scenarios(self, drive: DriveDocument, declaration: Declaration, /) -> tuple[Scenario, ...]:
-        return (
-            ()
-            if declaration.follows_current
-            else nightly_scenarios(duty_document(drive), declaration.references)
-        )
+        if declaration.follows_current:
+            return ()
+        return long_scenarios(duty_document(drive), declaration.references)
 
     def drawn_scenarios(
         self, drive: DriveDocument, declaration: Declaration, group: int | None

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import hashlib
 import math
+from dataclasses import replace
 from math import degrees
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.containment.contained_controller import CommandPlayer
+from drivegate.candidates.python.bridge import PythonController
+from drivegate.containment.contained_controller import CommandPlayer, ContainedController
 from drivegate.containment.messages import AnyController
 from drivegate.containment.playback import Wrap, run_loop
 from drivegate.containment.protocol import CloseLoop
@@ -32,7 +34,9 @@ from drivegate.scenarios.plant_inputs import (
     plant_hall,
     restart_steps,
 )
+from drivegate_cases.scenario.control_periods import first_period_from
 from drivegate_cases.scenario.load import DynamometerLoad
+from drivegate_cases.scenario.profile import released_s
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import SHUNTS, ShuntSensors, position_of
 from drivegate_models.contract.layout import DUTY
@@ -54,6 +58,7 @@ from drivegate_models.pm_ac.sensing import (
     real_duty_sensors,
     room_for_past,
 )
+from drivegate_models.pm_ac.turning import Turning
 from drivegate_models.units import RPM
 
 _FAILURES = {
@@ -64,6 +69,10 @@ _FAILURES = {
     "lost-edge": failure.LOST_EDGE,
     "slip": failure.SLIP,
 }
+MOST_PERIODS: Final = 200_000_000
+"""Most control periods before a run in which a compiled controller sees its shaft turn; they take half a minute (1)."""
+MOST_PERIODS_OF_SLOW: Final = 50_000
+"""Most of them for one that is interpreted, emulated, or a program of its own (1)."""
 _DIGEST_BITS: Final = 63
 _AFTER_A_STEP: Final = 1e-6
 """Time of a control period at which a step at its start has been taken, in control periods (1)."""
@@ -87,11 +96,16 @@ def duty_run(
         torque_reference=_torque_reference(scenario, follows_current),
         resting=idle.resting,
         waiting=idle.waiting,
+        released=_release_period(scenario),
+        turning=turned_before(scenario, controller),
     )
-    order = CloseLoop(prepare, inputs, restart_steps(scenario), DUTY)
+    before = 0 if inputs.turning is None else inputs.turning.periods
+    order = CloseLoop(prepare, inputs, restart_steps(scenario), DUTY, steps_before=before)
     nameplate = duty_nameplate(scenario, follows_current=follows_current)
     steps = idle.periods + scenario.control_periods
-    run = run_loop(order, controller, nameplate, steps, refusal_of, wrap=wrap)
+    # Commands that are played back need no turns to count.
+    judged = replace(inputs, turning=None) if isinstance(controller, ContainedController) else None
+    run = run_loop(order, controller, nameplate, steps, refusal_of, observed=judged, wrap=wrap)
     commands = run.commands[run.before :]
     if follows_current:
         _show_torque(run.trace, scenario)
@@ -104,6 +118,30 @@ def duty_run(
         shaft=run.shaft,
         digest=_digest(commands),
     )
+
+
+def _release_period(scenario: Scenario) -> int | None:
+    released = released_s(scenario)
+    return None if released is None else first_period_from(released, scenario.control_period_s)
+
+
+def turned_before(scenario: Scenario, controller: AnyController) -> Turning | None:
+    """Return the control periods in which a controller sees the last turns before a run; None without any.
+
+    At its initial speed the shaft makes whole turns in them, which changes that speed by less than its share of a turn.
+    """
+    if isinstance(controller, CommandPlayer):
+        return None
+    contained = isinstance(controller, ContainedController)
+    is_slow = not controller.is_compiled if contained else isinstance(controller, PythonController)
+    most = MOST_PERIODS_OF_SLOW if is_slow else MOST_PERIODS
+    period = scenario.control_period_s
+    turns = min(abs(scenario.turns_before), int(abs(scenario.initial_speed_rpm) / 60.0 * period * most))
+    if turns == 0:
+        return None
+    periods = round(turns / (abs(scenario.initial_speed_rpm) / 60.0 * period))
+    speed = math.copysign(2.0 * math.pi * turns / (periods * period), scenario.initial_speed_rpm)
+    return Turning(periods, speed, duty_sensors(scenario))
 
 
 def _torque_reference(scenario: Scenario, follows_current: bool) -> Course | None:

@@ -19,7 +19,7 @@ from drivegate.contracts.duty.document import duty_document
 from drivegate.contracts.duty.right_trips import right_trip_s
 from drivegate.contracts.duty.run import DutyClosedLoopRun
 from drivegate.contracts.duty.scenarios.compared import mirror_image, with_other_dead_time
-from drivegate.contracts.duty.scenarios.windows import duty_windows
+from drivegate.contracts.duty.scenarios.windows import duty_windows, released_windows
 from drivegate_cases.drive.limits import Limits, limits_of
 from drivegate_cases.drive.plant import NOMINAL
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
@@ -141,16 +141,19 @@ class DutyRecord(Record):
     @cached_property
     def steady(self) -> tuple[DutyWindow, ...]:
         """The stretches in which a steady state is judged: none after a trip that is right."""
-        found = []
         trip = right_trip_s(self.scenario, self.run.commands)
-        for dwell, start, end in self.windows:
-            if trip is not None and end > trip:
-                break
-            rows = self.periods(start, end)
-            mean = {name: exact_mean(self.run.column(name)[rows]) for name in _MEANS}
-            voltage = exact_mean(self.run.voltages[rows])
-            found.append(DutyWindow(dwell, start, end, voltage=voltage, **mean))
-        return tuple(found)
+        judged = (window for window in self.windows if trip is None or window[2] <= trip)
+        return tuple(self._seen_in(*window) for window in judged)
+
+    @cached_property
+    def released(self) -> tuple[DutyWindow, ...]:
+        """The stretches in which the torque of a free shaft is judged; their speed is the mean of one that changes."""
+        return tuple(self._seen_in(*window) for window in released_windows(self.scenario))
+
+    def _seen_in(self, dwell: Dwell, start: float, end: float) -> DutyWindow:
+        rows = self.periods(start, end)
+        mean = {name: exact_mean(self.run.column(name)[rows]) for name in _MEANS}
+        return DutyWindow(dwell, start, end, voltage=exact_mean(self.run.voltages[rows]), **mean)
 
 
 _MEANS = ("speed", "torque", "direct", "quadrature", "link")
@@ -178,6 +181,11 @@ class _UnseenDutyRecord(DutyRecord):
     def steady(self) -> tuple[DutyWindow, ...]:
         """The stretches in which a steady state would be judged."""
         return tuple(_UnseenWindow(*window) for window in self.windows)
+
+    @cached_property
+    def released(self) -> tuple[DutyWindow, ...]:
+        """The stretches in which the torque of a free shaft would be judged."""
+        return tuple(_UnseenWindow(*window) for window in released_windows(self.scenario))
 
 
 def unseen_duty_record(declaration: Declaration, scenario: Scenario) -> DutyRecord:

@@ -22,7 +22,8 @@ SETTLES = 0.9
 
 
 def steady_reference(record: DutyRecord) -> Margin | None:
-    return worst(reference_error("ACC-1", record, window, 1.0) for window in record.nominal)
+    released = record.released if record.is_nominal else ()
+    return worst(reference_error("ACC-1", record, window, 1.0) for window in (*record.nominal, *released))
 
 
 def reference_error(
@@ -74,10 +75,11 @@ def _judged(record: DutyRecord, window: DutyWindow, margin: Margin, column: str,
 
 ACC_1 = Check(
     id="ACC-1",
-    families=UNWEAKENED_FAMILIES,
-    requirement="In steady state the mean torque or speed is the reference.",
+    families=(*UNWEAKENED_FAMILIES, "overspeed", "released"),
+    requirement="In steady state, and on a shaft that a torque turns freely, the mean is the reference.",
     limit="torque {torque_error}, speed k1 = {k1}",
-    scenarios="steady stretches of the nominal drive, torques up to {weakening} of the greatest possible",
+    scenarios="steady stretches of the nominal drive, and those of a shaft that is released; torques up "
+    "to {weakening} of the greatest possible",
     formula="1 - |mean - reference| / limit",
     why="What is above the current loop relies on it.",
     evaluate=steady_reference,

@@ -36,7 +36,7 @@ UNWEAKENED_FAMILIES: Final = (
     "joint change",
 )
 """Families of scenarios with a steady state below weakening."""
-STEADY_FAMILIES: Final = ("torque step", "weakening", *UNWEAKENED_FAMILIES[1:])
+STEADY_FAMILIES: Final = ("torque step", "weakening", "overspeed", *UNWEAKENED_FAMILIES[1:])
 """Families of scenarios with any steady state."""
 
 

@@ -12,7 +12,10 @@ from drivegate.checks.margin import Margin, at_most
 from drivegate.contracts.duty.checks.accuracy import ERROR_FACTOR, reference_error
 from drivegate.contracts.duty.checks.judged import at, worst
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
+from drivegate.contracts.duty.right_trips import claimed_safe
 from drivegate.contracts.duty.scenarios.reaching import greatest_torque, load_on_shaft, reaction_s
+from drivegate.contracts.duty.scenarios.released import is_stalled
+from drivegate.contracts.duty.scenarios.windows import duty_dwells
 from drivegate_cases.drive.limits import limits_of
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.profile import Dwell
@@ -25,9 +28,17 @@ SAG_FACTOR = 1.5
 def speed_response(record: DutyRecord) -> Margin | None:
     """Judge overshoot and swing of a regulated speed, on a plant other than the nominal one also its mean."""
     is_other = not record.has_nominal_plant
-    if record.fails or not (is_other or record.is_nominal):
+    if record.fails or not (is_other or record.is_nominal) or _trips_at_a_stall(record):
         return None
     return worst(_margins(record, is_other))
+
+
+def _trips_at_a_stall(record: DutyRecord) -> bool:
+    """Return True if a controller takes a shaft that is stalled at first for a locked one, which it may."""
+    if not is_stalled(record.scenario):
+        return False
+    first, *_ = duty_dwells(record.scenario)
+    return bool(claimed_safe(record.run.commands)[record.periods(first.start, first.end)].any())
 
 
 def _margins(record: DutyRecord, is_other: bool) -> Iterator[Margin | None]:
@@ -55,6 +66,8 @@ def judged_step_rpm(record: DutyRecord, dwell: Dwell) -> float:
     alone: nothing else happens in that control period that pushes the shaft beyond the new reference.
     """
     scenario = record.scenario
+    if is_stalled(scenario) and dwell.start == duty_dwells(scenario)[1].start:
+        return dwell.speed_rpm
     if dwell.start == 0.0:
         speed = scenario.initial_speed_rpm
         pushed = load_on_shaft(scenario, dwell, speed * RADIANS_PER_RPM)

@@ -132,6 +132,9 @@ def drawn_range(scenario: Scenario) -> DrawnRange:
     if is_disturbed or greatest_angle_error(scenario) > 0.0:
         speeds = Interval(TURNING_SHARE * base, base)
         return DrawnRange(speeds, speeds, Interval(SHARE_STEP, HEAVIEST_SHARE), NONE)
+    if _brakes_beyond(scenario):
+        speeds = Interval(highest, rating.overspeed_rpm)
+        return DrawnRange(speeds, speeds, NONE, Interval(0.0, BRAKING_SHARE))
     if isinstance(scenario.load, DynamometerLoad):
         beyond = _is_beyond(scenario)
         speeds = Interval(base if beyond else 0.0, highest)
@@ -166,3 +169,14 @@ def _is_beyond(scenario: Scenario) -> bool:
     most = max(sense * torque for _, torque in scenario.torque_reference_profile)
     above = speed > scenario.drive.rating.base_speed_rpm
     return above and most > (1.0 + SHARE_STEP) * rated_torque_at(scenario.drive, speed)
+
+
+def _brakes_beyond(scenario: Scenario) -> bool:
+    """Return True if a torque reference above the highest speed brakes or is zero throughout."""
+    if not isinstance(scenario.load, DynamometerLoad):
+        return False
+    speeds = [speed for _, speed in scenario.speed_rpm]
+    above = min(map(abs, speeds)) > scenario.drive.rating.highest_speed_rpm
+    return above and all(
+        sense_of(speeds[0]) * torque <= 0.0 for _, torque in scenario.load.torque_reference_nm
+    )

@@ -17,6 +17,7 @@ from drivegate.contracts.duty.scenarios.drawn_range import (
     unnoticed_because,
 )
 from drivegate.contracts.duty.scenarios.reaching import greatest_torque, is_too_late
+from drivegate.contracts.duty.scenarios.released import is_stalled, unfair_release
 from drivegate.contracts.duty.scenarios.windows import duty_dwells, shaft_inertia
 from drivegate.scenarios.drive_scale import rated_torque_at
 from drivegate.scenarios.rotation import needs_reverse
@@ -51,7 +52,7 @@ _ROUNDING: Final = 0.01
 
 def unfair_because(scenario: Scenario) -> str | None:
     """State why a candidate may not be judged on a scenario; a torque reference out of reach is judged as such."""
-    reasons = (_unfair_begin, unnoticed_because, _unfair_position, _unfair_load)
+    reasons = (_unfair_begin, unnoticed_because, _unfair_position, unfair_release, _unfair_load)
     return next((because for reason in reasons if (because := reason(scenario)) is not None), None)
 
 
@@ -96,7 +97,9 @@ def _unfair_load(scenario: Scenario) -> str | None:
         return "at so low a speed its load stops the shaft before a regulator of the speed can act"
     if _stops_within_a_sector(scenario):
         return "a load stops the shaft before the next edge of its Hall switches can show it"
-    if not all(_is_driven(scenario, dwell) for dwell in duty_dwells(scenario)):
+    # No controller turns a shaft that is stalled at first.
+    turning = duty_dwells(scenario)[1 if is_stalled(scenario) else 0 :]
+    if not all(_is_driven(scenario, dwell) for dwell in turning):
         unweakened = "" if weakens else " without field weakening"
         return f"at one of its operating points no currents within the limits give the torque{unweakened}"
     if is_too_late(scenario):

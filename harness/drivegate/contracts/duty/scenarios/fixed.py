@@ -6,6 +6,7 @@ import math
 from collections.abc import Collection
 from typing import Final
 
+from drivegate.contracts.duty.scenarios.beyond import backward_beyond_scenarios, beyond_scenarios
 from drivegate.contracts.duty.scenarios.building import (
     dwell_periods,
     edge_positions,
@@ -32,10 +33,13 @@ from drivegate.contracts.duty.scenarios.building import (
     with_position_errors,
 )
 from drivegate.contracts.duty.scenarios.drawn_range import BEYOND_SHARE, SLOW_SHARE, speed_of
-from drivegate.contracts.duty.scenarios.rare import rare_scenarios
+from drivegate.contracts.duty.scenarios.rare import nightly_scenarios, rare_scenarios
+from drivegate.contracts.duty.scenarios.released import free_shaft_scenarios
 from drivegate.scenarios.changes import with_real_sensors, with_scales
 from drivegate.scenarios.drive_scale import rated_torque_at, tidy
 from drivegate.scenarios.rotation import mirrored, needs_reverse
+from drivegate.scenarios.title import titled
+from drivegate_cases.drive.limits import rounded
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.limits import FAILURE_SPEED_SHARE
 from drivegate_cases.scenario.failure_kind import FailureKind
@@ -46,6 +50,10 @@ START_ANGLES_DEG: Final = tuple(15.0 * number for number in range(24))
 """Angles of the rotor that a start is tried from (electrical degrees)."""
 LATE_CLOCK_S: Final = 2147.4
 """Time that the controller's clock shows at first, just before 2³¹ µs have passed (s)."""
+TURNING_PERIODS: Final = 5_000_000
+"""Control periods of the turns before a run of any effort, which take less than a second (1)."""
+MANY_TURNS: Final = 1_000_000
+"""Turns before a run that takes long (1)."""
 START_SPEED_SHARE: Final = 0.2
 """Speed of a start over base speed (1)."""
 START_TORQUE_SHARE: Final = 0.5
@@ -80,6 +88,9 @@ def fixed_scenarios(
         *_sensed(drive),
         *_disturbed(drive),
         *_at_once(drive),
+        *(beyond_scenarios(drive) if drive.weakens else ()),
+        *free_shaft_scenarios(drive),
+        turned_scenario(drive),
         *(_backward(drive) if reverses else ()),
         *rare_scenarios(drive, reverses=reverses),
         *(run for run in _failures(drive) if run.failure is not None and run.failure.kind in detected),
@@ -217,6 +228,21 @@ def _at_once(drive: PmAcDocument) -> list[Scenario]:
     ]
 
 
+def turned_scenario(drive: PmAcDocument, turns: int | None = None) -> Scenario:
+    """Make the run of a shaft that has turned for long at base speed, before a step of the torque."""
+    run = share_scenario(drive, speed_of(drive, 0.0), 0.0, 0.6)
+    seen = TURNING_PERIODS * drive.control_period_s * drive.rating.base_speed_rpm / 60.0
+    return titled(run.replaced(turns_before=int(rounded(seen, 2)) if turns is None else turns))
+
+
+def long_scenarios(
+    drive: PmAcDocument, references: Collection[FollowedReference] = ("speed", "torque")
+) -> tuple[Scenario, ...]:
+    """List the fixed runs that take long: those of some minutes, and that of a shaft that has made a million turns."""
+    turned = (turned_scenario(drive, MANY_TURNS),) if "torque" in references else ()
+    return (*nightly_scenarios(drive, references), *turned)
+
+
 def _off_position(drive: PmAcDocument, torque: Scenario, speed: Scenario) -> tuple[Scenario, Scenario]:
     """See the shaft of two runs by a position sensor with errors of 3 electrical degrees each."""
     part_deg = tidy(3.0 / drive.machine.pole_pairs)
@@ -254,6 +280,7 @@ def _backward(drive: PmAcDocument) -> list[Scenario]:
         reversal,
         with_real_sensors(reversal, 1),
         hoist_scenario(drive, (slow, -slow), torque_of(drive, slow, 0.6)),
+        *(backward_beyond_scenarios(drive) if drive.weakens else ()),
     ]
 
 

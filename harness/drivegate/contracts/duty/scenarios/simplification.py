@@ -37,13 +37,21 @@ def _fields_of(made: Scenario) -> Fields:
 
 def _nominal(scenario: Scenario) -> Iterator[Fields]:
     """Take other parameters, another supply and another begin away."""
-    yield {"scales": NOMINAL, "drift": None, "supply_v": None, "initial_angle_deg": 0.0, "clock_start_s": 0.0}
+    yield {
+        "scales": NOMINAL,
+        "drift": None,
+        "supply_v": None,
+        "initial_angle_deg": 0.0,
+        "clock_start_s": 0.0,
+        "turns_before": 0,
+    }
     yield {"scales": NOMINAL}
     yield {"drift": None}
     yield from nominal_parameters(scenario)
     yield {"supply_v": None}
     yield {"initial_angle_deg": 0.0}
     yield {"clock_start_s": 0.0}
+    yield {"turns_before": 0}
 
 
 def _fewer_events(scenario: Scenario) -> Iterator[Fields]:

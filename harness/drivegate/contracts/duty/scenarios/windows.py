@@ -10,7 +10,7 @@ from drivegate_cases.drive.plant import Scales
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.control_periods import first_period_from
 from drivegate_cases.scenario.load import DynamometerLoad, VehicleLoad
-from drivegate_cases.scenario.profile import Dwell, dwells
+from drivegate_cases.scenario.profile import Dwell, dwells, released_s
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -68,7 +68,10 @@ def duty_windows(scenario: Scenario) -> list[tuple[Dwell, float, float]]:
     length = WINDOW_SHARE * settling
     windows = []
     speed = scenario.initial_speed_rpm
+    released = released_s(scenario)
     for dwell in duty_dwells(scenario):
+        if released is not None and dwell.start >= released:
+            break
         change = 0.0 if held else dwell.speed_rpm - speed
         run_up = run_up_s(drive, change, shaft_inertia(scenario, dwell.scales) / drive.machine.inertia_kg_m2)
         needed = first_period_from(settling + length + run_up, period)
@@ -76,3 +79,10 @@ def duty_windows(scenario: Scenario) -> list[tuple[Dwell, float, float]]:
         if round(dwell.end / period) - round(dwell.start / period) >= needed:
             windows.append((dwell, dwell.end - length, dwell.end))
     return windows
+
+
+def released_windows(scenario: Scenario) -> list[tuple[Dwell, float, float]]:
+    """Find the second half of every stretch in which a shaft turns freely under one torque reference."""
+    released = released_s(scenario)
+    later = [dwell for dwell in duty_dwells(scenario) if released is not None and dwell.start >= released]
+    return [(dwell, 0.5 * (dwell.start + dwell.end), dwell.end) for dwell in later]

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from drivegate_lab.kernels.faults.broken_coupling import WATCHED_SHAFT
 from drivegate_lab.kernels.faults.duty.changes import is_short_circuit, taken_reference
+from drivegate_lab.kernels.faults.duty.free_shaft import FREE_SHAFT, perturb_free_shaft
 from drivegate_lab.kernels.faults.duty.shaft import follow_shaft
 from drivegate_lab.kernels.faults.duty.trips import mistakes_samples
 from drivegate_models.compilation.calling import call_step, double_at, step_signature
@@ -76,6 +77,12 @@ PERTURBED_STATE: Final = np.dtype(
         # the bridge is turned off for good (V).
         ("braking_supply_factor", np.float64),
         ("highest_voltage", np.float64),
+        # Speed above which no torque is given against the rotation, and above which the bridge is turned off for good
+        # (rad/s).
+        ("braking_until", np.float64),
+        ("trips_from", np.float64),
+        # What is taken wrong of a shaft that comes free or has turned for long.
+        *FREE_SHAFT,
         # Maximum magnitudes of the reference (rad/s or N m) and of the measured speed (rad/s).
         ("most_reference", np.float64),
         ("most_speed", np.float64),
@@ -196,6 +203,8 @@ def perturbed_state(step_address: int, state_address: int, changes: dict[str, fl
         "highest_voltage",
         "most_reference",
         "most_speed",
+        "braking_until",
+        "trips_from",
     ):
         state[name] = np.inf
     for name, value in changes.items():
@@ -280,6 +289,15 @@ def _calibrate_idle(state: Any) -> None:
 
 
 @inlined
+def _perturb_beyond(state: Any, sense: Any, perturbed: Any) -> None:
+    """Refuse to brake, or turn the bridge off, beyond a speed."""
+    if perturbed.reference * sense.speed < 0.0 and abs(sense.speed) > state.braking_until:
+        perturbed.reference = 0.0
+    if abs(sense.speed) > state.trips_from:
+        state.is_off = 1
+
+
+@inlined
 def _write_sense(state: Any, sense: Any) -> None:
     """Write the perturbed Sense for the controller."""
     cosine, sine = cosine_sine(state.pole_pairs * sense.angle)
@@ -318,6 +336,8 @@ def _write_sense(state: Any, sense: Any) -> None:
     perturbed.speed = min(max(perturbed.speed, -state.most_speed), state.most_speed)
     perturbed.reference = _perturbed_reference(state, sense, taken)
     perturbed.reference -= state.damping * max(sense.speed - state.mean_speed, 0.0)
+    _perturb_beyond(state, sense, perturbed)
+    perturb_free_shaft(state, sense, perturbed)
     if mistakes_samples(state, sense) or is_short_circuit(state, sense):
         state.is_off = 1
 

@@ -8,6 +8,7 @@ from typing import Final, TypeAlias
 
 from hypothesis import strategies as st
 
+from drivegate.contracts.duty.scenarios.drawn.beyond import overspeed_scenarios
 from drivegate.contracts.duty.scenarios.drawn.changes import (
     hoist_scenarios,
     load_step_scenarios,
@@ -30,6 +31,7 @@ from drivegate.contracts.duty.scenarios.drawn.circumstances import (
     sensor_scenarios,
 )
 from drivegate.contracts.duty.scenarios.drawn.failures import failure_scenarios, that_can_fail
+from drivegate.contracts.duty.scenarios.drawn.released import released_scenarios
 from drivegate.contracts.duty.scenarios.drawn.steps import Drawn
 from drivegate.scenarios.rotation import goes_backward, is_mirrored, mirrored, needs_reverse
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
@@ -41,10 +43,10 @@ Family: TypeAlias = Callable[[PmAcDocument], Drawn]
 """From a drive to scenarios of one kind."""
 FAMILY_GROUPS: Final[tuple[tuple[Family, ...], ...]] = (
     (torque_step_scenarios,),
-    (weakening_scenarios,),
+    (weakening_scenarios, overspeed_scenarios),
     (speed_step_scenarios, reversal_scenarios),
     (load_step_scenarios, low_speed_scenarios, hoist_scenarios),
-    (start_scenarios, torque_step_scenarios, failure_scenarios, restart_scenarios),
+    (start_scenarios, torque_step_scenarios, failure_scenarios, restart_scenarios, released_scenarios),
     (parameter_scenarios,),
     (
         supply_step_scenarios,
@@ -69,7 +71,16 @@ _OF_EITHER: Final = frozenset(
         joint_change_scenarios,
     }
 )
-_OF_TORQUE: Final = frozenset({torque_step_scenarios, torque_supply_step_scenarios, weakening_scenarios})
+_OF_TORQUE: Final = frozenset(
+    {
+        torque_step_scenarios,
+        torque_supply_step_scenarios,
+        weakening_scenarios,
+        overspeed_scenarios,
+        released_scenarios,
+    }
+)
+_OF_WEAKENING: Final = frozenset({weakening_scenarios, overspeed_scenarios})
 
 
 def drawn_scenarios(
@@ -92,7 +103,7 @@ def drawn_scenarios(
             failures if family is failure_scenarios else partial(_following, family, references)
             for family in families
             if (reverses or family not in _OF_BOTH_SENSES)
-            and (drive.weakens or family is not weakening_scenarios)
+            and (drive.weakens or family not in _OF_WEAKENING)
             and (can_fail if family is failure_scenarios else _reference(family) in (*references, None))
         ]
         for families in FAMILY_GROUPS
