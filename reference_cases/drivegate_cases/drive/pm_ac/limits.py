@@ -61,7 +61,7 @@ def safe_state_locked_s(drive: DriveValues) -> float:
     run_up = drive.machine.inertia_kg_m2 * base / torque
     rate = _REGULATED / drive.inverter.control_period_s
     raised = max(_HEAVIEST / (rate * run_up) - 1.0, 0.0) / (_INTEGRATED * rate)
-    return raised + _safe_state_s(drive, _DETECTION_RUN_UP * run_up + _sector_s(drive, torque))
+    return float(raised) + _safe_state_s(drive, _DETECTION_RUN_UP * run_up + _sector_s(drive, torque))
 
 
 def hides_position(drive: DriveValues, speed_rpm: float, torque_nm: float) -> bool:

@@ -64,7 +64,7 @@ def _ramp_after_a_stall(state: Any, sense: Any) -> float:
         state.moved += 1
         if state.moved >= state.ramped_within:
             state.stood = 0
-        return state.moved / state.ramped_within
+        return float(state.moved / state.ramped_within)
     else:
         state.stood = 0
     return 1.0
