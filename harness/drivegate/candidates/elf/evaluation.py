@@ -158,7 +158,7 @@ def _host_of(areas: int, address: float, size: int) -> float:
     for number in range(int(double_at(areas, 0))):
         begin = double_at(areas, 1 + 3 * number)
         if begin <= address and address + size <= double_at(areas, 2 + 3 * number):
-            return double_at(areas, 3 + 3 * number) + address - begin
+            return float(double_at(areas, 3 + 3 * number) + address - begin)
     return 0.0
 
 
