@@ -132,11 +132,10 @@ def turned_before(scenario: Scenario, controller: AnyController) -> Turning | No
     """
     if isinstance(controller, CommandPlayer):
         return None
-    is_slow = (
-        not controller.is_compiled
-        if isinstance(controller, ContainedController)
-        else isinstance(controller, PythonController)
-    )
+    if isinstance(controller, ContainedController):
+        is_slow = not controller.is_compiled
+    else:
+        is_slow = isinstance(controller, PythonController)
     most = MOST_PERIODS_OF_SLOW if is_slow else MOST_PERIODS
     period = scenario.control_period_s
     turns = min(abs(scenario.turns_before), int(abs(scenario.initial_speed_rpm) / 60.0 * period * most))

@@ -110,6 +110,6 @@ def unfair_release(scenario: Scenario) -> str | None:
 
 def is_stalled(scenario: Scenario) -> bool:
     """Return True if a run begins with a shaft at rest that no drive turns."""
-    friction = (scenario.drift.friction_n_m or ()) if scenario.drift is not None else ()
-    least = (1.0 - UNCERTAIN) * STALLING_SHARE * scenario.drive.rating.rated_torque_nm
-    return scenario.initial_speed_rpm == 0.0 and any(torque >= least for _, torque in friction[:1])
+    friction = (scenario.drift.friction_n_m if scenario.drift is not None else None) or ((0.0, 0.0),)
+    most = STALLING_SHARE * scenario.drive.rating.rated_torque_nm
+    return scenario.initial_speed_rpm == 0.0 and friction[0][1] >= (1.0 - UNCERTAIN) * most

@@ -10,6 +10,8 @@ import numpy as np
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.machine.cycle import within_half_turn
 
+# Rate at which such a regulator unwinds once the shaft turns (1/s).
+_UNWINDING: Final = 5.0
 FREE_SHAFT: Final = (
     # 1 if the speed at the last change of the reference is taken for the present one; that reference and speed (rad/s).
     ("keeps_speed", np.int64),
@@ -22,8 +24,7 @@ FREE_SHAFT: Final = (
     ("ramped_within", np.int64),
     ("stood", np.int64),
     ("moved", np.int64),
-    # Rate at which a regulator winds up while the shaft stands, and unwinds once it turns (1/s), and what it has
-    # added to the reference (rad/s).
+    # Rate at which a regulator winds up while the shaft stands (1/s), and what it has added to the reference (rad/s).
     ("windup_rate", np.float64),
     ("wound_up", np.float64),
     # Steps of the angle that are summed in single precision since the start (rad), 0 for none; the sum in these steps,
@@ -73,8 +74,10 @@ def _ramp_after_a_stall(state: Any, sense: Any) -> float:
 @inlined
 def _added_by_windup(state: Any, sense: Any) -> float:
     """Return what a regulator without a limit adds to the reference after a stall (rad/s)."""
-    missing = sense.reference if abs(sense.speed) < state.standing else -state.wound_up
-    state.wound_up += state.windup_rate * state.control_period * missing
+    if abs(sense.speed) < state.standing:
+        state.wound_up += state.windup_rate * state.control_period * sense.reference
+    else:
+        state.wound_up -= _UNWINDING * state.control_period * state.wound_up
     return float(state.wound_up)
 
 
