@@ -21,11 +21,11 @@ from drivegate.candidates.fault import Fault
 from drivegate_models.errors import OutOfMemory
 
 MEBIBYTE: Final = 2**20
-BASE_BYTES: Final = 250 * MEBIBYTE
-"""Memory of a check without its workers, once kernels are compiled: the command and its templates."""
+BASE_BYTES: Final = 460 * MEBIBYTE
+"""Memory of a check without its workers, once kernels are compiled: the command, its templates, and the longest run."""
 WORKER_BYTES: Final = 200 * MEBIBYTE
 """Further memory of each worker: a judge and a candidate's process, without what the candidate itself allocates."""
-LEAST_BYTES: Final = 300 * MEBIBYTE
+LEAST_BYTES: Final = 500 * MEBIBYTE
 """Memory without which no check ends: much of what processes map from files may be read again and again."""
 _NEAR: Final = 256 * MEBIBYTE
 """Room in which a process may end at any allocation."""

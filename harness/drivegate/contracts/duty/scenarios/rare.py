@@ -38,6 +38,8 @@ WRAP_SHARE: Final = 1.0 + 0.25 * WINDOW_SHARE
 """Time from the start of a run to that at which its clock wraps around, over the settling time (1)."""
 LONG_S: Final = 75.0
 """Length of the long run (s): more than a minute, in which a winding heats up and milliseconds in 16 bits wrap."""
+LONG_RATE_HZ: Final = 10_000.0
+"""Control rate up to which runs have these lengths; at a higher one they have as many control periods (Hz)."""
 NIGHTLY_S: Final = 150.0
 """Length of the runs of some minutes (s)."""
 SMALL_SHARE: Final = 0.04
@@ -149,9 +151,11 @@ def nightly_scenarios(drive: PmAcDocument, references: Collection[FollowedRefere
 
 
 def _lasting(run: Scenario, duration_s: float) -> Scenario:
-    """Give a run a length in whole control periods."""
+    """Lengthen a run, by whole control periods; less at a high rate, at which it would take gigabytes."""
     drive = duty_document(run.drive)
-    return titled(run.replaced(duration_s=start_s(drive, round(duration_s / drive.control_period_s))))
+    periods = min(round(duration_s / drive.control_period_s), round(duration_s * LONG_RATE_HZ))
+    lasting = start_s(drive, periods)
+    return titled(run.replaced(duration_s=lasting)) if lasting > run.duration_s else run
 
 
 def _small_speed_steps(drive: PmAcDocument) -> list[Scenario]:
