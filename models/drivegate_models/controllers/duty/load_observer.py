@@ -217,7 +217,7 @@ def step_state(state: Any, sense: Any, command: Any) -> None:
     direct_reference, quadrature_reference = _currents_for(
         state, _requested_torque(state, sense.reference), electrical, machine.voltage_share * limit
     )
-    watch_currents(state, direct, quadrature, direct_reference, quadrature_reference)
+    watch_currents(state, limit, direct, quadrature, direct_reference, quadrature_reference)
     used = regulate_flux(machine, sense, command, direct, quadrature, direct_reference, quadrature_reference)
     share_voltage(machine, used / max(limit, 1e-9))
     command.torque = torque_per_quadrature(machine, direct) * quadrature

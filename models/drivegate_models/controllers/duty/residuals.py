@@ -13,6 +13,7 @@ from typing import Any, Final
 
 from drivegate_models.compilation.calling import double_at
 from drivegate_models.compilation.kernels import inlined
+from drivegate_models.controllers.duty.unexplained_voltage import is_voltage_wrong, magnitude, reset_voltage
 from drivegate_models.machine.cycle import within_half_turn
 from drivegate_models.machine.rotor_frame import of_phase
 from drivegate_models.machine.sine import cosine_sine
@@ -33,38 +34,22 @@ VOLTAGE_FAULT: Final = 5
 _OFFSETS: Final = 0.015
 _GAINS: Final = 0.02
 _SUM_PERIODS: Final = 5
-# Share of the present unexplained voltage in its mean. What other than nominal data explain of the mean: shares of the
-# magnet's EMF, of the voltage across inductance and resistance, of the link, and of that lost by dead time and drops,
-# where the current over its limit is sure of its sign; and at standstill the EMF of a speed over base speed that an
-# encoder of few lines does not resolve. For how many control periods it is more.
-_RATE: Final = 0.125
-_MAGNET: Final = 0.3
-_INDUCTIVE: Final = 0.35
-_RESISTIVE: Final = 1.0
-_LINK: Final = 0.01
-_LOST: Final = 0.5
-_SURE: Final = 0.1
-_UNRESOLVED: Final = 0.05
-_VOLTAGE_PERIODS: Final = 6
-# Share of the measured speed in its mean. An encoder shows a mean over milliseconds: while a light rotor changes
-# its speed, the EMF of the difference is unexplained as well.
-_SPEED_RATE: Final = 1.0 / 64.0
-# Difference between the shown and the observed angle (rad electrical), and the present unexplained voltage over what is
-# allowed of the mean, that both together show a wrong position; and for how many control periods.
-_OFF: Final = 0.15
-_CONFIRMING: Final = 0.5
-_CONFIRMED_PERIODS: Final = 2
 # Amplitude of the reference currents relative to the limit from which phases are watched; reference of a phase relative
-# to that amplitude, and current along it relative to it, below which a phase does not follow; and for how many periods.
+# to that amplitude, and current along it relative to it, below which a phase does not follow; and for how many periods,
+# or for which rotation of a fast field (rad electrical).
 # At a Hall edge the shown angle jumps, and the currents need some periods to follow.
 _CARRYING: Final = 0.05
 _EXPECTED: Final = 0.5
 _FOLLOWING: Final = 0.25
-_PHASE_PERIODS: Final = 8
+_PHASE_PERIODS: Final = 12
 _HALL_PHASE_PERIODS: Final = 32
-# Share of the present error of the flux in its mean, and present error over the mean below which the error shrinks.
+_PHASE_TURN: Final = 1.5
+# Share of the present error of the flux in its mean, and present error over the mean below which the error shrinks;
+# that from this share of the voltage limit on, where it shrinks slowly.
 _ERROR_RATE: Final = 0.125
 _SHRINKING: Final = 0.995
+_LIMITED: Final = 0.99
+_SHRINKING_LIMITED: Final = 0.9999
 # Difference between the turns in two periods that no shaft makes (rad electrical).
 _JUMP: Final = 0.5
 # Angle over which a difference between angle and speed decays, its maximum (rad electrical), and speed relative to
@@ -89,16 +74,10 @@ _LEFT: Final = 0.1
 def reset_detector(state: Any, nameplate: Any) -> None:
     """Write the constants and reset all residuals; the maximum torque must be set."""
     most, period = state.machine.greatest_torque, nameplate.control_period
+    reset_voltage(state)
     state.fault = 0
     state.sum_count = 0
     state.still_count = 0
-    state.voltage_count = 0
-    state.off_count = 0
-    state.along_before = nan
-    state.across_before = 0.0
-    state.mean_speed = nan
-    state.direct_unexplained = 0.0
-    state.quadrature_unexplained = 0.0
     for phase in range(3):
         state.missing[phase] = 0
     state.direct_aim = 0.0
@@ -107,7 +86,6 @@ def reset_detector(state: Any, nameplate: Any) -> None:
     state.shrinks = 0
     state.angle_before = 0.0
     state.turned = nan
-    state.angle_missed = 0.0
     state.behind = 0.0
     state.hall_before = -1
     state.base_speed = nameplate.base_speed
@@ -121,14 +99,9 @@ def reset_detector(state: Any, nameplate: Any) -> None:
 
 
 @inlined
-def _length(along: float, across: float) -> float:
-    return sqrt(along * along + across * across)
-
-
-@inlined
 def _flux_error(machine: Any, direct: float, quadrature: float) -> float:
     """Return the magnitude of the flux linkage of d and q currents (V s)."""
-    return _length(machine.direct_inductance * direct, machine.quadrature_inductance * quadrature)
+    return magnitude(machine.direct_inductance * direct, machine.quadrature_inductance * quadrature)
 
 
 @inlined
@@ -145,83 +118,18 @@ def _is_sum_wrong(state: Any, sense: Any) -> bool:
 
 
 @inlined
-def _unexplained_voltage(state: Any, sense: Any, direct: float, quadrature: float) -> tuple[float, float]:
-    """Return the d and q voltages of the last period that machine data do not explain (V), NaN before the second one.
-
-    The d and q currents are given (A). Their change is taken in the stationary frame, where the steps of an encoder do
-    not appear.
-    """
-    machine = state.machine
-    electrical = float(machine.pole_pairs * sense.speed)
-    period = machine.control_period
-    angle = float(machine.pole_pairs * sense.angle)
-    cosine, sine = cosine_sine(angle)
-    along, across = cosine * direct - sine * quadrature, sine * direct + cosine * quadrature
-    changed, across_changed = along - state.along_before, across - state.across_before
-    state.along_before, state.across_before = along, across
-    along, across = along - 0.5 * changed, across - 0.5 * across_changed
-    applied, across_applied = machine.along_voltage[machine.delay], machine.across_voltage[machine.delay]
-    # In the middle of the period.
-    cosine, sine = cosine_sine(angle - 0.5 * electrical * period)
-    direct, quadrature = cosine * along + sine * across, cosine * across - sine * along
-    rate = (cosine * changed + sine * across_changed) / period + electrical * quadrature
-    across_rate = (cosine * across_changed - sine * changed) / period - electrical * direct
-    missed = cosine * applied + sine * across_applied - machine.resistance * direct
-    missed -= machine.direct_inductance * rate - electrical * machine.quadrature_inductance * quadrature
-    across_missed = cosine * across_applied - sine * applied - machine.resistance * quadrature
-    across_missed -= machine.quadrature_inductance * across_rate
-    across_missed -= electrical * (machine.direct_inductance * direct + machine.magnet_flux)
-    return missed, across_missed
-
-
-@inlined
-def _is_voltage_wrong(state: Any, sense: Any, direct: float, quadrature: float) -> bool:
-    """Return True if more voltage has been unexplained for some periods than other data explain.
-
-    The d and q currents are given (A). Half as much in two periods is enough with an angle off the observed shaft, or
-    with an overdue Hall edge.
-    """
-    machine = state.machine
-    missed, across_missed = _unexplained_voltage(state, sense, direct, quadrature)
-    before = sense.speed if isnan(state.mean_speed) else state.mean_speed
-    state.mean_speed = before + _SPEED_RATE * (sense.speed - before)
-    # Between Hall edges angle and speed are too uncertain, unless an edge is overdue.
-    if isnan(missed) or (sense.hall >= 0 and machine.is_overdue == 0):
-        state.voltage_count, state.off_count = 0, 0
-        return False
-    state.direct_unexplained += _RATE * (missed - state.direct_unexplained)
-    state.quadrature_unexplained += _RATE * (across_missed - state.quadrature_unexplained)
-    speed = abs(float(machine.pole_pairs * sense.speed))
-    changing = abs(float(machine.pole_pairs * (sense.speed - state.mean_speed)))
-    amplitude = min(_length(direct, quadrature), machine.current_limit)
-    unresolved = machine.pole_pairs * max(_UNRESOLVED * state.base_speed - 0.5 * abs(state.mean_speed), 0.0)
-    allowed = (_MAGNET * speed + changing + unresolved) * machine.magnet_flux
-    allowed += _INDUCTIVE * speed * machine.quadrature_inductance * amplitude
-    allowed += _RESISTIVE * machine.resistance * amplitude
-    lost = machine.dead_ratio * sense.supply_voltage + 0.5 * (machine.switch_drop + machine.diode_drop)
-    allowed += (
-        _LINK * sense.supply_voltage + (_LOST if amplitude > _SURE * machine.current_limit else 1.0) * lost
-    )
-    unexplained = _length(state.direct_unexplained, state.quadrature_unexplained)
-    state.voltage_count = state.voltage_count + 1 if unexplained > allowed else 0
-    is_off = sense.hall >= 0 or abs(float(machine.pole_pairs * state.angle_missed)) > _OFF
-    is_off = is_off and _length(missed, across_missed) > _CONFIRMING * allowed
-    state.off_count = state.off_count + 1 if is_off else 0
-    return bool(state.off_count >= _CONFIRMED_PERIODS or state.voltage_count >= _VOLTAGE_PERIODS)
-
-
-@inlined
 def _is_phase_missing(state: Any, sense: Any) -> bool:
     """Return True if a phase has not followed its reference for some periods.
 
     The diodes of an open leg carry current at little inductance, but hardly any along a reference of some size.
     """
     machine = state.machine
-    longest = _PHASE_PERIODS if sense.hall < 0 else _HALL_PHASE_PERIODS
+    turned = abs(float(machine.pole_pairs * sense.speed * machine.control_period))
+    longest = min(_PHASE_PERIODS, _PHASE_TURN / max(turned, 1e-9)) if sense.hall < 0 else _HALL_PHASE_PERIODS
     cosine, sine = cosine_sine(machine.pole_pairs * sense.angle)
     along = cosine * state.direct_aim - sine * state.quadrature_aim
     across = sine * state.direct_aim + cosine * state.quadrature_aim
-    amplitude = _length(along, across)
+    amplitude = magnitude(along, across)
     if amplitude < _CARRYING * machine.current_limit:
         return False
     missing = False
@@ -286,7 +194,7 @@ def detect_failure(state: Any, sense: Any, direct: float, quadrature: float) -> 
         state.fault = CURRENT_FAULT
     elif _is_position_wrong(state, sense):
         state.fault = POSITION_FAULT
-    elif _is_voltage_wrong(state, sense, direct, quadrature):
+    elif is_voltage_wrong(state, sense, direct, quadrature):
         state.fault = VOLTAGE_FAULT
     elif _is_phase_missing(state, sense):
         state.fault = PHASE_FAULT
@@ -297,12 +205,14 @@ def detect_failure(state: Any, sense: Any, direct: float, quadrature: float) -> 
 
 @inlined
 def watch_currents(
-    state: Any, direct: float, quadrature: float, direct_aim: float, quadrature_aim: float
+    state: Any, limit: float, direct: float, quadrature: float, direct_aim: float, quadrature_aim: float
 ) -> None:
-    """Store the reference currents (A), and whether the measured ones (A) approach them."""
+    """Store the reference currents (A), and whether the measured ones (A) approach them under a voltage limit (V)."""
     machine = state.machine
+    is_limited = magnitude(machine.along_voltage[0], machine.across_voltage[0]) > _LIMITED * limit
     before = _flux_error(machine, state.direct_aim - direct, state.quadrature_aim - quadrature)
-    state.shrinks = 1 if before < _SHRINKING * state.mean_error else 0
+    shrinking = _SHRINKING_LIMITED if is_limited else _SHRINKING
+    state.shrinks = 1 if before < shrinking * state.mean_error else 0
     after = _flux_error(machine, direct_aim - direct, quadrature_aim - quadrature)
     # A reference that moves changes the mean error as much as the present one.
     mean = state.mean_error + _ERROR_RATE * (before - state.mean_error)

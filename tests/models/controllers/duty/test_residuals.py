@@ -116,7 +116,7 @@ class Drive:
             seen = current * rect(1.0, -POLE_PAIRS * self.sense.angle)
             if detect_failure(self.state, self.sense, seen.real, seen.imag):
                 return int(self.state.fault), k
-            watch_currents(self.state, seen.real, seen.imag, 0.0, PEAK)
+            watch_currents(self.state, 69.0, seen.real, seen.imag, 0.0, PEAK)
         return 0, steps
 
 
@@ -177,7 +177,7 @@ def test_a_phase_that_does_not_follow_its_reference_is_missing() -> None:
     fault, step = drive.steps_to_fault(200, open_phase)
     assert fault == PHASE_FAULT
     # The reference of the phase is above half of the amplitude for two thirds of half a turn of 105 periods.
-    assert 7 <= step <= 7 + 105
+    assert 11 <= step <= 11 + 105
 
 
 @pytest.mark.parametrize(("approach", "fault"), [(0.02, 0), (0.0, PHASE_FAULT)])

@@ -1,0 +1,116 @@
+"""Voltage that resistance, inductance and magnet do not explain: that of a wrong position, or of an open phase."""
+
+from __future__ import annotations
+
+from math import isnan, nan, sqrt
+from typing import Any, Final
+
+from drivegate_models.compilation.kernels import inlined
+from drivegate_models.machine.sine import cosine_sine
+
+# Share of the present unexplained voltage in its mean. What other than nominal data explain of the mean: shares of the
+# magnet's EMF, of the voltage across inductance and resistance, of the link, and of that lost by dead time and drops,
+# where the current over its limit is sure of its sign; and at standstill the EMF of a speed over base speed that an
+# encoder of few lines does not resolve. For how many control periods it is more.
+_RATE: Final = 0.125
+_MAGNET: Final = 0.3
+_INDUCTIVE: Final = 0.35
+_RESISTIVE: Final = 1.0
+_LINK: Final = 0.01
+_LOST: Final = 0.5
+_SURE: Final = 0.1
+_UNRESOLVED: Final = 0.05
+_VOLTAGE_PERIODS: Final = 6
+# Share of the measured speed in its mean. An encoder shows a mean over milliseconds: while a light rotor changes
+# its speed, the EMF of the difference is unexplained as well.
+_SPEED_RATE: Final = 1.0 / 64.0
+# Difference between the shown and the observed angle (rad electrical), and the present unexplained voltage over what is
+# allowed of the mean, that both together show a wrong position; and for how many control periods.
+_OFF: Final = 0.15
+_CONFIRMING: Final = 0.5
+_CONFIRMED_PERIODS: Final = 2
+
+
+@inlined
+def reset_voltage(state: Any) -> None:
+    """Forget what has been unexplained."""
+    state.voltage_count = 0
+    state.off_count = 0
+    state.along_before = nan
+    state.across_before = 0.0
+    state.mean_speed = nan
+    state.direct_unexplained = 0.0
+    state.quadrature_unexplained = 0.0
+    state.angle_missed = 0.0
+
+
+@inlined
+def magnitude(along: float, across: float) -> float:
+    """Return the magnitude of a quantity along and across an axis."""
+    return sqrt(along * along + across * across)
+
+
+@inlined
+def _unexplained_voltage(state: Any, sense: Any, direct: float, quadrature: float) -> tuple[float, float]:
+    """Return the d and q voltages of the last period that machine data do not explain (V), NaN before the second one.
+
+    The d and q currents are given (A). Their change is taken in the stationary frame, where the steps of an encoder do
+    not appear.
+    """
+    machine = state.machine
+    electrical = float(machine.pole_pairs * sense.speed)
+    period = machine.control_period
+    angle = float(machine.pole_pairs * sense.angle)
+    cosine, sine = cosine_sine(angle)
+    along, across = cosine * direct - sine * quadrature, sine * direct + cosine * quadrature
+    changed, across_changed = along - state.along_before, across - state.across_before
+    state.along_before, state.across_before = along, across
+    along, across = along - 0.5 * changed, across - 0.5 * across_changed
+    applied, across_applied = machine.along_voltage[machine.delay], machine.across_voltage[machine.delay]
+    # In the middle of the period.
+    cosine, sine = cosine_sine(angle - 0.5 * electrical * period)
+    direct, quadrature = cosine * along + sine * across, cosine * across - sine * along
+    rate = (cosine * changed + sine * across_changed) / period + electrical * quadrature
+    across_rate = (cosine * across_changed - sine * changed) / period - electrical * direct
+    missed = cosine * applied + sine * across_applied - machine.resistance * direct
+    missed -= machine.direct_inductance * rate - electrical * machine.quadrature_inductance * quadrature
+    across_missed = cosine * across_applied - sine * applied - machine.resistance * quadrature
+    across_missed -= machine.quadrature_inductance * across_rate
+    across_missed -= electrical * (machine.direct_inductance * direct + machine.magnet_flux)
+    return missed, across_missed
+
+
+@inlined
+def is_voltage_wrong(state: Any, sense: Any, direct: float, quadrature: float) -> bool:
+    """Return True if more voltage has been unexplained for some periods than other data explain.
+
+    The d and q currents are given (A). Half as much in two periods is enough with an angle off the observed shaft, or
+    with an overdue Hall edge.
+    """
+    machine = state.machine
+    missed, across_missed = _unexplained_voltage(state, sense, direct, quadrature)
+    before = sense.speed if isnan(state.mean_speed) else state.mean_speed
+    state.mean_speed = before + _SPEED_RATE * (sense.speed - before)
+    # Between Hall edges angle and speed are too uncertain, unless an edge is overdue.
+    if isnan(missed) or (sense.hall >= 0 and machine.is_overdue == 0):
+        state.voltage_count, state.off_count = 0, 0
+        return False
+    state.direct_unexplained += _RATE * (missed - state.direct_unexplained)
+    state.quadrature_unexplained += _RATE * (across_missed - state.quadrature_unexplained)
+    speed = abs(float(machine.pole_pairs * sense.speed))
+    changing = abs(float(machine.pole_pairs * (sense.speed - state.mean_speed)))
+    amplitude = min(magnitude(direct, quadrature), machine.current_limit)
+    unresolved = machine.pole_pairs * max(_UNRESOLVED * state.base_speed - 0.5 * abs(state.mean_speed), 0.0)
+    allowed = (_MAGNET * speed + changing + unresolved) * machine.magnet_flux
+    allowed += _INDUCTIVE * speed * machine.quadrature_inductance * amplitude
+    allowed += _RESISTIVE * machine.resistance * amplitude
+    lost = machine.dead_ratio * sense.supply_voltage + 0.5 * (machine.switch_drop + machine.diode_drop)
+    allowed += (
+        _LINK * sense.supply_voltage + (_LOST if amplitude > _SURE * machine.current_limit else 1.0) * lost
+    )
+    unexplained = magnitude(state.direct_unexplained, state.quadrature_unexplained)
+    state.voltage_count = state.voltage_count + 1 if unexplained > allowed else 0
+    is_off = sense.hall >= 0 or abs(float(machine.pole_pairs * state.angle_missed)) > _OFF
+    is_off = is_off and magnitude(missed, across_missed) > _CONFIRMING * allowed
+    state.off_count = state.off_count + 1 if is_off else 0
+    return bool(state.off_count >= _CONFIRMED_PERIODS or state.voltage_count >= _VOLTAGE_PERIODS)
