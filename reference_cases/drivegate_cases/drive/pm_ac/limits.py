@@ -54,14 +54,14 @@ def safe_state_locked_s(drive: DriveValues) -> float:
     """Return the longest time from that at which the rotor locks to the safe state (s).
 
     A standing shaft is locked only under more torque than any load, and a speed regulator must raise its torque up to
-    that. Of the rate b it requests J b ω at once, and its integral adds a quarter of b J b ω in a second. On a rotor so
-    light that J b ω is less than that torque, this comes before all other times.
+    that. Of the rate b it requests J b ω at once, and its integral adds J b ω in each 4 / b. On a rotor so light that
+    J b ω is less than that torque, this comes before all other times.
     """
     base, torque = drive.rating.base_speed_rpm * RADIANS_PER_RPM, drive.rating.rated_torque_nm
     run_up = drive.machine.inertia_kg_m2 * base / torque
-    rate = _REGULATED / drive.inverter.control_period_s
+    rate = _REGULATED / float(drive.inverter.control_period_s)
     raised = max(_HEAVIEST / (rate * run_up) - 1.0, 0.0) / (_INTEGRATED * rate)
-    return float(raised) + _safe_state_s(drive, _DETECTION_RUN_UP * run_up + _sector_s(drive, torque))
+    return float(raised + _safe_state_s(drive, _DETECTION_RUN_UP * run_up + _sector_s(drive, torque)))
 
 
 def hides_position(drive: DriveValues, speed_rpm: float, torque_nm: float) -> bool:

@@ -171,6 +171,8 @@ def test_a_phase_that_does_not_follow_its_reference_is_missing() -> None:
     drive = Drive()
 
     def open_phase(_: int) -> None:
+        # The error of the flux is not just rounding, and does not shrink.
+        drive.state.shrinks = 0
         drive.currents[1] = -0.5 * drive.currents[1]
         drive.currents[2] = -drive.currents[0] - drive.currents[1]
 
