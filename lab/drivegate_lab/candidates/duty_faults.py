@@ -511,20 +511,6 @@ _UNNAMED: Final = {
         stalled_after=1000.0,
         ramped_within=10_000.0,
     ),
-    # The built-in controllers that detect failures take the stall for one.
-    "wound-up-in-a-stall": DutyFault(
-        "",
-        "Lets a speed regulator wind up for as long as the shaft is stalled.",
-        "ROB-4",
-        kind="Senses and answers",
-        base="load-observer",
-        under=SPEED_REFERENCE,
-        changes={
-            "standing": lambda plate: 0.005 * plate.base_speed,
-            "windup_rate": 30.0,
-            "control_period": _control_period,
-        },
-    ),
     "turns-summed-in-single-precision": _signals(
         "ACC-1",
         "Sums its commutation angle over all turns in single precision.",

@@ -18,7 +18,7 @@ class FaultyDutyController(DutyController):
     """A controller whose nameplate or constants a fault changes."""
 
     def __init__(self, fault: DutyFault) -> None:
-        super().__init__(fault.base)
+        super().__init__()
         self._fault = fault
 
     def reset(self, nameplate: Any) -> None:

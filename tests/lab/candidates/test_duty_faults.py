@@ -28,7 +28,7 @@ from drivegate.contracts.duty.scenarios.building import (
     with_position_errors,
 )
 from drivegate.contracts.duty.scenarios.feasibility import unfair_because
-from drivegate.contracts.duty.scenarios.released import released_scenario, stalled_scenario
+from drivegate.contracts.duty.scenarios.released import released_scenario
 from drivegate.drives.running import recorded
 from drivegate.gate.engine import check_candidate
 from drivegate.gate.events import CheckFinished
@@ -176,12 +176,7 @@ def repeated_runs() -> dict[str, Scenario]:
     }
 
 
-WOUND_UP = "wound-up-in-a-stall"
-
-
-@pytest.mark.parametrize(
-    "name", [name for name in DUTY_FAULTS if name not in {*rarer_runs(), *repeated_runs(), WOUND_UP}]
-)
+@pytest.mark.parametrize("name", [name for name in DUTY_FAULTS if name not in rarer_runs() | repeated_runs()])
 def test_a_faulty_controller_is_caught_by_its_check(name: str) -> None:
     assert is_caught(name, revealing_runs())
 
@@ -201,13 +196,6 @@ def test_a_fault_of_a_rarer_operation_is_caught_there_alone(name: str) -> None:
     assert failed_checks("foc", (run,)) == frozenset()
     assert failed_checks(f"faulty:{name}", revealing_runs()) == failed_checks("foc", revealing_runs())
     assert DUTY_FAULTS[name].check in failed_checks(f"faulty:{name}", (run,))
-
-
-def test_a_regulator_that_winds_up_is_caught_once_a_stalled_shaft_comes_free() -> None:
-    run = stalled_scenario(INTERIOR, 0.3 * INTERIOR.rating.base_speed_rpm, 0.3)  # type: ignore[arg-type]
-    assert failed_checks("load-observer", (run,)) == frozenset()
-    assert failed_checks("foc", (run,)) == frozenset(), "taking it for a locked rotor is no fault"
-    assert failed_checks(f"faulty:{WOUND_UP}", (run,)) == {DUTY_FAULTS[WOUND_UP].check}
 
 
 def differs_again(name: str, run: Scenario) -> bool:
