@@ -18,5 +18,5 @@ def wraps_s(control_period_s: float) -> tuple[float, ...]:
     Those of the first seconds are left out, since every run reaches them.
     """
     units = (_MICROSECONDS, _MILLISECONDS, control_period_s)
-    times = {round(unit * 2.0**bits, 6) for unit in units for bits in _BITS}
+    times = {round(unit * float(1 << bits), 6) for unit in units for bits in _BITS}
     return tuple(sorted(time for time in times if time > _FIRST_S))

@@ -291,7 +291,7 @@ _OF_KINDS: Final = {
             60.0,
             _rated_torque(0.5),
         ),
-        "turns-summed-in-single-precision": _fault(
+        "angle-of-summed-turns": _fault(
             "FWK-2",
             "Adds all turns up in single precision, and takes its angle from this sum.",
             faults.TURNS_SUMMED,

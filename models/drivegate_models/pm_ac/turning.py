@@ -1,25 +1,28 @@
-"""Control periods before a run in which the shaft turns without current, so that a controller counts its turns.
+"""Control periods before a run in which a held shaft turns, so that a controller counts its turns.
 
-The plant is not part of them: without a current, a held shaft shows an angle, a speed and a back-EMF alone. Angle and
-sensors have a state of their own here, so that the run itself begins bit for bit as without these turns.
+The exact plant would take minutes for them. The currents here follow the mean voltages of the command, so that a
+controller that compares fluxes, or that wants a d current without a torque, sees a machine. Angle, currents and sensors
+have a state of their own: the run itself begins bit for bit as without these turns.
 """
 
 from __future__ import annotations
 
-from math import pi
+from math import isnan, pi
 from typing import Final, NamedTuple
 
 from drivegate_models.compilation.calling import call_step
 from drivegate_models.compilation.kernels import inlined, unallocating
+from drivegate_models.contract.duty.signals import LEG_OFF
 from drivegate_models.loop.exchange import COMPLETED, STOPPED, Exchange
 from drivegate_models.loop.shaft import shown_angle, whole_turns, within_a_turn
-from drivegate_models.machine.rotor_frame import RotorFrame, phase_current
+from drivegate_models.machine.rotor_frame import RotorFrame, from_phases, phase_current
 from drivegate_models.machine.sine import cosine_sine
 from drivegate_models.pm_ac.exchange import write_sense
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
 from drivegate_models.pm_ac.sensing import (
     DutySensors,
     ideal_duty_sensors,
+    low_side_ratio,
     show_currents_of_idle_bridge,
     show_shaft,
     turn_shaft_sensors,
@@ -55,6 +58,65 @@ def _write_induced(exchange: Exchange, drive: PmAcDrive, angle: float, speed: fl
         exchange.sense[0].phase_voltages[leg] = phase_current(induced, leg) - lowest - drive.diode_drop
 
 
+@inlined
+def _within(ratio: float) -> float:
+    return min(max(ratio, 0.0), 1.0)
+
+
+@inlined
+def _mean_voltage(exchange: Exchange, link: float) -> tuple[bool, float, float]:
+    """Return whether all legs of a command switch, and its mean voltage in the stationary frame (V)."""
+    command = exchange.command[0]
+    is_on = command.first_leg != LEG_OFF and command.second_leg != LEG_OFF and command.third_leg != LEG_OFF
+    first = low_side_ratio(command.first_duty, command.first_leg)
+    second = low_side_ratio(command.second_duty, command.second_leg)
+    third = low_side_ratio(command.third_duty, command.third_leg)
+    if isnan(first + second + third):
+        return False, 0.0, 0.0
+    along, across = from_phases(_within(first), _within(second), _within(third))
+    return is_on, link * along, link * across
+
+
+@inlined
+def _currents_after(
+    drive: PmAcDrive,
+    voltage: tuple[bool, float, float],
+    currents: tuple[float, float],
+    angle: float,
+    speed: float,
+    length: float,
+) -> tuple[float, float]:
+    """Return the d-axis and q-axis currents (A) at the end of a control period, 0 where the bridge is off.
+
+    - `voltage`: whether the bridge is on, and its mean voltage in the stationary frame (V).
+    - `currents`: those at its begin (A).
+    - `angle`, `speed`: electrical angle in the middle of the period (rad), and electrical speed (rad/s).
+    - `length`: length of the period (s).
+
+    By the trapezoidal rule, which is stable for any length: ``L (i - i_0) / T = v - R i_m - j w (L i_m + psi)``, with
+    the mean ``i_m`` of both currents.
+    """
+    is_on, along, across = voltage
+    if not is_on:
+        return 0.0, 0.0
+    cosine, sine = cosine_sine(angle)
+    direct_before, quadrature_before = currents
+    half = 0.5 * drive.resistance
+    direct_rate, quadrature_rate = drive.direct_inductance / length, drive.quadrature_inductance / length
+    coupled, coupling = 0.5 * speed * drive.quadrature_inductance, 0.5 * speed * drive.direct_inductance
+    driving = (
+        cosine * along + sine * across + (direct_rate - half) * direct_before + coupled * quadrature_before
+    )
+    pushing = cosine * across - sine * along - speed * drive.magnet_flux
+    pushing += (quadrature_rate - half) * quadrature_before - coupling * direct_before
+    first, second = direct_rate + half, quadrature_rate + half
+    determinant = first * second + coupled * coupling
+    return (
+        (second * driving + coupled * pushing) / determinant,
+        (first * pushing - coupling * driving) / determinant,
+    )
+
+
 @unallocating
 def turn_before_run(
     drive: PmAcDrive,
@@ -66,7 +128,7 @@ def turn_before_run(
     length: float,
     enable: int,
 ) -> int:
-    """Step a controller while the shaft turns before its run; whatever it answers has no effect.
+    """Step a controller while the shaft turns before its run, which begins without a current all the same.
 
     - `begin`: electrical angle at the start (rad), which whole turns end at again; time of the controller's clock (s).
     - `link`: voltage of the dc link (V).
@@ -77,9 +139,14 @@ def turn_before_run(
     """
     angle, clock = begin
     turns = 0
+    electrical = drive.pole_pairs * turning.speed
+    currents = 0.0, 0.0
+    acting = False, 0.0, 0.0
     for number in range(turning.periods):
+        cosine, sine = cosine_sine(angle)
+        frame = RotorFrame(currents[0], currents[1], cosine, sine)
         for leg in range(3):
-            exchange.sensed_currents[leg] = 0.0
+            exchange.sensed_currents[leg] = phase_current(frame, leg)
         shaft_angle = shown_angle((angle + 2.0 * pi * turns) / drive.pole_pairs)
         time = clock + number * length
         write_sense(exchange, exchange.sensed_currents, link, reference, time, shaft_angle, turning.speed)
@@ -96,7 +163,13 @@ def turn_before_run(
         )
         if exchange.command[0].struct_size < 0:
             return STOPPED
-        turned = angle + drive.pole_pairs * turning.speed * length
+        commanded = _mean_voltage(exchange, link)
+        acting = acting if drive.modulator.update_delay > 0 else commanded
+        currents = _currents_after(
+            drive, acting, currents, angle + 0.5 * electrical * length, electrical, length
+        )
+        acting = commanded
+        turned = angle + electrical * length
         turns = (turns + whole_turns(turned)) % drive.pole_pairs
         angle = within_a_turn(turned)
         if not turning.sensors.ideal:

@@ -90,7 +90,7 @@ def test_the_wheel_is_drivegate_as_it_is_here(tmp_path):
     write_candidate("c", "other", tmp_path / "other", TODAY)
     wheel = tmp_path / "mine" / WHEEL
     assert wheel.read_bytes() == (tmp_path / "other" / WHEEL).read_bytes(), "equal sources, other bytes"
-    assert wheel.stat().st_size < 1_500_000, "the documentation calls it 1.5 MB at most"
+    assert wheel.stat().st_size < 1_600_000, "the documentation calls it 1.6 MB at most"
     pip = [sys.executable, "-m", "pip", "install", "--no-index", "--no-deps", "--no-compile", "--target"]
     subprocess.run([*pip, "there", wheel], cwd=tmp_path, check=True, capture_output=True)
     # Isolated from the drivegate that runs this test, but for what that one needs of others.

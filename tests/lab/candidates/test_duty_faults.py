@@ -76,6 +76,7 @@ def rare_families() -> dict[str, dict[str, Scenario]]:
     slipping = failing(held, "slip", 0.5 * held.duration_s, slip_deg=60.0)
     swelling = supply_step_scenario(torque_scenario(INTERIOR, base, (-0.5 * rated,)), INTERIOR, (1.0, 1.15))
     vanishing = vanishing_load_scenario(INTERIOR, 0.95 * base, 0.5 * rated, 1000 * INTERIOR.control_period_s)
+    idle = vanishing_load_scenario(INTERIOR, 0.95 * base, 0.5 * rated, 0.5)
     beyond = speed_scenario(INTERIOR, (1.02 * highest, 1.08 * highest), torque_nm=0.1 * rated)
     start = speed_scenario(
         INTERIOR, (0.2 * base,), torque_nm=0.5 * rated, initial_speed_rpm=0.0, initial_angle_deg=90.0
@@ -102,7 +103,7 @@ def rare_families() -> dict[str, dict[str, Scenario]]:
             "one-way-prediction": mirrored(torque_scenario(INTERIOR, 1.5 * base, (0.5 * rated,))),
             "lowering-refused": hoist_scenario(INTERIOR, (0.5 * base, -0.5 * base), 0.6 * rated),
         },
-        "load that vanishes": {"weakening-kept-near-base": vanishing, "offsets-after-idling": vanishing},
+        "load that vanishes": {"weakening-kept-near-base": vanishing, "offsets-after-idling": idle},
         "above the highest speed": {"reference-clipped": beyond, "speed-clipped": beyond},
         "braking above the highest speed": {
             "braking-ends-at-highest-speed": torque_scenario(INTERIOR, 1.05 * highest, (-0.2 * rated,)),

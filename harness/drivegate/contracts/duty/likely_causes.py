@@ -65,7 +65,8 @@ LIKELY_CAUSES: Final = (
         "the angle of the shaft has an offset",
         "ACC-1 ACC-1:torque FWK-1 FWK-2 FWK-2:negative SYM-1",
         "SYM-1 confirms it: a run backward is not the mirror image",
-        "angle-offset start-angle-assumed phase-after-false-edges",
+        "angle-offset start-angle-assumed phase-after-false-edges turns-summed-in-single-precision "
+        "edges-summed-in-single-precision",
     ),
     _cause(
         "the inductances of d and q are swapped or taken for equal, or the d current has the wrong sign",
@@ -101,7 +102,7 @@ LIKELY_CAUSES: Final = (
         "the speed or its regulator is wrong, in scale or integral part",
         "ACC-1 ACC-1:speed ROB-4 ROB-4:error ROB-5",
         "ROB-4 confirms it: the speed is off",
-        "speed-misread no-speed-integral slow-torque speed-clipped",
+        "speed-misread no-speed-integral slow-torque speed-clipped speed-taken-for-constant",
     ),
     _cause(
         "the speed regulator assumes another inertia",
@@ -179,6 +180,7 @@ LIKELY_CAUSES: Final = (
         "ACC-1",
         "ACC-1 confirms it: only some speeds or signs of torque are off",
         "weak-braking braking-cut-off slow-shaft-unseen idle-speed-forced backward-refused microseconds-signed "
+        "braking-ends-at-highest-speed overspeed-taken-early torque-ramped-after-stall "
         "reference-clipped reference-missed-with-link reference-missed-with-sample",
     ),
 )

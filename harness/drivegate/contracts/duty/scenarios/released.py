@@ -28,7 +28,7 @@ UNCERTAIN: Final = 0.05
 """Share by which the torque on a released shaft may differ from its reference (1)."""
 STALL_SHARE: Final = 0.25
 """Length of a stall over the settling time of the speed (1)."""
-STALLING_SHARE: Final = 10.0
+STALLING_SHARE: Final = 9.0
 """Friction that stalls a shaft over the rated torque at base speed, which no drive overcomes (1)."""
 
 

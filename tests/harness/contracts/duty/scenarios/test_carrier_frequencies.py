@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
 from typing import get_args
 
 import pytest
@@ -131,12 +132,16 @@ def assert_comes_back_from_a_file(scenario: Scenario) -> None:
 
 @pytest.mark.parametrize("kilohertz", [*KILOHERTZ])
 def test_fixed_scenarios_are_whole_periods_of_any_carrier(kilohertz: float) -> None:
-    windows = [len(duty_windows(scenario)) for scenario in fixed_scenarios(SURFACE, detected=FAILURE_KINDS)]
+    def windows(fixed: Iterable[Scenario]) -> list[int]:
+        # How many clocks wrap around depends on the carrier.
+        return [len(duty_windows(scenario)) for scenario in fixed if scenario.clock_start_s == 0.0]
+
+    usual = windows(fixed_scenarios(SURFACE, detected=FAILURE_KINDS))
     for carrier in ("single", "double"):
         fixed = fixed_scenarios(on_carrier(kilohertz, carrier), detected=FAILURE_KINDS)
         for scenario in fixed:
             assert_on_whole_periods(scenario)
-        assert [len(duty_windows(scenario)) for scenario in fixed] == windows
+        assert windows(fixed) == usual
 
 
 def test_at_least_sixty_frequencies_are_tried() -> None:
