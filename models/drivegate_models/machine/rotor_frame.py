@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import pi
+from math import pi, sqrt
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -54,6 +54,12 @@ def phase_current(frame: RotorFrame, leg: int) -> float:
 def turned(frame: RotorFrame, along: float, across: float) -> tuple[float, float]:
     """Return a d-q quantity in the stationary frame, along and across the first phase's axis."""
     return frame.cosine * along - frame.sine * across, frame.sine * along + frame.cosine * across
+
+
+@inlined
+def magnitude(along: float, across: float) -> float:
+    """Return the magnitude of a quantity along and across an axis."""
+    return sqrt(along * along + across * across)
 
 
 @inlined

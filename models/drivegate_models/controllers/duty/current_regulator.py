@@ -66,6 +66,13 @@ def rotor_currents(state: Any, sense: Any) -> tuple[float, float]:
 
 
 @inlined
+def largest_current(sense: Any) -> float:
+    """Return the largest magnitude of the phase currents (A)."""
+    currents = sense.phase_currents
+    return float(max(abs(double_at(currents, 0)), abs(double_at(currents, 1)), abs(double_at(currents, 2))))
+
+
+@inlined
 def voltage_limit(state: Any, sense: Any) -> float:
     """Return the linear modulation limit: the maximum peak phase voltage without distortion (V).
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from math import pi, sqrt
+from math import pi
 from typing import Any, Final
 
 from drivegate_models.compilation.calling import double_at
 from drivegate_models.compilation.kernels import inlined
-from drivegate_models.machine.rotor_frame import of_phase
+from drivegate_models.controllers.duty.current_regulator import largest_current
+from drivegate_models.machine.rotor_frame import magnitude, of_phase
 from drivegate_models.machine.sine import cosine_sine
 
 # Current of a missing phase relative to the largest, because the diodes of an open leg carry some; minimum of its
@@ -20,11 +21,6 @@ _PASSED: Final = pi / 5.0
 _PASSED_IN_A_PERIOD: Final = _PASSED / 8.0
 # Voltage relative to that of the link up to which the regulators are free; the undistorted one is 0.577.
 _FREE: Final = 0.52
-
-
-@inlined
-def _length(along: float, across: float) -> float:
-    return sqrt(along * along + across * across)
 
 
 @inlined
@@ -42,15 +38,14 @@ def is_phase_missing(state: Any, sense: Any, turned: float) -> bool:
     cosine, sine = cosine_sine(state.pole_pairs * sense.angle)
     along = cosine * state.direct_aim - sine * state.quadrature_aim
     across = sine * state.direct_aim + cosine * state.quadrature_aim
-    amplitude = _length(along, across)
+    amplitude = magnitude(along, across)
     carrying = _CARRYING * state.current_limit
     if amplitude <= carrying:
         # With little current, a phase without any proves nothing.
         return False
     currents = sense.phase_currents
-    most = max(abs(double_at(currents, 0)), abs(double_at(currents, 1)), abs(double_at(currents, 2)))
-    little = _MISSING * max(most, carrying)
-    used = _length(state.along_voltage[0], state.across_voltage[0])
+    little = _MISSING * max(largest_current(sense), carrying)
+    used = magnitude(state.along_voltage[0], state.across_voltage[0])
     is_free = sense.hall < 0 and used < _FREE * sense.supply_voltage
     missing = False
     for phase in range(3):
@@ -76,7 +71,7 @@ def watch_approach(
     phase it rises and falls as the field turns.
     """
     direct_flux, quadrature_flux = state.direct_inductance * direct, state.quadrature_inductance * quadrature
-    before = _length(
+    before = magnitude(
         state.direct_inductance * state.direct_aim - direct_flux,
         state.quadrature_inductance * state.quadrature_aim - quadrature_flux,
     )
@@ -84,7 +79,7 @@ def watch_approach(
         for phase in range(3):
             state.passed[phase] = 0.0
     state.direct_aim, state.quadrature_aim = direct_reference, quadrature_reference
-    after = _length(
+    after = magnitude(
         state.direct_inductance * direct_reference - direct_flux,
         state.quadrature_inductance * quadrature_reference - quadrature_flux,
     )

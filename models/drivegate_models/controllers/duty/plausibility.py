@@ -15,8 +15,10 @@ from typing import Any, Final
 from drivegate_models.compilation.calling import double_at
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.contract.duty.signals import LEG_OFF
+from drivegate_models.controllers.duty.current_regulator import largest_current
 from drivegate_models.controllers.duty.missing_phase import is_phase_missing, passed_by
 from drivegate_models.machine.cycle import within_half_turn
+from drivegate_models.machine.rotor_frame import magnitude
 from drivegate_models.machine.sine import cosine_sine
 
 CURRENT_FAULT: Final = 1
@@ -101,11 +103,6 @@ def reset_plausibility(state: Any, nameplate: Any) -> None:
 
 
 @inlined
-def _length(along: float, across: float) -> float:
-    return sqrt(along * along + across * across)
-
-
-@inlined
 def _turned(state: Any, sense: Any) -> float:
     """Return the rotation since the preceding step (rad electrical)."""
     turned = float(state.pole_pairs * (sense.angle - state.angle_before))
@@ -158,13 +155,12 @@ def _is_flux_wrong(state: Any, sense: Any) -> bool:
     The speed of an encoder soon falls to zero with a lost position. That of a slow shaft then never disagrees with the
     angle by the maximum drift.
     """
-    currents = sense.phase_currents
-    most = max(abs(double_at(currents, 0)), abs(double_at(currents, 1)), abs(double_at(currents, 2)))
+    most = largest_current(sense)
     decay = max(abs(float(state.pole_pairs * sense.speed * state.control_period)), state.flux_decay)
     rate = decay / (_FLUX_FORGOTTEN * state.control_period)
     voltage = state.resistance * most + (_LINK_SHARE + state.dead_ratio) * sense.supply_voltage
     allowed = state.farthest_drift * state.magnet_flux + _INDUCTIVE_SHARE * state.quadrature_inductance * most
-    is_wrong = _length(state.along_drift, state.across_drift) > allowed + voltage / rate
+    is_wrong = magnitude(state.along_drift, state.across_drift) > allowed + voltage / rate
     state.flux_count = state.flux_count + 1 if sense.hall < 0 and is_wrong else 0
     return bool(state.flux_count >= _SEEN)
 
@@ -181,7 +177,7 @@ def _is_shaft_wrong(state: Any, sense: Any, turned: float, shows_speed: bool) ->
     state.angle_drift = drift
     # Hall switches have steps of 60 degrees before they measure a speed.
     if sense.hall < 0 and abs(drift) > state.farthest_drift:
-        unexplained = _length(state.along_drift, state.across_drift)
+        unexplained = magnitude(state.along_drift, state.across_drift)
         if unexplained > _FARTHEST * state.magnet_flux:
             return True
     speed = abs(sense.speed)

@@ -13,9 +13,9 @@ from typing import Any, Final
 
 from drivegate_models.compilation.calling import double_at
 from drivegate_models.compilation.kernels import inlined
-from drivegate_models.controllers.duty.unexplained_voltage import is_voltage_wrong, magnitude, reset_voltage
+from drivegate_models.controllers.duty.unexplained_voltage import is_voltage_wrong, reset_voltage
 from drivegate_models.machine.cycle import within_half_turn
-from drivegate_models.machine.rotor_frame import of_phase
+from drivegate_models.machine.rotor_frame import magnitude, of_phase
 from drivegate_models.machine.sine import cosine_sine
 
 CURRENT_FAULT: Final = 1

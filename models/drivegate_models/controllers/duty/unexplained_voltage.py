@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from math import isnan, nan, sqrt
+from math import isnan, nan
 from typing import Any, Final
 
 from drivegate_models.compilation.kernels import inlined
+from drivegate_models.machine.rotor_frame import magnitude
 from drivegate_models.machine.sine import cosine_sine
 
 # Share of the present unexplained voltage in its mean. What other than nominal data explain of the mean: shares of the
@@ -42,12 +43,6 @@ def reset_voltage(state: Any) -> None:
     state.direct_unexplained = 0.0
     state.quadrature_unexplained = 0.0
     state.angle_missed = 0.0
-
-
-@inlined
-def magnitude(along: float, across: float) -> float:
-    """Return the magnitude of a quantity along and across an axis."""
-    return sqrt(along * along + across * across)
 
 
 @inlined

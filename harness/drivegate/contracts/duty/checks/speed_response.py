@@ -72,9 +72,8 @@ def judged_step_rpm(record: DutyRecord, dwell: Dwell) -> float:
         speed = scenario.initial_speed_rpm
         pushed = load_on_shaft(scenario, dwell, speed * RADIANS_PER_RPM)
     else:
-        settled = {before.end: before for before, _, _ in record.windows}
-        before = settled.get(dwell.start)
-        if before is None or dwell.start in scenario.restarts_s or _is_other_plant(before, dwell):
+        before = _settled_before(record, dwell)
+        if before is None:
             return 0.0
         speed = before.speed_rpm
         loads = (load_on_shaft(scenario, each, speed * RADIANS_PER_RPM) for each in (before, dwell))
@@ -86,7 +85,9 @@ def judged_step_rpm(record: DutyRecord, dwell: Dwell) -> float:
 def _steps_alone(record: DutyRecord, dwell: Dwell) -> bool:
     """Return True if the load is the same before and after a step of the speed from a settled state."""
     scenario = record.scenario
-    before = next(before for before, _, _ in record.windows if before.end == dwell.start)
+    before = _settled_before(record, dwell)
+    if before is None:
+        return False
     speed = before.speed_rpm * RADIANS_PER_RPM
     return load_on_shaft(scenario, before, speed) == load_on_shaft(scenario, dwell, speed)
 
@@ -110,8 +111,8 @@ def _sag(record: DutyRecord, dwell: Dwell) -> Margin | None:
     stiff a drive is beyond that is its designer's choice.
     """
     scenario, document = record.scenario, record.document
-    before = next((each for each, _, _ in record.windows if each.end == dwell.start), None)
-    if before is None or dwell.start in scenario.restarts_s or _is_other_plant(before, dwell):
+    before = _settled_before(record, dwell)
+    if before is None:
         return None
     reference = dwell.speed_rpm * RADIANS_PER_RPM
     loads = [load_on_shaft(scenario, each, reference) for each in (before, dwell)]
@@ -123,6 +124,14 @@ def _sag(record: DutyRecord, dwell: Dwell) -> Margin | None:
     allowed = max(SAG_FACTOR * moved, ERROR_FACTOR * record.limits.speed_tolerance_rpm)
     measured = f"{sag:.4g} rpm off after a load step at {dwell.start:.4g} s, {allowed:.4g} rpm are allowed"
     return Margin("ROB-4", at_most(sag, allowed), measured)
+
+
+def _settled_before(record: DutyRecord, dwell: Dwell) -> Dwell | None:
+    """Return the settled stretch that a dwell follows, if no more than reference, load and friction changes there."""
+    before = next((each for each, _, _ in record.windows if each.end == dwell.start), None)
+    if before is None or dwell.start in record.scenario.restarts_s or _is_other_plant(before, dwell):
+        return None
+    return before
 
 
 def _is_other_plant(before: Dwell, dwell: Dwell) -> bool:

@@ -4,18 +4,11 @@ from __future__ import annotations
 
 from typing import Any, Final
 
-from drivegate_models.compilation.calling import double_at
 from drivegate_models.compilation.kernels import inlined
+from drivegate_models.controllers.duty.current_regulator import largest_current
 
 # Control periods after a fall of the link in which a rise of the current counts as part of it.
 _TOGETHER: Final = 50
-
-
-@inlined
-def largest_current(sense: Any) -> float:
-    """Return the largest magnitude of the phase currents (A)."""
-    currents = sense.phase_currents
-    return float(max(abs(double_at(currents, 0)), abs(double_at(currents, 1)), abs(double_at(currents, 2))))
 
 
 @inlined

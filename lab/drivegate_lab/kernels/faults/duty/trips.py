@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any, Final
 
 from drivegate_lab.kernels.faults.broken_coupling import breaks_away
-from drivegate_lab.kernels.faults.duty.changes import largest_current
 from drivegate_models.compilation.kernels import inlined
+from drivegate_models.controllers.duty.current_regulator import largest_current
 
 # Share of a current that is left of one that has vanished, and the number of swings of a loose sensor.
 _LEFT: Final = 0.01
