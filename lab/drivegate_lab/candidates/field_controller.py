@@ -21,7 +21,7 @@ class _Correct(DutyController):
 
 
 class FieldController(CompiledController):
-    """One instance of field-oriented control with such a fault."""
+    """One instance of field-oriented control with a field fault."""
 
     def __init__(self, fault: FieldFault) -> None:
         self._fault, self._correct = fault, _Correct()

@@ -106,8 +106,8 @@ def run_program(address: int, stack: NDArray[Any], scratch: int, areas: int, is_
     """Run a program; return 0, or the number of the row, from 1 on, whose pointer points to no memory.
 
     `address`: that of the program. `stack`, shape (n,): words for numbers. `scratch`: address of its first word.
-    `areas`: address of a table of `table_of`. `is_strict`: whether such a pointer ends the program; otherwise what it
-    leads to is 0 and remains as it is.
+    `areas`: address of a table of `table_of`. `is_strict`: whether a pointer outside of them ends the program;
+    otherwise what it leads to is 0 and remains as it is.
     """
     top = 0
     there = 0.0

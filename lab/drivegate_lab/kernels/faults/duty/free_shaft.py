@@ -10,7 +10,7 @@ import numpy as np
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.machine.cycle import within_half_turn
 
-# Rate at which such a regulator unwinds once the shaft turns (1/s).
+# Rate at which the regulator unwinds once the shaft turns (1/s).
 _UNWINDING: Final = 5.0
 FREE_SHAFT: Final = (
     # 1 if the speed at the last change of the reference is taken for the present one; that reference and speed (rad/s).

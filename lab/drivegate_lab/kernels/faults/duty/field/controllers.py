@@ -80,7 +80,7 @@ def step_field_state(state: Any, sense: Any, command: Any) -> None:
 
 @cache
 def field_step_function() -> Any:
-    """Return the step of such a controller, compiled.
+    """Return the step of a controller with a field fault, compiled.
 
     Its `address` is that of a C function whose state is a FIELD_STATE. The caller must retain the object.
     """

@@ -13,7 +13,7 @@ from drivegate_models.controllers.duty.state import FOC_STATE
 FALL_MISSED: Final = 1
 """A torque reference of more than the power `size` above base speed is kept until it is zero or negative."""
 WEAKENING_KEPT_AFTER_FALL: Final = 2
-"""After such a reference, d current of `extent` is kept until the reference is zero or negative."""
+"""After a reference as of `FALL_MISSED`, d current of `extent` is kept until the reference is zero or negative."""
 WEAKENING_KEPT_THROUGH_STOP: Final = 3
 """After a stop from a speed above `size`, d current of `extent` is kept below base speed."""
 TORQUE_CUT_AFTER_STOP: Final = 4
@@ -104,7 +104,7 @@ FIELD_STATE: Final = np.dtype(
     ],
     align=True,
 )
-"""State of such a controller. It must not be moved in memory, and its step must outlive it."""
+"""State of a controller with a field fault. It must not be moved in memory, and its step must outlive it."""
 
 
 def field_state(step_address: int) -> NDArray[Any]:
