@@ -72,6 +72,19 @@ def test_its_commands_are_played_back_to_the_end(ended, tmp_path: Path, short: S
     assert own.run.digest == record.run.digest
 
 
+def test_it_is_stepped_through_the_turns_before_a_run(
+    written: Callable[..., Path], tmp_path: Path, short: Scenario
+) -> None:
+    source = duty_source(fifth_step="command->duty_ratios[1] = 0.875;").replace("steps == 5", "steps == 3001")
+    after = short.replaced(turns_before=3)
+    with Judge(resolve_candidate(str(written(tmp_path, source))), limits=LIMITS) as judge:
+        record = judge.once(Job(run_once, after))
+    assert isinstance(record, DutyRecord), record
+    assert len(record.run.commands) == short.control_periods
+    marked = [place for place, ratio in enumerate(record.run.commands["second_duty"]) if ratio == 0.875]
+    assert marked == [0], "three turns at 600 rpm take 3000 control periods"
+
+
 def test_it_is_repeated_judged_and_timed(written, tmp_path: Path, short: Scenario) -> None:
     with Judge(resolve_candidate(str(written(tmp_path, duty_source())))) as judge:
         outcome = judge.run(Job(run_fixed, FixedRuns((short,), repeat=True)))
