@@ -16,7 +16,7 @@ from drivegate.contracts.duty.scenarios.drawn_range import (
     slow_load_share,
     unnoticed_because,
 )
-from drivegate.contracts.duty.scenarios.reaching import greatest_torque, is_too_late
+from drivegate.contracts.duty.scenarios.reaching import greatest_torque, is_too_late, runs_away
 from drivegate.contracts.duty.scenarios.released import is_stalled, unfair_release
 from drivegate.contracts.duty.scenarios.windows import duty_dwells, shaft_inertia
 from drivegate.scenarios.drive_scale import rated_torque_at
@@ -102,6 +102,8 @@ def _unfair_load(scenario: Scenario) -> str | None:
     if not all(_is_driven(scenario, dwell) for dwell in turning):
         unweakened = "" if weakens else " without field weakening"
         return f"at one of its operating points no currents within the limits give the torque{unweakened}"
+    if runs_away(scenario):
+        return "its load drives the shaft above overspeed before a torque can rise against it"
     if is_too_late(scenario):
         return "the torque that the limits leave brings its shaft to a reference too late to settle there"
     return None

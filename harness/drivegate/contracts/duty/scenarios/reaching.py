@@ -1,7 +1,8 @@
-"""Whether the torque of a drive brings its shaft to the reference of the speed in time."""
+"""Whether the torque of a drive brings its shaft to the reference of the speed in time, and bears its load."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import lru_cache
 from math import copysign, isfinite
 from typing import Final
@@ -49,18 +50,39 @@ def is_too_late(scenario: Scenario) -> bool:
         return False
     drive = duty_document(scenario.drive)
     settling = settling_s(drive, held=False)
-    moved = reaction_s(drive) / drive.machine.inertia_kg_m2
     judged = {dwell.start for dwell, _, _ in duty_windows(scenario)}
+    for dwell, _, pushed in _changes(scenario, reaction_s(drive) / drive.machine.inertia_kg_m2):
+        if dwell.start not in judged:
+            continue
+        left = dwell.duration - (WINDOW_SHARE + REMAINING_SHARE) * settling
+        if _speed_after(scenario, dwell, pushed, left) != dwell.speed_rpm * RADIANS_PER_RPM:
+            return True
+    return False
+
+
+def runs_away(scenario: Scenario) -> bool:
+    """Return True if a change of the load drives the shaft above overspeed while the torque of a good drive rises."""
+    if isinstance(scenario.load, LockedLoad):
+        return False
+    drive = duty_document(scenario.drive)
+    rise = drive.requirements.rise_periods * drive.control_period_s
+    overspeed = drive.rating.overspeed_rpm * RADIANS_PER_RPM
+    changes = _changes(scenario, rise / drive.machine.inertia_kg_m2)
+    return any(abs(pushed) > max(overspeed, abs(speed)) for _, speed, pushed in changes)
+
+
+def _changes(scenario: Scenario, moved: float) -> Iterator[tuple[Dwell, float, float]]:
+    """Follow the shaft from change to change: the stretch, and the speeds before and after its load moves it (rad/s).
+
+    `moved` is the change of speed for each torque (rad/s/(N·m)) until a regulator bears what the load has changed by.
+    """
     speed, borne = scenario.initial_speed_rpm * RADIANS_PER_RPM, 0.0
     for dwell in duty_dwells(scenario):
         acting = load_on_shaft(scenario, dwell, speed)
-        speed = _moved(scenario, speed, (acting - borne) * moved)
-        needed = (WINDOW_SHARE + REMAINING_SHARE) * settling if dwell.start in judged else 0.0
-        speed = _speed_after(scenario, dwell, speed, dwell.duration - needed)
-        if dwell.start in judged and speed != dwell.speed_rpm * RADIANS_PER_RPM:
-            return True
+        pushed = _moved(scenario, speed, (acting - borne) * moved)
+        yield dwell, speed, pushed
+        speed = _speed_after(scenario, dwell, pushed, dwell.duration)
         borne = load_on_shaft(scenario, dwell, speed)
-    return False
 
 
 def reaction_s(drive: PmAcDocument) -> float:

@@ -4,14 +4,20 @@ from __future__ import annotations
 
 import pytest
 
-from drivegate.contracts.duty.scenarios.building import load_step_scenario, speed_scenario, torque_of
+from drivegate.contracts.duty.scenarios.building import (
+    hoist_scenario,
+    load_step_scenario,
+    speed_scenario,
+    torque_of,
+)
 from drivegate.contracts.duty.scenarios.feasibility import unfair_because
 from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios
-from drivegate.contracts.duty.scenarios.reaching import is_too_late
+from drivegate.contracts.duty.scenarios.reaching import is_too_late, runs_away
 from drivegate.contracts.duty.scenarios.windows import duty_windows
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.failure_kind import FAILURE_KINDS
+from drivegate_models.units import RADIANS_PER_RPM
 
 
 def _drive(name: str) -> PmAcDocument:
@@ -72,3 +78,17 @@ def test_a_load_moves_the_shaft_before_a_regulator_bears_it() -> None:
     assert not is_too_late(run)
     assert is_too_late(weak)
     assert not is_too_late(weak.replaced(duration_s=4.0 * run.duration_s))
+
+
+def test_a_weight_on_a_rotor_too_light_for_any_regulator_is_set_aside() -> None:
+    """Until the torque has risen, the weight has brought the shaft beyond overspeed."""
+    torque = torque_of(SURFACE, 600.0, 0.9)
+    rise = SURFACE.requirements.rise_periods * SURFACE.control_period_s
+    room = (SURFACE.rating.overspeed_rpm - 600.0) * RADIANS_PER_RPM
+    for share, away in ((0.9, True), (1.1, False)):
+        inertia = share * torque * rise / room
+        machine = SURFACE.machine.model_copy(update={"inertia_kg_m2": inertia})
+        run = hoist_scenario(SURFACE.model_copy(update={"machine": machine}), (-600.0,), torque)
+        assert runs_away(run) == away
+        reason = unfair_because(run)
+        assert (reason is not None and "above overspeed before" in reason) == away
