@@ -64,6 +64,7 @@ def test_the_built_in_candidates_are_compared_the_same_on_any_number_of_workers(
         )
 
 
+@pytest.mark.nightly
 def test_drives_are_put_side_by_side_the_same_on_any_number_of_workers(
     compare, undrawn, tmp_path, monkeypatch
 ):

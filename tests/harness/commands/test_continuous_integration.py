@@ -250,6 +250,7 @@ def test_the_documentation_lists_the_inputs() -> None:
         assert rows[name] == f"`{known['default']}`" or not known["default"], name
 
 
+@pytest.mark.nightly
 def test_gitlab_checks_the_same_and_finds_junit(tmp_path: Path) -> None:
     shared, job = GITLAB[".drivegate"], GITLAB["gate"]
     (installs,), (checks,) = shared["before_script"], job["script"]

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.nightly import one_in
 
 from drivegate.candidates.fault import Fault
 from drivegate.candidates.resolution import resolve_candidate
@@ -61,7 +62,7 @@ def plain_runs(drive: str) -> tuple[Scenario, Scenario, Scenario]:
 
 
 @pytest.mark.parametrize("kind", DUTY_KINDS)
-@pytest.mark.parametrize("drive", DRIVES)
+@pytest.mark.parametrize("drive", one_in(2, DRIVES))
 def test_it_follows_steps_into_weakening_on_every_packaged_drive(written, kind: str, drive: str) -> None:
     candidate = resolve_candidate(str(written(kind) / "candidate.toml"))
     required = {"ACC-1", "DUT-1", "OVC-1"}
@@ -197,6 +198,7 @@ def test_conversions_round_to_the_nearest_and_saturate(written) -> None:
     assert printed[-1] == "5.283185 0.716815"
 
 
+@pytest.mark.nightly
 def test_its_own_test_runs_and_passes(written) -> None:
     ended = subprocess.run(
         [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-W", "ignore"],

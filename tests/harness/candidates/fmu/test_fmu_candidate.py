@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from tests.harness import worker_jobs
+from tests.nightly import one_in
 
 from drivegate.candidates.fault import CandidateFault, FaultKind
 from drivegate.candidates.fmu.instance import FmuError
@@ -325,7 +326,7 @@ FAULTS = {
 }
 
 
-@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize("version", one_in(2, VERSIONS))
 @pytest.mark.parametrize("fault", FAULTS)
 def test_a_fault_in_a_step_gets_its_verdict_and_the_next_job_works(fault, version, workshop):
     statement, kind, message = FAULTS[fault]
@@ -420,7 +421,7 @@ UNUSABLE = {
 }
 
 
-@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize("version", one_in(2, VERSIONS))
 @pytest.mark.parametrize("case", UNUSABLE)
 def test_variables_that_do_not_fit_are_all_reported(case, version, workshop, altered):
     replacements, reason = UNUSABLE[case]

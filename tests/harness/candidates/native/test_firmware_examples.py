@@ -108,17 +108,23 @@ def margins_of(seeded: Seeded, folder: Path, line: str) -> dict[str, Margin]:
     [
         pytest.param(NO_DELAY, id="generated-code-without-delay-compensation"),
         pytest.param(
-            WRONG_SIGN, id="objects-with-a-sign-wrong-on-the-d-axis", marks=pytest.mark.needs("c++")
+            WRONG_SIGN,
+            id="objects-with-a-sign-wrong-on-the-d-axis",
+            marks=[pytest.mark.needs("c++"), pytest.mark.nightly],
         ),
         pytest.param(WRONG_CHANNEL, id="interrupt-handler-with-the-wrong-converter-channel"),
-        pytest.param(NO_ANTI_WINDUP, id="crate-without-anti-windup", marks=pytest.mark.needs("cargo")),
+        pytest.param(
+            NO_ANTI_WINDUP,
+            id="crate-without-anti-windup",
+            marks=[pytest.mark.needs("cargo"), pytest.mark.nightly],
+        ),
         pytest.param(
             WRONG_SCALE, id="image-with-a-wrong-Clarke-scale", marks=pytest.mark.needs("arm-none-eabi-gcc")
         ),
         pytest.param(
             WRONG_REGISTER,
             id="registers-with-a-wrong-compare-channel",
-            marks=pytest.mark.needs("arm-none-eabi-gcc"),
+            marks=[pytest.mark.needs("arm-none-eabi-gcc"), pytest.mark.nightly],
         ),
     ],
 )

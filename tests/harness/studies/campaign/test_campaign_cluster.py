@@ -46,6 +46,7 @@ def cluster(folder: Path):
         process.wait()
 
 
+@pytest.mark.nightly
 def test_a_killed_worker_costs_no_result_and_the_bytes_are_the_local_ones(
     write, start, finish, folder, cluster, bytes_of
 ):
