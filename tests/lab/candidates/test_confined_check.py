@@ -64,6 +64,7 @@ def check(candidate: str, only: tuple[str, ...] = ()) -> tuple[ResultDocument, l
     return events[-1].result, [event for event in events if isinstance(event, RunDone)]
 
 
+@pytest.mark.nightly
 @pytest.mark.usefixtures("few_runs")
 def test_a_confined_check_concludes_what_the_whole_check_does() -> None:
     only = ("STP-1", "FWK-2")
