@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from drivegate.output.failure import ExitCode, complain, failure_of
-from drivegate.output.streams import leave_unread, write_to
+from drivegate.output.streams import guard_output, leave_unread, write_to
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -34,10 +34,7 @@ def wants_json(words: Sequence[str]) -> bool:
 
 
 def conducted(work: Callable[[], object], *, as_json: bool) -> int:
-    for stream in (sys.stdout, sys.stderr):
-        # A console that cannot show a character is no reason to fail.
-        if hasattr(stream, "reconfigure"):
-            stream.reconfigure(errors="backslashreplace")
+    guard_output()
     try:
         outcome = work()
         if not isinstance(outcome, Outcome):

@@ -7,11 +7,12 @@ from collections.abc import Iterable
 from typing import Final, TextIO, cast
 
 from rich.box import SIMPLE
-from rich.console import Console
+from rich.console import Console, ConsoleOptions, RenderableType
+from rich.segment import Segment
 from rich.table import Table
 from rich.text import Text
 
-from drivegate.output.streams import LogStream, leave_unread
+from drivegate.output.streams import StyledStream, leave_unread, printable
 from drivegate_cases.documents.wording import one_line
 
 WIDTH_OF_A_FILE: Final = 160
@@ -35,8 +36,16 @@ STYLES: Final = {
 """Style of a verdict; whatever is not in it is a fault."""
 
 
-class _ConsoleWithoutReader(Console):
-    """A console that prints nothing more once its reader has gone; the command and its exit code do not change."""
+class _GuardedConsole(Console):
+    """A console on which no text acts, and which prints nothing more once its reader has gone.
+
+    The command and its exit code do not change then.
+    """
+
+    def render(self, renderable: RenderableType, options: ConsoleOptions | None = None) -> Iterable[Segment]:
+        for segment in super().render(renderable, options):
+            # Only movements of the cursor that are the console's own may have control characters.
+            yield segment if segment.control else segment._replace(text=printable(segment.text))
 
     def on_broken_pipe(self) -> None:
         self.quiet = True
@@ -47,8 +56,8 @@ def console_for(stream: TextIO) -> Console:
     """Make a console that takes text as it is: no markup, no emoji, no highlighting."""
     has_width = stream.isatty() or "COLUMNS" in os.environ
     # Only tables are wrapped: a path or a command on more than one line could not be copied.
-    return _ConsoleWithoutReader(
-        file=cast(TextIO, LogStream(stream)),
+    return _GuardedConsole(
+        file=cast(TextIO, StyledStream(stream)),
         markup=False,
         emoji=False,
         highlight=False,

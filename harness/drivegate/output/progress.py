@@ -10,6 +10,7 @@ from typing import Final, TextIO
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from drivegate.output.console import console_for, plain
+from drivegate.output.streams import write_to
 from drivegate_cases.documents.wording import one_line
 
 SECONDS_BETWEEN_LINES: Final = 30.0
@@ -143,7 +144,7 @@ class _Lines(Display):
             return False
         self._printed.add(line)
         try:
-            print(line, file=self._stream, flush=True)
+            write_to(self._stream, f"{line}\n")
         except (OSError, ValueError):
             # Progress that nobody reads is no reason to end what it is about.
             self._stream = None

@@ -17,7 +17,7 @@ from drivegate.output.report_writers import (
     write_reports,
 )
 from drivegate.output.result_file import write_result_files
-from drivegate.output.streams import without_commands
+from drivegate.output.streams import harmless
 from drivegate.results.result import NOT_WITNESSED, STALE_WAIVERS, content_hash, counted_levels
 from drivegate_cases.documents.wording import nearest, one_line, shown_path
 from drivegate_models.errors import HarnessFault, InputError
@@ -111,7 +111,7 @@ def _candidate_file(specification: str) -> str:
 
 
 def _command(level: str, file: str, title: str, message: str) -> str:
-    file, title, message = (without_commands(one_line(text)) for text in (file, title, message))
+    file, title, message = (harmless(one_line(text)) for text in (file, title, message))
     place = f"file={file.translate(_IN_TITLE)}," * bool(file)
     return f"::{level} {place}title={title.translate(_IN_TITLE)}::{message.translate(_IN_MESSAGE)}"
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import logging
 import re
 import subprocess
 import sys
@@ -14,6 +15,7 @@ from typing import Any
 import pytest
 import scipy.optimize  # noqa: F401  (what a run of pytester imports is forgotten, and numpy cannot be imported twice)
 from tests.harness.made import made_outcome, made_result
+from tests.harness.output.log_commands import commands_in
 
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault, FaultKind
@@ -47,7 +49,7 @@ class Raising:
 """
 
 
-def outcome(check: Any, verdict: str) -> CheckSection:
+def outcome(check: Any, verdict: str, message: str = "") -> CheckSection:
     applied = verdict in ("pass", "fail")
     scenario = load_scenario("lock-up").to_mapping() if applied else None
     return made_outcome(
@@ -61,7 +63,7 @@ def outcome(check: Any, verdict: str) -> CheckSection:
         margin={"pass": 0.25, "fail": -1.5}.get(verdict),
         measured="as measured",
         runs=int(applied),
-        message=f"the message of {check.id}",
+        message=message or f"the message of {check.id}",
         scenario=scenario,
         counterexample=scenario if verdict == "fail" else None,
     )
@@ -74,6 +76,7 @@ class FakeEngine:
     verdicts: dict[str, str] = field(default_factory=dict)
     faults: tuple[Fault, ...] = ()
     error: Exception | None = None
+    message: str = ""
     calls: list[tuple[str, str, int]] = field(default_factory=list)
     options: list[CheckOptions] = field(default_factory=list)
 
@@ -81,9 +84,11 @@ class FakeEngine:
         yield CheckStarted(candidate.name, 1)
         self.calls.append((candidate.specification, options.effort, options.seed))
         self.options.append(options)
+        if self.message:
+            logging.getLogger("drivegate").warning("%s", self.message)
         if self.error is not None:
             raise self.error
-        checks = tuple(outcome(check, self.verdicts.get(check.id, "pass")) for check in CHECKS)
+        checks = tuple(outcome(check, self.verdicts.get(check.id, "pass"), self.message) for check in CHECKS)
         verdict = "fail" if "fail" in self.verdicts.values() else "pass"
         result = made_result(
             candidate,
@@ -291,6 +296,21 @@ def test_a_fault_fails_the_item_of_the_candidate(suite: Any, engine: FakeEngine)
     result = suite()
     result.assert_outcomes(passed=len(CHECKS), failed=1)
     result.stdout.fnmatch_lines(["crash*: ended by SIGSEGV", "FAILED *test_conformance[[]candidate[]]*"])
+
+
+def test_nothing_that_is_judged_reaches_the_log_as_a_command(suite: Any, engine: FakeEngine) -> None:
+    hostile = "x\n::error::x\n  ##teamcity[x]\x1b[2J"
+    crash = Fault(FaultKind.EXCEPTION, hostile, "step", "ValueError", hostile, 3, 0.0015, None)
+    engine.faults, engine.message = (crash,), hostile
+    required = [check.id for check in CHECKS if check.level == "required" and check.subject == "candidate"]
+    engine.verdicts = dict(zip(required, ("fail", "waived", "contested"), strict=False))
+    result = suite("-rA", "-o", "log_cli=true", "-o", "log_cli_level=INFO")
+    result.assert_outcomes(passed=len(CHECKS) - 2, failed=2, skipped=1, warnings=1)
+    assert text_of(result).count("##teamcity [x]") > 5, "the texts are not shown"
+    assert commands_in("\n".join([*result.outlines, *result.errlines])) == []
+    engine.error = InputError(hostile)
+    assert commands_in(text_of(suite("-k", "candidate"))) == []
+    assert commands_in(text_of(suite(arguments='"x##vso[y]/none.toml"'))) == []
 
 
 @pytest.mark.parametrize(
