@@ -520,14 +520,14 @@ def _write_pages(folder: Path, request: pytest.FixtureRequest) -> dict[str, Path
     duty, ratios = folder / "duty", folder / "ratios"
     duty.mkdir()
     ratios.mkdir()
-    write_comparison(_made_up_duty_comparison(), ratios)
+    write_comparison(_made_up_duty_comparison(), ratios).require_all()
     document = json.loads(json.dumps(_made_up_comparison(faulted=True)))
     write_tables(document, folder)
     (folder / COMPARISON_FILE).write_text(json.dumps(document), encoding="utf-8")
     across = json.loads(json.dumps(_made_up_drives(faulted=True)))
     drives = folder / "drives"
     drives.mkdir()
-    write_comparison(across, drives)
+    write_comparison(across, drives).require_all()
     summary = _made_up_campaign()
     for name in (SUMMARY, MANIFEST):
         (folder / name).write_text(json.dumps(summary), encoding="utf-8")

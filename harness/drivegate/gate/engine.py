@@ -63,7 +63,7 @@ from drivegate.results.result import counted_levels
 from drivegate.results.verdict import candidate_verdict, check_outcomes, costly_steps, machine_dependent
 from drivegate.results.waivers import present_day, under_waivers
 from drivegate_cases.drive.drive_document import DriveDocument
-from drivegate_models.errors import InputError
+from drivegate_models.errors import HarnessFault, InputError
 
 _SHOWN: Final = frozenset(check for contract in all_contracts() for check in searched_checks(contract))
 """Checks whose margins progress shows; one of 0 that is met is a clamped command's."""
@@ -99,7 +99,10 @@ def check_candidate(candidate: Candidate, options: CheckOptions) -> Iterator[Eve
         "machine": machine(),
         "checks": machine_dependent(progress.all_runs),
     }
-    yield CheckFinished(_finished(plan, progress, timing))
+    comparisons, failure = _compared(plan, progress.all_runs)
+    yield CheckFinished(_finished(plan, progress, comparisons, timing))
+    if failure is not None:
+        raise failure
 
 
 def _planned(candidate: Candidate, options: CheckOptions) -> _Plan:
@@ -204,13 +207,17 @@ def _run(plan: _Plan, progress: Progress) -> Iterator[Event]:
             progress.end()
 
 
-def _finished(plan: _Plan, progress: Progress, timing: dict[str, Any]) -> ResultDocument:
+def _finished(
+    plan: _Plan,
+    progress: Progress,
+    comparisons: tuple[ComparisonSection, ...] | None,
+    timing: dict[str, Any],
+) -> ResultDocument:
     candidate, options, how, runs = plan.candidate, plan.options, plan.how, progress.all_runs
     outcomes = progress.outcomes
     _add_differing(outcomes, progress)
     if plan.today is not None:
         outcomes = under_waivers(outcomes, candidate.name, options.waivers, plan.today)
-    comparisons = _compared(plan, runs)
     verdict, exit_code = candidate_verdict(
         outcomes, progress.faults, comparisons or (), fail_on=options.fail_on
     )
@@ -250,12 +257,22 @@ def _finished(plan: _Plan, progress: Progress, timing: dict[str, Any]) -> Result
     )
 
 
-def _compared(plan: _Plan, runs: Sequence[JudgedRun]) -> tuple[ComparisonSection, ...] | None:
+def _compared(
+    plan: _Plan, runs: Sequence[JudgedRun]
+) -> tuple[tuple[ComparisonSection, ...] | None, HarnessFault | None]:
+    """Compare with the baseline; a failure of that is returned, since the result of the runs is not lost with it."""
     options = plan.options
     if options.baseline is None:
-        return None
-    entries = compared(options.baseline, runs, contract_of(plan.how.drive).checks)
-    return tuple(entry for entry in entries if options.focus.judges(entry.check))
+        return None, None
+    try:
+        entries = compared(options.baseline, runs, contract_of(plan.how.drive).checks)
+    except Exception as error:
+        failure = HarnessFault(
+            f"the comparison with the baseline failed ({type(error).__name__}: {error}), and the result has none"
+        )
+        failure.__cause__ = error
+        return None, failure
+    return tuple(entry for entry in entries if options.focus.judges(entry.check)), None
 
 
 def _add_differing(outcomes: Sequence[CheckSection], progress: Progress) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import TYPE_CHECKING
 
 from drivegate.contracts.catalogue import contract_of
@@ -27,13 +27,16 @@ if TYPE_CHECKING:
     from drivegate.results.document import ResultDocument
 
 
-def followed(events: Iterable[Event], display: Display) -> ResultDocument | None:
-    """Show every event, and return the result if they end with one."""
+def followed(
+    events: Iterable[Event], display: Display, keep: Callable[[ResultDocument], None] = lambda _: None
+) -> ResultDocument | None:
+    """Show every event, and return the result if they end with one; `keep` gets it first, whatever fails after it."""
     result: ResultDocument | None = None
     for event in events:
         _show(event, display)
         if isinstance(event, CheckFinished):
             result = event.result
+            keep(result)
     return result
 
 
@@ -50,9 +53,14 @@ def _with_pace(events: Iterable[Event], display: Display, pace: CheckPace) -> It
         yield event
 
 
-def finished(events: Iterable[Event], display: Display, pace: CheckPace | None = None) -> ResultDocument:
-    """Show every event of a check, and return its result; announce if it will take long."""
-    result = followed(_with_pace(events, display, pace or CheckPace()), display)
+def finished(
+    events: Iterable[Event],
+    display: Display,
+    pace: CheckPace | None = None,
+    keep: Callable[[ResultDocument], None] = lambda _: None,
+) -> ResultDocument:
+    """Show every event of a check, and return its result, as `followed` does; announce if it will take long."""
+    result = followed(_with_pace(events, display, pace or CheckPace()), display, keep)
     if result is None:
         raise HarnessFault("the check ended without a result")
     return result

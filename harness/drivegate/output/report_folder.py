@@ -15,6 +15,7 @@ from typing import Final, Self
 
 from drivegate.output.file_lock import LockedElsewhere, locked_file
 from drivegate_cases.documents.atomic_write import write_atomically
+from drivegate_cases.documents.system_failure import disk_failure
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_models.errors import InputError
 
@@ -46,6 +47,7 @@ class ReportFolder:
         self._shown = place
         self._made: list[Path] = []
         self._lock = -1
+        self._is_committed = False
 
     def __enter__(self) -> Self:
         """Make the staging folder, and the folders above it that are missing."""
@@ -72,8 +74,12 @@ class ReportFolder:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Remove what was not committed."""
+        """Remove what was not committed; a failure of the disk names the folder."""
         self._leave(discard=self.staging.exists())
+        full = disk_failure(error)
+        if full is not None:
+            kept = "what was complete is kept" if self._is_committed else "nothing was kept"
+            raise unwritable(self._shown, full, kept) from error
 
     def _recover(self) -> None:
         """Remove what a killed process has left, and put an earlier report back that it had moved away.
@@ -120,6 +126,7 @@ class ReportFolder:
                 raise
         except OSError as error:
             raise _unusable(self._shown, error) from error
+        self._is_committed = True
         shutil.rmtree(former, ignore_errors=True)
 
     @contextmanager
@@ -168,6 +175,14 @@ def _own_files(folder: Path) -> list[str]:
         return [str(name) for name in mark["files"]]
     except (OSError, ValueError, RecursionError, TypeError, KeyError):
         return []
+
+
+def unwritable(place: Path, full: OSError, kept: str) -> InputError:
+    """Make the sentence about a disk that is full, read-only or broken; `kept` states what is there all the same."""
+    reason = one_line(full.strerror or str(full))
+    return _refused(
+        place, f"cannot be written: {reason}; {kept}, so make room or name a folder on another disk"
+    )
 
 
 def _refused(place: Path, why: str) -> InputError:

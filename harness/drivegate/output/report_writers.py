@@ -81,10 +81,11 @@ def _stated(load: LoadWriter, name: str) -> object:
 def write_reports(
     document: dict[str, Any], folder: Path, writers: Mapping[str, LoadWriter]
 ) -> WrittenReports:
-    """Have reports written in their order; one that cannot be written stops no other."""
+    """Have reports written in their order; one that cannot be written stops no other, and leaves no part of itself."""
     pages: dict[str, Path] = {}
     errors: dict[str, Exception] = {}
     for name, load in writers.items():
+        before = set(folder.rglob("*"))
         try:
             # Standard output belongs to the command.
             with redirect_stdout(sys.stderr):
@@ -92,6 +93,9 @@ def write_reports(
             pages[name] = page.resolve().relative_to(folder.resolve())
         except Exception as error:
             errors[name] = error
+            for part in sorted(set(folder.rglob("*")) - before, reverse=True):
+                with suppress(OSError):
+                    part.rmdir() if part.is_dir() else part.unlink()
     return WrittenReports(pages, errors)
 
 

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Final, Literal
 
+import numpy as np
 from pydantic import BeforeValidator, ConfigDict, Field
 
 from drivegate.checks.check import Check, JudgedRun
@@ -25,8 +27,6 @@ SIGNIFICANCE: Final = 0.05
 """p-value below which a loss is taken for real."""
 LEAST_LOSS: Final = 0.05
 """Loss of margin, in the median, that is put up with."""
-_ENUMERATED_PAIRS: Final = 8
-"""Pairs up to which all signs are enumerated, which is exact also where changes are equal."""
 
 
 class FixedRun(Section):
@@ -119,11 +119,24 @@ def _comparison(check: Check, changes: Sequence[float]) -> ComparisonSection:
 
 
 def loss_by_chance(changes: Sequence[float]) -> float:
-    """Test whether paired values have fallen, with Wilcoxon's signed ranks."""
-    from scipy.stats import PermutationMethod, wilcoxon
+    """Test whether paired values have fallen, with Wilcoxon's signed ranks, exactly and also where changes are equal.
 
+    Returns the probability that gains have at most the ranks that they have, if each change had either sign by chance.
+    Pairs without a change say nothing.
+    """
     changed = [change for change in changes if change != 0.0]
-    if len(changed) > _ENUMERATED_PAIRS:
-        return float(wilcoxon(changed, alternative="less").pvalue)
-    every_sign = PermutationMethod(n_resamples=2**_ENUMERATED_PAIRS)
-    return float(wilcoxon(changed, alternative="less", method=every_sign).pvalue)
+    ranks = _doubled_ranks([abs(change) for change in changed])
+    gained = sum(rank for rank, change in zip(ranks, changed, strict=True) if change > 0.0)
+    # The probability of each sum of ranks, one change after the other.
+    probability = np.zeros(sum(ranks) + 1)
+    probability[0] = 1.0
+    for rank in ranks:
+        also_gained = np.concatenate((np.zeros(rank), probability[: probability.size - rank]))
+        probability = 0.5 * (probability + also_gained)
+    return min(float(probability[: gained + 1].sum()), 1.0)
+
+
+def _doubled_ranks(sizes: Sequence[float]) -> list[int]:
+    """Rank numbers from 1; equal ones share the mean of their ranks, which is doubled to stay whole."""
+    ordered = sorted(sizes)
+    return [bisect_left(ordered, size) + bisect_right(ordered, size) + 1 for size in sizes]

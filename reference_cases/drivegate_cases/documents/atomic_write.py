@@ -27,6 +27,10 @@ def write_atomically(path: str | Path, content: str | bytes) -> None:
             f"{shown_path(path)} cannot be written: {one_line(reason)}; "
             "name a file in an existing, writable folder"
         ) from error
+    except OSError as error:
+        # What fails while it writes does not name the file.
+        error.filename = error.filename or str(path)
+        raise
 
 
 def _replace_flushed(partial: Path, target: Path, data: bytes) -> None:

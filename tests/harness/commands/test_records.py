@@ -9,6 +9,7 @@ from drivegate.contracts.current.scenarios.building import steady_scenario
 from drivegate.results.document import ComparisonSection
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import load_scenario
+from drivegate_models.errors import HarnessFault
 
 SHORT = load_scenario("lock-up").replaced(name="from the corpus", duration_s=1.0)
 COUNTEREXAMPLE = {
@@ -115,6 +116,32 @@ def test_a_result_is_its_own_baseline_and_a_better_one_fails_it(command, small, 
     assert (lost["verdict"], lost["pairs"]) == ("fail", 6)
     assert lost["median_change"] == pytest.approx(-0.5)
     assert lost["p_value"] == pytest.approx(1 / 64)
+
+
+def test_a_comparison_that_fails_takes_no_result_with_it(command, engine, one_page, monkeypatch, tmp_path):
+    """The result is reported before what follows from it."""
+
+    def fails_at_the_end(candidate, options):
+        yield from engine(candidate, options)
+        raise HarnessFault(
+            "the comparison with the baseline failed (ValueError: none), and the result has none"
+        )
+
+    monkeypatch.setattr("drivegate.gate.engine.check_candidate", fails_at_the_end)
+    ended = command("check", "reference")
+    assert ended.code == 3
+    assert "the comparison with the baseline failed" in ended.err
+    assert command("verify", tmp_path / "drivegate-report" / "result.json").code == 0
+
+
+def test_the_engine_reports_a_result_that_cannot_be_compared(command, small, one_page, monkeypatch, tmp_path):
+    words = (*QUICK, "--only", "ADV-2")
+    assert command(*words).code == 0
+    monkeypatch.setattr("drivegate.gate.engine.compared", lambda *_: 1 / 0)
+    ended = command(*words, "--baseline", tmp_path / "drivegate-report" / "result.json", "--output", "again")
+    assert (ended.code, ended.document["verdict"], ended.document["baseline"]) == (3, "pass", None)
+    assert "ZeroDivisionError" in ended.err
+    assert (tmp_path / "again" / "result.json").is_file()
 
 
 def test_a_counterexample_is_replayed_as_it_was_found(command, small, one_page):

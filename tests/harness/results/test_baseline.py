@@ -1,10 +1,15 @@
 """The comparison with an earlier result: a real loss of margin fails, chance and small changes do not."""
 
 import json
+from itertools import product
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.stats import rankdata, wilcoxon
 
 from drivegate.checks.check import JudgedRun
 from drivegate.checks.margin import Margin
@@ -103,6 +108,31 @@ def test_the_test_is_one_sided_and_certain_with_many(count: int) -> None:
     lost = [-0.1 - 0.001 * number for number in range(count)]
     assert loss_by_chance(lost) == pytest.approx(0.5**count, rel=1e-9)
     assert loss_by_chance([-change for change in lost]) == pytest.approx(1.0)
+
+
+CHANGE = st.sampled_from([0.0, -1.5, 1.5, -0.5, 0.25]) | st.floats(-10.0, 10.0)
+
+
+@given(st.lists(CHANGE, max_size=9))
+def test_any_few_changes_have_the_probability_that_counting_signs_gives(changes: list[float]) -> None:
+    """Each change has either sign by chance: of all signs, count those whose gains have ranks as small."""
+    changed = [change for change in changes if change]
+    ranks = rankdata(np.abs(changed))
+    signs = np.array(list(product((0.0, 1.0), repeat=len(changed)))).reshape(2 ** len(changed), -1)
+    gains = signs @ ranks
+    expected = np.mean(gains <= ranks @ (np.array(changed) > 0.0))
+    assert loss_by_chance(changes) == pytest.approx(expected, rel=1e-9)
+
+
+@given(st.lists(st.floats(-10.0, 10.0).filter(bool), min_size=10, max_size=30, unique_by=abs))
+def test_many_changes_have_the_probability_of_scipy(changes: list[float]) -> None:
+    expected = wilcoxon(changes, alternative="less", method="exact").pvalue
+    assert loss_by_chance(changes) == pytest.approx(expected, rel=1e-9)
+
+
+def test_a_single_change_is_one_of_two_by_chance(tmp_path: Path) -> None:
+    assert loss_by_chance([0.0, 0.0, 0.0, 0.0, -1.5]) == 0.5
+    assert comparison(tmp_path, [0.9] * 5, [0.9, 0.9, 0.9, 0.9, -0.6]).verdict == "pass"
 
 
 def test_scenarios_of_the_baseline_are_run_once(tmp_path: Path) -> None:

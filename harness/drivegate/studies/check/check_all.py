@@ -12,6 +12,7 @@ from copy import deepcopy
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import FrameType
+from typing import TYPE_CHECKING
 
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.gate.events import Event, Running
@@ -21,13 +22,16 @@ from drivegate.output.progress import progress_on
 from drivegate.output.report_folder import ReportFolder
 from drivegate.output.report_writers import LoadWriter, Preparation, page_name, write_reports
 from drivegate.output.result_file import RESULT_FILE, as_json
-from drivegate.output.result_reports import own_formats, page_formats, write_result
+from drivegate.output.result_reports import page_formats
 from drivegate.output.waiting import CheckPace
 from drivegate.studies.check.checked import Checked, summary
 from drivegate.studies.check.part import WHOLE_CHECK, Part, focus_of
-from drivegate_cases.documents.system_failure import is_of_the_disk
+from drivegate.studies.check.storing import incomplete, store, unwritten
 from drivegate_cases.documents.wording import shown_path
-from drivegate_models.errors import HarnessFault, InputError
+from drivegate_models.errors import InputError
+
+if TYPE_CHECKING:
+    from drivegate.results.document import ResultDocument
 
 
 @dataclass(frozen=True)
@@ -112,7 +116,7 @@ def _commit(all_checked: Sequence[Checked], folder: ReportFolder, output: Path) 
         folder.commit()
     except (OSError, InputError) as error:
         for checked in stored:
-            checked.folder, checked.error = None, _unwritten(error, output)
+            checked.folder, checked.error = None, unwritten(error, output)
 
 
 def _write_summary(all_checked: Sequence[Checked], folder: Path) -> None:
@@ -141,17 +145,13 @@ def _write_pages(
                 # Whatever reports do to the document that they get, this one is the result's.
                 written = write_reports(deepcopy(checked.document), place, writers)
                 checked.pages = tuple(checked.folder / page for page in written.pages.values())
-                if written.errors:
-                    problems = "; ".join(written.problems())
-                    checked.error = HarnessFault(
-                        f"{problems}, but the result is in {checked.folder / RESULT_FILE}"
-                    )
-                    checked.error.__cause__ = next(iter(written.errors.values()))
+                checked.error = checked.error or incomplete(written, checked.folder, output)
             if any(checked.error for checked in stored):
                 _write_summary(all_checked, staging)
     except (OSError, InputError) as error:
         for checked in stored:
-            checked.pages, checked.error = (), _unwritten(error, output)
+            kept = f"the result is kept in {shown_path(output)}, the reports are not"
+            checked.pages, checked.error = (), unwritten(error, output, kept)
 
 
 def _name(checked: Checked) -> str:
@@ -185,9 +185,12 @@ def _check(
     quiet: bool,
 ) -> None:
     """Check one candidate, and write its result and the harness's own reports into a folder."""
-    place, candidate = checked.folder, checked.candidate
-    assert place is not None, "its folder is known"
+    candidate = checked.candidate
     assert candidate is not None, "only a candidate that was found is checked"
+
+    def keep(result: ResultDocument) -> None:
+        checked.document = result.written()
+
     try:
         with progress_on(None if quiet else sys.stderr) as display:
             display.begin(candidate.name)
@@ -202,30 +205,14 @@ def _check(
             )
             events = check_candidate(candidate, followed_options)
             followed = ending.following(preparation.following(events))
-            checked.document = finished(followed, display, pace).written()
+            finished(followed, display, pace, keep)
             # Announced here, so that the verdict is the last line of a log.
             display.phase("writing the report")
-            staging.mkdir(exist_ok=True)
-            written = write_result(checked.document, staging, own_formats())
-        for error in written.errors.values():
-            raise error
     except Exception as error:
-        checked.folder = None
-        checked.error = error if checked.document is None else _unwritten(error, place)
+        checked.error = error
+    store(checked, staging)
     if ending.is_requested():
         checked.error = checked.error or KeyboardInterrupt()
-
-
-def _unwritten(error: BaseException, place: Path) -> BaseException:
-    """Return an error of the disk with what a user can do about it."""
-    if not is_of_the_disk(error):
-        return error
-    refusal = InputError(
-        f"--output {shown_path(place)} cannot be written: {error.strerror}; no report was kept, so make room "
-        "or name a folder on another disk"
-    )
-    refusal.__cause__ = error
-    return refusal
 
 
 def _folder_name(name: str, taken: set[str]) -> str:

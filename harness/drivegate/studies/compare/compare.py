@@ -24,6 +24,7 @@ from drivegate.output.report_folder import ReportFolder
 from drivegate.output.report_writers import (
     COMPARISON_GROUP,
     DRIVE_COMPARISON_GROUP,
+    WrittenReports,
     report_points,
     write_reports,
 )
@@ -86,9 +87,11 @@ def compare(
         refused = _refused(specifications, resolved, labels, made)
         if document is None:
             return ComparisonEnding(None, (), refused)
-        pages = write_comparison(document, folder.staging)
+        written = write_comparison(document, folder.staging)
+        # The numbers are kept, whatever becomes of the pages.
         folder.commit()
-    return ComparisonEnding(document, tuple(output / page for page in pages), refused)
+        written.require_all()
+    return ComparisonEnding(document, tuple(output / page for page in written.pages.values()), refused)
 
 
 def _compared(
@@ -182,13 +185,14 @@ def _refused(
     )
 
 
-def write_comparison(document: dict[str, Any], folder: Path) -> tuple[Path, ...]:
-    """Write all files of a comparison, and return its pages, relative to the folder; each drive has its own folder."""
+def write_comparison(document: dict[str, Any], folder: Path) -> WrittenReports:
+    """Write all files of a comparison; each drive has its own folder. The pages are those of the whole."""
+    errors: dict[str, Exception] = {}
     parts = zip(document.get("drives", ()), document.get("parts", ()), strict=True)
     for entry, part in parts:
         own = folder / entry["folder"]
         own.mkdir()
-        write_comparison(part, own)
+        errors |= write_comparison(part, own).errors
     write_tables(document, folder)
     file, group = (
         (DRIVE_COMPARISON_FILE, DRIVE_COMPARISON_GROUP)
@@ -199,8 +203,7 @@ def write_comparison(document: dict[str, Any], folder: Path) -> tuple[Path, ...]
     written = write_reports(
         document, folder, {name: point.load for name, point in report_points(group).items()}
     )
-    written.require_all()
-    return tuple(written.pages.values())
+    return WrittenReports(written.pages, errors | dict(written.errors))
 
 
 def write_tables(document: Mapping[str, Any], folder: Path) -> None:
