@@ -175,17 +175,19 @@ def _faults() -> Iterator[Row]:
 
 def _kinds() -> Iterator[Row]:
     """Check candidates of the kinds that `_checks` leaves out, where their compilers are installed."""
-    new = ("drivegate", "new")
-    yield Row("kind exec", ("check", "e/candidate.toml", *_FEW, "--json"), ((*new, "exec", "e"),))
+    new, paper = ("drivegate", "new"), ("--drive", "paper-5-phase")
+    yield Row("kind exec", ("check", "e/candidate.toml", *_FEW, "--json"), ((*new, "exec", "e", *paper),))
     yield Row(
-        "kind python-duty",
-        ("check", "p/candidate.toml", "--drive", "pm-ac-interior", *_QUICK, "--only", "STP-1", "--json"),
-        ((*new, "python-duty", "p"),),
+        "kind python of duty ratios",
+        ("check", "p/candidate.toml", *_QUICK, "--only", "STP-1", "--json"),
+        ((*new, "python", "p"),),
     )
     if shutil.which("cargo"):
-        yield Row("kind rust", ("check", "r/candidate.toml", *_FEW, "--json"), ((*new, "rust", "r"),))
+        yield Row("kind rust", ("check", "r/candidate.toml", *_FEW, "--json"), ((*new, "rust", "r", *paper),))
     if shutil.which("arm-none-eabi-gcc"):
-        yield Row("kind elf", ("check", "m/candidate.toml", *_FEW, "--json"), ((*new, "cortex-m", "m"),))
+        yield Row(
+            "kind elf", ("check", "m/candidate.toml", *_FEW, "--json"), ((*new, "cortex-m", "m", *paper),)
+        )
     build = ("python", str(_EXAMPLES / "fmu" / "build_fmu.py"), str(_EXAMPLES / "c" / "controller.c"))
     yield Row("kind fmu", ("check", "c.fmu", *_FEW, "--json"), ((*build, "--output", "c.fmu"),))
     objects = str(_EXAMPLES / "firmware" / "objects" / "candidate.toml")
@@ -255,7 +257,7 @@ def _files_of_numbers() -> Iterator[Row]:
 
 
 def _templates() -> Iterator[Row]:
-    kinds = ("python", "numba", "c", "rust", "cortex-m", "exec", "python-duty", "embedded-coder")
+    kinds = ("python", "numba", "c", "rust", "cortex-m", "exec", "embedded-coder")
     for kind in kinds:
         yield Row(f"new {kind}", ("new", kind, "mine"))
     yield Row("new drive", ("new", "drive", "mine.toml"))

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 SCHEMA = 1
 DRIVE = "drive"
 """The one kind that is no candidate."""
-CHOICES = ("python", "numba", "c", "rust", "cortex-m", "exec", "python-duty", "embedded-coder", DRIVE)
+CHOICES = ("python", "numba", "c", "rust", "cortex-m", "exec", "embedded-coder", DRIVE)
 
 
 @click.command("new")
@@ -48,10 +48,11 @@ def command(kind: str, name: str, output: Path | None, drive: str | None, from_d
     conversion. Otherwise the file has a comment for each key and the values of the paper's drive, or of that of
     --drive, to be replaced by your own.
 
-    The kinds python, numba, c, rust, cortex-m (the image for a microcontroller, emulated) and exec have the same
-    algorithm: a speed regulator, and a line of angles. It meets the contract and most checks; what it fails is waived
-    for 90 days and is the exercise. python-duty and embedded-coder (C as generated from Simulink) answer with duty
-    ratios, by field-oriented control. With --drive its manifest names that drive, whose file is copied into the folder.
+    The controller is field-oriented control in the language of the kind: python, numba, c, rust, cortex-m (the image
+    for a microcontroller, emulated), exec, or embedded-coder (C as generated from Simulink). It passes every required
+    check on pm-ac-interior. With --drive its manifest names that drive, whose file is copied into the folder. For a
+    drive that takes a current reference and an advance angle, such as paper-5-phase, the controller is a speed
+    regulator with a line of angles; what it fails is waived for 90 days and is the exercise.
     """
     if kind == DRIVE:
         return _new_drive(Path(name), output, drive, from_datasheet)

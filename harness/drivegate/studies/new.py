@@ -68,24 +68,26 @@ class Template:
 
     source: str
     """The file that the controller is in."""
-    contract: ContractName = "current"
-    """What the controller answers with, which decides on the drives that it is for."""
-    based_on: str = ""
-    """Another kind whose files it has as well, unless it has one of the same name; empty for none."""
+    folders: Mapping[ContractName, tuple[str, ...]]
+    """Folders of its files for each contract that it has one of, a later one's files in place of an earlier one's.
+    The first contract is that of a candidate for which no drive is named."""
     extra: str = ""
     """Optional dependencies of drivegate that such a candidate needs; empty for none."""
 
 
 KINDS: Final = MappingProxyType(
     {
-        "python": Template("controller.py"),
-        "numba": Template("controller.py"),
-        "c": Template("controller.c"),
-        "rust": Template("src/lib.rs"),
-        "cortex-m": Template("controller.c", based_on="c", extra="[elf]"),
-        "exec": Template("controller.py"),
-        "python-duty": Template("controller.py", contract="duty"),
-        "embedded-coder": Template("adapter.c", contract="duty"),
+        "python": Template("controller.py", {"duty": ("python-duty",), "current": ("python",)}),
+        "numba": Template("controller.py", {"duty": ("numba-duty",), "current": ("numba",)}),
+        "c": Template("controller.c", {"duty": ("c-duty",), "current": ("c",)}),
+        "rust": Template("src/lib.rs", {"duty": ("rust-duty",), "current": ("rust",)}),
+        "cortex-m": Template(
+            "controller.c",
+            {"duty": ("c-duty", "cortex-m-duty"), "current": ("c", "cortex-m")},
+            extra="[elf]",
+        ),
+        "exec": Template("controller.py", {"duty": ("exec-duty",), "current": ("exec",)}),
+        "embedded-coder": Template("adapter.c", {"duty": ("embedded-coder",)}),
     }
 )
 """The kinds, by the name on the command line."""
@@ -94,7 +96,10 @@ KINDS: Final = MappingProxyType(
 def write_candidate(
     kind: str, name: str, folder: Path, today: date, drive: str | None = None
 ) -> tuple[Path, ...]:
-    """Write a new candidate, for a drive that is included or a copy of a file of one."""
+    """Write a new candidate, for a drive that is included or a copy of a file of one.
+
+    The drive decides what the controller answers with. Without one it is field-oriented control.
+    """
     if not _NAME.fullmatch(name):
         raise InputError(
             f"the name '{one_line(name)}' must begin with a letter and have letters, digits, '-' and '_' after it, "
@@ -105,27 +110,29 @@ def write_candidate(
         raise InputError(
             f"{shown_path(folder)} exists already, and nothing is ever overwritten; name another folder with --output"
         )
+    template = KINDS[kind]
+    contract = next(iter(template.folders)) if drive is None else _contract_for(template, drive, kind)
     words = {
         "@name@": name,
         "@expires@": (today + WAIVED).isoformat(),
-        "@source@": KINDS[kind].source,
-        "@install@": f"{WHEELS}/{wheel_name()}{KINDS[kind].extra}",
+        "@source@": template.source,
+        "@install@": f"{WHEELS}/{wheel_name()}{template.extra}",
         "@wheel@": f"{WHEELS}/{wheel_name()}",
     }
     root = files("drivegate").joinpath(_TEMPLATES)
     texts: dict[str, str] = {}
-    for part in filter(None, (*_COMMON[KINDS[kind].contract], KINDS[kind].based_on, kind)):
+    for part in (*_COMMON[contract], *template.folders[contract]):
         texts |= {place: data.decode() for place, data in _contents(root.joinpath(part))}
     for word, value in words.items():
         texts = {place: text.replace(word, value) for place, text in texts.items()}
     contents = {_PLACES.get(place, place): text.encode() for place, text in texts.items()}
     contents[words["@wheel@"]] = _wheel_bytes()
-    usual = DEFAULT_DRIVES[KINDS[kind].contract]
+    usual = DEFAULT_DRIVES[contract]
     if drive is None and usual != DEFAULT_DRIVE:
         # Manifest and waivers that name none are for the default drive.
         drive = usual
     if drive is not None:
-        _name_drive(contents, drive, kind)
+        _name_drive(contents, drive)
     try:
         folder.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(prefix=f".{name}-", dir=folder.parent) as scratch:
@@ -143,19 +150,27 @@ def write_candidate(
     return tuple(sorted(map(Path, contents)))
 
 
-def _name_drive(contents: dict[str, bytes], drive: str, kind: str) -> None:
+def _contract_for(template: Template, drive: str, kind: str) -> ContractName:
+    """Return the contract of a named drive, which the template must have."""
+    from drivegate_cases.drive.drive_document import load_drive
+
+    named = load_drive(drive)
+    for contract in template.folders:
+        if contract == named.contract:
+            return contract
+    others = ", ".join(other for other, known in KINDS.items() if named.contract in known.folders)
+    own = " or ".join(ANSWERS[contract] for contract in template.folders)
+    raise InputError(
+        f"the drive '{one_line(named.name)}' of the kind '{named.kind}' takes {ANSWERS[named.contract]}, but the "
+        f"template '{kind}' answers with {own}; take one of {others}, or name another drive"
+    )
+
+
+def _name_drive(contents: dict[str, bytes], drive: str) -> None:
     """Have manifest and waivers name a drive, with a copy of its file next to them."""
     from drivegate_cases.drive.drive_document import drive_names, load_drive
 
-    named = load_drive(drive)
-    name = named.name
-    if named.contract != KINDS[kind].contract:
-        others = ", ".join(other for other, known in KINDS.items() if known.contract == named.contract)
-        raise InputError(
-            f"the drive '{one_line(name)}' of the kind '{named.kind}' takes {ANSWERS[named.contract]}, but the "
-            f"template '{kind}' answers with {ANSWERS[KINDS[kind].contract]}; take one of {others}, or name another "
-            "drive"
-        )
+    name = load_drive(drive).name
     if drive not in drive_names():
         place = f"drive{Path(drive).suffix.lower()}"
         contents[place], drive = Path(drive).read_bytes(), place

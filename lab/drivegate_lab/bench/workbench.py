@@ -131,7 +131,7 @@ class Workbench:
             return load_controller(resolve_candidate(kind))
         folder = self.scratch / f"bench-{kind}"
         if not folder.exists():
-            write_candidate(kind, f"bench-{kind}", folder, present_day())
+            write_candidate(kind, f"bench-{kind}", folder, present_day(), DEFAULT_DRIVE)
         manifest = folder / "candidate.toml"
         if kind == "exec":
             # The interpreter that runs here, whatever is first on the path.

@@ -49,7 +49,7 @@ print("has a step at", controller.step_address)
 )
 def test_it_is_compiled_before_a_process_that_only_reads(tmp_path: Path, text: str, drive: str) -> None:
     if text == "cortex-m":
-        write_candidate(text, "mine", tmp_path / "mine", date(2026, 1, 1))
+        write_candidate(text, "mine", tmp_path / "mine", date(2026, 1, 1), drive)
         text = str(tmp_path / "mine" / "candidate.toml")
     candidate = resolve_candidate(text)
     KINDS[candidate.kind].compile_own_code(candidate)

@@ -255,7 +255,7 @@ def test_gitlab_checks_the_same_and_finds_junit(tmp_path: Path) -> None:
     shared, job = GITLAB[".drivegate"], GITLAB["gate"]
     (installs,), (checks,) = shared["before_script"], job["script"]
     assert INSTALLS.fullmatch(installs)
-    write_candidate("c", "mine", tmp_path / "mine", datetime.now(UTC).date())
+    write_candidate("c", "mine", tmp_path / "mine", datetime.now(UTC).date(), "paper-5-phase")
     assert (tmp_path / "mine" / shared["variables"]["DRIVEGATE"]).is_file()
     assert job["cache"]["key"]["files"] == [shared["variables"]["DRIVEGATE"]]
     # One worker, since the other processor has tests of its own.

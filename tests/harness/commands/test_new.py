@@ -30,10 +30,11 @@ COMMON = {
 }
 TODAY = datetime.now(UTC).date()
 NEEDED = {"rust": "cargo", "cortex-m": "arm-none-eabi-gcc"}
+PAPER = "paper-5-phase"
 OF_CURRENTS = [
     pytest.param(kind, marks=[pytest.mark.needs(NEEDED[kind])] if kind in NEEDED else [])
     for kind, template in KINDS.items()
-    if template.contract == "current"
+    if "current" in template.folders
 ]
 # From standstill to above base speed, so that every branch of the algorithm is taken.
 RISING = load_scenario("lock-up").replaced(
@@ -75,7 +76,7 @@ def test_the_kinds_on_the_command_line_are_those_that_there_are():
 @pytest.mark.parametrize("kind", OF_CURRENTS)
 def test_every_kind_gives_the_commands_of_the_built_in_line_of_angles(tmp_path, kind):
     folder = tmp_path / "mine"
-    write_candidate(kind, "mine", folder, TODAY)
+    write_candidate(kind, "mine", folder, TODAY, PAPER)
     candidate = resolve_candidate(str(folder / "candidate.toml"))
     assert candidate.name == "mine"
     # So what `initial` passes and fails is what the new candidate passes and fails.
@@ -111,7 +112,7 @@ def test_the_wheel_is_drivegate_as_it_is_here(tmp_path):
 
 def test_its_waivers_expire_and_its_own_test_is_the_gate(tmp_path):
     folder = tmp_path / "mine"
-    write_candidate("c", "mine", folder, TODAY)
+    write_candidate("c", "mine", folder, TODAY, PAPER)
     waivers = read_waivers(folder / "waivers.toml", ["mine"])
     assert [waiver.expires for waiver in waivers] == [TODAY + WAIVED] * 2
     ended = subprocess.run(

@@ -1,4 +1,4 @@
-"""`drivegate new` for controllers of duty ratios: what it writes runs on every packaged drive."""
+"""`drivegate new` for controllers of duty ratios: one algorithm in every language, on every packaged drive."""
 
 from __future__ import annotations
 
@@ -23,6 +23,7 @@ from drivegate.contracts.duty.scenarios.building import speed_scenario, torque_o
 from drivegate.drives.kinds import drive_for
 from drivegate.drives.running import recorded
 from drivegate.results.waivers import read_waivers
+from drivegate.studies.diff.diff import Rule, compared
 from drivegate.studies.new import KINDS, write_candidate
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
@@ -30,7 +31,14 @@ from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import InputError
 
 TODAY = datetime.now(UTC).date()
-DUTY_KINDS = [kind for kind, known in KINDS.items() if known.contract == "duty"]
+DUTY_KINDS = ("c", "embedded-coder")
+"""Both algorithms; the other languages have the commands of C, bit for bit."""
+NEEDED = {"rust": "cargo", "cortex-m": "arm-none-eabi-gcc"}
+LANGUAGES = [
+    pytest.param(kind, marks=[pytest.mark.needs(NEEDED[kind])] if kind in NEEDED else [])
+    for kind in KINDS
+    if kind not in DUTY_KINDS
+]
 DRIVES = ("pm-ac-surface", "pm-ac-interior", "pm-ac-2kw", "pm-ac-msl")
 
 
@@ -86,6 +94,20 @@ def test_it_begins_without_a_peak_on_a_machine_of_another_flux(written, kind: st
     assert peaks[:30].max() < 1.15 * peaks[90:].max(), "the integrals begin at what is sensed"
 
 
+@pytest.mark.parametrize("kind", LANGUAGES)
+def test_every_language_has_the_commands_of_c(written, kind: str) -> None:
+    # The bridge is closed on a spinning machine, which accelerates into weakening and brakes.
+    run = speed_scenario(load_drive("pm-ac-interior"), (1890.0,), torque_nm=0.5).replaced(
+        duration_s=0.25,
+        speed_rpm=((0.0, 1890.0), (0.05, 1890.0), (0.05, 4000.0), (0.2, 4000.0), (0.2, 1000.0)),
+    )
+    answers = [resolve_candidate(str(written(name) / "candidate.toml")) for name in ("c", kind)]
+    # The image computes in single precision.
+    rule = Rule(0.02) if kind == "cortex-m" else Rule()
+    ended = compared(*answers, run, rule, before=0, after=0)
+    assert (ended.fault, ended.difference, ended.steps) == (None, None, run.control_periods)
+
+
 def test_both_templates_ask_for_nearly_the_same_duty_ratios(written) -> None:
     torques, _, _ = plain_runs("pm-ac-interior")
     answers = []
@@ -111,13 +133,10 @@ def test_it_is_judged_on_the_drive_that_is_named(written, kind: str) -> None:
 
 def test_a_template_of_one_contract_is_not_written_for_a_drive_of_the_other(written) -> None:
     with pytest.raises(
-        InputError, match=r"'pm-ac-surface' .* takes duty ratios, .* take one of python-duty, embedded"
+        InputError,
+        match=r"'paper-5-phase' .* takes a current reference .* take one of python, numba, c, rust",
     ):
-        written("c", "pm-ac-surface")
-    with pytest.raises(
-        InputError, match=r"'paper-5-phase' .* takes a current reference .* the template 'python-duty'"
-    ):
-        written("python-duty", "paper-5-phase")
+        written("embedded-coder", "paper-5-phase")
 
 
 @pytest.mark.parametrize(

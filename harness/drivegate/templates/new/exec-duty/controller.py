@@ -1,0 +1,205 @@
+"""Field-oriented control as a program of its own, which reads and writes one JSON object a line.
+
+Speed, least current for a torque, field weakening, current regulators with decoupling, and a min-max zero sequence.
+Every constant follows from the nameplate; all quantities are in SI units.
+"""
+
+import json
+import sys
+from math import cos, sin, sqrt
+
+TORQUE_REFERENCE = 1
+ROOT_THREE = 1.7320508075688772
+# Bandwidth of the currents over the sampling rate, of the speed over that, and of the currents' integrals over that.
+CURRENT_SHARE, SPEED_SHARE, INTEGRAL_SHARE = 0.2, 0.02, 0.1
+# Share of the voltage limit that references use; the rest is for the current regulators. Braking from a speed to a
+# lower one leaves more, for a machine of less inductance than on the nameplate.
+VOLTAGE_SHARE, BRAKING_SHARE = 0.985, 0.185
+
+
+class Controller:
+    """The algorithm, which knows nothing of the protocol."""
+
+    def reset(self, nameplate):
+        """Prepare for a run: called before every one, and must forget everything."""
+        period = nameplate["control_period"]
+        bandwidth = CURRENT_SHARE / period
+        self.regulates_torque = nameplate["reference_kind"] == TORQUE_REFERENCE
+        self.pole_pairs = nameplate["pole_pairs"]
+        self.resistance = nameplate["resistance"]
+        self.direct_inductance = nameplate["direct_inductance"]
+        self.quadrature_inductance = nameplate["quadrature_inductance"]
+        self.saliency = self.quadrature_inductance - self.direct_inductance
+        self.flux = nameplate["magnet_flux"]
+        self.limit = nameplate["current_limit"]
+        # Beyond the magnet's whole flux the voltage rises again.
+        self.deepest = -min(0.999 * self.limit, self.flux / self.direct_inductance)
+        # The torque at the current limit, with the direct current that makes it the greatest.
+        turned = 2.0 * self.saliency * self.limit
+        direct = -turned * self.limit / (self.flux + sqrt(self.flux * self.flux + 2.0 * turned * turned))
+        self.greatest = self.per_ampere(direct) * sqrt(self.limit * self.limit - direct * direct)
+        # From the sample to the middle of the period in which the answer acts (s).
+        self.lead = (nameplate["update_delay"] + 0.5) * period
+        self.direct_gain = bandwidth * self.direct_inductance
+        self.quadrature_gain = bandwidth * self.quadrature_inductance
+        self.direct_step = CURRENT_SHARE * max(self.resistance, INTEGRAL_SHARE * self.direct_gain)
+        self.quadrature_step = CURRENT_SHARE * max(self.resistance, INTEGRAL_SHARE * self.quadrature_gain)
+        self.speed_gain = nameplate["inertia"] * SPEED_SHARE * bandwidth
+        self.speed_step = self.speed_gain * 0.25 * SPEED_SHARE * CURRENT_SHARE
+        base_speed = self.pole_pairs * nameplate["base_speed"]
+        self.weakening_step = 0.02 * CURRENT_SHARE / (base_speed * self.direct_inductance)
+        self.speed_integral = self.direct_integral = self.quadrature_integral = self.weakening = 0.0
+
+    def step(self, sense):
+        """Answer for one control period."""
+        electrical, angle = self.pole_pairs * sense["speed"], self.pole_pairs * sense["angle"]
+        supply = max(sense["supply_voltage"], 1e-9)
+        limit = supply / ROOT_THREE
+        if not sense["enable"]:
+            self.preload(sense["phase_voltages"], angle, electrical, supply)
+            return {"duty_ratios": [0.5, 0.5, 0.5]}
+        direct, quadrature = rotor_components(sense["phase_currents"], angle)
+        wanted = self.references(sense["reference"], sense["speed"], abs(electrical), limit)
+        error = wanted[0] - direct, wanted[1] - quadrature
+        voltage = self.regulate(error, (direct, quadrature), electrical, limit)
+        ratios = duty_ratios(voltage, angle + electrical * self.lead, supply)
+        return {"duty_ratios": ratios, "torque": self.per_ampere(direct) * quadrature}
+
+    def preload(self, terminals, angle, electrical, supply):
+        """Let the integrals begin at what the back-EMF adds to the nominal one, while the bridge is off."""
+        # Terminals at the rail of a conducting diode do not show it.
+        if max(terminals) < supply:
+            self.direct_integral, induced = rotor_components(terminals, angle)
+            self.quadrature_integral = induced - electrical * self.flux
+
+    def regulate(self, error, current, electrical, limit):
+        """Return the voltage that brings the currents to their references (V), within the limit."""
+        # The coupling of the axes and the back-EMF are added in advance.
+        direct = (
+            self.direct_gain * error[0]
+            + self.direct_integral
+            - electrical * self.quadrature_inductance * current[1]
+        )
+        quadrature = (
+            self.quadrature_gain * error[1]
+            + self.quadrature_integral
+            + electrical * (self.direct_inductance * current[0] + self.flux)
+        )
+        # A voltage beyond the limit is shortened, not turned. What the limit cuts does not enter the integrals.
+        used = magnitude(direct, quadrature)
+        share = limit / max(limit, used)
+        cut = share - 1.0
+        self.direct_integral += self.direct_step * (error[0] + cut * direct / self.direct_gain)
+        self.quadrature_integral += self.quadrature_step * (
+            error[1] + cut * quadrature / self.quadrature_gain
+        )
+        # A machine that differs from the nameplate shows in the voltage that is requested.
+        self.weakening += self.weakening_step * (0.5 * (1.0 + VOLTAGE_SHARE) * limit - used)
+        self.weakening = min(max(self.weakening, -0.3 * self.limit), 0.0)
+        return share * direct, share * quadrature
+
+    def references(self, reference, speed, electrical, limit):
+        """Return the currents for what the reference requests, as far as the limits allow (A)."""
+        error, torque, voltage = reference - speed, reference, VOLTAGE_SHARE * limit
+        if not self.regulates_torque:
+            self.speed_integral += self.speed_step * error
+            torque = self.speed_gain * error + self.speed_integral
+            if torque * speed < 0.0:
+                voltage -= BRAKING_SHARE * limit * min(abs(torque) / (0.2 * self.greatest), 1.0)
+        direct = self.direct_for(min(abs(torque), self.greatest), electrical, voltage)
+        direct = max(direct + self.weakening, self.deepest)
+        most = max(self.possible(direct, electrical, voltage), 0.0)
+        # The integral of the speed waits while the limits allow less than it requests.
+        if not self.regulates_torque and abs(torque) > most and torque * error > 0.0:
+            self.speed_integral -= self.speed_step * error
+        return direct, between(torque, most) / self.per_ampere(direct)
+
+    def direct_for(self, torque, electrical, voltage):
+        """Return the direct current (A) for a torque: the least, weakened for the voltage, or that of most torque."""
+        direct, deeper, near = self.least_current(torque), self.deepest, 0.001 * self.limit
+        if self.possible(direct, electrical, voltage) >= torque:
+            return direct
+        for _ in range(14):
+            middle = 0.5 * (direct + deeper)
+            found = self.possible(middle, electrical, voltage)
+            if found >= torque or self.possible(middle - near, electrical, voltage) <= found:
+                deeper = middle
+            else:
+                direct = middle
+        return deeper
+
+    def possible(self, direct, electrical, voltage):
+        """Return the greatest torque at a direct current within both limits (N·m), negative if there is none."""
+        room = self.limit * self.limit - direct * direct
+        along = electrical * (self.direct_inductance * direct + self.flux)
+        reactance, resistance = electrical * self.quadrature_inductance, self.resistance
+        # The voltage is a quadratic in the quadrature current: a q² + 2 b q + c = 0 at its limit.
+        a = reactance * reactance + resistance * resistance
+        b = resistance * (along - reactance * direct)
+        c = resistance * resistance * direct * direct + along * along - voltage * voltage
+        inside = b * b - a * c
+        if room < 0.0 or inside < 0.0:
+            return min(room, inside)
+        return self.per_ampere(direct) * min(sqrt(room), (sqrt(inside) - b) / a)
+
+    def least_current(self, torque):
+        """Return the direct current with which a torque needs the least current (A)."""
+        direct = 0.0
+        for _ in range(6):
+            quadrature = torque / self.per_ampere(direct)
+            turned = 2.0 * self.saliency * quadrature
+            direct = -turned * quadrature / (self.flux + magnitude(self.flux, turned))
+        return direct
+
+    def per_ampere(self, direct):
+        """Return the torque of one ampere across the magnet's axis (N·m/A)."""
+        return 1.5 * self.pole_pairs * (self.flux - self.saliency * direct)
+
+
+def between(value, bound):
+    """Keep a value within a bound on either side."""
+    return min(max(value, -bound), bound)
+
+
+def magnitude(along, across):
+    """Return the length of a vector."""
+    return sqrt(along * along + across * across)
+
+
+def rotor_components(phases, angle):
+    """Transform currents (A) or voltages (V) of the phases into the frame of the rotor."""
+    first, second, third = phases
+    along, across = (2.0 * first - second - third) / 3.0, (second - third) / ROOT_THREE
+    return cos(angle) * along + sin(angle) * across, cos(angle) * across - sin(angle) * along
+
+
+def duty_ratios(voltage, angle, supply):
+    """Return the duty ratios for a voltage (V), centred in the link by a zero sequence."""
+    along = cos(angle) * voltage[0] - sin(angle) * voltage[1]
+    across = sin(angle) * voltage[0] + cos(angle) * voltage[1]
+    second = -0.5 * along + 0.5 * ROOT_THREE * across
+    third = -0.5 * along - 0.5 * ROOT_THREE * across
+    middle = 0.5 * (max(along, second, third) + min(along, second, third))
+    return (
+        min(max(0.5 + (along - middle) / supply, 0.0), 1.0),
+        min(max(0.5 + (second - middle) / supply, 0.0), 1.0),
+        min(max(0.5 + (third - middle) / supply, 0.0), 1.0),
+    )
+
+
+def serve():
+    """Answer every line, until there are no more."""
+    controller = Controller()
+    for line in sys.stdin:
+        message = json.loads(line)
+        if "sense" in message:
+            answer = controller.step(message["sense"])
+        elif "reset" in message:
+            controller.reset(message["reset"])
+            answer = {"ready": True}
+        else:
+            answer = {"drivegate": 1, "name": "field-oriented control"}
+        print(json.dumps(answer), flush=True)
+
+
+serve()
