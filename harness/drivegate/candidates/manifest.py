@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from drivegate.candidates.candidate import existing_file
+from drivegate.candidates.check_table import CheckTable
 from drivegate.candidates.contract import ContractName
 from drivegate.candidates.declaration import Declaration, FlowchartProfile
 from drivegate.candidates.kinds import KINDS
@@ -179,6 +180,10 @@ class Manifest(Document):
     drive: DriveReference | None = Field(
         default=None,
         description="drive that the candidate is made for: the name of one, or the path of its file",
+    )
+    check: CheckTable = Field(
+        default=CheckTable(),
+        description="options of drivegate check, such as effort = 'quick', where the command line has no other",
     )
     step_deadline_s: Positive | None = Field(
         default=None, le=30.0, description="time that a program has for each step, in seconds"

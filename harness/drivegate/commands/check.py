@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 import click
 
+from drivegate.commands.completion import complete_candidate, complete_checks
 from drivegate.commands.conduct import Outcome
 from drivegate.commands.options import (
     bounded,
@@ -19,7 +21,9 @@ from drivegate.commands.options import (
     named_drive,
     workers_option,
 )
+from drivegate.commands.stated_options import CheckCommand, again, is_stated
 from drivegate.output.failure import complain, failure_of
+from drivegate.output.streams import write_to
 
 if TYPE_CHECKING:
     from drivegate.studies.check.checked import Checked
@@ -27,8 +31,8 @@ if TYPE_CHECKING:
 DEFAULT_OUTPUT = "drivegate-report"
 
 
-@click.command("check")
-@click.argument("candidates", nargs=-1, required=True, metavar="CANDIDATE...")
+@click.command("check", cls=CheckCommand)
+@click.argument("candidates", nargs=-1, metavar="[CANDIDATE]...", shell_complete=complete_candidate)
 @folder_option(DEFAULT_OUTPUT, "Folder of the report.")
 @drive_option
 @effort_option("Number of scenarios that are drawn.")
@@ -85,6 +89,7 @@ DEFAULT_OUTPUT = "drivegate-report"
     "--only",
     multiple=True,
     metavar="CHECKS",
+    shell_complete=complete_checks,
     help="Judge these checks alone, such as CNV-2,CNV-3 or a family such as CNV; may be given again.",
 )
 @click.option(
@@ -94,6 +99,11 @@ DEFAULT_OUTPUT = "drivegate-report"
     "--last-failed",
     is_flag=True,
     help="Judge what failed in the last report in DIR alone, its counterexamples first; all if nothing did.",
+)
+@click.option(
+    "--watch",
+    is_flag=True,
+    help="Check again whenever a source changes: first what failed, then the rest; needs drivegate[watch].",
 )
 @click.option("-q", "--quiet", is_flag=True, help="Print the last line alone, and no progress.")
 @json_flag(exposed=True)
@@ -114,6 +124,7 @@ def command(
     only: tuple[str, ...],
     stop_at_first: bool,
     last_failed: bool,
+    watch: bool,
     quiet: bool,
     as_json: bool,
 ) -> Outcome:
@@ -125,6 +136,9 @@ def command(
     of a controller that is included (reference, published, initial, faulty:NAME, design:NAME, near:NAME) or is
     installed. inner:pi:candidate runs any of these that answers with a current reference on a drive of duty ratios.
 
+    Without a CANDIDATE it is candidate.toml in this folder. The table [check] of a manifest may state drive, effort,
+    seed, corpus, waivers, baseline, output, fail_on and contested; the command line wins.
+
     The exit code is 0 when all pass or are waived, 1 when one fails, 2 when one is refused, 3 after a fault of
     drivegate.
     """
@@ -135,7 +149,7 @@ def command(
 
     options = CheckOptions(
         drive=named_drive(drive),
-        drive_named=drive,
+        drive_named=None if is_stated("drive") else drive,
         effort=effort,
         seed=seed,
         workers=workers,
@@ -145,7 +159,6 @@ def command(
         contested=contested,
     )
     records = Records(corpus, waivers, baseline)
-    part = Part(only, stop_at_first, last_failed)
     reported: set[int] = set()
 
     def complain_again(all_checked: list[Checked]) -> None:
@@ -160,15 +173,41 @@ def command(
         if not _is_refused(all_checked):
             complain_again(all_checked)
             if not as_json and sys.stdout is not None:
-                _show(all_checked, output, quiet=quiet)
+                _show(all_checked, output, again(), quiet=quiet)
 
-    all_checked = check_all(candidates, output, options, records, part, quiet=quiet, show=show)
-    if _is_refused(all_checked):
-        assert all_checked[0].error is not None, "that is what refused means"
-        raise all_checked[0].error
-    complain_again(all_checked)
-    exit_code = max(checked.exit_code for checked in all_checked)
-    return Outcome(summary(all_checked), lambda _: None, exit_code)
+    def check_once(begin_with_failed: bool) -> Outcome:
+        part = Part(only, stop_at_first, begin_with_failed)
+        all_checked = check_all(candidates, output, options, records, part, quiet=quiet, show=show)
+        if _is_refused(all_checked):
+            assert all_checked[0].error is not None, "that is what refused means"
+            raise all_checked[0].error
+        complain_again(all_checked)
+        exit_code = max(checked.exit_code for checked in all_checked)
+        return Outcome(summary(all_checked), lambda _: None, exit_code)
+
+    if not watch:
+        return check_once(last_failed)
+    if len(candidates) != 1 or as_json:
+        raise click.UsageError("--watch takes one candidate, and does not go with --json")
+    return _watched(candidates[0], output, check_once)
+
+
+def _watched(specification: str, output: Path, check_once: Callable[[bool], Outcome]) -> Outcome:
+    """Check one candidate again after every change, until somebody ends it."""
+    from drivegate.studies.check.watch import changes_around, version_of, watch
+
+    def checked(begin_with_failed: bool) -> int:
+        try:
+            code = check_once(begin_with_failed).exit_code
+        except Exception as error:
+            failure = failure_of(error)
+            complain(failure, error)
+            code = failure.exit_code
+        write_to(sys.stderr, f"watching the sources of {specification}; Ctrl-C ends it\n")
+        return code
+
+    code = watch(checked, changes_around(specification, output), lambda: version_of(specification))
+    return Outcome({}, lambda _: None, code)
 
 
 def _is_refused(all_checked: list[Checked]) -> bool:
@@ -177,12 +216,12 @@ def _is_refused(all_checked: list[Checked]) -> bool:
     return not others and first.error is not None and first.document is None
 
 
-def _show(all_checked: list[Checked], output: Path, *, quiet: bool) -> None:
+def _show(all_checked: list[Checked], output: Path, command_again: str, *, quiet: bool) -> None:
     from drivegate.output.console import console_for
     from drivegate.studies.check.display import show_checked, show_last_line
 
     console = console_for(sys.stdout)
     for checked in all_checked:
         if checked.document is not None and not quiet:
-            show_checked(console, checked)
+            show_checked(console, checked, command_again if len(all_checked) == 1 else None)
     show_last_line(console, all_checked, output)

@@ -12,6 +12,8 @@ from types import MappingProxyType
 from typing import Final, NoReturn
 
 import click
+from click.core import ParameterSource
+from click.shell_completion import CompletionItem
 
 from drivegate.commands.conduct import conducted, wants_json
 from drivegate.commands.options import json_option
@@ -73,13 +75,21 @@ class LazyGroup(click.Group):
     ) -> tuple[str | None, click.Command | None, list[str]]:
         from drivegate_cases.documents.wording import nearest, one_line
 
-        if args[0] not in COMMANDS and not args[0].startswith("-"):
+        if args[0] not in COMMANDS and not ctx.resilient_parsing and not args[0].startswith("-"):
             raise click.UsageError(
                 f"the command '{one_line(args[0])}' is unknown, the nearest is "
                 f"'{nearest(args[0], COMMANDS)}'; there are {', '.join(COMMANDS)}",
                 ctx,
             )
         return super().resolve_command(ctx, args)
+
+    def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
+        """Complete the commands without importing them, and the group's own options."""
+        if incomplete.startswith("-"):
+            return super().shell_complete(ctx, incomplete)
+        return [
+            CompletionItem(name, help=line) for name, line in COMMANDS.items() if name.startswith(incomplete)
+        ]
 
     def format_commands(
         self,
@@ -104,7 +114,9 @@ class LazyGroup(click.Group):
 def command_line(context: click.Context) -> None:
     """Verify and benchmark controllers of permanent-magnet brushless drives."""
     if context.invoked_subcommand is None:
-        raise click.UsageError(f"a command is missing; there are {', '.join(COMMANDS)}", context)
+        if context.get_parameter_source("as_json") is ParameterSource.COMMANDLINE:
+            raise click.UsageError(f"a command is missing; there are {', '.join(COMMANDS)}", context)
+        click.echo(context.get_help())
 
 
 def _interrupt_when_ended() -> None:

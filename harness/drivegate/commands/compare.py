@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from drivegate.commands.completion import complete_candidate
 from drivegate.commands.conduct import Outcome
 from drivegate.commands.options import (
     drives_option,
@@ -26,7 +27,9 @@ DEFAULT_OUTPUT = "drivegate-comparison"
 
 
 @click.command("compare")
-@click.argument("candidates", nargs=-1, required=True, metavar="CANDIDATE...")
+@click.argument(
+    "candidates", nargs=-1, required=True, metavar="CANDIDATE...", shell_complete=complete_candidate
+)
 @folder_option(DEFAULT_OUTPUT, "Folder of the report.")
 @drives_option
 @effort_option("Number of operating points, disturbances and repetitions.")

@@ -7,6 +7,7 @@ from shlex import quote
 
 import click
 
+from drivegate.commands.completion import complete_candidate, complete_case
 from drivegate.commands.conduct import Outcome
 from drivegate.commands.options import (
     bounded,
@@ -26,9 +27,15 @@ _AROUND_IN_FIGURE = 100
 
 
 @click.command("diff")
-@click.argument("first")
-@click.argument("second")
-@click.option("--case", required=True, metavar="NAME|FILE", help="An included scenario, or a file of one.")
+@click.argument("first", shell_complete=complete_candidate)
+@click.argument("second", shell_complete=complete_candidate)
+@click.option(
+    "--case",
+    required=True,
+    metavar="NAME|FILE",
+    shell_complete=complete_case,
+    help="An included scenario, or a file of one.",
+)
 @click.option(
     "--tolerance",
     type=bounded(0.0),

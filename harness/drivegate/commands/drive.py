@@ -7,6 +7,7 @@ from shlex import quote
 
 import click
 
+from drivegate.commands.completion import complete_drive
 from drivegate.commands.conduct import Outcome
 from drivegate.commands.options import chosen_drive, json_option, settings_option
 from drivegate.drives.kinds import DEFAULT_DRIVE
@@ -14,7 +15,7 @@ from drivegate.output.failure import ExitCode
 
 
 @click.command("drive")
-@click.argument("drive", metavar="[NAME|FILE]", default=DEFAULT_DRIVE)
+@click.argument("drive", metavar="[NAME|FILE]", default=DEFAULT_DRIVE, shell_complete=complete_drive)
 @click.option(
     "--plot", type=click.Path(path_type=Path), help="Write a figure; the name ends in .png or .svg."
 )

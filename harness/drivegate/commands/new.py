@@ -38,9 +38,19 @@ CHOICES = ("python", "numba", "c", "rust", "cortex-m", "exec", "embedded-coder",
     is_flag=True,
     help="For the kind drive: ask for the values of a data sheet, convert them and write a PM AC drive.",
 )
+@click.option(
+    "--ci",
+    "service",
+    type=click.Choice(["github", "gitlab", "none"]),
+    default="github",
+    show_default=True,
+    help="Write the gate for this service, in an existing Git repository where it runs.",
+)
 @drive_option
 @json_option
-def command(kind: str, name: str, output: Path | None, drive: str | None, from_datasheet: bool) -> Outcome:
+def command(
+    kind: str, name: str, output: Path | None, drive: str | None, service: str, from_datasheet: bool
+) -> Outcome:
     """Write a small controller called NAME into a new folder, with manifest, test, waivers and a workflow for CI.
 
     The kind drive is no controller: NAME is then a new file such as my-drive.toml. With --from-datasheet it asks for
@@ -64,18 +74,20 @@ def command(kind: str, name: str, output: Path | None, drive: str | None, from_d
 
     folder = Path(name) if output is None else output
     named_drive(drive)
-    written = write_candidate(kind, name, folder, present_day(), drive)
+    written = write_candidate(kind, name, folder, present_day(), drive, service)
     document: dict[str, Any] = {
         "schema": SCHEMA,
         "kind": "new",
         "candidate": {"name": name, "kind": kind},
         "folder": str(folder),
-        "files": [str(file) for file in written],
+        "files": [str(file) for file in written.files],
         "next": [
             f"cd {quote(str(folder))}",
-            "drivegate check candidate.toml --waivers waivers.toml",
+            "drivegate check",
         ],
     }
+    if written.hint is not None:
+        document["pipeline"] = written.hint
     return Outcome(document, lambda console: _show(console, document))
 
 
@@ -140,5 +152,7 @@ def _show(console: Console, document: dict[str, Any]) -> None:
     for stated in document.get("values", []):
         assigned = f"{stated['key']} = {stated['value']:g}"
         print_line(console, f"  {assigned:<44} {stated['source']}")
+    if "pipeline" in document:
+        print_line(console, f"for the pipeline, {document['pipeline']}")
     joint = ", then " if "drive" in document else " && "
     print_line(console, f"next: {joint.join(document['next'])}", "dim")

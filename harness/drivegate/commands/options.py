@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from drivegate.commands.completion import complete_drive
 from drivegate_cases.documents.wording import shown
 
 if TYPE_CHECKING:
@@ -85,13 +86,17 @@ def bounded(lowest: float, highest: float = inf, *, above: bool = False) -> Call
 
 
 drive_option = click.option(
-    "--drive", metavar="NAME|FILE", help="An included drive, or a TOML or JSON file of one."
+    "--drive",
+    metavar="NAME|FILE",
+    shell_complete=complete_drive,
+    help="An included drive, or a TOML or JSON file of one.",
 )
 drives_option = click.option(
     "--drive",
     "drives",
     multiple=True,
     metavar="NAME|FILE",
+    shell_complete=complete_drive,
     help="An included drive, or a TOML or JSON file of one; given again, drives are compared.",
 )
 settings_option = click.option(

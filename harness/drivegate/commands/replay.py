@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+from drivegate.commands.completion import complete_candidate
 from drivegate.commands.conduct import Outcome
 from drivegate.commands.options import isolation_option, json_option
 
@@ -16,6 +17,7 @@ from drivegate.commands.options import isolation_option, json_option
 @click.option(
     "--candidate",
     metavar="CANDIDATE",
+    shell_complete=complete_candidate,
     help="The candidate to run; by default the file's, if it comes with drivegate.",
 )
 @click.option(

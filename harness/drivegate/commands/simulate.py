@@ -7,6 +7,7 @@ from shlex import quote
 
 import click
 
+from drivegate.commands.completion import complete_candidate, complete_case
 from drivegate.commands.conduct import Outcome
 from drivegate.commands.options import (
     chosen_scenario,
@@ -19,8 +20,13 @@ from drivegate.output.failure import ExitCode
 
 
 @click.command("simulate")
-@click.argument("candidate")
-@click.option("--case", metavar="NAME|FILE", help="An included scenario, or a file of one.")
+@click.argument("candidate", shell_complete=complete_candidate)
+@click.option(
+    "--case",
+    metavar="NAME|FILE",
+    shell_complete=complete_case,
+    help="An included scenario, or a file of one.",
+)
 @click.option(
     "--from",
     "report",

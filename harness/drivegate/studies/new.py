@@ -15,6 +15,7 @@ from datetime import date, timedelta
 from importlib.metadata import distribution
 from importlib.resources import files
 from importlib.util import find_spec
+from os.path import relpath
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
@@ -22,6 +23,7 @@ from typing import TYPE_CHECKING, Final
 from drivegate.candidates.contract import ANSWERS, ContractName
 from drivegate.drives.kinds import DEFAULT_DRIVE, DEFAULT_DRIVES
 from drivegate.laboratory import LABORATORY
+from drivegate.studies.new_pipeline import Pipeline, pipeline_for
 from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_cases.drive.data_sheet import copied
@@ -52,14 +54,8 @@ _COMMON: Final[Mapping[ContractName, tuple[str, ...]]] = MappingProxyType(
 )
 """Folders of what all candidates of a contract have, a later one's files in place of an earlier one's."""
 _NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,63}")
-# Templates lie under names that mean nothing to the tools of this repository.
-_PLACES: Final = MappingProxyType(
-    {
-        "workflow.yml": ".github/workflows/drivegate.yml",
-        "action.yml": ".github/actions/drivegate/action.yml",
-        "gitignore": ".gitignore",
-    }
-)
+_IGNORED: Final = "gitignore"
+"""Name of a template that means nothing to the tools of this repository; those of several folders are joined."""
 
 
 @dataclass(frozen=True)
@@ -93,12 +89,23 @@ KINDS: Final = MappingProxyType(
 """The kinds, by the name on the command line."""
 
 
+@dataclass(frozen=True)
+class Written:
+    """What has been written."""
+
+    files: tuple[Path, ...]
+    """From the new folder."""
+    hint: str | None
+    """What is left to do for the pipeline; None for nothing."""
+
+
 def write_candidate(
-    kind: str, name: str, folder: Path, today: date, drive: str | None = None
-) -> tuple[Path, ...]:
+    kind: str, name: str, folder: Path, today: date, drive: str | None = None, service: str = "github"
+) -> Written:
     """Write a new candidate, for a drive that is included or a copy of a file of one.
 
-    The drive decides what the controller answers with. Without one it is field-oriented control.
+    The drive decides what the controller answers with. Without one it is field-oriented control. In a repository, the
+    pipeline is written where `service` looks for it: ``github``, ``gitlab`` or ``none``.
     """
     if not _NAME.fullmatch(name):
         raise InputError(
@@ -112,20 +119,27 @@ def write_candidate(
         )
     template = KINDS[kind]
     contract = next(iter(template.folders)) if drive is None else _contract_for(template, drive, kind)
+    pipeline = pipeline_for(service, folder, name)
     words = {
         "@name@": name,
         "@expires@": (today + WAIVED).isoformat(),
         "@source@": template.source,
         "@install@": f"{WHEELS}/{wheel_name()}{template.extra}",
         "@wheel@": f"{WHEELS}/{wheel_name()}",
+        "@here@": pipeline.here,
+        "@pipeline@": pipeline.rows(),
     }
     root = files("drivegate").joinpath(_TEMPLATES)
     texts: dict[str, str] = {}
     for part in (*_COMMON[contract], *template.folders[contract]):
-        texts |= {place: data.decode() for place, data in _contents(root.joinpath(part))}
+        added = {place: data.decode() for place, data in _contents(root.joinpath(part))}
+        ignored = texts.get(_IGNORED, "") + added.get(_IGNORED, "")
+        texts |= added | {_IGNORED: ignored}
     for word, value in words.items():
         texts = {place: text.replace(word, value) for place, text in texts.items()}
-    contents = {_PLACES.get(place, place): text.encode() for place, text in texts.items()}
+    contents = {place: text.encode() for place, text in texts.items() if place not in pipeline.left_out}
+    contents[".gitignore"] = contents.pop(_IGNORED)
+    outside = _move_pipeline(contents, pipeline)
     contents[words["@wheel@"]] = _wheel_bytes()
     usual = DEFAULT_DRIVES[contract]
     if drive is None and usual != DEFAULT_DRIVE:
@@ -142,12 +156,28 @@ def write_candidate(
                 target.parent.mkdir(parents=True, exist_ok=True)
                 target.write_bytes(content)
             made.rename(folder)
+        for target, content in outside.items():
+            target.parent.mkdir(parents=True, exist_ok=True)
+            write_atomically(target, content.decode())
     except OSError as error:
         raise InputError(
             f"{shown_path(folder)} cannot be written: {one_line(error.strerror or str(error))}; name another folder "
             "with --output"
         ) from error
-    return tuple(sorted(map(Path, contents)))
+    above = [Path(relpath(target, folder.resolve())) for target in outside]
+    return Written(tuple(sorted([*map(Path, contents), *above])), pipeline.hint)
+
+
+def _move_pipeline(contents: dict[str, bytes], pipeline: Pipeline) -> dict[Path, bytes]:
+    """Give the pipeline's files their names, and take out those that belong into the repository around the folder."""
+    outside: dict[Path, bytes] = {}
+    for template, place in pipeline.places.items():
+        content = contents.pop(template)
+        if place.is_absolute():
+            outside[place] = content
+        else:
+            contents[str(place)] = content
+    return outside
 
 
 def _contract_for(template: Template, drive: str, kind: str) -> ContractName:

@@ -7,6 +7,7 @@ import tomllib
 from datetime import UTC, datetime, timedelta
 
 import pytest
+import yaml
 
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.commands.new import CHOICES, DRIVE
@@ -24,6 +25,7 @@ COMMON = {
     "candidate.toml",
     "test_controller.py",
     "waivers.toml",
+    ".gitignore",
     ".github/workflows/drivegate.yml",
     ".github/actions/drivegate/action.yml",
     WHEEL,
@@ -55,11 +57,11 @@ def test_every_kind_is_written_whole_and_states_the_next_step(command, tmp_path,
     }
     assert set(document["files"]) >= COMMON | {KINDS[kind].source}
     assert document["next"][0] == "cd my-own"
-    assert document["next"][-1] == "drivegate check candidate.toml --waivers waivers.toml"
+    assert document["next"][-1] == "drivegate check"
     assert tomllib.loads((folder / "candidate.toml").read_text(encoding="utf-8"))["name"] == "my-own"
     for path in folder.rglob("*"):
         text = path.read_text(encoding="utf-8") if path.is_file() and path.suffix != ".whl" else ""
-        left = re.findall(r"@(?:name|expires|source|wheel)@", text)
+        left = re.findall(r"@(?:name|expires|source|wheel|install|here|pipeline)@", text)
         assert not left, f"{path.name} has a blank left"
 
 
@@ -161,3 +163,40 @@ def test_a_failure_to_write_leaves_nothing(tmp_path, monkeypatch):
     with pytest.raises(InputError, match="No space left"):
         write_candidate("c", "mine", tmp_path / "mine", TODAY + timedelta(days=1))
     assert list(tmp_path.iterdir()) == []
+
+
+def test_in_a_repository_the_workflow_goes_where_it_runs(command, refused, tmp_path):
+    (tmp_path / ".git").mkdir()
+    document = command("new", "c", "mine", "--output", "boards/mine", "--json").document
+    assert "../../.github/workflows/drivegate.yml" in document["files"]
+    text = (tmp_path / ".github/workflows/drivegate.yml").read_text(encoding="utf-8")
+    given = yaml.safe_load(text)["jobs"]["gate"]["steps"][-1]
+    assert (tmp_path / given["uses"] / "action.yml").is_file()
+    for name in ("candidate", "install", "waivers"):
+        assert (tmp_path / given["with"][name]).is_file(), name
+    # A second one has a name of its own, and a third one of the same name is refused.
+    assert command("new", "c", "mine", "--output", "other").code == 0
+    assert (tmp_path / ".github/workflows/drivegate-mine.yml").is_file()
+    assert "nothing is ever overwritten" in refused("new", "c", "mine", "--output", "third")
+    assert "cannot be named in a pipeline" in refused("new", "c", "mine", "--output", "a folder")
+    assert command("new", "c", "mine", "--output", "a folder", "--ci", "none").code == 0
+    readme = (tmp_path / "a folder" / "README.md").read_text(encoding="utf-8")
+    assert ".github" not in readme
+    assert not (tmp_path / "a folder" / ".github").exists()
+
+
+def test_for_gitlab_there_is_one_file_that_includes_others(command, tmp_path):
+    (tmp_path / ".git").mkdir()
+    assert command("new", "c", "mine", "--ci", "gitlab").code == 0
+    found = yaml.safe_load((tmp_path / ".gitlab-ci.yml").read_text(encoding="utf-8"))
+    assert (tmp_path / found[".drivegate"]["variables"]["DRIVEGATE"]).is_file()
+    assert "drivegate check mine/candidate.toml " in found["gate"]["script"][0]
+    ended = command("new", "c", "second", "--ci", "gitlab")
+    assert "add to .gitlab-ci.yml: include: [{local: second/.gitlab-ci.yml}]" in ended.out
+    assert (tmp_path / "second" / ".gitlab-ci.yml").is_file()
+
+
+def test_git_ignores_what_checks_and_builds_write(tmp_path):
+    write_candidate("rust", "mine", tmp_path / "mine", TODAY)
+    ignored = (tmp_path / "mine" / ".gitignore").read_text(encoding="utf-8").split()
+    assert {"drivegate-report/", "__pycache__/", "/target"} <= set(ignored)

@@ -31,8 +31,11 @@ _UNCOUNTED: Final = {
 }
 
 
-def show_checked(console: Console, checked: Checked) -> None:
-    """Print the verdict on each check, what failed and where the report is."""
+def show_checked(console: Console, checked: Checked, again: str | None = None) -> None:
+    """Print the verdict on each check, what failed and where the report is.
+
+    `again` is the command line that checks the same again; by default, the candidate's on its drive.
+    """
     document, folder = checked.document, checked.folder
     assert document is not None, "only a candidate with a result is shown"
     for fault, count in distinct_faults(document["faults"]):
@@ -63,7 +66,7 @@ def show_checked(console: Console, checked: Checked) -> None:
     for check in failed:
         _show_counterexample(console, document, check, folder)
     if folder is not None:
-        print_line(console, f"next: {_next_step(checked, folder)}", "dim")
+        print_line(console, f"next: {_next_step(checked, folder, again)}", "dim")
 
 
 def _show_uncounted(console: Console, document: dict[str, Any]) -> None:
@@ -100,22 +103,21 @@ def _show_counterexample(
         print_line(console, f"  file {folder / counterexample_name(check['id'])}")
 
 
-def _next_step(checked: Checked, folder: Path) -> str:
+def _next_step(checked: Checked, folder: Path, again: str | None) -> str:
     specification, document = quote(checked.specification), checked.document
     assert document is not None, "only a candidate with a result is shown"
+    again = again or f"drivegate check {specification}{drive_option(document)}"
     first = first_to_mend(document)
     if first is not None:
         file = str(folder / counterexample_name(first["id"]))
         return f"drivegate replay {quote(file)} --candidate {specification} --plot {first['id']}.svg"
     if document["faults"]:
         kind = document["faults"][0]["kind"]
-        return (
-            f"mend what is named first ({kind}), then drivegate check {specification}{drive_option(document)}"
-        )
+        return f"mend what is named first ({kind}), then {again}"
     if any(check["verdict"] == NOT_WITNESSED for check in document["checks"]):
-        return f"drivegate check {specification}{drive_option(document)} --last-failed runs known good controllers"
+        return f"{again} --last-failed runs known good controllers"
     if document.get("focus") is not None or document.get("incomplete"):
-        return f"the whole check: drivegate check {specification}{drive_option(document)}"
+        return f"the whole check: {again}"
     return "open the report; drivegate checks lists what was required"
 
 

@@ -1,0 +1,68 @@
+"""The table `[check]` of a manifest: options of ``drivegate check`` that need not be repeated on the command line."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any, Final, Literal
+
+from pydantic import Field
+
+from drivegate_cases.documents.document import Section
+from drivegate_cases.documents.wording import one_line
+from drivegate_models.errors import InputError
+
+_FILES: Final = ("corpus", "waivers", "baseline", "output")
+"""Keys that name a place in the manifest's folder."""
+_Place = Annotated[str, Field(min_length=1)]
+
+
+class CheckTable(Section):
+    """How a candidate is checked where the command line says nothing else."""
+
+    drive: _Place | None = Field(
+        default=None, description="drive that it is checked on: the name of one, or the path of its file"
+    )
+    effort: Literal["quick", "default", "nightly"] | None = Field(
+        default=None, description="number of scenarios that are drawn"
+    )
+    seed: Annotated[int, Field(ge=0, lt=2**63)] | None = Field(default=None, description="seed of the search")
+    corpus: _Place | None = Field(default=None, description="folder of counterexamples that are run again")
+    waivers: _Place | None = Field(default=None, description="file of failures that are accepted until a day")
+    baseline: _Place | None = Field(
+        default=None, description="earlier result.json that margins are compared with"
+    )
+    output: _Place | None = Field(default=None, description="folder of the report")
+    fail_on: Literal["required", "advisory"] | None = Field(
+        default=None, description="least level of a check whose failure fails the candidate"
+    )
+    contested: Literal["pass", "fail"] | None = Field(
+        default=None,
+        description="whether a failure counts that no known good controller avoids in the same scenario",
+    )
+
+    def options(self, folder: Path) -> dict[str, Any]:
+        """Return the values by their option, with paths from the manifest's folder, which they must not leave."""
+        from drivegate_cases.drive.drive_document import drive_names
+
+        stated = self.model_dump(exclude_none=True)
+        for key in _FILES:
+            if key in stated:
+                stated[key] = str(_inside(folder, stated[key], key))
+        if self.drive is not None and self.drive not in drive_names():
+            stated["drive"] = str(_inside(folder, self.drive, "drive"))
+        return stated
+
+
+def _inside(folder: Path, name: str, key: str) -> Path:
+    """Return a path in a folder; a manifest must not choose what is read or written elsewhere."""
+    place = folder / name
+    try:
+        is_inside = place.resolve().is_relative_to(folder.resolve())
+    except (OSError, RuntimeError, ValueError):
+        is_inside = False
+    if not is_inside or "\0" in name:
+        raise InputError(
+            f"the key '{key}' of [check] is '{one_line(name)}', which leads out of the manifest's folder; name such a "
+            f"place on the command line, with --{key}"
+        )
+    return place

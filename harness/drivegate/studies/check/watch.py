@@ -1,0 +1,54 @@
+"""Checking again whenever a candidate's sources change: first what failed, then the rest."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate_models.errors import InputError
+
+
+def watch(check: Callable[[bool], int], changes: Iterator[object], version: Callable[[], str]) -> int:
+    """Check once, then after every change of the version; return the last exit code when there are no more changes.
+
+    `check` is called with True to begin with what failed in the last report. Where that passes, the whole check
+    follows.
+    """
+    known = version()
+    code = check(False)
+    for _ in changes:
+        now = version()
+        if now == known:
+            continue
+        known = now
+        # Where nothing failed, or there is no result, there is nothing to begin with.
+        again = check(True) if code == 1 else 0
+        code = again if again != 0 else check(False)
+    return code
+
+
+def version_of(specification: str) -> str:
+    """Return what changes with a candidate's sources; while it cannot be resolved, the reason."""
+    try:
+        candidate = resolve_candidate(specification)
+    except InputError as error:
+        return str(error)
+    hashes = [hashlib.sha256(file.read_bytes()).hexdigest() for file in candidate.sources if file.is_file()]
+    return "\n".join([candidate.content_hash, *hashes])
+
+
+def changes_around(specification: str, output: Path) -> Iterator[object]:
+    """Yield whenever a file changes in the folders of a candidate's sources, but not in that of the report."""
+    try:
+        from watchfiles import DefaultFilter, watch
+    except ImportError:
+        raise InputError(
+            "--watch needs a package that is not installed; python -m pip install 'drivegate[watch]'"
+        ) from None
+    candidate = resolve_candidate(specification)
+    folders = {candidate.folder, *(file.parent for file in candidate.sources)}
+    report = output.resolve()
+    kept = DefaultFilter(ignore_paths=[report, *report.parent.glob(f".{report.name}*")])
+    yield from watch(*folders, watch_filter=kept, raise_interrupt=True)
