@@ -6,25 +6,32 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from drivegate.commands.completion import complete_checks
 from drivegate.commands.conduct import Outcome
-from drivegate.commands.options import drive_option, json_option
+from drivegate.commands.options import drive_option, json_option, named_drive
 
 if TYPE_CHECKING:
     from rich.console import Console
 
 SCHEMA = 1
 
+_EXPLAINED = ("requirement", "limit", "formula", "scenarios", "why")
 _COLUMNS = ("id", "level", "subject", "source", "requirement", "limit")
 
 
 @click.command("checks")
+@click.argument("names", nargs=-1, metavar="[CHECK]...", shell_complete=complete_checks)
 @drive_option
 @json_option
-def command(drive: str | None) -> Outcome:
+def command(names: tuple[str, ...], drive: str | None) -> Outcome:
     """List the checks with their requirements, sources and limits, and what covers each fact of the paper.
 
-    The numbers are those of the drive; without --drive, of the paper's.
+    With a CHECK such as STP-1, or a family such as STP, print all of it: requirement, limit on the drive, formula of
+    the margin and likely causes of a failure. The numbers are those of the drive; without --drive, of the paper's, or
+    of the default drive of the CHECK.
     """
+    if names:
+        return _explained(names, drive)
     from drivegate.contracts.traceability import traced_checks, traced_facts
     from drivegate.drives.kinds import DEFAULT_DRIVE
     from drivegate_cases.drive.drive_document import load_drive
@@ -32,6 +39,27 @@ def command(drive: str | None) -> Outcome:
     checks = traced_checks(load_drive(DEFAULT_DRIVE if drive is None else drive))
     document = {"schema": SCHEMA, "checks": checks, "facts": traced_facts()}
     return Outcome(document, lambda console: _show(console, document))
+
+
+def _explained(names: tuple[str, ...], drive: str | None) -> Outcome:
+    from drivegate.studies.checks import explained_checks
+
+    checks = explained_checks(names, named_drive(drive))
+    document = {"schema": SCHEMA, "checks": checks}
+
+    def show(console: Console) -> None:
+        from drivegate.output.console import print_line
+
+        for row in checks:
+            print_line(console, f"{row['id']} on {row['drive']} ({row['level']})", "bold")
+            for key in _EXPLAINED:
+                print_line(console, f"  {key}: {row[key]}")
+            for cause in row["likely_causes"]:
+                print_line(console, f"  likely cause: {cause}")
+        only = ",".join(dict.fromkeys(row["id"] for row in checks))
+        print_line(console, f"next: drivegate check CANDIDATE --only {only}", "dim")
+
+    return Outcome(document, show)
 
 
 def _show(console: Console, document: dict[str, Any]) -> None:

@@ -219,6 +219,10 @@ class Contract(ABC):
         """Return the likely causes of failed checks, each with what would confirm it, in one clause."""
         return ()
 
+    def causes_of(self, _check: str, /) -> tuple[str, ...]:
+        """Return what usually breaks a check, the most specific first."""
+        return ()
+
     @abstractmethod
     def summary(self, record: Any) -> dict[str, Any]:
         """Summarize a run with its trace: `summary`, `windows` and `clamped`."""

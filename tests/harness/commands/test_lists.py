@@ -38,3 +38,20 @@ def test_cases_are_listed_by_the_names_that_other_commands_take(command):
 
 def test_an_argument_too_many_is_refused(refused):
     assert "extra" in refused("cases", "extra")
+
+
+def test_one_check_is_explained_with_its_limit_on_the_drive_formula_and_causes(command, refused):
+    (row,) = command("checks", "stp-1", "--drive", "pm-ac-servo", "--json").document["checks"]
+    assert (row["id"], row["drive"]) == ("STP-1", "pm-ac-servo")
+    assert row["likely_causes"][0].startswith("the gains of the current regulator are too high")
+    text = command("checks", "STP-1").out
+    for key in ("requirement", "limit", "formula"):
+        assert f"{key}: " in text
+    assert "likely cause: the current regulator is too slow" in text
+    assert "next: drivegate check CANDIDATE --only STP-1" in text
+    family = command("checks", "FWK", "--json").document["checks"]
+    assert [row["id"] for row in family] == ["FWK-1", "FWK-2", "FWK-3"]
+    both = command("checks", "PWR-1", "--json").document["checks"]
+    assert [row["drive"] for row in both] == ["paper-5-phase", "pm-ac-interior"]
+    assert "the nearest is 'STP-1'" in refused("checks", "STP-2")
+    assert "is not judged by STP-1" in refused("checks", "STP-1", "--drive", "paper-5-phase")

@@ -16,7 +16,7 @@ from drivegate.contracts.duty.current_reference import STEPPED, is_current_in_re
 from drivegate.contracts.duty.document import duty_document
 from drivegate.contracts.duty.figures import observe, signals, summary
 from drivegate.contracts.duty.informed import InformedController
-from drivegate.contracts.duty.likely_causes import likely_causes_in_words
+from drivegate.contracts.duty.likely_causes import causes_of_check, likely_causes_in_words
 from drivegate.contracts.duty.numbers import numbers
 from drivegate.contracts.duty.plant_run import duty_run, plant_state
 from drivegate.contracts.duty.record import DutyRecord, judged_window, unseen_duty_record
@@ -98,6 +98,7 @@ class _DutyContract(DutyColumns):
     plant_state = staticmethod(plant_state)
     signals = staticmethod(signals)
     likely_causes = staticmethod(likely_causes_in_words)
+    causes_of = staticmethod(causes_of_check)
     account = staticmethod(account)
     summary = staticmethod(summary)
     observe = staticmethod(observe)

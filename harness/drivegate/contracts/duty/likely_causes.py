@@ -240,3 +240,10 @@ def likely_causes_in_words(checks: Iterable[Mapping[str, Any]]) -> tuple[str, ..
 def _agreement(signs: frozenset[str], shown: frozenset[str]) -> float:
     """Return the share of signs that two sets have in common (1)."""
     return 2.0 * len(signs & shown) / (len(signs) + len(shown)) if shown else 0.0
+
+
+def causes_of_check(name: str) -> tuple[str, ...]:
+    """List the causes that a check confirms, then those that it shows among other checks, the most specific first."""
+    showing = [cause for cause in LIKELY_CAUSES if name in cause.signs or cause.confirming_check == name]
+    showing.sort(key=lambda cause: (cause.confirming_check != name, len(cause.signs)))
+    return tuple(f"{cause.words}; {cause.confirmed_by}" for cause in showing)
