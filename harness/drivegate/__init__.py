@@ -4,7 +4,8 @@ This is the only public package of the distribution. Importing it is cheap: noth
 until it is used.
 """
 
-from typing import TYPE_CHECKING, Any
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, Final
 
 from drivegate.candidates.native.numba_controller import NumbaController
 from drivegate.testing.conformance import conformance_tests
@@ -22,9 +23,12 @@ from drivegate_models.contract.duty.signals import (
     DutyNameplate,
     DutySense,
 )
+from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
     from drivegate.candidates.native.numba_loading import phase_current
+    from drivegate.interactive.functions import check, compare, load_drive, replay, simulate
+    from drivegate.interactive.results import CheckResult, Comparison, Replayed, Simulation
 
 __all__ = [
     "CURRENT_REFERENCE",
@@ -34,23 +38,39 @@ __all__ = [
     "LEG_PWM",
     "SPEED_REFERENCE",
     "TORQUE_REFERENCE",
+    "CheckResult",
     "Command",
+    "Comparison",
     "DutyCommand",
     "DutyNameplate",
     "DutySense",
+    "InputError",
     "Nameplate",
     "NumbaController",
+    "Replayed",
     "Sense",
+    "Simulation",
     "__version__",
+    "check",
+    "compare",
     "conformance_tests",
+    "load_drive",
     "phase_current",
+    "replay",
+    "simulate",
 ]
+
+_FUNCTIONS: Final = "drivegate.interactive.functions"
+_LATE: Final = {
+    "phase_current": "drivegate.candidates.native.numba_loading",
+    **dict.fromkeys(("check", "compare", "load_drive", "replay", "simulate"), _FUNCTIONS),
+    **dict.fromkeys(("CheckResult", "Comparison", "Replayed", "Simulation"), "drivegate.interactive.results"),
+}
+"""Modules of what is imported when it is requested."""
 
 
 def __getattr__(name: str) -> Any:
-    """Import what needs numba, when it is requested."""
-    if name != "phase_current":
+    """Import what needs more than this package, when it is requested."""
+    if name not in _LATE:
         raise AttributeError(f"module 'drivegate' has no attribute '{name}'")
-    from drivegate.candidates.native.numba_loading import phase_current
-
-    return phase_current
+    return getattr(import_module(_LATE[name]), name)
