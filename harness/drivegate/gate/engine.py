@@ -169,6 +169,7 @@ def _run(plan: _Plan, progress: Progress) -> Iterator[Event]:
         corpus=options.corpus,
         baseline=options.baseline,
         focus=options.focus,
+        content_hash="" if KINDS[candidate.kind].is_included else candidate.content_hash,
     )
     prepared = judges_on(drive)
     with WorkerPool(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import Enum, auto
@@ -31,7 +32,9 @@ from drivegate_cases.scenario.script import Script
 EXAMPLES: Final = {"quick": 4, "default": 36, "nightly": 400}
 """Scenarios drawn in each shard, by effort."""
 SHARDS: Final = 8
-"""Number of seeded shards, whatever the number of workers."""
+"""Number of seeded shards, whatever the number of workers; those of odd numbers are a candidate's own."""
+_TURNS: Final = 720720
+"""A number that 1 to 16 divide: seeds that differ by it take the same turn at as many families of scenarios."""
 JOINT: Final = {"quick": 0, "default": 1, "nightly": 5}
 """Times that the runs of joint changes are drawn, by effort."""
 SCRIPTS: Final = {"quick": 10, "default": 60, "nightly": 600}
@@ -77,8 +80,12 @@ def planned_work(
     baseline: Baseline | None = None,
     drive: DriveDocument | None = None,
     focus: Focus = WHOLE,
+    content_hash: str = "",
 ) -> list[Work]:
-    """Plan the runs of a check on a drive, the default one where none is given."""
+    """Plan the runs of a check on a drive, the default one where none is given.
+
+    `content_hash`: that of a candidate that is to meet scenarios of its own, empty where candidates are compared.
+    """
     drive = drive or load_drive(DEFAULT_DRIVE)
     fixed = contract_of(drive).fixed_scenarios(drive, declaration)
     repeated = _repeated(fixed[2:])
@@ -87,8 +94,8 @@ def planned_work(
     examples = EXAMPLES[effort]
     judges_scripts = focus.judges(_OF_ONE_CHECK[Origin.SCRIPTS])
     shards = [
-        DrawnRuns(drive, seed * SHARDS + shard, examples, search=search, only=focus.only)
-        for shard in range(SHARDS)
+        DrawnRuns(drive, shard_seed, examples, search=search, only=focus.only)
+        for shard_seed in shard_seeds(seed, content_hash)
     ]
     scripts = contract_of(drive).scripted_runs(drive, declaration, seed, SCRIPTS[effort])
     work = [
@@ -114,6 +121,18 @@ def planned_work(
         Work(Job(time_steps, fixed[0]), 1, fixed[0].name, Origin.TIMED),
     ]
     return [item for item in work if _serves(item.origin, focus)]
+
+
+def shard_seeds(seed: int, content_hash: str = "") -> tuple[int, ...]:
+    """Derive the seeds of all shards; with a candidate's hash, every other one depends on that too.
+
+    So a controller that has learned the scenarios of a seed by heart, and was changed for that, meets others.
+    """
+    own = seed
+    if content_hash:
+        digest = hashlib.sha256(f"{seed} {content_hash}".encode()).hexdigest()
+        own += _TURNS * int(digest[:10], 16)
+    return tuple((own if shard % 2 else seed) * SHARDS + shard for shard in range(SHARDS))
 
 
 def _repeated(fixed: Sequence[Scenario]) -> list[Scenario]:

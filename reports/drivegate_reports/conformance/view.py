@@ -118,6 +118,11 @@ def _rests_on(document: Mapping[str, Any], checks: Sequence[Mapping[str, Any]]) 
         f"{document['runs']} runs: {fixed} fixed scenarios, {corpus} of the corpus, the others drawn with the seed "
         f"{document['seed']}."
     )
+    if document.get("judged_by") == "playback":
+        sentences.append(
+            "Half of the shards mix the seed with the hash of the candidate's sources. Whoever knows both can make the "
+            "same runs beforehand; a seed that becomes known after the controller prevents that."
+        )
     sentences.append(
         f"{document['set_aside']} drawn scenarios were set aside: no controller can do what they require."
     )
