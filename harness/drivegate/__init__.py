@@ -4,8 +4,18 @@ This is the only public package of the distribution. Importing it is cheap: noth
 until it is used.
 """
 
+import sys
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Final
+
+# Of `python -m drivegate`, Python searches the present folder first, which may hold a stranger's candidate. The first
+# argument is -m until the module has been found; where another one is, its own package imports this one.
+if (
+    sys.argv[:1] == ["-m"]
+    and any(word.removeprefix("-m").partition(".")[0] == __name__ for word in sys.orig_argv)
+    and not sys.flags.safe_path
+):
+    del sys.path[0]
 
 from drivegate.candidates.native.numba_controller import NumbaController
 from drivegate.testing.conformance import conformance_tests

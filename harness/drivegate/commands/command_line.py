@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import atexit
 import gc
+import os
 import signal
 import sys
 from collections.abc import Sequence
@@ -109,14 +110,29 @@ class LazyGroup(click.Group):
     epilog="Exit codes: 0 pass, 1 the candidate fails, 2 bad usage or input, 3 a fault of drivegate itself.",
 )
 @click.version_option(__version__, prog_name="drivegate", message="%(prog)s %(version)s")
+@click.option("-C", "folder", metavar="FOLDER", help="Start relative paths from FOLDER, as make and git do.")
 @json_option
 @click.pass_context
-def command_line(context: click.Context) -> None:
+def command_line(context: click.Context, folder: str | None) -> None:
     """Verify and benchmark controllers of permanent-magnet brushless drives."""
+    if folder is not None:
+        _work_in(folder)
     if context.invoked_subcommand is None:
         if context.get_parameter_source("as_json") is ParameterSource.COMMANDLINE:
             raise click.UsageError(f"a command is missing; there are {', '.join(COMMANDS)}", context)
         click.echo(context.get_help())
+
+
+def _work_in(folder: str) -> None:
+    try:
+        os.chdir(folder)
+    except OSError as error:
+        from drivegate_cases.documents.wording import shown_path
+        from drivegate_models.errors import InputError
+
+        raise InputError(
+            f"the folder {shown_path(folder)} of -C cannot be entered: {error.strerror}; name an existing folder"
+        ) from error
 
 
 def _interrupt_when_ended() -> None:

@@ -93,9 +93,29 @@ def system_places() -> tuple[str, ...]:
     """Return what every program may read, with this Python and its packages."""
     finders = [vars(sys.modules[name]).get("MAPPING") for name in list(sys.modules) if "__editable__" in name]
     packages = [place for mapping in finders if isinstance(mapping, dict) for place in mapping.values()]
-    python = (sys.prefix, sys.base_prefix, sys.exec_prefix, sys.base_exec_prefix, *sys.path, *packages)
+    python = (sys.prefix, sys.base_prefix, sys.exec_prefix, sys.base_exec_prefix, *_search_path(), *packages)
     further = os.environ.get(READ_VARIABLE, "").split(os.pathsep)
     return (*_SYSTEM, *(str(Path(place).absolute()) for place in (*python, *further) if place))
+
+
+def _search_path() -> Iterator[str]:
+    """Yield where Python finds packages, without the present folder, which `python -m` puts there."""
+    stated = {
+        os.path.realpath(place) for place in os.environ.get("PYTHONPATH", "").split(os.pathsep) if place
+    }
+    needed = {*stated, *(os.path.realpath(Path(file).parents[1]) for file in _own_files())}
+    here = str(Path.cwd())
+    for place in sys.path:
+        if os.path.realpath(place) != here or here in needed:
+            yield place
+
+
+def _own_files() -> Iterator[str]:
+    """Yield a file of each of drivegate's packages that a candidate's process imports."""
+    for name in ("drivegate", "drivegate_cases", "drivegate_models"):
+        file = sys.modules[name].__file__
+        assert file is not None, "it is a package with an __init__.py"
+        yield file
 
 
 @contextmanager
