@@ -47,6 +47,8 @@ WAIVED: Final = timedelta(days=90)
 
 WHEELS: Final = "vendor"
 """Folder of a new candidate that holds the drivegate it was written by, for its pipeline to install."""
+REQUIREMENTS: Final = f"{WHEELS}/requirements.txt"
+"""File of versions and hashes of what drivegate needs of others."""
 
 _TEMPLATES: Final = "templates/new"
 _COMMON: Final[Mapping[ContractName, tuple[str, ...]]] = MappingProxyType(
@@ -126,6 +128,7 @@ def write_candidate(
         "@source@": template.source,
         "@install@": f"{WHEELS}/{wheel_name()}{template.extra}",
         "@wheel@": f"{WHEELS}/{wheel_name()}",
+        "@requirements@": REQUIREMENTS,
         "@here@": pipeline.here,
         "@pipeline@": pipeline.rows(),
     }
@@ -139,6 +142,7 @@ def write_candidate(
         texts = {place: text.replace(word, value) for place, text in texts.items()}
     contents = {place: text.encode() for place, text in texts.items() if place not in pipeline.left_out}
     contents[".gitignore"] = contents.pop(_IGNORED)
+    contents[REQUIREMENTS] = contents.pop("requirements.txt")
     outside = _move_pipeline(contents, pipeline)
     contents[words["@wheel@"]] = _wheel_bytes()
     usual = DEFAULT_DRIVES[contract]

@@ -28,6 +28,7 @@ COMMON = {
     ".gitignore",
     ".github/workflows/drivegate.yml",
     ".github/actions/drivegate/action.yml",
+    f"{WHEELS}/requirements.txt",
     WHEEL,
 }
 TODAY = datetime.now(UTC).date()
