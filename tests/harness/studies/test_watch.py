@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+import threading
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -11,15 +13,26 @@ from drivegate.studies.check.watch import changes_around, version_of, watch
 from drivegate_models.errors import InputError
 
 
-def watched(versions: list[str], codes: list[int]) -> tuple[list[bool], int]:
-    """Return which checks began with what failed, and the last exit code."""
-    stated, answers, begun = iter(versions), iter(codes), []
+def watched(versions: list[str], codes: list[int], *, during: int = 0) -> tuple[list[bool], int]:
+    """Return which checks began with what failed, and the last exit code.
+
+    `during` is the number of the changes that happen within the first check.
+    """
+    place, answers, begun = 0, iter(codes), []
 
     def check(begin_with_failed: bool) -> int:
+        nonlocal place
+        place += during if not begun else 0
         begun.append(begin_with_failed)
         return next(answers)
 
-    code = watch(check, iter(range(len(versions) - 1)), lambda: next(stated))
+    def changes() -> Iterator[int]:
+        nonlocal place
+        while place + 1 < len(versions):
+            place += 1
+            yield place
+
+    code = watch(check, changes(), lambda: versions[place])
     return begun, code
 
 
@@ -33,6 +46,10 @@ def test_after_a_failure_what_failed_comes_first_and_the_rest_once_that_passes()
 
 def test_a_change_that_is_none_of_the_sources_checks_nothing():
     assert watched(["a", "a", "a"], [1]) == ([False], 1)
+
+
+def test_a_change_within_a_check_is_not_missed():
+    assert watched(["a", "b"], [0, 0], during=1) == ([False, False], 0)
 
 
 def test_a_refused_candidate_is_checked_whole_once_it_is_mended():
@@ -59,7 +76,6 @@ def test_the_version_follows_the_sources(candidate: Path) -> None:
 
 def test_changes_are_those_of_the_sources_folder_without_the_reports(candidate: Path) -> None:
     changes: Iterator[object] = changes_around(f"{candidate}:C", candidate.parent / "drivegate-report")
-    import threading
 
     def change() -> None:
         (candidate.parent / "drivegate-report").mkdir()
@@ -74,6 +90,6 @@ def test_changes_are_those_of_the_sources_folder_without_the_reports(candidate: 
 
 
 def test_a_missing_package_is_named(candidate: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(__import__("sys").modules, "watchfiles", None)
+    monkeypatch.setitem(sys.modules, "watchfiles", None)
     with pytest.raises(InputError, match=r"drivegate\[watch\]"):
-        next(changes_around(f"{candidate}:C", candidate.parent))
+        changes_around(f"{candidate}:C", candidate.parent)

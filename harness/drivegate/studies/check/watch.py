@@ -16,17 +16,17 @@ def watch(check: Callable[[bool], int], changes: Iterator[object], version: Call
     `check` is called with True to begin with what failed in the last report. Where that passes, the whole check
     follows.
     """
-    known = version()
-    code = check(False)
-    for _ in changes:
+    known, code = None, 0
+    while True:
         now = version()
-        if now == known:
-            continue
-        known = now
-        # Where nothing failed, or there is no result, there is nothing to begin with.
-        again = check(True) if code == 1 else 0
-        code = again if again != 0 else check(False)
-    return code
+        if now != known:
+            # Where nothing failed, or there is no result, there is nothing to begin with.
+            begun = check(True) if code == 1 else 0
+            code = begun or check(False)
+            # What has changed during the check is found at once.
+            known = now
+        elif next(changes, None) is None:
+            return code
 
 
 def version_of(specification: str) -> str:
@@ -51,4 +51,4 @@ def changes_around(specification: str, output: Path) -> Iterator[object]:
     folders = {candidate.folder, *(file.parent for file in candidate.sources)}
     report = output.resolve()
     kept = DefaultFilter(ignore_paths=[report, *report.parent.glob(f".{report.name}*")])
-    yield from watch(*folders, watch_filter=kept, raise_interrupt=True)
+    return watch(*folders, watch_filter=kept, raise_interrupt=True)
