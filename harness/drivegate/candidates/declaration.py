@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
+    from drivegate_cases.requirements.file import OwnRequirements
     from drivegate_cases.scenario.failure_kind import FailureKind
     from drivegate_cases.scenario.reference import FollowedReference
     from drivegate_models.pm_ac.modulation_kind import ModulationKind
@@ -61,6 +62,9 @@ class Declaration:
     drive's."""
     modulation: ModulationKind = "continuous"
     """Kind of modulation by whose ideal its torque ripple is judged."""
+    requirements: OwnRequirements | None = None
+    """What the user requires besides the checks; None for nothing. They travel with the candidate to all that judges
+    it."""
 
     @property
     def follows_current(self) -> bool:

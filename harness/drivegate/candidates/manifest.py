@@ -185,6 +185,10 @@ class Manifest(Document):
         default=CheckTable(),
         description="options of drivegate check, such as effort = 'quick', where the command line has no other",
     )
+    requirements: Text | None = Field(
+        default=None,
+        description="file of your own requirements, which the candidate is judged by besides the checks",
+    )
     step_deadline_s: Positive | None = Field(
         default=None, le=30.0, description="time that a program has for each step, in seconds"
     )

@@ -121,11 +121,17 @@ def _from_manifest(specification: str) -> Candidate:
             f"{shown_path(specification)}: the key 'contract' is '{stated}', but the candidate answers with "
             f'{ANSWERS[str(known)]}; leave the key out, or write contract = "{known}"'
         )
+    declaration = manifest.declaration()
+    if manifest.requirements is not None:
+        from drivegate_cases.requirements.file import read_requirements
+
+        own = read_requirements(Path(specification).parent / manifest.requirements)
+        declaration = replace(declaration, requirements=own)
     # What every kind takes from its manifest in the same way.
     return replace(
         candidate,
         name=manifest.name,
-        declaration=manifest.declaration(),
+        declaration=declaration,
         drive=manifest.drive,
         contract=known or stated,
     )

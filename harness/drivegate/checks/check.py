@@ -11,6 +11,7 @@ from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.step_costs import NO_COSTS, StepCosts
 from drivegate.checks.margin import Margin, Moment
 from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.requirements.row import Row
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.steady.plant import AnyDrive
 
@@ -18,6 +19,8 @@ Evaluate: TypeAlias = Callable[[Any], Margin | None]
 """From the record of a run of the check's contract to its margin; None where it does not apply to the run."""
 StateMoment: TypeAlias = Callable[[Any], Moment | None]
 """From the record of a run to the moment that decides its margin; None where no single signal shows it."""
+Nearness: TypeAlias = Callable[[Scenario], tuple[float, str]]
+"""From a scenario that a check did not judge to how far it is from one that it judges, from 0, and why, in a clause."""
 ReasonNotApplicable: TypeAlias = Callable[[Declaration, DriveDocument], str | None]
 """From a declaration and a drive to the reason why the check does not apply to that candidate; None where it does."""
 
@@ -51,6 +54,11 @@ class Record:
     def drive(self) -> AnyDrive:
         """The plant that the run was made on."""
         return self.scenario.drive.plant(self.scenario.scales)
+
+    @cached_property
+    def derived(self) -> dict[str, Any]:
+        """What one check has derived from the run for those after it, by name."""
+        return {}
 
 
 class NotRun(Exception):
@@ -118,6 +126,10 @@ class Check:
     """Why the check does not apply, on a drive, to a candidate that declares what it does."""
     volatile: bool = False
     """Whether the measured numbers depend on the machine, so that they belong beside a result's times."""
+    nearness: Nearness | None = None
+    """How near a scenario comes that it did not judge, of a check that must have judged some run; None of others."""
+    row: Row | None = None
+    """The user's row that it was made from; None of a check of drivegate's own."""
 
 
 @dataclass(frozen=True)

@@ -60,6 +60,12 @@ DEFAULT_OUTPUT = "drivegate-report"
     help="Folder of counterexamples, JSON files, that are run again after the fixed scenarios.",
 )
 @click.option(
+    "--requirements",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="TOML file of your own requirements; by default the one that the candidate's manifest names.",
+)
+@click.option(
     "--waivers",
     type=click.Path(path_type=Path),
     metavar="FILE",
@@ -117,6 +123,7 @@ def command(
     max_time: float | None,
     search: bool,
     corpus: Path | None,
+    requirements: Path | None,
     waivers: Path | None,
     baseline: Path | None,
     fail_on: Literal["required", "advisory"],
@@ -158,7 +165,7 @@ def command(
         fail_on=fail_on,
         contested=contested,
     )
-    records = Records(corpus, waivers, baseline)
+    records = Records(corpus, waivers, baseline, requirements)
     reported: set[int] = set()
 
     def complain_again(all_checked: list[Checked]) -> None:

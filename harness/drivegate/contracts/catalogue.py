@@ -60,10 +60,24 @@ def all_checks() -> dict[str, Check]:
     return found
 
 
-def check_of(contract: str, name: str) -> Check:
-    """Return a contract's check by its identifier, or that of another contract where it has none."""
-    own = next((check for check in contract_named(contract).checks if check.id == name), None)
-    return own or all_checks()[name]
+def checks_of(drive: DriveDocument, declaration: Declaration) -> tuple[Check, ...]:
+    """Return the checks of a candidate on a drive: those of the contract, and the user's rows."""
+    return contract_of(drive).checks + row_checks(drive.contract, declaration)
+
+
+def row_checks(contract: str, declaration: Declaration) -> tuple[Check, ...]:
+    """Return the checks that a user's rows are under a contract."""
+    if declaration.requirements is None:
+        return ()
+    from drivegate.contracts.rows.checks import row_check
+
+    return tuple(row_check(contract_named(contract), row) for row in declaration.requirements.rows)
+
+
+def check_of(contract: str, name: str, declaration: Declaration = NOTHING_DECLARED) -> Check:
+    """Return a contract's check or a user's row by its identifier, else a check of another contract."""
+    own = (*contract_named(contract).checks, *row_checks(contract, declaration))
+    return next((check for check in own if check.id == name), None) or all_checks()[name]
 
 
 def comparison_of(kind: object) -> Comparison:

@@ -95,6 +95,8 @@ class Contract(ABC):
     """Fields of a command that figures show, each with the unit there and a factor for it."""
     recorded_names: ClassVar[tuple[str, ...]]
     """Names of the recorded columns without which a run cannot be described."""
+    signal_names: ClassVar[tuple[str, ...]] = ()
+    """Names of the columns of `signals`, which the user's own requirements can limit."""
     panels: ClassVar[tuple[Panel, ...]] = ()
     """How figures show the recorded columns; without any, each has a panel."""
     summary_rows: ClassVar[tuple[tuple[str, str, str], ...]]
@@ -172,6 +174,12 @@ class Contract(ABC):
     @abstractmethod
     def judged_window(self, check: Check, record: Any, margin: Margin | None) -> tuple[float, float]:
         """Return start and end of the stretch of a run that decides a margin (s)."""
+
+    def settled_until(self, scenario: Scenario, /) -> tuple[float, ...]:
+        """Return the ends of the stretches in which nothing changes for as long as a drive needs to settle (s)."""
+        from drivegate_cases.scenario.profile import dwells
+
+        return tuple(dwell.end for dwell in dwells(scenario))
 
     @abstractmethod
     def step_seconds(self, controller: AnyController, record: Any) -> float:

@@ -38,12 +38,14 @@ def recorded(
 ) -> Record:
     """Run a candidate through a scenario for the checks, observed as its declaration requires."""
     require_contract(loaded.candidate, scenario.drive)
+    declaration = loaded.candidate.declaration
     record: Record = contract_of(scenario.drive).record(
         kind_of(scenario.drive).prepare_loop(),
-        loaded.candidate.declaration,
+        declaration,
         scenario,
         controller,
-        trace_every=trace_every,
+        # Rows judge every control period.
+        trace_every=trace_every if declaration.requirements is None else 1,
         kept=kept,
     )
     costs = taken_costs(controller)

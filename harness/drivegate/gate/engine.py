@@ -19,7 +19,7 @@ from drivegate.containment.candidate_isolation import isolating_layers
 from drivegate.containment.machine_memory import usual_workers
 from drivegate.containment.messages import Job
 from drivegate.containment.pool import WorkEnded, WorkerPool
-from drivegate.contracts.catalogue import all_checks, all_contracts, contract_of
+from drivegate.contracts.catalogue import all_checks, all_contracts, checks_of
 from drivegate.drives.abilities import refuse_unreachable
 from drivegate.drives.kinds import drive_for
 from drivegate.gate.events import (
@@ -37,6 +37,7 @@ from drivegate.gate.events import (
 )
 from drivegate.gate.focus import Focus
 from drivegate.gate.options import CheckOptions
+from drivegate.gate.own_requirements import require_fitting, with_requirements
 from drivegate.gate.plan import EXAMPLES, REPEATED, Origin, Work, planned_work
 from drivegate.gate.progress import Progress
 from drivegate.gate.recording import behaviour_job, recording_plans, run_recorded, with_recordings
@@ -65,7 +66,7 @@ from drivegate.results.waivers import present_day, under_waivers
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.errors import HarnessFault, InputError
 
-_SHOWN: Final = frozenset(check for contract in all_contracts() for check in searched_checks(contract))
+_SHOWN: Final = frozenset(check for contract in all_contracts() for check in searched_checks(contract.checks))
 """Checks whose margins progress shows; one of 0 that is met is a clamped command's."""
 _VOLATILE: Final = frozenset(check.id for check in all_checks().values() if check.volatile)
 
@@ -86,9 +87,9 @@ class _Plan:
 
 def check_candidate(candidate: Candidate, options: CheckOptions) -> Iterator[Event]:
     """Check a candidate on a drive, and report progress as events."""
-    plan = _planned(candidate, options)
+    plan = _planned(with_requirements(candidate, options.requirements), options)
     started, began = datetime.now(UTC), time.monotonic()
-    yield CheckStarted(candidate.name, None, plan.how)
+    yield CheckStarted(plan.candidate.name, None, plan.how)
     deadline = None if options.max_time is None else began + options.max_time
     progress = Progress(deadline, plan.options.focus, _counting(plan))
     yield from _run(plan, progress)
@@ -118,7 +119,9 @@ def _planned(candidate: Candidate, options: CheckOptions) -> _Plan:
         counterexamples=(*options.focus.first, *options.corpus),
         waivers=[waiver for waiver in options.waivers if waiver.candidate == candidate.name],
     )
-    focus = options.focus.within(drive.contract, [check.id for check in contract_of(drive).checks])
+    own = checks_of(drive, candidate.declaration)
+    require_fitting(candidate.declaration, drive)
+    focus = options.focus.within(drive.contract, [check.id for check in own])
     # What a candidate does not declare is known before anything is compiled or run.
     focus.require_judged(
         check_outcomes(
@@ -129,10 +132,10 @@ def _planned(candidate: Candidate, options: CheckOptions) -> _Plan:
     # The oracle needs compiled kernels. With a cold cache `_compile` refuses the drive once workers have made them.
     if not uncompiled:
         refuse_unreachable(drive)
-    own: DriveFrom = "default" if candidate.drive is None else "manifest"
+    drive_from: DriveFrom = "default" if candidate.drive is None else "manifest"
     how = CheckPlan(
         drive,
-        own if options.drive is None else "user",
+        drive_from if options.drive is None else "user",
         options.effort,
         options.seed,
         options.workers or usual_workers(),
@@ -147,7 +150,7 @@ def _counting(plan: _Plan) -> frozenset[str]:
     options = plan.options
     levels = counted_levels(options.fail_on)
     waived = {waiver.check for waiver in options.waivers if waiver.candidate == plan.candidate.name}
-    own = contract_of(plan.how.drive).checks
+    own = checks_of(plan.how.drive, plan.candidate.declaration)
     return frozenset(check.id for check in own if check.level in levels) - waived
 
 
@@ -265,8 +268,9 @@ def _compared(
     options = plan.options
     if options.baseline is None:
         return None, None
+    checks = checks_of(plan.how.drive, plan.candidate.declaration)
     try:
-        entries = compared(options.baseline, runs, contract_of(plan.how.drive).checks)
+        entries = compared(options.baseline, runs, checks)
     except Exception as error:
         failure = HarnessFault(
             f"the comparison with the baseline failed ({type(error).__name__}: {error}), and the result has none"
@@ -403,7 +407,7 @@ def _worst(runs: Sequence[JudgedRun], focus: Focus) -> str:
         margin
         for run in runs
         for margin in run.margins
-        if margin.check in _SHOWN
+        if (margin.check in _SHOWN or margin.check not in all_checks())
         and focus.judges(margin.check)
         and not margin.advisory
         and not (margin.met and margin.value == 0.0)

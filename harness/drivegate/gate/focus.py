@@ -68,5 +68,6 @@ WHOLE: Final = Focus()
 
 
 def is_called(check: str, name: str) -> bool:
-    """Return True if a name is a check's identifier or its family's."""
-    return name in (check, check.partition("-")[0])
+    """Return True if a name, in capital letters, is a check's identifier or its family's."""
+    capital = check.upper()
+    return name in (capital, capital.partition("-")[0])

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from drivegate.results.counterexample import Counterexample
     from drivegate.results.waivers import Waiver
     from drivegate_cases.drive.drive_document import DriveDocument
+    from drivegate_cases.requirements.file import OwnRequirements
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,6 +39,8 @@ class CheckOptions:
     baseline: Baseline | None = None
     """Earlier result that margins are compared with."""
     waivers: Sequence[Waiver] = ()
+    requirements: OwnRequirements | None = None
+    """The user's own requirements; None for those that the candidate's manifest names."""
     fail_on: Literal["required", "advisory"] = "required"
     """``required``, or ``advisory`` where advisory checks count like required ones."""
     contested: Literal["pass", "fail"] = "pass"

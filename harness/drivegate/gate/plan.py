@@ -21,6 +21,7 @@ from drivegate.contracts.catalogue import contract_of
 from drivegate.drives.kinds import DEFAULT_DRIVE
 from drivegate.drives.running import recorded, taken_costs
 from drivegate.gate.focus import WHOLE, Focus
+from drivegate.gate.own_requirements import own_job
 from drivegate.gate.shard import DrawnRuns, FixedRuns, JointRuns, run_drawn, run_fixed, run_joint
 from drivegate.results.baseline import Baseline, scenario_key
 from drivegate.results.counterexample import Counterexample
@@ -105,6 +106,7 @@ def planned_work(
             _as_they_are((scenario,), Origin.FIXED, focus, repeat=scenario in repeated)
             for scenario in fixed[2:]
         ),
+        *(Work(own_job(scenario), 1, scenario.name, Origin.FIXED) for scenario in _own(drive, declaration)),
         *(
             _stored(stored, Origin.CORPUS, focus)
             for stored in corpus
@@ -133,6 +135,11 @@ def shard_seeds(seed: int, content_hash: str = "") -> tuple[int, ...]:
         digest = hashlib.sha256(f"{seed} {content_hash}".encode()).hexdigest()
         own += _TURNS * int(digest[:10], 16)
     return tuple((own if shard % 2 else seed) * SHARDS + shard for shard in range(SHARDS))
+
+
+def _own(drive: DriveDocument, declaration: Declaration) -> tuple[Scenario, ...]:
+    """Return the scenarios of the user's own requirements."""
+    return () if declaration.requirements is None else declaration.requirements.scenarios_on(drive)
 
 
 def _repeated(fixed: Sequence[Scenario]) -> list[Scenario]:

@@ -9,7 +9,7 @@ from typing import Any, Final
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.fault import Fault
 from drivegate.containment.messages import Job, JudgedCandidate
-from drivegate.contracts.catalogue import contract_of
+from drivegate.contracts.catalogue import checks_of, contract_of
 from drivegate.contracts.recorded_trace import closeup_of, deciding_moment, thinned
 from drivegate.drives.running import recorded
 from drivegate.results.document import CheckSection, RecordingSection
@@ -69,7 +69,7 @@ def run_recorded(loaded: JudgedCandidate, plan: RecordPlan) -> Recorded:
     record = recorded(loaded, scenario, loaded.controller(), trace_every=every)
     windows, closeups = {}, {}
     contract = contract_of(scenario.drive)
-    for check in contract.checks:
+    for check in checks_of(scenario.drive, loaded.candidate.declaration):
         if check.id in plan.checks:
             moment = deciding_moment(check, record, check.evaluate(record))
             windows[check.id] = (moment.start_s, moment.end_s)

@@ -11,11 +11,10 @@ from typing import TYPE_CHECKING, Any, Final
 
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.fault import CandidateFault
-from drivegate.checks.check import InfeasibleScenario, JudgedRun, NotRun, ShardOutcome, judged
+from drivegate.checks.check import Check, InfeasibleScenario, JudgedRun, NotRun, ShardOutcome, judged
 from drivegate.checks.margin import Margin
 from drivegate.containment.messages import JudgedCandidate
-from drivegate.contracts.catalogue import contract_of
-from drivegate.contracts.contract import Contract
+from drivegate.contracts.catalogue import checks_of, contract_of
 from drivegate.contracts.parting import room_for_commands
 from drivegate.drives.running import recorded, with_repetitions
 from drivegate.scenarios.rotation import needs_reverse
@@ -81,7 +80,8 @@ def run_fixed(loaded: JudgedCandidate, plan: FixedRuns) -> ShardOutcome:
     # After all other runs on the same instance, so that what any of them leaves behind can show.
     if kept is not None:
         records[0] = with_repetitions(loaded, first, kept, controller)
-    runs = tuple(judged(record, contract_of(record.scenario.drive).checks) for record in records)
+    declaration = loaded.candidate.declaration
+    runs = tuple(judged(record, checks_of(record.scenario.drive, declaration)) for record in records)
     return ShardOutcome(runs, infeasible)
 
 
@@ -100,11 +100,11 @@ def _unfair_because(scenario: Scenario, plan: FixedRuns, declaration: Declaratio
     return contract_of(scenario.drive).unfair_because(scenario) if plan.only_fair else None
 
 
-def searched_checks(contract: Contract) -> frozenset[str]:
-    """Return the required checks of a contract whose margins do not depend on the machine, without the plant's."""
+def searched_checks(checks: Iterable[Check]) -> frozenset[str]:
+    """Return the required ones of some checks whose margins do not depend on the machine, without the plant's."""
     return frozenset(
         check.id
-        for check in contract.checks
+        for check in checks
         if check.level == "required" and check.subject == "candidate" and not check.volatile
     )
 
@@ -121,7 +121,8 @@ class _Collector:
         self._controller = loaded.controller()
         self._unrelated = unrelated
         self.contract = contract_of(drive)
-        self.searched = searched_checks(self.contract)
+        self.checks = checks_of(drive, loaded.candidate.declaration)
+        self.searched = searched_checks(self.checks)
         fixed = self.contract.fixed_scenarios(drive, loaded.candidate.declaration)
         self._known = {content_key(scenario.to_mapping()) for scenario in fixed}
         self._tickets: set[int] = set()
@@ -154,7 +155,7 @@ class _Collector:
         except CandidateFault as fault:
             self.fault = fault
             return None
-        outcome = judged(record, self.contract.checks)
+        outcome = judged(record, self.checks)
         self.runs.append(outcome)
         return outcome.margins
 
@@ -267,6 +268,7 @@ def is_needed(scenario: Scenario, declaration: Declaration, only: Collection[str
     contract = contract_of(scenario.drive)
     record = contract.unseen(declaration, scenario)
     try:
-        return any(check.evaluate(record) is not None for check in contract.checks if check.id in only)
+        checks = checks_of(scenario.drive, declaration)
+        return any(check.evaluate(record) is not None for check in checks if check.id in only)
     except NotRun:
         return True

@@ -74,7 +74,7 @@ class _Trials:
     def __init__(self, loaded: JudgedCandidate, plan: ShrinkPlan, scenario: Scenario) -> None:
         self._loaded = loaded
         self._controller = loaded.controller()
-        self._check = check_of(scenario.drive.contract, plan.check)
+        self._check = check_of(scenario.drive.contract, plan.check, loaded.candidate.declaration)
         self._budget = plan.budget
         self._start = scenario
         self._known: set[str] = set()

@@ -133,7 +133,7 @@ def _best_margin(witness: Witness, scenario: Scenario, declaration: Declaration,
     """Judge a witness by the declaration, or by the drive alone: it need not keep another one's promise."""
     judged_by = dict.fromkeys((declaration, replace(declaration, current_bandwidth=None)))
     records = (_record(witness, scenario, each) for each in judged_by)
-    judge = check_of(scenario.drive.contract, check)
+    judge = check_of(scenario.drive.contract, check, declaration)
     margins = (judge.evaluate(record) for record in records if record is not None)
     return max(
         (margin for margin in margins if margin is not None), key=lambda each: each.value, default=None

@@ -32,6 +32,7 @@ STYLES: Final = {
     "too few pairs": "dim",
     "not applicable": "dim",
     "inconclusive": "yellow",
+    "never judged": "yellow",
 }
 """Style of a verdict; whatever is not in it is a fault."""
 

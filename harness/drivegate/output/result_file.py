@@ -68,6 +68,8 @@ def counterexamples(result: dict[str, Any]) -> list[dict[str, Any]]:
             "versions": versions,
             "scenario": check["counterexample"],
         }
+        if check.get("row") is not None:
+            content["row"] = check["row"]
         where = f"the counterexample to {check['id']}"
         documents.append(parse_document(content, Counterexample, where).to_mapping())
     return documents

@@ -6,11 +6,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Final, Literal
 
-from pydantic import BeforeValidator, Field, field_validator
+from pydantic import BeforeValidator, Field, ValidationInfo, field_validator
 
 from drivegate_cases.documents.document import Document, Section, parse_document
 from drivegate_cases.documents.reading import read_mapping
 from drivegate_cases.documents.wording import nearest, one_line, shown, shown_path
+from drivegate_cases.requirements.row import Row
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.script import Script
 from drivegate_models.errors import InputError
@@ -65,6 +66,10 @@ class Counterexample(Document):
 
     schema_current: ClassVar[int] = 2
     kind: Literal["counterexample"] = Field(default=KIND, description="kind of document")
+    # Before the check, which is known by it.
+    row: Row | None = Field(
+        default=None, description="table of the user's row that fails, where it is no check of drivegate"
+    )
     check: str = Field(description="identifier of the check that fails")
     requirement: Line = Field(default="", description="requirement in one sentence")
     limit: Line = Field(default="", description="limit of the check")
@@ -85,7 +90,10 @@ class Counterexample(Document):
 
     @field_validator("check")
     @classmethod
-    def _is_a_check(cls, name: str) -> str:
+    def _is_a_check(cls, name: str, info: ValidationInfo) -> str:
+        row: Row | None = info.data.get("row")
+        if row is not None and row.id == name:
+            return name
         # The catalogue brings the compiled plant, which a file that is refused before does not need.
         from drivegate.contracts.catalogue import all_checks
 

@@ -12,6 +12,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import AfterValidator, ConfigDict, Field
 
 from drivegate.candidates.candidate import Candidate
+from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.fault import Fault
 from drivegate.contracts.recorded_trace import Closeup
 from drivegate.results.counterexample import resolved_script_or_scenario
@@ -41,6 +42,11 @@ DriveTable = Annotated[Table, AfterValidator(_of_a_drive)]
 ScenarioTable = Annotated[Table, AfterValidator(_of_a_scenario)]
 
 
+def _declared(declaration: Declaration) -> Table:
+    """Write what a candidate declares; the user's own requirements are among the checks."""
+    return {key: value for key, value in asdict(declaration).items() if key != "requirements"}
+
+
 class CandidateSection(Section):
     """Who was checked."""
 
@@ -57,7 +63,7 @@ class CandidateSection(Section):
             kind=candidate.kind,
             specification=candidate.specification,
             hash=candidate.content_hash,
-            declaration=asdict(candidate.declaration),
+            declaration=_declared(candidate.declaration),
         )
 
 
@@ -126,7 +132,7 @@ class CheckSection(Section):
     limit: Text = Field(description="the limit in people's units")
     verdict: Text = Field(
         description="pass, fail, contested, not yet witnessed, waived, waiver expired, unexpectedly passes, "
-        "not applicable or inconclusive"
+        "not applicable, never judged or inconclusive"
     )
     margin: Number = Field(
         description="least margin: distance from the limit over the limit, negative when not met"
@@ -138,6 +144,9 @@ class CheckSection(Section):
     counterexample: ScenarioTable | None = Field(description="simplest scenario that breaks the check")
     found: FoundSection | None = Field(default=None, description="what the counterexample gave")
     waiver: Table | None = Field(default=None, description="the waiver for the check")
+    row: Table | None = Field(
+        default=None, description="the user's row that was judged; left out for a check of drivegate's own"
+    )
     margins: tuple[Number, ...] = Field(
         default=(),
         description="margins of all runs that decide, from the least to the greatest; an even part of over 1000",
@@ -343,6 +352,9 @@ class ResultDocument(Document):
         # What jobs made is plain data already.
         made = self.model_dump(by_alias=True, exclude={"signature"}, warnings=False)
         content: dict[str, Any] = finite(made | {"schema": RESULT_SCHEMA, "envelope": envelope_of(drive)})
+        for check in content["checks"]:
+            if check["row"] is None:
+                del check["row"]
         for fault in content["faults"]:
             fault["time_s"] = fault.pop("time_s")
         timing = content.pop("timing")

@@ -15,6 +15,8 @@ MOST_MARGINS: Final = 1000
 """Most margins of a check that a result keeps."""
 NOT_WITNESSED: Final = "not yet witnessed"
 """Verdict of a check that failed before known good controllers were run there; it does not count as a failure."""
+NEVER_JUDGED: Final = "never judged"
+"""Verdict of a user's row that no run of the plan has met: nothing shows that the candidate does what it requires."""
 STALE_WAIVERS: Final = ("waiver expired", "unexpectedly passes")
 """Verdicts of checks whose waiver has to be renewed or removed."""
 

@@ -8,14 +8,22 @@ from typing import Any, Final
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.fault import Fault
 from drivegate.candidates.step_costs import StepCosts, greatest_costs
-from drivegate.checks.check import Check, JudgedRun
+from drivegate.checks.check import Check, JudgedRun, Nearness
 from drivegate.checks.every_contract import costs_in_words, on_target
 from drivegate.checks.margin import Margin
-from drivegate.contracts.catalogue import all_checks, contract_of, on_drive
+from drivegate.contracts.catalogue import all_checks, checks_of, on_drive
 from drivegate.results.document import CheckSection, ComparisonSection
-from drivegate.results.result import MOST_MARGINS, NOT_WITNESSED, STALE_WAIVERS, counted_levels
+from drivegate.results.result import (
+    MOST_MARGINS,
+    NEVER_JUDGED,
+    NOT_WITNESSED,
+    STALE_WAIVERS,
+    counted_levels,
+)
+from drivegate_cases.documents.document import parse_document
 from drivegate_cases.documents.wording import counted, significant
 from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.scenario.scenario import Scenario
 
 _NAMED: Final = 4
 _DIGITS: Final = 6
@@ -39,16 +47,31 @@ def check_outcomes(
 
     `untimed_because` states why the time of a candidate's steps is not judged, where it is not.
     """
-    own = contract_of(drive).checks
+    own = checks_of(drive, declaration)
     outcomes = (
         _outcome(on_drive(check, drive, declaration), runs, declaration, drive, complete) for check in own
     )
     return tuple(_without_time(outcome, runs, untimed_because) for outcome in outcomes)
 
 
+def _nearest_in_words(check: Check, nearness: Nearness, runs: Sequence[JudgedRun]) -> str:
+    """State that no run was judged, and which one came nearest."""
+    scenarios = {
+        str(run.scenario["name"]): run.scenario for run in runs if run.scenario.get("kind") != "script"
+    }
+    near = [
+        (*nearness(parse_document(scenario, Scenario, "the scenario")), name)
+        for name, scenario in scenarios.items()
+    ]
+    nearest = min(near, default=None)
+    found = "" if nearest is None else f"; the nearest run is '{nearest[2]}': {nearest[1]}"
+    return f"applies to {check.scenarios}, and there was none{found}"
+
+
 def _without_time(outcome: CheckSection, runs: Sequence[JudgedRun], because: str) -> CheckSection:
     """State of a check of the time why it judged nothing, and what steps cost on a target."""
-    if not because or not all_checks()[outcome.id].volatile or outcome.runs:
+    known = all_checks().get(outcome.id)
+    if not because or known is None or not known.volatile or outcome.runs:
         return outcome
     costs = _costs_on_target(runs)
     return outcome.model_copy(update={"verdict": "not applicable", "message": f"{because}{costs}"})
@@ -93,6 +116,8 @@ def _outcome(
 ) -> CheckSection:
     reason = check.reason_not_applicable(declaration, drive)
     items = considered(check.id, runs) if reason is None else []
+    if not items and reason is None and complete and check.nearness is not None:
+        return _made(check, NEVER_JUDGED, None, 0, _nearest_in_words(check, check.nearness, runs), None)
     if not items:
         verdict = "not applicable" if complete or reason is not None else "inconclusive"
         message = reason or f"applies to {check.scenarios}; there was none"
@@ -159,6 +184,7 @@ def _made(
         scenario=scenario,
         counterexample=scenario if verdict == "fail" else None,
         margins=margins,
+        row=None if check.row is None else check.row.model_dump(mode="json", exclude_defaults=True),
     )
 
 
@@ -179,7 +205,7 @@ def candidate_verdict(
         return "harness fault", 3
     if faults:
         return faults[0].kind.value, 1
-    for verdict in ("fail", *STALE_WAIVERS, NOT_WITNESSED, "inconclusive"):
+    for verdict in ("fail", *STALE_WAIVERS, NOT_WITNESSED, "inconclusive", NEVER_JUDGED):
         if verdict in found:
             return verdict, 1
     return next((verdict for verdict in ("contested", "waived") if verdict in found), "pass"), 0

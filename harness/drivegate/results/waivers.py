@@ -58,24 +58,27 @@ class WaiverFile(Document):
     waiver: tuple[Waiver, ...] = Field(default=(), description="list of waivers, each a table [[waiver]]")
 
 
-def read_waivers(path: Path, candidates: Collection[str]) -> tuple[Waiver, ...]:
+def read_waivers(path: Path, candidates: Collection[str], own: Collection[str] = ()) -> tuple[Waiver, ...]:
+    """Read a file of waivers for some candidates; `own` are the identifiers of the user's rows."""
     waivers = read_document(path, WaiverFile).waiver
     problems = [
         f"waiver {number} {problem}"
         for number, waiver in enumerate(waivers, start=1)
-        for problem in _problems(waiver, waivers[: number - 1], candidates)
+        for problem in _problems(waiver, waivers[: number - 1], candidates, own)
     ]
     if problems:
         raise InputError(f"{shown_path(path)}: {'; '.join(problems)}")
     return waivers
 
 
-def _problems(waiver: Waiver, earlier: Iterable[Waiver], candidates: Collection[str]) -> Iterable[str]:
+def _problems(
+    waiver: Waiver, earlier: Iterable[Waiver], candidates: Collection[str], own: Collection[str]
+) -> Iterable[str]:
     named = f"is for the check {shown(waiver.check)}"
-    checks = all_checks()
-    if waiver.check not in checks:
-        yield f"{named}, but must be for one that there is, the nearest is '{nearest(waiver.check, checks)}'"
-    elif checks[waiver.check].subject == "plant":
+    checks, known = all_checks(), [*all_checks(), *own]
+    if waiver.check not in known:
+        yield f"{named}, but must be for one that there is, the nearest is '{nearest(waiver.check, known)}'"
+    elif waiver.check in checks and checks[waiver.check].subject == "plant":
         yield f"{named}, but must be for one of the candidate, since a failure of the plant is never accepted"
     elif waiver.check in NEVER_WAIVED:
         yield f"{named}, but must be for another one, since a candidate that is not deterministic is never accepted"

@@ -14,7 +14,7 @@ from drivegate.output.causes import causes_of, first_to_mend, likely_causes_of
 from drivegate.output.explanations import unjudged_in_words
 from drivegate.output.result_file import counterexample_name
 from drivegate.output.wording import drive_in_words, drive_option
-from drivegate.results.result import NOT_WITNESSED, RESULT_SCHEMA, counted_levels
+from drivegate.results.result import NEVER_JUDGED, NOT_WITNESSED, RESULT_SCHEMA, counted_levels
 from drivegate.results.waivers import DAY_VARIABLE, present_day
 from drivegate_reports.page.page import LONGEST_BLOCK, LONGEST_TEXT, clean, require_document
 
@@ -82,6 +82,7 @@ def _meaning(verdict: str, failing: Sequence[str]) -> str:
         "waiver expired": "A check fails whose waiver has expired.",
         "unexpectedly passes": "A check passes that has a waiver, which is to be removed.",
         "inconclusive": "Not all planned runs were made, so that the required checks could not all be judged.",
+        NEVER_JUDGED: "A requirement of your own was judged on no run, so nothing shows that the candidate meets it.",
         "harness fault": "A check of the plant itself failed: the result says nothing about the candidate.",
         "exception": "The candidate raised an exception.",
         "crash": "The candidate's process died.",

@@ -23,6 +23,7 @@ TONES: Final = {
     "waiver expired": "fail",
     "unexpectedly passes": "caution",
     "inconclusive": "caution",
+    "never judged": "caution",
     "not applicable": "quiet",
     "no difference": "quiet",
     "too few pairs": "quiet",

@@ -52,6 +52,7 @@ class CurrentColumns(Contract):
         Panel("torque (N·m)", (Line("load_torque_nm", "load", True), Line("torque_nm", "torque"))),
     )
     recorded_names = tuple(name for name in RECORDED if name != "half_supply_v")
+    signal_names = (*RECORDED, "input_power_w", "measured_speed_rpm")
     summary_rows = (
         ("speed_final_rpm", "speed at the end", "rpm"),
         ("speed_error_worst_rpm", "speed error, worst", "rpm"),

@@ -14,7 +14,12 @@ from drivegate.contracts.current.flowchart.run import script_margin, scripted_ru
 from drivegate.contracts.current.informed import InformedController
 from drivegate.contracts.current.numbers import numbers
 from drivegate.contracts.current.record import CurrentRecord, judged_window, unseen_record
-from drivegate.contracts.current.run import PrepareLoop, plant_state, run_in_closed_loop
+from drivegate.contracts.current.run import (
+    PrepareLoop,
+    observed_windows,
+    plant_state,
+    run_in_closed_loop,
+)
 from drivegate.contracts.current.scenarios.feasibility import unfair_because
 from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
 from drivegate.contracts.current.scenarios.simplification import SIMPLIFICATIONS
@@ -83,6 +88,9 @@ class _CurrentContract(CurrentColumns):
     recorded_signals = staticmethod(recorded_signals)
     summary = staticmethod(summary)
     observe = staticmethod(observe)
+
+    def settled_until(self, scenario: Scenario, /) -> tuple[float, ...]:
+        return tuple(end for _, end in observed_windows(scenario))
 
     def fixed_scenarios(self, drive: DriveDocument, declaration: Declaration) -> tuple[Scenario, ...]:
         return fixed_scenarios(drive, declaration.speed_range_rpm)

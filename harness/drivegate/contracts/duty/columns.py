@@ -72,6 +72,7 @@ class DutyColumns(Contract):
         Panel("voltage (V)", (Line("link_voltage_v", "link", True), Line(VOLTAGE, "used"))),
     )
     recorded_names = (*COLUMNS, VOLTAGE)
+    signal_names = recorded_names
     summary_rows = (
         ("speed_final_rpm", "speed at the end", "rpm"),
         ("torque_mean_nm", "torque, mean", "N·m"),

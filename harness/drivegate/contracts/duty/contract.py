@@ -26,6 +26,7 @@ from drivegate.contracts.duty.scenarios.drawn_range import drawn_range
 from drivegate.contracts.duty.scenarios.feasibility import unfair_because
 from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios, long_scenarios
 from drivegate.contracts.duty.scenarios.simplification import DUTY_SIMPLIFICATIONS
+from drivegate.contracts.duty.scenarios.windows import duty_windows
 from drivegate.contracts.duty.timed_steps import duty_step_seconds, given_duty_steps
 from drivegate.contracts.duty.words import account
 from drivegate_cases.drive.drive_document import DriveDocument
@@ -102,6 +103,9 @@ class _DutyContract(DutyColumns):
     account = staticmethod(account)
     summary = staticmethod(summary)
     observe = staticmethod(observe)
+
+    def settled_until(self, scenario: Scenario, /) -> tuple[float, ...]:
+        return tuple(end for _, _, end in duty_windows(scenario))
 
     def fixed_scenarios(self, drive: DriveDocument, declaration: Declaration) -> tuple[Scenario, ...]:
         document, reverses = duty_document(drive), declaration.reverses

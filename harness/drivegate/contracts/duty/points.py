@@ -6,11 +6,12 @@ from collections.abc import Iterator
 from math import ceil, isfinite, pi
 from typing import Any, Final
 
+from drivegate.checks.means import exact_mean
 from drivegate.contracts.duty.best_operation import efficiency
 from drivegate.contracts.duty.checks.current import losses
 from drivegate.contracts.duty.checks.judged import least_within, undistorted
 from drivegate.contracts.duty.checks.steps import step_responses
-from drivegate.contracts.duty.record import DutyRecord, DutyWindow, exact_mean
+from drivegate.contracts.duty.record import DutyRecord, DutyWindow
 from drivegate.contracts.duty.torque import torque_course
 from drivegate_cases.scenario.load import LockedLoad
 from drivegate_models.units import RADIANS_PER_RPM

@@ -8,12 +8,10 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from drivegate.candidates.declaration import Declaration
 from drivegate.checks.check import Check, NotRun, Record, Unseen, deciding_stretch
 from drivegate.checks.margin import Margin
+from drivegate.checks.means import exact_mean
 from drivegate.contracts.duty.current_reference import quadrature_for
 from drivegate.contracts.duty.document import duty_document
 from drivegate.contracts.duty.right_trips import right_trip_s
@@ -157,11 +155,6 @@ class DutyRecord(Record):
 
 
 _MEANS = ("speed", "torque", "direct", "quadrature", "link")
-
-
-def exact_mean(values: NDArray[np.float64]) -> float:
-    """Return a mean whose sum is exact, so that no processor's way of adding shows in it."""
-    return math.fsum(values.tolist()) / len(values)
 
 
 class _UnseenWindow(DutyWindow):

@@ -25,7 +25,7 @@ from drivegate.output.result_file import RESULT_FILE, as_json
 from drivegate.output.result_reports import page_formats
 from drivegate.output.waiting import CheckPace
 from drivegate.studies.check.checked import Checked, summary
-from drivegate.studies.check.part import WHOLE_CHECK, Part, focus_of
+from drivegate.studies.check.part import WHOLE_CHECK, Part, focus_of, own_ids
 from drivegate.studies.check.storing import incomplete, store, unwritten
 from drivegate_cases.documents.wording import shown_path
 from drivegate_models.errors import InputError
@@ -44,6 +44,8 @@ class Records:
     """File of failures that are accepted."""
     baseline: Path | None = None
     """Earlier result that margins are compared with."""
+    requirements: Path | None = None
+    """File of the user's own requirements; None for those that manifests name."""
 
 
 def check_all(
@@ -73,11 +75,11 @@ def check_all(
     if all(checked.candidate is None for checked in all_checked):
         show(all_checked)
         return all_checked
-    options = _with_records(options, records, [_name(checked) for checked in all_checked])
+    options = _with_records(options, records, all_checked)
     if part != WHOLE_CHECK:
-        options = replace(
-            options, focus=focus_of(part, [checked.candidate for checked in all_checked], output)
-        )
+        candidates = [checked.candidate for checked in all_checked]
+        focus = focus_of(part, candidates, output, own_ids(candidates, options.requirements))
+        options = replace(options, focus=focus)
     taken: set[str] = set()
     writers = page_formats()
     preparation = Preparation(writers)
@@ -159,15 +161,21 @@ def _name(checked: Checked) -> str:
     return checked.specification if checked.candidate is None else checked.candidate.name
 
 
-def _with_records(options: CheckOptions, records: Records, names: Sequence[str]) -> CheckOptions:
+def _with_records(options: CheckOptions, records: Records, all_checked: Sequence[Checked]) -> CheckOptions:
+    names = [_name(checked) for checked in all_checked]
     if records.corpus is not None:
         from drivegate.results.counterexample import read_corpus
 
         options = replace(options, corpus=read_corpus(records.corpus))
+    if records.requirements is not None:
+        from drivegate_cases.requirements.file import read_requirements
+
+        options = replace(options, requirements=read_requirements(records.requirements))
     if records.waivers is not None:
         from drivegate.results.waivers import read_waivers
 
-        options = replace(options, waivers=read_waivers(records.waivers, names))
+        own = own_ids([checked.candidate for checked in all_checked], options.requirements)
+        options = replace(options, waivers=read_waivers(records.waivers, names, own))
     if records.baseline is not None:
         from drivegate.results.baseline import read_baseline
 

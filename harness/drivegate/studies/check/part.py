@@ -16,6 +16,7 @@ from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
     from drivegate.results.counterexample import Counterexample
+    from drivegate_cases.requirements.file import OwnRequirements
 
 
 @dataclass(frozen=True)
@@ -32,11 +33,20 @@ class Part:
 WHOLE_CHECK: Final = Part()
 
 
-def focus_of(part: Part, candidates: Sequence[Candidate | None], output: Path) -> Focus:
+def own_ids(candidates: Iterable[Candidate | None], stated: OwnRequirements | None) -> tuple[str, ...]:
+    """List the identifiers of the user's rows: those of one file, or of all that manifests name."""
+    named = [candidate.declaration.requirements for candidate in candidates if candidate is not None]
+    files = [stated] if stated is not None else [own for own in named if own is not None]
+    return tuple(dict.fromkeys(row.id for own in files for row in own.rows))
+
+
+def focus_of(
+    part: Part, candidates: Sequence[Candidate | None], output: Path, own: Sequence[str] = ()
+) -> Focus:
     """Find the checks that are requested, and what failed in the last report of a folder."""
     from drivegate.contracts.catalogue import all_checks
 
-    known = list(all_checks())
+    known = [*all_checks(), *own]
     named = _named(part.only, known)
     only = tuple(check for check in known if any(is_called(check, name) for name in named))
     first: tuple[Counterexample, ...] = ()

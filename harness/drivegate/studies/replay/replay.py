@@ -10,6 +10,7 @@ import drivegate_models
 from drivegate import version
 from drivegate.candidates.builtin.candidates import is_builtin_name
 from drivegate.candidates.candidate import Candidate
+from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.fault import Fault
 from drivegate.candidates.kinds import KINDS
 from drivegate.candidates.resolution import resolve_candidate
@@ -24,6 +25,7 @@ from drivegate.contracts.current.flowchart.judging import judge_script
 from drivegate.contracts.parting import SEED_IN_RESET, room_for_commands
 from drivegate.contracts.recorded_trace import deciding_moment, trace_of_run
 from drivegate.drives.running import recorded, with_repetitions
+from drivegate.gate.own_requirements import with_requirements
 from drivegate.gate.plan import REPEATED
 from drivegate.gate.repetition import Repetition, different_elsewhere, explanation_jobs, repetition_job
 from drivegate.output.waiting import report_slow, with_compiled_kernels
@@ -32,6 +34,7 @@ from drivegate.results.provenance import versions
 from drivegate.results.result import finite
 from drivegate.studies.simulate import MOST_ROWS
 from drivegate_cases.documents.wording import one_line
+from drivegate_cases.requirements.file import OwnRequirements
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.script import Script
 from drivegate_models.errors import InputError
@@ -95,8 +98,14 @@ def _is_included(candidate: Candidate) -> bool:
     return bool(candidate.sources) and all(inside)
 
 
+def with_row(candidate: Candidate, stored: Counterexample) -> Candidate:
+    """Return a candidate with the user's row that a counterexample breaks, as it was then."""
+    return candidate if stored.row is None else with_requirements(candidate, OwnRequirements((stored.row,)))
+
+
 def replayed(stored: Counterexample, candidate: Candidate) -> Replay | Fault:
     with_compiled_kernels([stored.scenario.drive])
+    candidate = with_row(candidate, stored)
     with Judge(candidate, on_slow=report_slow) as judge:
         replay = judge.run(Job(run_replay, stored))
         if isinstance(replay, Fault) or isinstance(stored.scenario, Script) or stored.check != REPEATED:
@@ -150,7 +159,9 @@ def _script_again(loaded: JudgedCandidate, script: Script) -> Replay:
 
 def check_of(stored: Counterexample) -> Check:
     scenario = stored.scenario
-    return check_named("current" if isinstance(scenario, Script) else scenario.drive.contract, stored.check)
+    contract = "current" if isinstance(scenario, Script) else scenario.drive.contract
+    own = None if stored.row is None else OwnRequirements((stored.row,))
+    return check_named(contract, stored.check, Declaration(requirements=own))
 
 
 def _trace(stored: Counterexample, ended: Replay | Fault) -> RecordedTrace | None:

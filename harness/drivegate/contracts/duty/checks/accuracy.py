@@ -6,8 +6,9 @@ from dataclasses import replace
 
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, at_most
+from drivegate.checks.means import exact_mean
 from drivegate.contracts.duty.checks.judged import UNWEAKENED_FAMILIES, at, is_within_reach, worst
-from drivegate.contracts.duty.record import DutyRecord, DutyWindow, exact_mean
+from drivegate.contracts.duty.record import DutyRecord, DutyWindow
 from drivegate.contracts.duty.right_trips import legs_are_off
 from drivegate.contracts.duty.scenarios.drawn_range import lost_torque_share
 from drivegate.contracts.duty.scenarios.windows import is_held, settling_s

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, Mark, Moment, Point, at_most
+from drivegate.checks.means import exact_mean
 from drivegate.contracts.duty.checks.judged import worst
 from drivegate.contracts.duty.checks.steps import (
     SHOWN_BEFORE,
@@ -19,7 +20,7 @@ from drivegate.contracts.duty.checks.steps import (
     voltage_time_s,
 )
 from drivegate.contracts.duty.current_bandwidth import transient_periods
-from drivegate.contracts.duty.record import DutyRecord, exact_mean
+from drivegate.contracts.duty.record import DutyRecord
 
 LINEAR_SHARE = 0.5
 """Time that the voltage takes to move the currents, over the stated rise time, up to which a step is judged (1)."""

@@ -8,8 +8,9 @@ from typing import Final
 
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, at_most
+from drivegate.checks.means import exact_mean
 from drivegate.contracts.duty.checks.judged import STEADY_FAMILIES, at, worst
-from drivegate.contracts.duty.record import DutyRecord, exact_mean
+from drivegate.contracts.duty.record import DutyRecord
 
 _ESTIMATE: Final = "torque"
 """Field of a command that has the estimate."""

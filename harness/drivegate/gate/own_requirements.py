@@ -1,0 +1,115 @@
+"""The user's own requirements in a check: what they must be on a drive, and the scenarios that they bring."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Final
+
+from drivegate.candidates.candidate import Candidate
+from drivegate.candidates.declaration import Declaration
+from drivegate.checks.check import JudgedRun, ShardOutcome, judged
+from drivegate.containment.messages import Job, JudgedCandidate
+from drivegate.contracts.catalogue import all_checks, checks_of, contract_of, row_checks
+from drivegate.contracts.contract import Contract
+from drivegate.drives.running import recorded
+from drivegate_cases.documents.wording import figure, nearest
+from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.requirements.file import OwnRequirements
+from drivegate_cases.requirements.quantities import QUANTITIES, quantities_of
+from drivegate_cases.requirements.row import Row
+from drivegate_cases.requirements.vocabulary import TIME_UNITS
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_models.errors import InputError
+
+_FAR: Final = 100.0
+"""Limit over the size of its quantity on the drive beyond which its unit is doubted."""
+_OF_DUTY: Final = {
+    "step of torque reference": "torque_reference_nm",
+    "failure": "torque_reference_nm",
+    "release": "torque_reference_nm",
+}
+"""Events that only drives have whose controllers may follow a torque, with a signal that these have."""
+_LONGEST_RUN_S: Final = 86400.0
+
+
+def with_requirements(candidate: Candidate, own: OwnRequirements | None) -> Candidate:
+    """Return a candidate with what a user requires of it; None leaves what its manifest names."""
+    if own is None:
+        return candidate
+    return replace(candidate, declaration=replace(candidate.declaration, requirements=own))
+
+
+def require_fitting(declaration: Declaration, drive: DriveDocument) -> None:
+    """Refuse rows that no run on a drive could be judged by, or whose numbers are far off the drive's."""
+    own = declaration.requirements
+    if own is None:
+        return
+    for row in own.rows:
+        for problem in _problems(row, contract_of(drive), drive):
+            raise InputError(f"{own.where}: {row.id} {problem}")
+    own.scenarios_on(drive)
+
+
+def _problems(row: Row, contract: Contract, drive: DriveDocument) -> Iterator[str]:
+    if row.id.upper() in all_checks():
+        yield "has the identifier of a check of drivegate; give it another one"
+    known = [each.name for each in quantities_of(contract.signal_names)]
+    if row.quantity not in known:
+        yield (
+            f"limits {row.quantity}, which runs on the drive '{drive.name}' do not show; the nearest that they show is "
+            f"'{nearest(row.quantity, known)}'"
+        )
+    for name in row.when.ranges():
+        if name not in contract.signal_names and name != "link_voltage_v":
+            yield f"has a state of {name}, which runs on the drive '{drive.name}' do not have"
+    signal = _OF_DUTY.get(row.when.event or "")
+    if signal is not None and signal not in contract.signal_names:
+        yield f"waits for a {row.when.event}, which cannot occur on a drive of the contract '{contract.name}'"
+    if row.when.direction == "backward" and drive.one_way_because is not None:
+        yield f"waits for a shaft that turns backward, which cannot occur, since {drive.one_way_because}"
+    yield from _sizes(row, drive)
+
+
+def _sizes(row: Row, drive: DriveDocument) -> Iterator[str]:
+    """Find numbers that only another unit explains."""
+    quantity = QUANTITIES[row.quantity]
+    scale = quantity.scale(drive)
+    limits = [abs(limit) for limit in (*row.limits, *(row.until or ())) if limit is not None]
+    if row.statistic not in ("time until", "sign changes"):
+        greatest = max(limits)
+        if greatest > _FAR * scale:
+            yield (
+                f"has a limit of {figure(greatest)} {quantity.unit}, but the drive's own size of {row.quantity} is "
+                f"{figure(scale)} {quantity.unit}, so the row would never fail; is it in another unit?"
+            )
+    unit, (begin, _) = row.window
+    period = drive.control_period_s or 0.0
+    start_s = begin * TIME_UNITS[unit].seconds(drive, period)
+    if start_s >= _LONGEST_RUN_S:
+        yield (
+            f"has a window that begins {figure(start_s)} s after its event, but a run lasts {_LONGEST_RUN_S:g} s at "
+            "most"
+        )
+
+
+@dataclass(frozen=True)
+class OwnRuns:
+    """A scenario of the user's."""
+
+    scenario: Scenario
+
+
+def own_job(scenario: Scenario) -> Job[ShardOutcome]:
+    return Job(run_own, OwnRuns(scenario))
+
+
+def run_own(loaded: JudgedCandidate, plan: OwnRuns) -> ShardOutcome:
+    """Run a scenario of the user's; the checks judge it too where they could have been run on it themselves."""
+    scenario, declaration = plan.scenario, loaded.candidate.declaration
+    fair = contract_of(scenario.drive).is_fair(scenario)
+    checks = (
+        checks_of(scenario.drive, declaration) if fair else row_checks(scenario.drive.contract, declaration)
+    )
+    run: JudgedRun = judged(recorded(loaded, scenario, loaded.controller()), checks)
+    return ShardOutcome((run,))

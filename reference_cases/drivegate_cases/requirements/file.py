@@ -1,0 +1,77 @@
+"""The file `requirements.toml`: rows that are judged like checks, and scenarios that are run for them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pydantic import Field, model_validator
+
+from drivegate_cases.documents.document import Document, parse_document, read_document
+from drivegate_cases.documents.wording import shown_path
+from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.requirements.row import Row
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_models.errors import InputError
+
+
+class RequirementsFile(Document):
+    """A file of rows and scenarios."""
+
+    requirement: tuple[Row, ...] = Field(
+        default=(), description="list of requirements, each a table [[requirement]]"
+    )
+    scenario: tuple[dict[str, Any], ...] = Field(
+        default=(),
+        description="list of scenarios that are run besides those of the check, each a table [[scenario]] with the "
+        "keys of a scenario but 'schema' and 'drive', which is the one that is checked",
+    )
+
+    @model_validator(mode="after")
+    def _has_each_once(self) -> RequirementsFile:
+        if not self.requirement:
+            raise ValueError("the file has no table [[requirement]]; write one, or leave the file out")
+        seen: dict[str, str] = {}
+        for row in self.requirement:
+            if (other := seen.setdefault(row.id.upper(), row.id)) is not row.id:
+                raise ValueError(f"two requirements are called {other}; give each an id of its own")
+        return self
+
+
+@dataclass(frozen=True)
+class OwnRequirements:
+    """What a user requires, as it travels with a candidate."""
+
+    rows: tuple[Row, ...]
+    scenarios: tuple[str, ...] = ()
+    """Each as JSON, without its drive."""
+    where: str = "requirements.toml"
+    """The file, as messages name it."""
+
+    def scenarios_on(self, drive: DriveDocument) -> tuple[Scenario, ...]:
+        return tuple(self._made(drive))
+
+    def _made(self, drive: DriveDocument) -> Iterator[Scenario]:
+        for number, text in enumerate(self.scenarios, start=1):
+            table = {"schema": Scenario.schema_current, **json.loads(text), "drive": drive.to_mapping()}
+            yield parse_document(table, Scenario, f"{self.where}, scenario {number}")
+
+
+def read_requirements(path: str | Path) -> OwnRequirements:
+    """Read a file of requirements; what it says of a drive is checked when there is one."""
+    read = read_document(path, RequirementsFile)
+    for number, table in enumerate(read.scenario, start=1):
+        for key in ("drive", "schema"):
+            if key in table:
+                raise InputError(
+                    f"{shown_path(path)}: scenario {number} has the key '{key}', but must leave it out, since it is "
+                    "run on the drive that is checked"
+                )
+    return OwnRequirements(
+        read.requirement,
+        tuple(json.dumps(table, sort_keys=True) for table in read.scenario),
+        shown_path(path),
+    )
