@@ -11,6 +11,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
+from tests.nightly import one_in
 
 import drivegate_models
 from drivegate_models.compilation import kernels as compilation
@@ -68,6 +69,7 @@ def _compiled_at(folder: Path, cache: Path) -> list[int]:
     return [int(word) for word in done.stdout.split()]
 
 
+@pytest.mark.nightly
 def test_an_installation_at_another_place_compiles_nothing_again(tmp_path: Path) -> None:
     package = Path(drivegate_models.__file__).parent
     for name in ("one", "two"):
@@ -134,6 +136,7 @@ def _printed(tmp_path: Path, command: str) -> str:
     return done.stdout.strip()
 
 
+@pytest.mark.nightly
 def test_functions_of_one_factory_stay_apart_whichever_process_compiled_them(tmp_path: Path) -> None:
     package = shutil.copytree(
         Path(drivegate_models.__file__).parent,
@@ -216,6 +219,7 @@ def four(x):
 """
 
 
+@pytest.mark.nightly
 def test_a_function_is_compiled_once_for_all_constants_and_callable_all_the_same(tmp_path: Path) -> None:
     """numba would compile it for each constant, and with the arguments of a Python call taken apart."""
     (tmp_path / "constants.py").write_text(_CONSTANTS, encoding="utf-8")
@@ -223,7 +227,7 @@ def test_a_function_is_compiled_once_for_all_constants_and_callable_all_the_same
     assert _printed(tmp_path, f"from constants import scaled, three; {shown}") == "6.0 [(int64, float64)] 2.0"
 
 
-@pytest.mark.parametrize("decorator", ["inlined", "unallocating"])
+@pytest.mark.parametrize("decorator", one_in(2, ["inlined", "unallocating"]))
 def test_an_inner_function_has_machine_code_in_its_callers_alone(tmp_path: Path, decorator: str) -> None:
     """Another process takes its code from the cache, for a caller that is compiled there."""
     constants = _CONSTANTS.replace("@inlined", f"@{decorator}")
@@ -248,6 +252,7 @@ print(twice(1.5))
 """
 
 
+@pytest.mark.nightly
 def test_functions_of_others_have_machine_code_as_numba_gives_it(tmp_path: Path) -> None:
     assert _printed(tmp_path, _OF_A_USER) == "3.0"
 
@@ -272,6 +277,7 @@ def copies(function):
 """
 
 
+@pytest.mark.nightly
 def test_a_function_that_is_called_by_its_symbol_is_compiled_once(tmp_path: Path) -> None:
     """The cache keeps its code with each caller, whichever process compiled it, and also on its own for new callers."""
     (tmp_path / "sizes.py").write_text(_CALLED, encoding="utf-8")
@@ -317,9 +323,9 @@ def caller(x):
     ("decorators", "lost"),
     [
         ("@called @unallocating", "larger(x, x * x)"),
-        ("@called @unallocating", "max(x, x * x)"),
-        ("@unallocating", "larger(x, x * x)"),
-        ("@kernel", "larger(x, x * x)"),
+        pytest.param("@called @unallocating", "max(x, x * x)", marks=pytest.mark.nightly),
+        pytest.param("@unallocating", "larger(x, x * x)", marks=pytest.mark.nightly),
+        pytest.param("@kernel", "larger(x, x * x)", marks=pytest.mark.nightly),
     ],
 )
 def test_a_function_whose_only_call_the_optimiser_removes_is_linked_for_its_other_callers(
