@@ -2,14 +2,17 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import own_candidate
 from drivegate.contracts.catalogue import contract_named
+from drivegate.contracts.duty.scenarios.building import torque_scenario
 from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios
 from drivegate.drives.running import recorded
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
 
 SERVO = load_drive("pm-ac-surface").with_overrides(
     [
@@ -54,6 +57,22 @@ def test_foc_meets_a_check_on_a_drawn_drive(check_id: str, number: int, label: s
 @pytest.mark.parametrize("check_id", ["STP-1", "DEC-1"])
 def test_dead_time_is_not_compensated_where_a_current_changes_sign_between_the_edges(check_id: str) -> None:
     assert_met(SERVO, check_id, "3000rpm-torque-0-0.573-")
+
+
+def test_ripple_of_the_dead_time_is_no_movement_of_the_current_along_the_magnet() -> None:
+    drive = load_drive("pm-ac-servo")
+    assert isinstance(drive, PmAcDocument)
+    scenario = torque_scenario(drive, 4300.0, (0.7106, 0.8883))
+    loaded = own_candidate(resolve_candidate("foc"))
+    record = recorded(loaded, scenario, loaded.controller())
+    begin = round(1.0 / scenario.control_period_s)
+    direct = record.run.column("direct")
+    ripple = float(np.ptp(direct[begin - 100 : begin]))
+    margin = CHECKS["DEC-1"].evaluate(record)
+    assert margin is not None
+    allowed = 2.0 * 0.01 * drive.requirements.coupled_current_percent * 0.487
+    assert ripple > 0.8 * allowed, "the current of a steady state moves by most of what a step may move it"
+    assert margin.value > 0.5, margin.measured
 
 
 def assert_met(drive: DriveDocument, check_id: str, label: str) -> None:

@@ -16,7 +16,7 @@ BANDWIDTH: Final = 0.2
 
 # Rate of the integrals relative to that of the currents. What they collect during a step decays later, as overshoot.
 _INTEGRAL = 0.05
-# Share of the voltage that moves the currents from which decoupling has priority.
+# Share of the voltage that would move the currents without decoupling from which decoupling has priority.
 _LEAST_MOVING = 0.5
 # Current, as a share of the limit, from which compensation of the bridge is complete. It is small, because a wider ramp
 # leaves ripple at a low voltage, and the reference current used for compensation has no noise.
@@ -205,17 +205,19 @@ def limited_request(
 ) -> tuple[float, float]:
     """Return the sum of the d and q voltages that maintain, move and decouple the currents, within the limit (V).
 
-    If at least half of the voltage that moves the currents fits in addition to all others, they move more slowly, but
-    decoupled. Otherwise decoupling is added as far as the limit allows.
+    If the currents move at least half as fast in addition to all others as without decoupling, they are decoupled: in
+    a long step at a high speed, what is not decoupled becomes a current far beyond its reference. Otherwise decoupling
+    is added as far as the limit allows.
     """
+    moved_along, moved_across = steady[0] + moving[0], steady[1] + moving[1]
+    direct, quadrature = limited_voltage(moved_along, moved_across, coupling[0], coupling[1], limit)
     along, across = steady[0] + coupling[0], steady[1] + coupling[1]
     if along * along + across * across < limit * limit:
-        direct, quadrature = limited_voltage(along, across, moving[0], moving[1], limit)
-        moved = (direct - along) * moving[0] + (quadrature - across) * moving[1]
-        if moved >= _LEAST_MOVING * (moving[0] * moving[0] + moving[1] * moving[1]):
-            return direct, quadrature
-    along, across = steady[0] + moving[0], steady[1] + moving[1]
-    return limited_voltage(along, across, coupling[0], coupling[1], limit)
+        decoupled, other = limited_voltage(along, across, moving[0], moving[1], limit)
+        moved = (decoupled - along) * moving[0] + (other - across) * moving[1]
+        if moved >= _LEAST_MOVING * ((direct - along) * moving[0] + (quadrature - across) * moving[1]):
+            return decoupled, other
+    return direct, quadrature
 
 
 @inlined

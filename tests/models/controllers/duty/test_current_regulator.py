@@ -36,6 +36,13 @@ def test_the_currents_move_before_they_are_decoupled_where_the_limit_leaves_too_
     assert quadrature == pytest.approx(LIMIT)
 
 
+def test_decoupling_remains_in_a_long_step_that_takes_all_of_the_voltage_either_way() -> None:
+    # Currents that are reversed: a hundredth of the requested voltage fits, with decoupling and without.
+    direct, quadrature = limited_request((0.0, 40.0), (0.0, 10_000.0), (60.0, 0.0), LIMIT)
+    assert direct == pytest.approx(60.0), "the d current is left to the rotation"
+    assert hypot(direct, quadrature) == pytest.approx(LIMIT)
+
+
 @given(st.tuples(*(st.integers(0, 1000) for _ in range(3))))
 def test_the_ripple_at_an_edge_is_the_integral_of_the_switched_voltages(duties: tuple[int, int, int]) -> None:
     # In thousandths of half a carrier period, each leg is low up to its edge and high from there on.

@@ -37,8 +37,8 @@ def coupling_moment(record: DutyRecord) -> Moment | None:
     if step is None:
         return None
     period = record.scenario.control_period_s
-    direct, rows, levels, allowed = _course(record, step)
-    outside = np.maximum(min(levels) - direct[rows], direct[rows] - max(levels))
+    direct, rows, (least, greatest), allowed = _course(record, step)
+    outside = np.maximum(least - direct[rows], direct[rows] - greatest)
     place = rows.start + int(np.argmax(outside))
     return Moment(
         start_s=max(step.time_s - SHOWN_BEFORE * period, 0.0),
@@ -46,8 +46,8 @@ def coupling_moment(record: DutyRecord) -> Moment | None:
         column="direct_current_a",
         origin_s=step.time_s,
         levels=(
-            Mark(words=f"limit {max(levels) + allowed:.3g} A", value=max(levels) + allowed),
-            Mark(words=f"limit {min(levels) - allowed:.3g} A", value=min(levels) - allowed),
+            Mark(words=f"limit {greatest + allowed:.3g} A", value=greatest + allowed),
+            Mark(words=f"limit {least - allowed:.3g} A", value=least - allowed),
         ),
         point=Point(
             words=f"{max(float(np.max(outside)), 0.0):.3g} A beyond",
@@ -67,13 +67,23 @@ def _judged_steps(record: DutyRecord) -> Iterator[TorqueStep]:
 def _course(
     record: DutyRecord, step: TorqueStep
 ) -> tuple[NDArray[np.float64], slice, tuple[float, float], float]:
-    """Return the d current (A), the judged control periods, its levels before and after them, and what is allowed."""
+    """Return the d current (A), the judged control periods, its range before and after them, and what is allowed."""
     begin = step.rows.start
     end = min(begin + transient_periods(record.document, record.declaration), step.rows.stop)
     direct = record.run.column("direct")
-    before, after = (exact_mean(direct[place - _LEVEL_PERIODS : place]) for place in (begin, end))
+    ranges = [
+        _range_about(direct[place - _LEVEL_PERIODS : place], direct[steady])
+        for place, steady in zip((begin, end), step.steady, strict=True)
+    ]
+    levels = (min(least for least, _ in ranges), max(greatest for _, greatest in ranges))
     allowed = record.limits.coupling * _step_size(record, step)
-    return direct, slice(begin, end), (before, after), allowed
+    return direct, slice(begin, end), levels, allowed
+
+
+def _range_about(level: NDArray[np.float64], steady: NDArray[np.float64]) -> tuple[float, float]:
+    """Return the range of a current (A) about its level, with the ripple that it has where it is steady."""
+    mean, middle = exact_mean(level), exact_mean(steady)
+    return mean + float(np.min(steady)) - middle, mean + float(np.max(steady)) - middle
 
 
 def _step_size(record: DutyRecord, step: TorqueStep) -> float:
@@ -83,9 +93,9 @@ def _step_size(record: DutyRecord, step: TorqueStep) -> float:
 
 
 def _moved(record: DutyRecord, step: TorqueStep) -> Margin:
-    direct, rows, levels, allowed = _course(record, step)
+    direct, rows, (least, greatest), allowed = _course(record, step)
     judged = direct[rows]
-    moved = max(min(levels) - float(np.min(judged)), float(np.max(judged)) - max(levels), 0.0)
+    moved = max(least - float(np.min(judged)), float(np.max(judged)) - greatest, 0.0)
     size = _step_size(record, step)
     measured = (
         f"d current moved by {moved:.4g} A by a q step of {size:.4g} A, from {step.before:.4g} to {step.after:.4g} N·m "

@@ -44,16 +44,20 @@ class TorqueStep:
     """The reference (N m)."""
     rows: slice
     """The control periods."""
+    steady: tuple[slice, slice]
+    """The control periods before it and after it in which the steady states are judged."""
 
 
 def torque_steps(record: DutyRecord) -> Iterator[TorqueStep]:
     """Find the steps at which nothing but the torque reference changes."""
-    for first, second in pairwise([window.dwell for window in record.steady]):
+    for windows in pairwise(record.steady):
+        first, second = (window.dwell for window in windows)
         before, after = first.torque_reference_nm, second.torque_reference_nm
         if before is None or after is None or first.end != second.start:
             continue
         rows = record.periods(second.start, second.end)
-        yield TorqueStep(second.start, second.speed_rpm, before, after, rows)
+        one, other = (record.periods(window.start_s, window.end_s) for window in windows)
+        yield TorqueStep(second.start, second.speed_rpm, before, after, rows, (one, other))
 
 
 @dataclass(frozen=True)
