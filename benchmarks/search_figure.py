@@ -63,9 +63,9 @@ def found_share(cells: dict[str, Any], fault: WeakenedFault, method: str, within
     """
     if method == "random":
         return fmean(1.0 - (1.0 - 1.0 / expected_draws(level)) ** within for level in range(LEVELS))
-    if method in ("climbing", "shard") and within <= SHARD_ALLOWANCE:
+    if method == "climbing" and within <= SHARD_ALLOWANCE:
         # The target phase begins at half of the allowance, whatever that is.
-        method = f"{method}-briefly"
+        method = "climbing-briefly"
     runs = [run for level in range(LEVELS) for run in runs_to_failure(cells, fault, method, level)]
     return fmean(run <= within for run in runs)
 

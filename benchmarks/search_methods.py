@@ -1,7 +1,8 @@
 """Ways to look for a counterexample among the points of a unit cube, all with the same allowance of runs.
 
 Each takes a trial, the number of coordinates and a seed, and asks for margins until the trial has ended. `drawing` and
-`climbing` are what a shard of the gate can do with Hypothesis. The optimisers are used as they come.
+`climbing` are what Hypothesis does by itself, `shard` is what a shard of the gate does. The optimisers are used as they
+come.
 """
 
 from __future__ import annotations
@@ -9,13 +10,17 @@ from __future__ import annotations
 import random
 import warnings
 from collections.abc import Callable
+from contextlib import suppress
 from types import MappingProxyType
 from typing import Any, Final, TypeAlias
 
-from hypothesis import HealthCheck, Phase, assume, given, seed, settings, target
+from hypothesis import HealthCheck, Phase, given, seed, settings, target
 from hypothesis import strategies as st
 
 from drivegate.gate.plan import EXAMPLES
+from drivegate.gate.shard import SAFE
+from drivegate.gate.steps import Search
+from drivegate.scenarios.choices import ChoiceSource, Enough, drawing_from
 from drivegate.scenarios.isolation import from_the_seed_alone
 from weakened_faults import GRID, Point, on_grid
 
@@ -97,9 +102,7 @@ def _by_hypothesis(
     *,
     climbs: bool,
     allowance: int | None = None,
-    unrelated: int = 0,
 ) -> None:
-    tickets: set[int] = set()
     most = allowance or trial.allowance
 
     @seed(number)
@@ -110,19 +113,11 @@ def _by_hypothesis(
         phases=(Phase.generate, Phase.target) if climbs else (Phase.generate,),
         suppress_health_check=list(HealthCheck),
     )
-    @given(
-        st.integers(0, 2**48) if unrelated else st.just(0),
-        st.tuples(*[st.integers(0, GRID)] * dimensions),
-    )
-    def explore(ticket: int, steps: tuple[int, ...]) -> None:
+    @given(st.tuples(*[st.integers(0, GRID)] * dimensions))
+    def explore(steps: tuple[int, ...]) -> None:
         if trial.ended() or trial.runs >= most:
             return
-        point = tuple(step / GRID for step in steps)
-        varied = ticket in tickets
-        tickets.add(ticket)
-        # As a shard does: a variation keeps its ticket, and what shows nothing new does not count.
-        assume(not unrelated or (not (varied and trial.runs < unrelated) and not trial.knows(point)))
-        margin = trial(point)
+        margin = trial(tuple(step / GRID for step in steps))
         if climbs:
             target(-margin)
 
@@ -140,20 +135,37 @@ def climbing(trial: Trial, dimensions: int, number: int) -> None:
     _by_hypothesis(trial, dimensions, number, climbs=True)
 
 
-def shard(trial: Trial, dimensions: int, number: int) -> None:
-    """Climb with Hypothesis as a shard of the gate does, whose first half are unrelated draws."""
-    _by_hypothesis(trial, dimensions, number, climbs=True, unrelated=trial.allowance // 2)
-
-
-def shard_briefly(trial: Trial, dimensions: int, number: int) -> None:
-    """Do so with a shard's runs at default effort."""
-    half = SHARD_ALLOWANCE // 2
-    _by_hypothesis(trial, dimensions, number, climbs=True, allowance=SHARD_ALLOWANCE, unrelated=half)
-
-
 def climbing_briefly(trial: Trial, dimensions: int, number: int) -> None:
     """Climb with a shard's runs at default effort; the target phase begins at half of them."""
     _by_hypothesis(trial, dimensions, number, climbs=True, allowance=SHARD_ALLOWANCE)
+
+
+def shard(trial: Trial, dimensions: int, number: int) -> None:
+    """Draw evenly, and step from what came nearest, as a shard of the gate does."""
+    search = Search(number)
+    source = ChoiceSource(number, search.choices)
+
+    @seed(number)
+    @given(st.tuples(*[st.integers(0, GRID)] * dimensions))
+    def explore(steps: tuple[int, ...]) -> None:
+        if trial.ended():
+            raise Enough
+        if not source.is_asked:
+            return
+        point = tuple(step / GRID for step in steps)
+        known = trial.knows(point)
+        margin = trial(point)
+        search.judged(source.made, None if known else {"": margin} if margin < SAFE else {})
+
+    with from_the_seed_alone(), drawing_from(source) as backend, suppress(Enough):
+        settings(
+            max_examples=20 * trial.allowance,
+            backend=backend,
+            database=None,
+            deadline=None,
+            phases=(Phase.generate,),
+            suppress_health_check=list(HealthCheck),
+        )(explore)()
 
 
 def covariance(trial: Trial, dimensions: int, number: int) -> None:
@@ -215,7 +227,6 @@ METHODS: Final = MappingProxyType(
         "climbing": climbing,
         "climbing-briefly": climbing_briefly,
         "shard": shard,
-        "shard-briefly": shard_briefly,
         "covariance": covariance,
         "bayesian": bayesian,
         "alternating": alternating,

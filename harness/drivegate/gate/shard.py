@@ -24,9 +24,9 @@ from drivegate_cases.scenario.scenario import Scenario
 if TYPE_CHECKING:
     from hypothesis.strategies import SearchStrategy
 
-_GREATEST_SCORE: Final = 1e6
-_SAFE: Final = 0.95
-_TICKETS: Final = 2**48
+SAFE: Final = 0.95
+_ASKED: Final = 20
+"""Scenarios that a search may ask for over those that it may run, since some show nothing new or are unfair."""
 _LOOKED_AT: Final = 100
 
 
@@ -54,7 +54,7 @@ class DrawnRuns:
     examples: int
     """Number of scenarios to run at most."""
     search: bool = True
-    """Whether to climb toward small margins; if not, scenarios are drawn at random throughout."""
+    """Whether to step toward small margins; if not, scenarios are drawn evenly throughout."""
     only: tuple[str, ...] = ()
     """Checks that are judged; empty for all. The shard is left out where none of them judges what it draws.
     """
@@ -110,41 +110,32 @@ def searched_checks(checks: Iterable[Check]) -> frozenset[str]:
 
 
 class _Collector:
-    """Runs what Hypothesis draws, and keeps what comes of it.
+    """Runs the scenarios that a search asks for, and keeps what comes of them."""
 
-    Each draw has a ticket. Hypothesis likes to vary what it has drawn, and a variation keeps the ticket: so the
-    first runs can be held to unrelated draws.
-    """
-
-    def __init__(self, loaded: JudgedCandidate, drive: DriveDocument, unrelated: int) -> None:
+    def __init__(self, loaded: JudgedCandidate, drive: DriveDocument, examples: int) -> None:
         self._loaded = loaded
         self._controller = loaded.controller()
-        self._unrelated = unrelated
+        self._examples = examples
+        # A search that finds nothing new any more has ended too.
+        self._asked = _ASKED * examples
         self.contract = contract_of(drive)
         self.checks = checks_of(drive, loaded.candidate.declaration)
         self.searched = searched_checks(self.checks)
         fixed = self.contract.fixed_scenarios(drive, loaded.candidate.declaration)
         self._known = {content_key(scenario.to_mapping()) for scenario in fixed}
-        self._tickets: set[int] = set()
-        self._answers: dict[tuple[int, str], tuple[Margin, ...] | None] = {}
         self.fault: CandidateFault | None = None
-        self._examples = 0
         self.runs: list[JudgedRun] = []
         self.infeasible: list[InfeasibleScenario] = []
 
-    def margins(self, ticket: int, scenario: Scenario) -> tuple[Margin, ...] | None:
-        """Run a scenario; None where that would show nothing new, the same for the same draw."""
-        key = content_key(scenario.to_mapping())
-        if (ticket, key) not in self._answers:
-            self._answers[ticket, key] = self._new(ticket, key, scenario)
-        answer = self._answers[ticket, key]
-        self._examples += answer is not None
-        return answer
+    @property
+    def is_finished(self) -> bool:
+        return self.fault is not None or len(self.runs) >= self._examples or self._asked <= 0
 
-    def _new(self, ticket: int, key: str, scenario: Scenario) -> tuple[Margin, ...] | None:
-        varied = ticket in self._tickets
-        self._tickets.add(ticket)
-        if key in self._known or (varied and self._examples < self._unrelated):
+    def margins(self, scenario: Scenario) -> tuple[Margin, ...] | None:
+        """Run a scenario; None where that would show nothing new."""
+        self._asked -= 1
+        key = content_key(scenario.to_mapping())
+        if key in self._known:
             return None
         self._known.add(key)
         if (reason := self.contract.unfair_because(scenario)) is not None:
@@ -161,39 +152,42 @@ class _Collector:
 
 
 def run_drawn(loaded: JudgedCandidate, plan: DrawnRuns) -> ShardOutcome:
-    """Draw scenarios, and climb toward the smallest margin of any check, so that all checks see the same runs."""
-    from hypothesis import HealthCheck, Phase, assume, given, seed, settings, target
+    """Draw scenarios, and step toward the limits of all checks, so that all of them see the same runs."""
+    from hypothesis import HealthCheck, Phase, given, seed, settings
     from hypothesis.errors import Unsatisfiable
-    from hypothesis.strategies import integers
 
+    from drivegate.gate.steps import Search
+    from drivegate.scenarios.choices import ChoiceSource, Enough, drawing_from
     from drivegate.scenarios.isolation import from_the_seed_alone
 
     declaration = loaded.candidate.declaration
     drawn = contract_of(plan.drive).drawn_scenarios(plan.drive, declaration, plan.seed)
     if plan.only and not _draws_needed(plan, drawn, declaration):
         return ShardOutcome(())
-    collector = _Collector(loaded, plan.drive, plan.examples // 2 if plan.search else plan.examples)
+    collector = _Collector(loaded, plan.drive, plan.examples)
+    search = Search(plan.seed)
+    source = ChoiceSource(plan.seed, search.choices if plan.search else tuple)
 
     @seed(plan.seed)
-    @settings(
-        max_examples=plan.examples,
-        database=None,
-        deadline=None,
-        derandomize=False,
-        phases=(Phase.generate, Phase.target) if plan.search else (Phase.generate,),
-        suppress_health_check=list(HealthCheck),
-    )
-    @given(integers(0, _TICKETS), drawn)
-    def explore(ticket: int, scenario: Scenario) -> None:
-        # Hypothesis would run again what raises; a fault ends the search behind its back.
-        margins = collector.margins(ticket, scenario) if collector.fault is None else ()
-        # What shows nothing new does not count as an example.
-        assume(margins is not None)
-        for label, score in _scores(margins or (), collector.searched).items():
-            target(score, label=label)
+    @given(drawn)
+    def explore(scenario: Scenario) -> None:
+        # Hypothesis makes the first scenario without its backend.
+        if not source.is_asked:
+            return
+        margins = collector.margins(scenario)
+        search.judged(source.made, None if margins is None else _scores(margins, collector.searched))
+        if collector.is_finished:
+            raise Enough
 
-    with from_the_seed_alone(), suppress(Unsatisfiable):
-        explore()
+    with from_the_seed_alone(), drawing_from(source) as backend, suppress(Enough, Unsatisfiable):
+        settings(
+            max_examples=2 * _ASKED * plan.examples,
+            backend=backend,
+            database=None,
+            deadline=None,
+            phases=(Phase.generate,),
+            suppress_health_check=list(HealthCheck),
+        )(explore)()
     if collector.fault is not None:
         raise collector.fault
     return ShardOutcome(tuple(collector.runs), tuple(collector.infeasible))
@@ -225,17 +219,12 @@ def _draws_needed(plan: DrawnRuns, drawn: SearchStrategy[Scenario], declaration:
 
 
 def _scores(margins: Iterable[Margin], searched: Collection[str]) -> dict[str, float]:
-    """Return what the search climbs: by family of checks, such as CNV, the least required margin, upside down.
-
-    What is nowhere near its limit is left out, or its small changes would be climbed as well.
-    """
-    scores: dict[str, float] = {}
-    for margin in margins:
-        if margin.check in searched and not margin.advisory and margin.value < _SAFE:
-            family = margin.check.partition("-")[0]
-            score = -max(min(margin.value, _GREATEST_SCORE), -_GREATEST_SCORE)
-            scores[family] = max(scores.get(family, score), score)
-    return scores
+    """Return the required margins by check, without what is nowhere near its limit: steps lead nowhere from there."""
+    return {
+        margin.check: margin.value
+        for margin in margins
+        if margin.check in searched and not margin.advisory and margin.value < SAFE
+    }
 
 
 @dataclass(frozen=True)

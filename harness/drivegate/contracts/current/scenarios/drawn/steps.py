@@ -1,7 +1,4 @@
-"""Numbers that scenarios are drawn from: whole steps from nominal, each simplest where Hypothesis starts.
-
-Hypothesis climbs from the number drawn last to the first, so what matters most, speed and load, is drawn last.
-"""
+"""Numbers that scenarios are drawn from: whole steps from nominal."""
 
 from __future__ import annotations
 
