@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
+from tests.nightly import one_in
 
 from drivegate_models.machine import ledger
 from drivegate_models.machine.advance_status import COMPLETED
@@ -534,7 +535,7 @@ def differences(star: Callable[..., StarDrive], point: Point) -> dict[str, float
     return apart
 
 
-@pytest.mark.parametrize("point", POINTS, ids=str)
+@pytest.mark.parametrize("point", one_in(4, POINTS), ids=str)
 def test_currents_and_integrals_agree_with_a_numerical_solver(
     star: Callable[..., StarDrive], point: Point
 ) -> None:
