@@ -10,7 +10,13 @@ from typing import Any, Final
 
 import numpy as np
 
-from drivegate.studies.campaign.display import interval_text, probability_text, share_text, shown_margins
+from drivegate.studies.campaign.display import (
+    interval_text,
+    listed_points,
+    probability_text,
+    share_text,
+    shown_margins,
+)
 from drivegate.studies.campaign.summary import KIND, SCHEMA
 from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.documents.wording import counted
@@ -41,7 +47,7 @@ class ShareRow:
     name: str
     level: str
     requirement: str
-    """The check, its level and what it requires; the last two are empty for a case."""
+    """The check, its level and what it requires; of a point its case and values in place of what is required."""
     share: str
     probability: str
     interval: str
@@ -49,7 +55,7 @@ class ShareRow:
     low: float
     high: float
     at: float | None
-    """The interval and the estimate as percentages of a bar; None of them without runs."""
+    """The interval and the estimate as percentages of a bar; None where there is no one probability."""
     tone: str
     """``pass``, ``caution`` or ``fail``."""
     margins: tuple[str, str, str] = ("–", "–", "–")
@@ -82,9 +88,7 @@ class CandidateView:
     sentence: str
     """Whether any of its runs failed: as a colour, in short, and with the probability."""
     rows: tuple[ShareRow, ...]
-    """Any required check, then each check."""
-    cases: tuple[ShareRow, ...]
-    """By case; empty where there is one case alone."""
+    """Any required check, then each check; below each the points at which that happened, where several were chosen."""
     worst: tuple[WorstRow, ...]
     """First of each kind of fault, then the worst run of each check, those that are violated first."""
     figure: PageFigure | None
@@ -126,12 +130,10 @@ def _candidate(
     tone = "fail" if stated["violations"] else ("pass" if stated["runs"] else "quiet")
     outcome = ", ".join(f"{count} {clean(verdict)}" for verdict, count in entry["verdicts"].items())
     sentence = (
-        f"{share_text(stated)} runs violate a required check or end in a fault: with {confidence} confidence the "
-        f"probability lies from {interval_text(stated)}."
+        f"{share_text(stated)} runs violate a required check or end in a fault{_likely(stated, confidence)}."
         if stated["runs"]
         else "No run says anything about this candidate."
     )
-    cases = entry["cases"]
     everything = _share_row(
         "any", stated, "required", "A required check is violated, or a fault ends the run."
     )
@@ -140,11 +142,32 @@ def _candidate(
         tone=tone,
         outcome=outcome,
         sentence=sentence,
-        rows=(everything, *(_check_row(check, shares) for check in checks)),
-        cases=tuple(_share_row(clean(case), of) for case, of in cases.items()) if len(cases) > 1 else (),
+        rows=(
+            everything,
+            *_point_rows("any", stated),
+            *(
+                row
+                for check in checks
+                for row in (_check_row(check, shares), *_point_rows(check["id"], check))
+            ),
+        ),
         worst=tuple(_worst(entry, specification)),
         figure=_figure(entry, identifier),
     )
+
+
+def _likely(stated: Row, confidence: str) -> str:
+    if stated["interval"] is None:
+        listed = bool(listed_points(stated))
+        where = "the probability differs from point to point, see below" if listed else ""
+        return (
+            f"; {where or f'with {confidence} confidence the probability lies from {interval_text(stated)}'}"
+        )
+    return f": with {confidence} confidence the probability lies from {interval_text(stated)}"
+
+
+def _point_rows(name: str, stated: Row) -> list[ShareRow]:
+    return [_share_row(clean(name), point, "", clean(words)) for words, point in listed_points(stated)]
 
 
 def _check_row(check: Row, shares: Sequence[float]) -> ShareRow:
@@ -163,7 +186,7 @@ def _share_row(
     requirement: str = "",
     margins: tuple[str, str, str] = ("–", "–", "–"),
 ) -> ShareRow:
-    low, high = (100.0 * float(bound) for bound in stated["interval"])
+    low, high = (100.0 * float(bound) for bound in stated["interval"] or (0.0, 1.0))
     probability = stated["probability"]
     return ShareRow(
         name=name,

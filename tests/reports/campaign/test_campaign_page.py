@@ -32,6 +32,31 @@ def test_each_check_has_its_probability_with_the_interval(campaign_document: Doc
     assert rows["PWR-1"].tone == "pass"
 
 
+def by_point(stated: Document, case: str = "fig5-search") -> Document:
+    """Return a share as a campaign states it whose runs were chosen at two points."""
+    first = stated | {"case": case, "parameters": {"load_share": 0.5}}
+    second = first | {
+        "parameters": {"load_share": 1.0},
+        "violations": 0,
+        "probability": 0.0,
+        "interval": [0.0, 0.6],
+    }
+    several = {"probability": None, "interval": None, "points": [first, second]}
+    return stated | {"runs": 2 * stated["runs"]} | several
+
+
+def test_each_point_that_was_chosen_has_a_row_and_all_have_no_interval(campaign_document: Document) -> None:
+    candidate = campaign_document["candidates"][0]
+    candidate["not_passed"] = by_point(candidate["not_passed"])
+    rows = view_of(campaign_document).candidates[0].rows[:3]
+    assert [(row.requirement, row.share, row.interval) for row in rows] == [
+        (rows[0].requirement, "3 of 8", "–"),
+        ("load_share 0.5", "3 of 4", "0.194 to 0.994"),
+        ("load_share 1", "0 of 4", "0 to 0.6"),
+    ]
+    assert "differs from point to point" in view_of(campaign_document).candidates[0].sentence
+
+
 def test_the_worst_runs_come_with_commands_and_those_that_fail_come_first(
     campaign_document: Document,
 ) -> None:
@@ -58,7 +83,7 @@ def test_nothing_of_a_candidate_acts_on_the_page(campaign_document: Document) ->
     hostile = "<script>alert(1)</script>\x1b[31m"
     candidate = campaign_document["candidates"][0]
     candidate["name"] = hostile
-    candidate["cases"] = {hostile: candidate["not_passed"], "other": candidate["not_passed"]}
+    candidate["not_passed"] = by_point(candidate["not_passed"], hostile)
     candidate["checks"][0] |= {"worst_measured": hostile, "worst_case": hostile}
     candidate["first_faults"] = [{"verdict": hostile, "run": 0, "file": hostile}]
     campaign_document |= {"campaign": hostile, "specifications": [hostile, "reference"]}

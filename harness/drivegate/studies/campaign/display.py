@@ -16,6 +16,7 @@ from drivegate_cases.documents.wording import significant
 _WORDS: Final = ("check", "level")
 _MARGINS: Final = ("worst margin", "5 %", "median")
 """Columns of the margins that are shown."""
+_BLANK: Final = dict.fromkeys((*_MARGINS, "worst run"), "")
 _UNBOUNDED: Final = 10_000
 _SPARED: Final = ("5 %", "median", "probability", "level", "worst run")
 """Columns that a narrow console goes without, the first of them first."""
@@ -49,9 +50,33 @@ def _rows(document: dict[str, Any], candidate: dict[str, Any]) -> list[dict[str,
             | {name: number(margin) for name, margin in margins}
             | {"worst run": "–" if worst is None else str(worst)}
         )
-    blank = dict.fromkeys((*_MARGINS, "worst run"), "")
+        rows += _point_rows(check, interval)
     everything = {"check": "any", "level": "required", **_counted(candidate["not_passed"], interval)}
-    return [*rows, everything | blank]
+    return [*rows, everything | _BLANK, *_point_rows(candidate["not_passed"], interval)]
+
+
+def _point_rows(stated: dict[str, Any], interval: str) -> list[dict[str, str]]:
+    return [
+        {"check": f"  {words}", "level": "", **_counted(point, interval)} | _BLANK
+        for words, point in listed_points(stated)
+    ]
+
+
+def listed_points(stated: Mapping[str, Any]) -> list[tuple[str, Mapping[str, Any]]]:
+    """Return the points of a campaign that have rows of their own, each with its case and values in words.
+
+    There are none where one row says the same of all: where nothing happened at any of them, in equally many runs.
+    """
+    points = stated.get("points", ())
+    if len({(point["violations"], point["runs"]) for point in points}) < 2 and not stated["violations"]:
+        return []
+    several = len({point["case"] for point in points}) > 1
+    return [(_point_in_words(point, with_case=several), point) for point in points]
+
+
+def _point_in_words(point: Mapping[str, Any], *, with_case: bool) -> str:
+    values = [f"{key} {value:g}" for key, value in point["parameters"].items()]
+    return ", ".join([point["case"], *values] if with_case else values)
 
 
 def _counted(stated: dict[str, Any], interval: str) -> dict[str, str]:
@@ -90,9 +115,11 @@ def probability_text(value: float | None) -> str:
 
 
 def interval_text(stated: Mapping[str, Any]) -> str:
-    """Write the interval of a probability; a dash where there were no runs."""
+    """Write the interval of a probability, or of each point where all have the same; a dash where there is none."""
     if not stated["runs"]:
         return "–"
+    if stated["interval"] is None:
+        return "–" if listed_points(stated) else f"{interval_text(stated['points'][0])} at each point"
     low, high = stated["interval"]
     return f"{probability_text(low)} to {probability_text(high)}"
 

@@ -92,6 +92,15 @@ class CampaignPlan:
         grid = self.campaign.grid
         return tuple(dict(zip(grid, values, strict=True)) for values in product(*grid.values()))
 
+    @cached_property
+    def places(self) -> tuple[tuple[str, dict[str, float]], ...]:
+        """What was chosen, and not drawn: every case with every point of the grid, in the order of the runs."""
+        return tuple((case.name, point) for case in self.cases for point in self._points)
+
+    def place_of(self, number: Any) -> Any:
+        """Return which of `places` a run is at, or each of many."""
+        return (number % self.campaign.runs_per_candidate) // self.campaign.draws
+
     def chunks(self) -> Iterator[Chunk]:
         """Cut the campaign into the fixed pieces that are made and kept as a whole."""
         runs, length = self.campaign.runs_per_candidate, self.campaign.file_length
@@ -106,7 +115,7 @@ class CampaignPlan:
         that all candidates meet the same drives, and no run depends on another.
         """
         place = number % self.campaign.runs_per_candidate
-        at, draw = divmod(place, self.campaign.draws)
+        at, draw = self.place_of(number), place % self.campaign.draws
         case_place, point = divmod(at, len(self._points))
         case = self.cases[case_place]
         words = np.random.SeedSequence([self.campaign.seed, place]).generate_state(

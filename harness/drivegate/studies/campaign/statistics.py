@@ -24,11 +24,27 @@ CURVE_POINTS: Final = 200
 
 
 @dataclass(frozen=True)
+class Shares:
+    """How often something happened at each point that was chosen; over all of them only counts mean anything."""
+
+    points: tuple[Proportion, ...]
+    """At every case with every point of the grid, in their order."""
+
+    @property
+    def happened(self) -> int:
+        return sum(point.happened for point in self.points)
+
+    @property
+    def runs(self) -> int:
+        return sum(point.runs for point in self.points)
+
+
+@dataclass(frozen=True)
 class CheckStatistics:
     """What all runs say of one check of one candidate."""
 
     check: str
-    violated: Proportion
+    violated: Shares
     """How often it was violated, of the runs in which it is binding."""
     advised: int
     """Runs in which it only advises, which count nowhere here."""
@@ -48,10 +64,8 @@ class CandidateStatistics:
     name: str
     verdicts: dict[str, int]
     """Number of runs by verdict."""
-    violated: Proportion
+    violated: Shares
     """How often a run did not pass, of those that were made."""
-    cases: dict[str, Proportion]
-    """The same by case."""
     checks: tuple[CheckStatistics, ...]
     """In the order of the catalogue; those that never applied are left out."""
     first_faults: dict[str, int] = field(default_factory=dict)
@@ -89,35 +103,38 @@ def _of_candidate(
     plan: CampaignPlan, name: str, paths: Sequence[Path], confidence: float
 ) -> CandidateStatistics:
     verdicts: Counter[str] = Counter()
-    by_case: dict[str, Counter[bool]] = {}
+    failed, made = [0] * len(plan.places), [0] * len(plan.places)
     faults: dict[str, int] = {}
-    for table in columns_of(paths, ("run", "case", "verdict")):
-        for run, case, verdict in zip(*(column.to_pylist() for column in table.columns), strict=True):
+    for table in columns_of(paths, ("run", "verdict")):
+        for run, verdict in zip(*(column.to_pylist() for column in table.columns), strict=True):
             verdicts[verdict] += 1
             counted = verdict not in UNCOUNTED
-            if counted:
-                by_case.setdefault(case, Counter())[verdict == PASS] += 1
+            made[plan.place_of(run)] += counted
+            failed[plan.place_of(run)] += counted and verdict != PASS
             if verdict == HARNESS_FAULT or (counted and verdict not in (PASS, FAIL)):
                 faults.setdefault(verdict, run)
-    made = sum(verdicts.values()) - sum(verdicts[verdict] for verdict in UNCOUNTED)
     group = max(_MOST_VALUES // plan.campaign.runs_per_candidate, 1)
     checks: list[CheckStatistics] = []
     for start in range(0, len(plan.checks), group):
-        checks += _of_checks(plan.checks[start : start + group], paths, confidence)
+        checks += _of_checks(plan, plan.checks[start : start + group], paths, confidence)
     return CandidateStatistics(
         name=name,
         verdicts=dict(sorted(verdicts.items())),
-        violated=proportion(made - verdicts[PASS], made, confidence),
-        cases={
-            case: proportion(counts[False], counts.total(), confidence) for case, counts in by_case.items()
-        },
+        violated=_shares(failed, made, confidence),
         checks=tuple(checks),
         first_faults=faults,
     )
 
 
-def _of_checks(checks: Sequence[str], paths: Sequence[Path], confidence: float) -> list[CheckStatistics]:
+def _shares(happened: Sequence[int], runs: Sequence[int], confidence: float) -> Shares:
+    return Shares(tuple(proportion(*counts, confidence) for counts in zip(happened, runs, strict=True)))
+
+
+def _of_checks(
+    plan: CampaignPlan, checks: Sequence[str], paths: Sequence[Path], confidence: float
+) -> list[CheckStatistics]:
     found: dict[str, list[NDArray[np.float64]]] = {check: [] for check in checks}
+    places: dict[str, list[NDArray[np.int64]]] = {check: [] for check in checks}
     worst: dict[str, tuple[float, int]] = {}
     advised: Counter[str] = Counter()
     for table in columns_of(paths, ("run", "advisory", *(MARGIN + check for check in checks))):
@@ -132,6 +149,7 @@ def _of_checks(checks: Sequence[str], paths: Sequence[Path], confidence: float) 
             margins = column.to_numpy()[binding]
             if len(margins):
                 found[check].append(margins)
+                places[check].append(plan.place_of(runs[binding]))
                 least = int(margins.argmin())
                 here = (float(margins[least]), int(runs[binding][least]))
                 worst[check] = min(worst.get(check, here), here)
@@ -139,17 +157,39 @@ def _of_checks(checks: Sequence[str], paths: Sequence[Path], confidence: float) 
     for check in checks:
         if found[check] or advised[check]:
             margins = np.concatenate(found[check]) if found[check] else np.empty(0)
-            violated = proportion(int(np.count_nonzero(margins < 0.0)), len(margins), confidence)
+            at = np.concatenate(places[check]) if places[check] else np.empty(0, np.int64)
+            violated = _shares(
+                *(np.bincount(some, minlength=len(plan.places)).tolist() for some in (at[margins < 0.0], at)),
+                confidence,
+            )
             quantiles, curve = quantiles_of(margins), curve_of(margins)
             margin, run = worst.get(check, (None, None))
             made.append(CheckStatistics(check, violated, advised[check], quantiles, run, margin, curve))
     return made
 
 
-def plain(stated: Proportion) -> dict[str, Any]:
+def plain(stated: Shares, plan: CampaignPlan) -> dict[str, Any]:
+    """Write shares as plain data; where several points were chosen, each has its own probability, and all have none."""
+    (first, *others) = stated.points
+    several = {"points": _points(stated, plan)} if others else {}
     return {
         "violations": stated.happened,
         "runs": stated.runs,
-        "probability": stated.estimate,
-        "interval": [stated.low, stated.high],
+        "probability": None if others else first.estimate,
+        "interval": None if others else [first.low, first.high],
+        **several,
     }
+
+
+def _points(stated: Shares, plan: CampaignPlan) -> list[dict[str, Any]]:
+    return [
+        {
+            "case": case,
+            "parameters": parameters,
+            "violations": point.happened,
+            "runs": point.runs,
+            "probability": point.estimate,
+            "interval": [point.low, point.high],
+        }
+        for (case, parameters), point in zip(plan.places, stated.points, strict=True)
+    ]

@@ -27,7 +27,7 @@ from drivegate_cases.documents.document import parse_document
 COUNTEREXAMPLES: Final = "counterexamples"
 FAULTS: Final = "faults"
 WORST: Final = "worst"
-SCHEMA: Final = 1
+SCHEMA: Final = 2
 SUMMARY: Final = "summary.json"
 KIND: Final = "campaign summary"
 
@@ -140,8 +140,7 @@ def _candidate(
         "hash": candidate.content_hash,
         "verdicts": found.verdicts,
         "set_aside": found.verdicts.get(SET_ASIDE, 0),
-        "not_passed": plain(found.violated),
-        "cases": {case: plain(stated) for case, stated in found.cases.items()},
+        "not_passed": plain(found.violated, plan),
         "checks": [_check(plan, folder, place, entry) for entry in found.checks],
         "first_faults": [
             {"verdict": verdict, "run": run, "file": files[verdict]}
@@ -160,7 +159,7 @@ def _check(plan: CampaignPlan, folder: CampaignFolder, place: int, entry: CheckS
         "subject": check.subject,
         "requirement": check.requirement,
         "limit": check.limit,
-        **plain(entry.violated),
+        **plain(entry.violated, plan),
         "advisory_runs": entry.advised,
         "margin_quantiles": list(entry.quantiles),
         "margins": list(entry.curve),

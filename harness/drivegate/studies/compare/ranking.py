@@ -197,12 +197,15 @@ def _placed(equals: list[Row], ranking: Ranking, held: pd.DataFrame, before: int
     for row in equals if ranking.at_shared else ():
         row[ranking.at_shared] = means.get(row["candidate"])
     equals.sort(key=lambda row: means.get(row["candidate"], 0.0))
-    best = means.get(equals[0]["candidate"], 0.0)
+    first = means.get(equals[0]["candidate"], 0.0)
+    shared_place = before + 1
     for place, row in enumerate(equals):
+        own = means.get(row["candidate"], 0.0)
+        if own - first > ranking.same_share * first + ranking.same_amount:
+            # The next place is shared with the first one there, as the best place is.
+            first, shared_place = own, before + place + 1
         if row["status"] == COMPARED:
-            above = means.get(row["candidate"], 0.0) - best
-            shares = above <= ranking.same_share * best + ranking.same_amount
-            row["rank"] = before + 1 if shares else before + place + 1
+            row["rank"] = shared_place
     return equals
 
 

@@ -55,7 +55,16 @@ def test_a_fault_is_a_row_and_the_worst_cases_can_be_run_again(write, finish, ru
     assert raising["verdicts"]["exception"] == 2
     assert (folder / "out" / dying["first_faults"][0]["file"]).is_file()
     broken = next(check for check in published["checks"] if check["id"] == "ROB-1")
-    assert (broken["violations"], broken["runs"]) == (2, 2)
+    assert (broken["violations"], broken["runs"], broken["interval"]) == (2, 2, None)
+    at = [
+        (point["case"], point["parameters"], point["violations"], point["runs"]) for point in broken["points"]
+    ]
+    short = json.loads((folder / "short.json").read_text(encoding="utf-8"))["name"]
+    assert at == [
+        (case, {"inertia_kg_m2": inertia}, int(case == "lock-up"), int(case == "lock-up"))
+        for case in (short, "lock-up")
+        for inertia in (0.05, 0.06)
+    ], "each case with each point of the grid, none of which speaks for another"
     again = run("replay", Path("out") / broken["counterexample"], "--json")
     assert again.code == 1, again.err
     assert json.loads(again.out)["now"]["margin"] == pytest.approx(broken["worst_margin"])

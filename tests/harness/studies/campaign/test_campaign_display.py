@@ -77,6 +77,22 @@ def test_wide_consoles_show_all_columns(document):
     )
 
 
+def test_points_that_were_chosen_have_rows_of_their_own_and_no_common_interval(document):
+    point = {"case": "start", "violations": 0, "runs": 8, "probability": 0.0, "interval": [0.0, 0.3694]}
+    low, high = ({"parameters": {"load_share": share}} for share in (0.5, 1.0))
+    failing = point | high | {"violations": 8, "probability": 1.0, "interval": [0.6306, 1.0]}
+    together = {"violations": 8, "runs": 16, "probability": None, "interval": None}
+    (mine,) = document["candidates"]
+    mine["checks"][0] |= together | {"points": [point | low, failing]}
+    mine["checks"][1] |= together | {"violations": 0, "points": [point | low, point | high]}
+    rows = [" ".join(line.split()) for line in shown(document)]
+    assert "CNV-1 required 8 of 16 – – -44.037 -38.101 0.500 3999" in rows
+    assert "load_share 0.5 0 of 8 0 0 to 0.369" in rows
+    assert "load_share 1 8 of 8 1 0.631 to 1" in rows
+    (met,) = (row for row in rows if row.startswith("CUR-1"))
+    assert met.startswith("CUR-1 advisory 0 of 16 – 0 to 0.369 at each point"), "one row says it of all"
+
+
 @pytest.mark.parametrize(
     ("value", "text"), [(None, "–"), (0.0, "0"), (1.0, "1"), (0.36941665, "0.369"), (3.689e-7, "0.000000369")]
 )

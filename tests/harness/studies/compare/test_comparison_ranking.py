@@ -89,6 +89,18 @@ def test_equals_are_separated_by_watts_and_share_a_place_within_a_thousandth():
     assert places(rows) == [(1, "best"), (1, "nearly"), (3, "worse")]
 
 
+def test_identical_candidates_share_any_place():
+    same = (103.0, 400.0, 800.0)
+    rows = ranked(
+        [compared("best"), compared("one"), compared("other"), compared("last")],
+        points("best", (100.0, 400.0, 800.0))
+        + points("one", same)
+        + points("other", same)
+        + points("last", (110.0, 400.0, 800.0)),
+    )
+    assert places(rows) == [(1, "best"), (2, "one"), (2, "other"), (4, "last")]
+
+
 def test_faults_and_refusals_have_no_place():
     fault = Fault(FaultKind.CRASH, "died", "step")
     refused = Compared("refused", "refused", error=InputError("no such candidate"))
