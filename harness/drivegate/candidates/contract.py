@@ -35,6 +35,6 @@ def require_nameplate_of(contract: str, nameplate: AnyNameplate) -> None:
 def other_contract(contract: str, required: str) -> str:
     """State that a controller answers by one contract, but its drive takes the other."""
     return (
-        f"the controller answers with {ANSWERS[contract]}, but the drive takes {ANSWERS[required]}; name another drive "
-        f'with --drive, or write contract = "{contract}" and a drive of it into the candidate\'s manifest'
+        f"the controller answers with {ANSWERS[contract]}, but the drive takes {ANSWERS[required]}; run it on "
+        f"a drive that takes {ANSWERS[contract]}, or state in its manifest a contract and a drive that fit"
     )

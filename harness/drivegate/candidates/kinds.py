@@ -95,22 +95,23 @@ class Kind:
 
 
 _ALL: Final = (
-    Kind("python", "python", ways=("module:Class", "file.py:Class")),
+    Kind("python", "python", ways=("module:Class", "file.py:Class"), manifest_keys=("sources",)),
     Kind("builtin", "builtin", prefixes=LABORATORY_PREFIXES, is_included=True),
     Kind(
         "c",
         "native",
         ways=("file.c", "file.cpp"),
         suffixes=(".c", ".cpp", ".cc", ".cxx"),
-        manifest_keys=("include", "flags"),
+        manifest_keys=("sources", "include", "flags"),
     ),
-    Kind("so", "native", ways=("file.so",), suffixes=(".so",), manifest_keys=("build",)),
+    Kind("so", "native", ways=("file.so",), suffixes=(".so",), manifest_keys=("sources", "build")),
     Kind(
         "elf",
         "elf",
         ways=("file.elf",),
         suffixes=(".elf",),
         manifest_keys=(
+            "sources",
             "build",
             "start",
             "ram",
@@ -130,13 +131,20 @@ _ALL: Final = (
         untimed_because="the speed of the emulator says nothing of the target, so the manifest states limits of a step "
         "instead, such as 'step_cycles'",
     ),
-    Kind("fmu", "fmu", ways=("file.fmu",), suffixes=(".fmu",), way_of_running="FMU"),
+    Kind(
+        "fmu",
+        "fmu",
+        ways=("file.fmu",),
+        suffixes=(".fmu",),
+        manifest_keys=("sources",),
+        way_of_running="FMU",
+    ),
     Kind(
         "exec",
         "program",
         ways=("exec:command",),
         prefixes=(EXEC_PREFIX,),
-        manifest_keys=("step_deadline_s",),
+        manifest_keys=("sources", "step_deadline_s"),
         reports_output=True,
         way_of_running="a process of its own",
         untimed_because="most of the time of a program's step passes in the pipes to it",

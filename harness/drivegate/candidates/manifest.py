@@ -10,6 +10,7 @@ from pydantic import Field, model_validator
 from drivegate.candidates.candidate import existing_file
 from drivegate.candidates.check_table import CheckTable
 from drivegate.candidates.contract import ContractName
+from drivegate.candidates.contract_keys import refuse_other_keys
 from drivegate.candidates.declaration import Declaration, FlowchartProfile
 from drivegate.candidates.kinds import KINDS
 from drivegate_cases.documents.document import Document, Section
@@ -33,19 +34,6 @@ _KINDS_OF_KEY = {
     for kind in KINDS.values()
     for key in kind.manifest_keys
 }
-_KEYS_OF_OTHERS = {
-    "current": {
-        "references": "whose controllers follow a speed",
-        "detects": "whose legs are no candidate's",
-        "current_bandwidth_rad_s": "whose currents are no candidate's",
-        "reads_enable": "whose legs are no candidate's",
-        "control_every": "whose carrier is no candidate's",
-        "update_delay": "whose duty ratios are no candidate's",
-        "modulation": "whose duty ratios are no candidate's",
-    }
-}
-"""For each contract, keys of the contract of duty ratios alone, and why it has none."""
-
 _MOST_MATCHES = 1000
 """Greatest number of files that one pattern may match."""
 
@@ -293,12 +281,10 @@ class Manifest(Document):
                 f"the key 'references' names 'current', which excludes {other}; such a candidate is run on q currents "
                 "alone, without failures"
             )
-        for key, reason in _KEYS_OF_OTHERS.get(self.contract or "", {}).items():
-            # A delay of 0 is a statement, too.
-            if key in self.model_fields_set and (getattr(self, key) or key == "update_delay"):
-                raise ValueError(
-                    f"the key '{key}' is for the contract 'duty', but the contract is '{self.contract}', {reason}"
-                )
+        try:
+            refuse_other_keys(self.declaration(), self.contract)
+        except InputError as error:
+            raise ValueError(str(error)) from error
         return self
 
     @model_validator(mode="after")

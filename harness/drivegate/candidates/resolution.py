@@ -108,6 +108,7 @@ def _from_bare_name(name: str) -> Candidate:
 def _from_manifest(specification: str) -> Candidate:
     # Reading a manifest needs pydantic, which takes longer to import than all the rest of this module.
     from drivegate.candidates.contract import ANSWERS
+    from drivegate.candidates.contract_keys import refuse_other_keys
     from drivegate.candidates.manifest import Manifest
     from drivegate_cases.documents.document import read_document
 
@@ -122,6 +123,8 @@ def _from_manifest(specification: str) -> Candidate:
             f'{ANSWERS[str(known)]}; leave the key out, or write contract = "{known}"'
         )
     declaration = manifest.declaration()
+    # Sources, a library or a name may show a contract that the manifest does not state.
+    refuse_other_keys(declaration, known, f"{shown_path(specification)}: ")
     if manifest.requirements is not None:
         from drivegate_cases.requirements.file import read_requirements
 

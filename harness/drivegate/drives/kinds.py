@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.contract import ANSWERS
+from drivegate.candidates.contract_keys import refuse_other_keys
 from drivegate_cases.documents.wording import one_line
 from drivegate_models.errors import InputError
 
@@ -141,7 +142,11 @@ def scenario_at_declared_timing(scenario: Scenario, candidates: Iterable[Candida
 
 
 def require_contract(candidate: Candidate, drive: DriveDocument) -> None:
-    """Refuse a candidate of one contract on a drive of another."""
+    """Refuse a candidate of one contract on a drive of another, and what its manifest states for another."""
+    if candidate.contract is None:
+        refuse_other_keys(
+            candidate.declaration, drive.contract, f"the candidate '{one_line(candidate.name)}': "
+        )
     if candidate.contract in (None, drive.contract):
         return
     raise InputError(

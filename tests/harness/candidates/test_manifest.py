@@ -1,12 +1,16 @@
 """Manifests: what they may say, and what is reported about one that says something else."""
 
-from dataclasses import astuple
+import json
+from dataclasses import astuple, fields
 from math import pi, radians
 
 import pytest
 
+from drivegate.candidates.contract_keys import CONTRACT_KEYS
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.manifest import Manifest
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.drives.kinds import drive_for
 from drivegate_cases.documents.document import parse_document, read_document
 from drivegate_models.errors import InputError
 
@@ -86,6 +90,7 @@ def test_a_native_candidate_may_have_flags_and_headers():
             },
             "'flowchart.k2_percent'",
         ),
+        ({"kind": "builtin", "sources": ["a.csv"]}, "the key 'sources' is for the kinds 'python' and 'c'"),
         ({"flags": ["-O3"]}, "the key 'flags' is for the kind 'c', but the kind is 'python'"),
         ({"kind": "compose"}, "the key 'kind' is \"compose\", but must be 'python', 'builtin', 'c'"),
         ({"blocks": {"search": "mine.py:Search"}}, "the key 'blocks' is unknown"),
@@ -139,3 +144,64 @@ def test_other_references_are_refused(changes, words):
     with pytest.raises(InputError) as refusal:
         parsed(**changes)
     assert words in str(refusal.value)
+
+
+STATED = {
+    "references": ["torque"],
+    "detects": ["open-phase"],
+    "reverses": False,
+    "reads_enable": True,
+    "calibration_time_s": 0.1,
+    "current_bandwidth_rad_s": 1e3,
+    "control_every": 2,
+    "update_delay": 0,
+    "modulation": "dpwm-1",
+    "flowchart": FLOWCHART,
+    "speed_range_rpm": [0.0, 500.0],
+    "estimates_power": True,
+    "power_window_s": 0.1,
+}
+"""A value for each key that one contract alone has."""
+NEEDED = {
+    "calibration_time_s": {"reads_enable": True},
+    "flowchart": {"profile": "flowchart"},
+    "power_window_s": {"estimates_power": True},
+}
+
+
+def toml_value(value):
+    if isinstance(value, dict):
+        return f"{{ {', '.join(f'{key} = {toml_value(item)}' for key, item in value.items())} }}"
+    return json.dumps(value)
+
+
+def as_toml(table):
+    return "\n".join(f"{key} = {toml_value(value)}" for key, value in table.items())
+
+
+def test_every_key_of_a_declaration_is_of_both_contracts_or_in_the_table():
+    assert set(STATED) == set(CONTRACT_KEYS)
+    assert {key.field for key in CONTRACT_KEYS.values()} == {field.name for field in fields(Declaration)}
+
+
+@pytest.mark.parametrize("key", CONTRACT_KEYS)
+@pytest.mark.parametrize("way", ["stated", "imported", "the drive's"])
+def test_a_key_of_the_other_contract_is_refused_wherever_the_contract_shows(tmp_path, key, way):
+    own = CONTRACT_KEYS[key].contract
+    other = {"current": "duty", "duty": "current"}[own]
+    command = {"duty": "DutyCommand", "current": "Command"}[other]
+    (tmp_path / "mine.py").write_text(
+        f"from drivegate import {command}\nclass Mine: pass\n" if way == "imported" else "class Mine: pass\n"
+    )
+    drive = {"duty": "pm-ac-interior", "current": "paper-5-phase"}[other]
+    changes = {"stated": {"contract": other}, "imported": {}, "the drive's": {"drive": drive}}[way]
+    document = LEAST | {"entry": "mine.py:Mine"} | changes
+    document |= {key: STATED[key]} | NEEDED.get(key, {})
+    file = tmp_path / "candidate.toml"
+    file.write_text(as_toml(document), encoding="utf-8")
+    with pytest.raises(InputError, match=rf"is for the contract '{own}', but the contract is '{other}'"):
+        drive_for(resolve_candidate(str(file)))
+    document |= {"contract": own, "drive": {"duty": "pm-ac-interior", "current": "paper-5-phase"}[own]}
+    (tmp_path / "mine.py").write_text("class Mine: pass\n")
+    file.write_text(as_toml(document), encoding="utf-8")
+    assert resolve_candidate(str(file)).contract == own
