@@ -12,10 +12,12 @@ from drivegate.checks.check import JudgedRun
 from drivegate.checks.margin import Margin
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.contracts.catalogue import check_of, contract_of
+from drivegate.contracts.contract import Witness
 from drivegate.contracts.parting import SEED_IN_RESET
 from drivegate.drives.running import recorded
 from drivegate.gate.plan import REPEATED
 from drivegate.gate.shard import content_key
+from drivegate.gate.witness_runs import UNWITNESSED, witness_that_meets, witnesses_on
 from drivegate.results.document import CheckSection, FoundSection
 from drivegate.results.verdict import considered
 from drivegate.scenarios.rotation import needs_reverse
@@ -26,6 +28,8 @@ from drivegate_cases.scenario.scenario import Scenario
 
 _BUDGET: Final = {"quick": 15, "default": 40, "nightly": 200}
 """Runs that may be spent on making one counterexample simpler, by effort."""
+_FURTHER: Final = 2
+"""Further scenarios that are tried where no witness meets a check in the simplest one."""
 _GONE: Final = f"run again, it did not fail: two runs of the same scenario differ; {SEED_IN_RESET}"
 
 
@@ -39,6 +43,8 @@ class ShrinkPlan:
     worst: float | None = None
     """Least margin that the check is reported with, which no simpler scenario may fall below; that of the
     scenario itself where None."""
+    others: tuple[Mapping[str, Any], ...] = ()
+    """Further scenarios that break it, tried where no witness meets the check in the first."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +58,7 @@ class Shrunk:
 def run_shrink(loaded: JudgedCandidate, plan: ShrinkPlan) -> Shrunk | None:
     """Make a scenario simpler for as long as it is as fair, and breaks the same check by no more than is reported.
 
-    The same plan gives the same answer.
+    Where a witness meets the check in it, one has to in each simpler scenario too. The same plan gives the same answer.
     """
     if plan.scenario.get("kind") == "script":
         return None
@@ -61,11 +67,27 @@ def run_shrink(loaded: JudgedCandidate, plan: ShrinkPlan) -> Shrunk | None:
     margin = trials.failure(scenario)
     if margin is None:
         return None
+    scenario, margin = _witnessed(plan, trials, scenario, margin)
+    trials.begin(scenario)
     trials.worst = margin.value if plan.worst is None else min(margin.value, plan.worst)
     simplest, margin = _simplest(scenario, margin, trials)
     if simplest is not scenario:
         simplest = titled(simplest)
     return Shrunk(simplest.to_mapping(), margin, trials.runs)
+
+
+def _witnessed(
+    plan: ShrinkPlan, trials: _Trials, scenario: Scenario, margin: Margin
+) -> tuple[Scenario, Margin]:
+    """Choose the first of the scenarios that a witness meets, which would be shown instead; else the simplest one."""
+    if not trials.has_witnesses or trials.witness_in(scenario) is not None:
+        return scenario, margin
+    for mapping in plan.others:
+        other = parse_document(mapping, Scenario, "the scenario")
+        failed = None if trials.spent else trials.failure(other)
+        if failed is not None and trials.witness_in(other) is not None:
+            return other, failed
+    return scenario, margin
 
 
 class _Trials:
@@ -76,10 +98,18 @@ class _Trials:
         self._controller = loaded.controller()
         self._check = check_of(scenario.drive.contract, plan.check, loaded.candidate.declaration)
         self._budget = plan.budget
+        self.has_witnesses = plan.check not in UNWITNESSED and bool(witnesses_on(plan.check, scenario.drive))
         self._start = scenario
         self._known: set[str] = set()
         self.worst = -math.inf
+        self.witness: Witness | None = None
+        """What meets the check in the first scenario, and may not be lost; None before it is known."""
         self.runs = 0
+
+    def begin(self, scenario: Scenario) -> None:
+        """Set what every simpler scenario is compared with."""
+        self._start = scenario
+        self.witness = self.witness_in(scenario)
 
     @property
     def spent(self) -> bool:
@@ -101,7 +131,14 @@ class _Trials:
         margin = self._check.evaluate(record)
         if margin is None or margin.met or margin.advisory or margin.value < self.worst:
             return None
+        if self.witness is not None and self.witness_in(scenario) is None:
+            return None
         return margin
+
+    def witness_in(self, scenario: Scenario) -> Witness | None:
+        declaration = self._loaded.candidate.declaration
+        first = () if self.witness is None else (self.witness,)
+        return witness_that_meets(self._check.id, scenario, declaration, first)
 
     def is_due(self, scenario: Scenario) -> bool:
         """Return True if a scenario was not run yet, is what the candidate declares, and is as fair as the first."""
@@ -155,13 +192,16 @@ class FailedRun:
     run: JudgedRun
     worst: float | None = None
     """Least margin that the check is reported with."""
+    others: tuple[Mapping[str, Any], ...] = ()
+    """Further scenarios that break it, the simplest first."""
 
     def shrinks(self) -> bool:
         """Return True if it is worth while to look for a simpler one."""
         return self.check != REPEATED and self.run.scenario.get("kind") != "script"
 
     def job(self, effort: str) -> Job[Shrunk | None]:
-        return Job(run_shrink, ShrinkPlan(self.run.scenario, self.check, _BUDGET[effort], self.worst))
+        plan = ShrinkPlan(self.run.scenario, self.check, _BUDGET[effort], self.worst, self.others)
+        return Job(run_shrink, plan)
 
 
 def simplest_failures(outcomes: Iterable[CheckSection], runs: Sequence[JudgedRun]) -> list[FailedRun]:
@@ -172,8 +212,12 @@ def simplest_failures(outcomes: Iterable[CheckSection], runs: Sequence[JudgedRun
             broken = [item for item in considered(outcome.id, runs) if not item[0].met]
             # Not the worst run: the budget is small, and this one has the least to lose. How bad the check is at worst
             # is stored next to it, as a bound for what shrinking may find.
-            margin, run = min(broken, key=lambda item: size_of(item[1].scenario))
-            failures.append(FailedRun(outcome.id, margin, run, outcome.margin))
+            broken.sort(key=lambda item: size_of(item[1].scenario))
+            (margin, run), *further = broken
+            others = tuple(
+                other.scenario for _, other in further[:_FURTHER] if other.scenario.get("kind") != "script"
+            )
+            failures.append(FailedRun(outcome.id, margin, run, outcome.margin, others))
     return failures
 
 

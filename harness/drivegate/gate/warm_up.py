@@ -25,7 +25,7 @@ from drivegate.contracts.contract import Contract
 from drivegate.drives.envelope_document import envelope_of
 from drivegate.drives.kinds import DEFAULT_KIND, DRIVE_KINDS
 from drivegate.drives.running import recorded
-from drivegate.gate.witnesses import witnesses_for
+from drivegate.gate.witness_runs import witnesses_for
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.compilation.kernels import refused_cache_folders, required_cache_folder

@@ -3,23 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import lru_cache
+from dataclasses import dataclass
 from typing import Any, Final
 
-from drivegate.candidates.declaration import NOTHING_DECLARED, Declaration
-from drivegate.candidates.fault import CandidateFault, Fault
-from drivegate.candidates.resolution import resolve_candidate
-from drivegate.checks.check import JudgedRun, Record
-from drivegate.checks.every_contract import TIM_1
+from drivegate.candidates.fault import Fault
+from drivegate.checks.check import JudgedRun
 from drivegate.checks.margin import Margin
-from drivegate.containment.judge import own_candidate
 from drivegate.containment.messages import Job, JudgedCandidate
-from drivegate.contracts.catalogue import check_of, contract_of
 from drivegate.contracts.contract import Witness
-from drivegate.drives.running import recorded
-from drivegate.gate.plan import REPEATED
 from drivegate.gate.shrinking import shown_by
+from drivegate.gate.witness_runs import UNWITNESSED, best_margin, witnesses_for, witnesses_on
 from drivegate.results.document import CheckSection, WitnessedSection
 from drivegate.results.result import NOT_WITNESSED, witness_in_words
 from drivegate.results.verdict import considered
@@ -30,8 +23,6 @@ from drivegate_cases.scenario.scenario import Scenario
 
 MOST_SCENARIOS: Final = 4
 """Scenarios of a failed check that witnesses are run in before the failure is contested."""
-# Checks that a candidate fails often fail in one scenario, whose run then serves them all.
-_KEPT_RUNS: Final = 8
 
 
 @dataclass(frozen=True)
@@ -62,15 +53,6 @@ class Acquittal:
     witnesses: tuple[str, ...]
 
 
-def witnesses_for(drive: DriveDocument) -> tuple[Witness, ...]:
-    """Return the witnesses on a drive, in the order in which they are heard."""
-    return tuple(witness for witness in contract_of(drive).witnesses if drive.kind in witness.kinds)
-
-
-def witnesses_on(check: str, drive: DriveDocument) -> tuple[Witness, ...]:
-    return tuple(witness for witness in witnesses_for(drive) if witness.is_heard_on(check))
-
-
 def accusations(
     outcomes: Iterable[CheckSection], runs: Sequence[JudgedRun], drive: DriveDocument
 ) -> list[Accusation]:
@@ -82,7 +64,7 @@ def accusations(
         for outcome in outcomes
         if outcome.verdict == "fail"
         and outcome.subject == "candidate"
-        and outcome.id not in (REPEATED, TIM_1.id)
+        and outcome.id not in UNWITNESSED
         and outcome.counterexample is not None
         and outcome.counterexample.get("kind") != "script"
     ]
@@ -117,7 +99,7 @@ def hear_witnesses(loaded: JudgedCandidate, accusation: Accusation) -> Acquittal
         scenario = parse_document(mapping, Scenario, "the scenario")
         heard = witnesses_on(accusation.check, scenario.drive)
         for witness in heard:
-            margin = _best_margin(witness, scenario, declaration, accusation.check)
+            margin = best_margin(witness, scenario, declaration, accusation.check)
             if margin is not None and margin.met:
                 witnessed = WitnessedSection.model_construct(
                     name=witness.candidate,
@@ -127,43 +109,6 @@ def hear_witnesses(loaded: JudgedCandidate, accusation: Accusation) -> Acquittal
                 )
                 return Defence(witnessed, place)
     return Acquittal(tuple(witness.candidate for witness in heard))
-
-
-def _best_margin(witness: Witness, scenario: Scenario, declaration: Declaration, check: str) -> Margin | None:
-    """Judge a witness by the declaration, or by the drive alone: it need not keep another one's promise."""
-    judged_by = dict.fromkeys((declaration, replace(declaration, current_bandwidth=None)))
-    records = (_record(witness, scenario, each) for each in judged_by)
-    judge = check_of(scenario.drive.contract, check, declaration)
-    margins = (judge.evaluate(record) for record in records if record is not None)
-    return max(
-        (margin for margin in margins if margin is not None), key=lambda each: each.value, default=None
-    )
-
-
-@lru_cache(maxsize=_KEPT_RUNS)
-def _record(witness: Witness, scenario: Scenario, declaration: Declaration) -> Record | None:
-    """Run a witness in a scenario; a fault of its own leaves it without a say."""
-    judged = judged_witness(witness, scenario, declaration)
-    try:
-        return recorded(judged, scenario, judged.controller())
-    except CandidateFault:
-        return None
-
-
-def judged_witness(witness: Witness, scenario: Scenario, declaration: Declaration) -> JudgedCandidate:
-    """Return a witness as a candidate with the declaration of the one that is accused.
-
-    No witness reads `enable`, so its bridge is on from the start. None follows a q current, but its torque.
-    """
-    declaration = replace(declaration.with_bridge_on(), references=NOTHING_DECLARED.references)
-    if witness.made_for is None:
-        return own_candidate(replace(resolve_candidate(witness.candidate), declaration=declaration))
-    from drivegate.candidates.python.bridge import PythonController
-
-    usual = resolve_candidate(contract_of(scenario.drive).usual_candidate)
-    candidate = replace(usual, name=witness.candidate, declaration=declaration)
-    made_for = witness.made_for
-    return JudgedCandidate(candidate, lambda: PythonController(made_for(scenario)))
 
 
 def with_witnesses(

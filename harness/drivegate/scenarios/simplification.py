@@ -10,12 +10,13 @@ from drivegate.scenarios.facts import facts_of
 from drivegate_cases.drive.plant import NOMINAL
 from drivegate_cases.scenario.control_periods import on_whole_periods
 from drivegate_cases.scenario.courses import COURSES, stated_profiles
+from drivegate_cases.scenario.load import DynamometerLoad
 from drivegate_cases.scenario.profile import dwell_torque, dwells
 from drivegate_cases.scenario.scenario import LONGEST_CONTROL_PERIOD_S, Scenario
 from drivegate_cases.scenario.sensors import IDEAL, PLAIN
 from drivegate_models.errors import InputError
 
-_FACT, _FAILURE, _PARAMETER, _POINT, _LOAD, _SEED, _DIGIT = 1500, 2000, 1000, 300, 100, 20, 5
+_FACT, _FAILURE, _PARAMETER, _POINT, _LOAD, _SENSE, _SEED, _DIGIT = 1500, 2000, 1000, 300, 100, 30, 20, 5
 FAILURES: Final = ("dropouts", "glitches", "restarts_s", "current_errors")
 """Keys of what can go wrong more than once."""
 PLAIN_BEGINNING: Final[dict[str, float]] = {
@@ -65,11 +66,21 @@ def size_of(scenario: Mapping[str, Any]) -> int:
         _PARAMETER * moved,
         _SEED * (scenario.get("seed", 0) != 0),
         _POINT * sum(map(len, profiles)),
+        _SENSE * _unplain_operation(scenario),
         _LOAD * _LOAD_KINDS[load["kind"]],
         _DIGIT * sum(map(_digits, numbers)),
         math.ceil(scenario["duration_s"]),
     )
     return int(sum(parts))
+
+
+def _unplain_operation(scenario: Mapping[str, Any]) -> int:
+    """Count what is not plain about the operating point: a shaft that turns, above base speed, backward, or braked."""
+    speeds = [scenario.get("initial_speed_rpm", 0.0), *(speed for _, speed in scenario.get("speed_rpm", ()))]
+    torques = [torque for _, torque in scenario["load"].get("torque_reference_nm", ())]
+    fastest = max(map(abs, speeds))
+    base = scenario.get("drive", {}).get("rating", {}).get("base_speed_rpm", math.inf)
+    return sum((fastest > 0.0, fastest > base, min(speeds) < 0.0, min(torques, default=0.0) < 0.0))
 
 
 def _leaves(value: object) -> int:
@@ -109,7 +120,8 @@ def _digits(number: float) -> int:
 def simplified(scenario: Scenario, fields: Fields) -> Scenario | None:
     """Apply a change, if it gives a valid and simpler scenario that is still loaded where it was.
 
-    An unloaded drive has hardly any current, so that shares of it say little: a failure there would be another one.
+    A shaft without a load needs hardly any current, so that shares of it say little: a failure there would be another
+    one. A torque of 0 on a dynamometer is a reference like any other.
     """
     period = fields.get("control_period_s", scenario.control_period_s)
     if "duration_s" in fields:
@@ -118,7 +130,8 @@ def simplified(scenario: Scenario, fields: Fields) -> Scenario | None:
         simpler = scenario.replaced(**fields)
     except InputError:
         return None
-    if _is_loaded(scenario) and not _is_loaded(simpler):
+    is_load = not isinstance(simpler.load, DynamometerLoad)
+    if is_load and _is_loaded(scenario) and not _is_loaded(simpler):
         return None
     return simpler if size_of(simpler.to_mapping()) < size_of(scenario.to_mapping()) else None
 

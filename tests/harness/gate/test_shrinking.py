@@ -8,10 +8,13 @@ from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.controller import Controller
 from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.contracts.contract import Witness
 from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.contracts.current.record import CurrentRecord
 from drivegate.contracts.current.scenarios.building import steady_scenario
 from drivegate.contracts.current.scenarios.feasibility import is_fair
+from drivegate.contracts.duty.document import duty_document
+from drivegate.contracts.duty.scenarios.building import torque_scenario
 from drivegate.drives.running import run_scenario
 from drivegate.gate.shrinking import ShrinkPlan, Shrunk, run_shrink
 from drivegate.scenarios.changes import (
@@ -235,3 +238,46 @@ def test_a_shorter_script_has_less_size() -> None:
     script = {"kind": "script", "steps": [{"speed": 1.0, "power": 2.0}] * 3}
     shorter = {"kind": "script", "steps": [{"speed": 1.0, "power": 2.0}] * 2}
     assert size_of(shorter) < size_of(script)
+
+
+def test_the_plainest_operating_point_has_the_least_size() -> None:
+    def at(speed: float, torque: float) -> int:
+        drive = load_drive("pm-ac-interior")
+        return size_of(torque_scenario(duty_document(drive), speed, (torque,)).to_mapping())
+
+    highest = load_drive("pm-ac-interior").rating.highest_speed_rpm
+    sizes = [at(0.0, 1.0), at(1000.0, 1.0), at(highest, 1.0), at(-highest, 1.0), at(-highest, -1.0)]
+    assert sizes == sorted(set(sizes)), "at rest, below base speed, above, backward, braked"
+
+
+@pytest.mark.parametrize("is_witnessed", [True, False])
+def test_what_a_witness_meets_stays_one_that_a_witness_meets(
+    is_witnessed: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The witness here meets the check only while the speed changes, and not in any plainer run."""
+    asked: list[Scenario] = []
+
+    def meets(check: str, scenario: Scenario, *_: Any) -> Witness | None:
+        asked.append(scenario)
+        return (
+            Witness("reference", ("half-bridge",)) if is_witnessed and len(scenario.speed_rpm) > 1 else None
+        )
+
+    monkeypatch.setattr("drivegate.gate.shrinking.witness_that_meets", meets)
+    found = shrunk("initial", changing(), "CNV-2", worst=-10.0)
+    assert found is not None
+    assert (len(found.scenario["speed_rpm"]) > 1) is is_witnessed
+    assert asked, "without a witness in the first scenario any simpler failure will do"
+
+
+def test_of_several_failures_one_that_a_witness_meets_is_shrunk(monkeypatch: pytest.MonkeyPatch) -> None:
+    def meets(check: str, scenario: Scenario, *_: Any) -> Witness | None:
+        return Witness("reference", ("half-bridge",)) if scenario.supply_v is not None else None
+
+    monkeypatch.setattr("drivegate.gate.shrinking.witness_that_meets", meets)
+    simplest, other = steady_scenario(DRIVE, 1500.0, power_share=1.0, constant_power=False), changing()
+    plan = ShrinkPlan(simplest.to_mapping(), "CNV-2", 5, -10.0, (other.to_mapping(),))
+    found = run_shrink(Loaded("initial"), plan)  # type: ignore[arg-type]
+    assert found is not None
+    assert found.scenario["supply_v"] is not None
+    assert found.runs <= 5

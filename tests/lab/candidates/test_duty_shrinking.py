@@ -58,3 +58,24 @@ def test_a_peak_of_the_current_does_not_grow_as_its_scenario_becomes_simpler() -
     first, found = (shrunk("faulty:generous-current-limit", start, "OVC-1", budget) for budget in (1, 25))
     assert size_of(found.scenario) < size_of(first.scenario)
     assert limit < float(found.margin.measured.split()[0]) <= float(first.margin.measured.split()[0])
+
+
+def test_a_failure_at_every_speed_is_shown_at_rest() -> None:
+    """A torque that rises late does so at any speed, also backward at top speed, where it was found."""
+    highest = -INTERIOR.rating.highest_speed_rpm
+    levels = [torque_of(INTERIOR, highest, share) for share in (-0.5, 0.0, -0.5)]
+    start = torque_scenario(INTERIOR, highest, levels)
+    found = shrunk("faulty:slow-currents", start, "STP-1", 25)
+    assert {speed for _, speed in found.scenario["speed_rpm"]} == {0.0}
+    assert min(torque for _, torque in found.scenario["load"]["torque_reference_nm"]) >= 0.0, (
+        "and not braking"
+    )
+
+
+def test_a_failure_without_torque_is_shrunk_to_a_run_without() -> None:
+    """Among six torques over six seconds is one of 0, and weakening that stays on fails there as well."""
+    levels = [torque_of(INTERIOR, 0.0, share) for share in (0.5, -0.3, 0.0, 0.8, -0.7, 0.2)]
+    start = torque_scenario(INTERIOR, 0.0, levels)
+    found = shrunk("faulty:stuck-weakening", start, "FWK-2", 25)
+    assert {torque for _, torque in found.scenario["load"]["torque_reference_nm"]} == {0.0}
+    assert found.scenario["duration_s"] < 0.3 * start.duration_s

@@ -104,8 +104,10 @@ def _fewer_speeds(scenario: Scenario) -> Iterator[Fields]:
 
 
 def _fewer(values: list[float]) -> Iterator[tuple[float, ...]]:
-    """List each of some values, and the pairs of neighbours of more than two."""
-    yield from ((value,) for value in dict.fromkeys(values))
+    """List each of some values, the plainest first, and the pairs of neighbours of more than two."""
+    yield from (
+        (value,) for value in sorted(dict.fromkeys(values), key=lambda value: (abs(value), value < 0.0))
+    )
     if len(values) > 2:
         yield from pairwise(values)
 
@@ -124,9 +126,11 @@ def _rounder_speed(scenario: Scenario) -> Iterator[Fields]:
     begin = scenario.initial_speed_rpm
     starts = begin == scenario.speed_rpm[0][1]
     if len(scenario.speed_rpm) == 1:
+        own = sense_of(scenario.speed_rpm[0][1])
         for share in (-1.0, 0.0, 0.5, 1.0):
-            plain = sense_of(scenario.speed_rpm[0][1]) * speed_of(drive, share)
-            yield {"speed_rpm": ((0.0, plain),), "initial_speed_rpm": plain if starts else begin}
+            for sense in dict.fromkeys((1.0, own)):
+                plain = sense * speed_of(drive, share)
+                yield {"speed_rpm": ((0.0, plain),), "initial_speed_rpm": plain if starts else begin}
     for share in _GRAIN_SHARES:
         whole = to_whole(nearest_step(share * base))
         rounder = tuple((time, whole(speed)) for time, speed in scenario.speed_rpm)
