@@ -15,7 +15,7 @@ from typing import Any
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import own_candidate
 from drivegate.contracts.catalogue import contract_of
-from drivegate.contracts.duty.likely_causes import LIKELY_CAUSES, likely_causes, signs_of
+from drivegate.contracts.duty.likely_causes import LIKELY_CAUSES, LikelyCause, likely_causes, signs_of
 from drivegate.drives.running import recorded
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_lab.candidates.duty_faults import DUTY_FAULTS
@@ -49,9 +49,13 @@ def rows(drive: DriveDocument) -> Iterator[tuple[str, list[dict[str, Any]]]]:
 def counted(failures: Mapping[str, list[dict[str, Any]]]) -> tuple[int, int, int]:
     """Count faults, those whose cause is named first, and those whose cause is named at all."""
     right = {name: cause for cause in LIKELY_CAUSES for name in cause.faults}
-    named = {name: likely_causes(failed) for name, failed in failures.items()}
+    named = {name: _named(failed) for name, failed in failures.items()}
     first = sum(causes[:1] == (right.get(name),) for name, causes in named.items())
     return len(failures), first, sum(right.get(name) in causes for name, causes in named.items())
+
+
+def _named(failed: list[dict[str, Any]]) -> tuple[LikelyCause, ...]:
+    return tuple(cause for cause, _ in likely_causes(failed))
 
 
 def main(names: list[str]) -> None:
@@ -59,7 +63,7 @@ def main(names: list[str]) -> None:
     for drive in map(load_drive, names or ["pm-ac-interior", "pm-ac-surface"]):
         failures = dict(rows(drive))
         for name, failed in failures.items():
-            causes = "; ".join(cause.words for cause in likely_causes(failed)) or "none"
+            causes = "; ".join(cause.words for cause in _named(failed)) or "none"
             sys.stdout.write(f"{name}: {' '.join(sorted(signs_of(failed)))} -> {causes}\n")
         faults, first, any_of_two = counted(failures)
         counts = {"drive": drive.name, "faults": faults, "named_first": first, "named": any_of_two}

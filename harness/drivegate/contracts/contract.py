@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
@@ -223,8 +223,18 @@ class Contract(ABC):
         """Return what a failed run shows that other failed checks may show too, in one clause; None for nothing."""
         return None
 
-    def likely_causes(self, _checks: Sequence[Mapping[str, Any]], /) -> tuple[str, ...]:
-        """Return the likely causes of failed checks, each with what would confirm it, in one clause."""
+    def likely_causes(
+        self,
+        _failed: Sequence[Mapping[str, Any]],
+        _met: Collection[str],
+        _unjudged: Collection[str],
+        _command: Callable[[str], str],
+        /,
+    ) -> tuple[str, ...]:
+        """Return the likely causes of failed checks, each in one clause with what confirms it.
+
+        That is another check that failed, or the command that runs one which was not judged.
+        """
         return ()
 
     def causes_of(self, _check: str, /) -> tuple[str, ...]:

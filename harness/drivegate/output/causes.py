@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from shlex import quote
 from typing import Any, Final
 
+from drivegate.candidates.declaration import Declaration
 from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.recorded_trace import recorded_trace
+from drivegate.output.wording import drive_option
 
 FEWEST_CHECKS: Final = 2
 """Failed checks from which on something counts as their common cause."""
@@ -47,11 +50,33 @@ def causes_of(document: Mapping[str, Any]) -> tuple[Cause, ...]:
 
 def likely_causes_of(document: Mapping[str, Any]) -> tuple[str, ...]:
     """Name the likely causes of the failed checks of a result, the likeliest first."""
-    failed = [check for check in document["checks"] if check["verdict"] in _TO_BE_MET]
+    checks = document["checks"]
+    failed = [check for check in checks if check["verdict"] in _TO_BE_MET]
+    met = {str(check["id"]) for check in checks if check["verdict"] == "pass"}
     traces = (recorded_trace(document, check) for check in failed)
     drive = next((trace.scenario.drive for trace in traces if trace is not None), None)
-    causes = () if drive is None else contract_of(drive).likely_causes(failed)
+    if drive is None:
+        return ()
+    settled = {str(check["id"]) for check in checks if check["verdict"] != "inconclusive"}
+    declaration = _declaration_in(document)
+    unjudged = {
+        check.id
+        for check in contract_of(drive).checks
+        # What does not apply to the candidate cannot confirm anything.
+        if check.id not in settled and check.reason_not_applicable(declaration, drive) is None
+    }
+    checked = f"drivegate check {quote(str(document['candidate']['specification']))}{drive_option(document)}"
+    causes = contract_of(drive).likely_causes(
+        failed, met, unjudged, lambda check: f"{checked} --only {check}"
+    )
     return tuple(f"likely cause {place} of {len(causes)}: {words}" for place, words in enumerate(causes, 1))
+
+
+def _declaration_in(document: Mapping[str, Any]) -> Declaration:
+    """Read what the candidate declares, as far as checks apply by it."""
+    stated = document["candidate"]["declaration"]
+    known = {field.name: stated[field.name] for field in fields(Declaration) if field.name in stated}
+    return Declaration(**known)
 
 
 def first_to_mend(document: Mapping[str, Any]) -> Mapping[str, Any] | None:

@@ -7,10 +7,7 @@ import pytest
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import own_candidate
 from drivegate.contracts.catalogue import contract_named
-from drivegate.contracts.duty.likely_causes import (
-    LIKELY_CAUSES,
-    likely_causes_in_words,
-)
+from drivegate.contracts.duty.likely_causes import LIKELY_CAUSES, likely_causes
 from drivegate.contracts.duty.scenarios.building import share_scenario, with_lost_samples
 from drivegate.drives.running import recorded
 from drivegate_cases.drive.drive_document import load_drive
@@ -46,4 +43,4 @@ def test_a_faulty_controller_is_explained_by_its_own_cause(name: str, share: flo
         for each in margins
         if not each.met and not each.advisory
     ]
-    assert words in likely_causes_in_words(failed)[0]
+    assert words in likely_causes(failed)[0][0].words

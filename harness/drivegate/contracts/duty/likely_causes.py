@@ -6,9 +6,9 @@ The self-test's faults validate it: `python benchmarks/likely_causes.py` counts 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, Final, Literal
 
 from drivegate.contracts.duty.checks.accuracy import BRIDGE_OFF
 
@@ -25,19 +25,21 @@ class LikelyCause:
     words: str
     signs: frozenset[str]
     """What fails: checks, each with what its measured value shows where that distinguishes causes."""
-    confirmed_by: str
-    """What confirms it, in one clause that begins with the check."""
+    confirmations: tuple[tuple[str, str], ...]
+    """Signs that confirm it, the surest first, each with what its check shows then."""
     faults: tuple[str, ...]
     """Faulty controllers with this cause."""
 
-    @property
-    def confirming_check(self) -> str:
-        """The check whose failure confirms it."""
-        return self.confirmed_by.split()[0]
-
 
 def _cause(words: str, signs: str, confirmed_by: str, faults: str) -> LikelyCause:
-    return LikelyCause(words, frozenset(signs.split()), confirmed_by, tuple(faults.split()))
+    """Make a cause; `confirmed_by` lists checks, such as ``STA-1: the shaft does not start; SYM-1: it is uneven``."""
+    pairs = (listed.partition(": ") for listed in confirmed_by.split("; "))
+    return LikelyCause(
+        words,
+        frozenset(signs.split()),
+        tuple((check, shows) for check, _, shows in pairs),
+        tuple(faults.split()),
+    )
 
 
 LIKELY_CAUSES: Final = (
@@ -45,112 +47,112 @@ LIKELY_CAUSES: Final = (
         "the order of the phases, the pole pairs or the sign of currents or angle is wrong",
         "ACC-1 ACC-1:torque DEC-1 EFF-1 FWK-1 FWK-3 FWK-3:braking OVC-1 OVC-2 ROB-4 ROB-4:error ROB-5 SAF-1 STA-1 "
         "STP-1 STP-1:late",
-        "STA-1 confirms it: the shaft does not start, or turns backward",
+        "STA-1: the shaft does not start, or turns backward; ROB-4: the speed runs away from its reference",
         "wrong-pole-pairs swapped-phases reversed-currents swapped-hall-switches short-encoder-counter",
     ),
     _cause(
         "a current sensor has an offset",
         "ACC-1 EFF-1 FWK-1 OVC-2 RIP-4 ROB-4 ROB-5 STP-1",
-        "RIP-4 confirms it: the torque swings once a cycle",
+        "RIP-4: the torque swings once a cycle",
         "current-sensor-offset small-current-offset offsets-under-current offsets-after-idling",
     ),
     _cause(
         "currents or torque are scaled wrong: by a sensor's gain, the magnet's flux, or core loss that is counted as a "
         "current",
         "ACC-1 ACC-1:torque EST-1 ROB-5 STP-1 STP-1:late",
-        "ACC-1 confirms it: the torque is off in proportion to its reference",
+        "ACC-1:torque: the torque is off in proportion to its reference; EST-1: the estimate of the torque is off too",
         "current-sensor-gain weak-magnets-assumed current-sensors-low swings-damped-one-way",
     ),
     _cause(
         "the angle of the shaft has an offset",
         "ACC-1 ACC-1:torque FWK-1 FWK-2 FWK-2:negative SYM-1",
-        "SYM-1 confirms it: a run backward is not the mirror image",
+        "SYM-1: a run backward is not the mirror image; FWK-2:negative: there is d current where none is best",
         "angle-offset start-angle-assumed phase-after-false-edges turns-summed-in-single-precision "
         "edges-summed-in-single-precision",
     ),
     _cause(
         "the inductances of d and q are swapped or taken for equal, or the d current has the wrong sign",
         "ACC-1 EFF-1 FWK-2 FWK-2:positive MTP-1 OVC-1 OVC-2 STP-1 STP-1:late",
-        "MTP-1 confirms it: the torque takes more than its least current",
+        "MTP-1: the torque takes more than its least current; EFF-1: it costs more than its least loss",
         "saliency-ignored swapped-axes direct-inductance-doubled field-strengthened",
     ),
     _cause(
         "weakening stays on where the voltage is free",
         "ACC-1 EFF-1 FWK-2 FWK-2:negative MTP-1 OVC-2 STP-1 STP-1:late",
-        "FWK-2 confirms it: there is d current at standstill",
+        "FWK-2:negative: there is d current at standstill; MTP-1: the torque takes more than its least current",
         "stuck-weakening strong-magnets-assumed weakening-kept-near-base",
     ),
     _cause(
         "the gains of the current regulator are too high, or its integral alone is: a zero makes the torque overshoot",
         "DEC-1 STP-1 STP-1:overshoot",
-        "STP-1 confirms it: the torque overshoots",
+        "STP-1:overshoot: the torque overshoots; DEC-1: a step of the torque moves the d current",
         "nervous-currents eager-integrals",
-    ),
-    _cause(
-        "the current regulator is too slow, or its voltage is limited too early",
-        "DEC-1 STP-1 STP-1:late",
-        "STP-1 confirms it: the torque rises late",
-        "slow-currents clamped-phases",
     ),
     _cause(
         "the delay of a control period is not compensated, or by the wrong angle",
         "DEC-1 FWK-3 FWK-3:braking",
-        "DEC-1 confirms it: a step of the torque moves the d current",
+        "FWK-3:braking: braking at high speed lacks torque; DEC-1: a step of the torque moves the d current",
         "delay-turned-back delay-overcompensated late-samples one-way-prediction",
+    ),
+    _cause(
+        "the current regulator is too slow, or its voltage is limited too early",
+        "DEC-1 STP-1 STP-1:late",
+        "STP-1:late: the torque rises late; DEC-1: a step of the torque moves the d current",
+        "slow-currents clamped-phases",
     ),
     _cause(
         "the speed or its regulator is wrong, in scale or integral part",
         "ACC-1 ACC-1:speed ROB-4 ROB-4:error ROB-5",
-        "ROB-4 confirms it: the speed is off",
+        "ROB-4:error: the speed is off after a step; ACC-1:speed: the speed is off in steady state",
         "speed-misread no-speed-integral slow-torque speed-clipped speed-taken-for-constant",
     ),
     _cause(
         "the speed regulator assumes another inertia",
         "ROB-4 ROB-4:overshoot",
-        "ROB-4 confirms it: the speed overshoots with another inertia",
+        "ROB-4:overshoot: the speed overshoots after a step",
         "light-rotor-assumed heavy-rotor-assumed",
     ),
     _cause(
-        "less voltage or current is used than there is",
+        "the controller limits voltage or current below what the drive has",
         "FWK-1 FWK-2 FWK-2:negative",
-        "FWK-1 confirms it: torque is missing above base speed",
+        "FWK-1: torque is missing above base speed; FWK-2:negative: there is more d current than the voltage needs",
         "supply-underestimated resistance-overestimated shallow-weakening shrunken-ratios shy-current-limit "
         "braking-reserve",
     ),
     _cause(
         "the current limit is taken too high",
         "FWK-3 FWK-3:current OVC-1 OVC-2",
-        "OVC-2 confirms it: the steady current exceeds the limit",
+        "OVC-2: the steady current exceeds the limit; OVC-1: its peaks do",
         "generous-current-limit lenient-current-limit",
     ),
     _cause(
         "commands are not limited to what the bridge can do",
         "DUT-1",
-        "DUT-1 confirms it: duty ratios or control period leave their range",
+        "DUT-1: duty ratios or control period leave their range",
         "unclamped-ratios long-period",
     ),
     _cause(
         "the modulation is discontinuous, and the manifest does not declare it by the key 'modulation'",
         "RIP-4:clamped",
-        "RIP-4 confirms it: a leg is clamped to a rail nearly always",
+        "RIP-4:clamped: a leg is clamped to a rail nearly always",
         "",
     ),
     _cause(
         "dead time is not compensated, or too much",
         "DTM-1",
-        "DTM-1 confirms it: torque ripple at low speed vanishes without dead time",
+        "DTM-1: the torque swings at low speed with dead time, and not without",
         "dead-time-times-ten",
     ),
     _cause(
         "the estimate of the torque has a wrong factor, or lacks the reluctance torque",
         "EST-1",
-        "EST-1 confirms it: the estimate is off while the torque is right",
+        "EST-1: the estimate is off while the torque is right",
         "torque-of-rms-currents",
     ),
     _cause(
         "a failure is detected late, or not at all",
         "SAF-1",
-        "SAF-1 confirms it: the drive is not safe in time",
+        "SAF-1: the drive is not safe in time",
         "third-current-computed patient-stall-watch hall-edges-counted hall-edge-awaited jump-of-angle-believed "
         "jumps-of-angle-smoothed",
     ),
@@ -158,7 +160,7 @@ LIKELY_CAUSES: Final = (
         "the bridge is off where nothing has failed: by a trip, or since the controller waits for 'enable' and the "
         "manifest does not state 'reads_enable'",
         "ACC-1 ACC-1:torque ACC-1:off ROB-4 ROB-5",
-        "ACC-1 confirms it: all legs are off, and the fault code names the trip",
+        "ACC-1:off: all legs are off, and the fault code names the trip",
         "undervoltage-at-once lost-currents-trip false-edges-trip swinging-speed-trips impatient-stall-watch "
         "sag-taken-for-short-circuit lift-taken-for-broken-coupling lowering-refused overvoltage-ends-braking",
     ),
@@ -166,19 +168,43 @@ LIKELY_CAUSES: Final = (
         "the controller is not ready when the bridge turns on: its integrals and filters begin at 0 while the shaft "
         "turns, so preload them while 'enable' is 0, with 'reads_enable' in the manifest",
         "OVC-1 OVC-1:beginning",
-        "OVC-1 confirms it: the current peaks as the bridge turns on",
+        "OVC-1:beginning: the current peaks as the bridge turns on",
         "",
     ),
     _cause(
         "a reset leaves part of the state as it was",
         "DET-1",
-        "DET-1 confirms it: the same run differs the second time",
+        "DET-1: the same run differs the second time",
         "failure-survives-reset lost-samples-add-up",
+    ),
+    _cause(
+        "the speed reaches the regulators late, through a filter or a difference over many steps",
+        "DEC-1 ROB-4 ROB-4:overshoot ROB-5 STP-1 STP-1:overshoot",
+        "ROB-4:overshoot: the speed overshoots after a step; DEC-1: a step of the torque moves the d current",
+        "",
+    ),
+    _cause(
+        "the output is frozen or saturated: duty ratios that no longer change, or a limit that is too narrow",
+        "ACC-1 ACC-1:torque FWK-1 RIP-4 ROB-4 ROB-4:error ROB-5 STP-1 STP-1:late SYM-1",
+        "STP-1:late: a step of the torque does not arrive; FWK-1: torque is missing above base speed",
+        "",
+    ),
+    _cause(
+        "a torque reference that is small loses its sign, or is taken for 0",
+        "ACC-1 ACC-1:torque SYM-1",
+        "SYM-1: a run backward is not the mirror image; ACC-1: only small torques are off",
+        "",
+    ),
+    _cause(
+        "a number that is none is turned into an integer, such as a quotient by 0 into a duty ratio or an angle",
+        "ACC-1 ACC-1:torque DUT-1 OVC-1 RIP-4",
+        "DUT-1: duty ratios jump to the end of their range; OVC-1: the current peaks where they do",
+        "",
     ),
     _cause(
         "part of the range of references is refused or limited",
         "ACC-1",
-        "ACC-1 confirms it: only some speeds or signs of torque are off",
+        "ACC-1: only some speeds or signs of torque are off",
         "weak-braking braking-cut-off slow-shaft-unseen idle-speed-forced backward-refused microseconds-signed "
         "braking-ends-at-highest-speed overspeed-taken-early torque-ramped-after-stall "
         "reference-clipped reference-missed-with-link reference-missed-with-sample",
@@ -217,24 +243,81 @@ def _signs(check: str, measured: str) -> Iterator[str]:
         yield f"{check}:{'negative' if float(found[1]) < float(found[2]) else 'positive'}"
 
 
-def likely_causes(checks: Iterable[Mapping[str, Any]]) -> tuple[LikelyCause, ...]:
+@dataclass(frozen=True)
+class Confirmation:
+    """What another check than the failed ones that suggest a cause says of it."""
+
+    kind: Literal["confirmed", "not run", "alone"]
+    """Whether a further check confirms it, one that was not run would, or none but the failed one shows it."""
+    check: str
+    shows: str
+
+
+def likely_causes(
+    failed: Iterable[Mapping[str, Any]], met: Collection[str] = (), unjudged: Collection[str] | None = None
+) -> tuple[tuple[LikelyCause, Confirmation], ...]:
     """Return the causes whose signs agree best with those of failed checks, the likeliest first.
 
-    Of causes that agree equally well, those whose confirming check has failed come first.
+    A cause whose confirming checks were all met is left out. Of causes that agree equally well, those that another
+    failed check confirms come first.
+
+    Parameters
+    ----------
+    failed : iterable of mappings
+        Failed checks, each with ``id`` and ``measured``.
+    met : collection of str
+        Identifiers of checks that were judged and are met.
+    unjudged : collection of str, optional
+        Identifiers of checks that were not run but can be; by default all others.
     """
-    shown = signs_of(checks)
-    rated = [
-        (_agreement(cause.signs, shown), cause.confirming_check in shown, cause) for cause in LIKELY_CAUSES
-    ]
-    known = sorted(
-        (each for each in rated if each[0] >= _LEAST_AGREEMENT), key=lambda each: each[:2], reverse=True
+    shown = signs_of(failed)
+    rated = []
+    for cause in LIKELY_CAUSES:
+        confirmation = _confirmation(cause, shown, met, unjudged)
+        agreement = _agreement(cause.signs, shown)
+        if confirmation is not None and agreement >= _LEAST_AGREEMENT:
+            rated.append((agreement, confirmation.kind == "confirmed", cause, confirmation))
+    rated.sort(key=lambda each: each[:2], reverse=True)
+    return tuple((cause, confirmation) for _, _, cause, confirmation in rated[:MOST_NAMED])
+
+
+def _confirmation(
+    cause: LikelyCause, shown: frozenset[str], met: Collection[str], unjudged: Collection[str] | None
+) -> Confirmation | None:
+    """Find out what confirms a cause; a failed check does not confirm what it alone suggests."""
+    evidence = {sign for sign in cause.signs & shown if ":" not in sign}
+    named = [(sign, sign.partition(":")[0], shows) for sign, shows in cause.confirmations]
+    for sign, check, shows in named:
+        if sign in shown and evidence - {check}:
+            return Confirmation("confirmed", check, shows)
+    for _, check, shows in named:
+        if check not in shown and check not in met and (unjudged is None or check in unjudged):
+            return Confirmation("not run", check, shows)
+    # The surest one speaks against the cause where it was judged and shows nothing of it.
+    sign, check, shows = named[0]
+    return Confirmation("alone", check, shows) if sign in shown else None
+
+
+def likely_causes_in_words(
+    failed: Iterable[Mapping[str, Any]],
+    met: Collection[str],
+    unjudged: Collection[str],
+    command: Callable[[str], str],
+) -> tuple[str, ...]:
+    """Name the likely causes of failed checks, each with what confirms it; `command` runs a check by itself."""
+    return tuple(
+        f"{cause.words}; {_in_words(confirmation, command)}"
+        for cause, confirmation in likely_causes(failed, met, unjudged)
     )
-    return tuple(cause for _, _, cause in known[:MOST_NAMED])
 
 
-def likely_causes_in_words(checks: Iterable[Mapping[str, Any]]) -> tuple[str, ...]:
-    """Name the likely causes of failed checks, each with what would confirm it."""
-    return tuple(f"{cause.words}; {cause.confirmed_by}" for cause in likely_causes(checks))
+def _in_words(confirmation: Confirmation, command: Callable[[str], str]) -> str:
+    check, shows = confirmation.check, confirmation.shows
+    if confirmation.kind == "confirmed":
+        return f"{check} fails too, which confirms it: {shows}"
+    if confirmation.kind == "alone":
+        return f"no other check confirms it; see in the run of {check} whether {shows}"
+    return f"not confirmed yet; {command(check)} fails if so: {shows}"
 
 
 def _agreement(signs: frozenset[str], shown: frozenset[str]) -> float:

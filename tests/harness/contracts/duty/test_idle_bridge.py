@@ -178,7 +178,7 @@ def test_a_fault_of_enable_is_named_as_one(tmp_path: Path) -> None:
     assert not isinstance(found, Fault), found
     _, measured = found
     assert "ms after the bridge turns on" in measured, "without a voltage it is a short circuit"
-    causes = likely_causes([{"id": "OVC-1", "measured": measured}])
+    causes = [cause for cause, _ in likely_causes([{"id": "OVC-1", "measured": measured}])]
     assert "while 'enable' is 0" in causes[0].words
 
 

@@ -68,7 +68,7 @@ def test_a_link_that_dips_a_little_is_none(interior: PmAcDocument, run: Run) -> 
     assert margin is not None
     assert not margin.met
     assert "where the controller has turned all legs off, with the fault code 3" in margin.measured
-    (first, *_) = likely_causes([{"id": "ACC-1", "measured": margin.measured}])
+    ((first, _), *_) = likely_causes([{"id": "ACC-1", "measured": margin.measured}])
     assert "'reads_enable'" in first.words, "or it waits for enable"
 
 
