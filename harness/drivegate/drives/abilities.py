@@ -14,6 +14,7 @@ from drivegate.drives.power_reach import UnreachableRating, setting_words, unrea
 from drivegate.drives.required_ripple import UnreachableRipple
 from drivegate_cases.documents.wording import rounded_to_digits
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
+from drivegate_cases.drive.usual_values import unusual_keys
 from drivegate_models.errors import InputError
 
 ABILITIES: Final[Mapping[str, Ability]] = {
@@ -77,8 +78,10 @@ def refuse_unreachable(document: DriveDocument) -> None:
     for found in refusals(document):
         if isinstance(found, TooSlow):
             raise InputError(f"the drive '{document.name}' is too slow to be checked: {found.sentence()}")
+        suspects = unusual_keys(document)
+        first = f"; correct {', '.join(suspects)} first, from which it may follow" if suspects else ""
         raise InputError(
-            f"no controller can meet what the drive '{document.name}' requires: {found.sentence()}"
+            f"no controller can meet what the drive '{document.name}' requires: {found.sentence()}{first}"
         )
 
 

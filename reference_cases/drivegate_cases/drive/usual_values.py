@@ -140,13 +140,17 @@ def _short(value: float) -> str:
     return f"{float(f'{value:.2g}'):g}"
 
 
-def unusual_values(drive: DriveValues) -> tuple[str, ...]:
-    """Describe each value that is far outside the usual range; a value that others are compared with comes alone."""
+def unusual_keys(drive: DriveValues) -> dict[str, str]:
+    """Describe each value far outside its usual range, by key; one that others are compared with comes alone."""
     for ranges in drive.usual_ranges():
         values = [(usual, float(drive.value(usual.key))) for usual in ranges]
-        if unusual := tuple(usual.warning(value) for usual, value in values if not usual.holds(value)):
+        if unusual := {usual.key: usual.warning(value) for usual, value in values if not usual.holds(value)}:
             return unusual
-    return ()
+    return {}
+
+
+def unusual_values(drive: DriveValues) -> tuple[str, ...]:
+    return tuple(unusual_keys(drive).values())
 
 
 def ranges_of_supply_and_speed(supply_key: str) -> tuple[UsualRange, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite, sqrt
 from typing import Any, Final
@@ -10,6 +11,7 @@ from rich.console import Console
 
 from drivegate.drives.abilities import ability_of
 from drivegate.drives.power_reach import setting_words
+from drivegate.drives.sheet_values import sheet_in_words
 from drivegate.output.console import number, print_ending, print_line, table
 from drivegate_cases.documents.wording import decimal_exponent
 from drivegate_cases.drive.drive_document import DriveDocument
@@ -104,6 +106,11 @@ def show_drive(console: Console, document: dict[str, Any], name: str, drive: Dri
         if short or is_wide
     ]
     heads = [head for _, head, _ in columns]
+    print_line(
+        console, f"as a data sheet: {sheet_in_words(document['data_sheet'], drive.machine.pole_pairs)}"
+    )
+    for words in document["doubts"]:
+        print_line(console, f"warning: {words}", "yellow")
     listed = table(*heads, right=tuple(heads), title=title)
     for point in points:
         listed.add_row(*(number(point[key], decimals) for key, _, decimals in columns))
@@ -119,7 +126,11 @@ def show_drive(console: Console, document: dict[str, Any], name: str, drive: Dri
     refused = document["unreachable"]
     for row in refused:
         print_line(console, f"a check refuses this drive: {row['message']}", "bold red")
-    print_ending(console, document["files"], _changes(refused) if refused else advice)
+    suspects = document["suspects"]
+    if refused:
+        # What follows from a wrong unit is no value to write down.
+        advice = _corrections(suspects, document["doubts"]) or _changes(refused)
+    print_ending(console, document["files"], advice)
 
 
 def _decimals(values: list[float | None], usual: int, is_apart: bool) -> int:
@@ -134,6 +145,16 @@ def _decimals(values: list[float | None], usual: int, is_apart: bool) -> int:
     ):
         decimals += 1
     return decimals
+
+
+def _corrections(suspects: Mapping[str, str], doubts: Sequence[str]) -> str:
+    """Return what to correct first: the values that are far off their kind; nothing where none is."""
+    known = [*suspects.values(), *doubts]
+    return (
+        f"correct {', '.join(suspects) or 'this'} first, since the rest follows from it: {known[0]}"
+        if known
+        else ""
+    )
 
 
 def _changes(refused: list[dict[str, Any]]) -> str:

@@ -8,12 +8,14 @@ from pathlib import Path
 from typing import Any, Final
 
 from drivegate.drives.abilities import ability_of, refusals
+from drivegate.drives.sheet_values import doubtful_values, sheet_values
 from drivegate.output.progress import progress_on, with_rate
 from drivegate.studies.drive.figure import write_figure
 from drivegate.studies.drive.fit import fit_document, read_measured
 from drivegate_cases.documents.wording import counted
 from drivegate_cases.drive.data_sheet import following
 from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.usual_values import unusual_keys
 
 SCHEMA: Final = 1
 
@@ -33,12 +35,22 @@ def studied_drive(chosen: DriveDocument, *, plot: Path | None = None) -> dict[st
             {"key": key, "value": chosen.value(key), "from": source}
             for key, source in following(chosen).items()
         ],
+        "data_sheet": sheet_values(chosen),
+        "doubts": list(_doubts(chosen, is_refused=bool(refused))),
+        "suspects": unusual_keys(chosen),
         "unreachable": [row.document() for row in refused],
         **envelope,
     }
     if plot is not None:
         write_figure(document, plot)
     return document | {"files": [] if plot is None else [str(plot)]}
+
+
+def _doubts(chosen: DriveDocument, *, is_refused: bool) -> tuple[str, ...]:
+    def accepts(other: DriveDocument) -> bool:
+        return not refusals(other)
+
+    return doubtful_values(chosen, is_refused=is_refused, accepts=accepts)
 
 
 def fitted_drive(chosen: DriveDocument, measured: Path, kept: Sequence[str]) -> dict[str, Any]:
