@@ -120,16 +120,17 @@ def _facts(document: dict[str, Any]) -> tuple[str, ...]:
     """Describe where the voltage is used up, how far rated power reaches, the times and the best efficiency."""
     limit, magnet = document["rating"]["current_limit_a"], document["magnet_current_a"]
     rating, end = document["rating"], document["rated_power_up_to_rpm"]
-    reach = "without end" if end is None else f"up to {end:.5g} rpm"
-    flux = f"within the limit of {limit:g} A" if magnet <= limit else f"above the limit of {limit:g} A"
+    reach = "at any speed" if end is None else f"up to {end:.5g} rpm"
+    flux = f"{'within' if magnet <= limit else 'more than'} the limit of {limit:g} A"
     if rating["highest_speed_rpm"] == rating["base_speed_rpm"]:
         flux += ", but the drive is stated without field weakening"
     elif magnet <= limit:
-        flux += ": the speed range is unbounded"
+        flux += ", so the speed range is unbounded"
     return (
-        f"the current limit uses up the undistorted {document['undistorted_voltage_v']:.4g} V of a phase at "
-        f"{document['voltage_used_up_at_rpm']:.5g} rpm; six steps would give {document['six_step_voltage_v']:.4g} V",
-        f"the magnet's flux is worth {magnet:.4g} A along its axis, {flux}; rated power is there {reach}",
+        f"greatest undistorted phase voltage {document['undistorted_voltage_v']:.4g} V (peak), reached at the current "
+        f"limit from {document['voltage_used_up_at_rpm']:.5g} rpm on; with six-step operation "
+        f"{document['six_step_voltage_v']:.4g} V",
+        f"characteristic current (magnet flux / d inductance) {magnet:.4g} A, {flux}; rated power is available {reach}",
         f"a step every {1e6 * document['control_period_s']:.4g} µs; a steady state is judged "
         f"{document['settling_s']:g} s after a change",
         _most_efficient(document["efficiency_map"]),
@@ -148,8 +149,8 @@ def _most_efficient(charted: dict[str, Any]) -> str:
         return "no torque of the efficiency map is within reach"
     value, speed, torque = max(places)
     return (
-        f"at least loss the efficiency is at most {value:.4g} %, of copper and core alone, near {speed:.4g} rpm and "
-        f"{torque:.4g} N·m"
+        f"best efficiency {value:.4g} % near {speed:.4g} rpm and {torque:.4g} N·m, at the currents of least loss; "
+        "copper and core loss only"
     )
 
 

@@ -10,6 +10,7 @@ from typing import Annotated, Any, Final
 
 from pydantic import BeforeValidator, Field
 
+from drivegate.checks.margin import margin_in_words
 from drivegate.contracts.catalogue import all_checks
 from drivegate.results.document import CheckSection
 from drivegate.results.result import NOT_WITNESSED
@@ -101,17 +102,18 @@ def under_waivers(
 
 
 def _waived(outcome: CheckSection, waiver: Waiver, today: date) -> CheckSection:
-    verdict, sentence = outcome.verdict, f"there is a waiver of {waiver.owner} for it"
+    verdict, sentence = outcome.verdict, f"{waiver.owner} has a waiver for it"
     is_unwitnessed = outcome.verdict == NOT_WITNESSED
     holds = outcome.margin is not None and outcome.margin >= waiver.margin
     if outcome.verdict == "pass":
         verdict = "unexpectedly passes"
-        sentence = f"the waiver of {waiver.owner} is not needed any more and is to be removed"
+        sentence = f"the waiver of {waiver.owner} is no longer needed; remove it"
     elif outcome.verdict == "fail" and today > waiver.expires:
         verdict = "waiver expired"
-        sentence = f"the waiver of {waiver.owner} held until {waiver.expires}"
+        sentence = f"the waiver of {waiver.owner} expired after {waiver.expires}"
     elif outcome.verdict == "fail" and not holds:
-        sentence = f"the waiver of {waiver.owner} holds down to a margin of {waiver.margin:g} only"
+        found = "" if outcome.margin is None else f", not {margin_in_words(outcome.margin)}"
+        sentence = f"the waiver of {waiver.owner} accepts margins down to {waiver.margin:g}{found}"
     elif outcome.verdict == "fail" or (is_unwitnessed and holds and today <= waiver.expires):
         verdict = "waived"
         sentence = f"waived by {waiver.owner} until {waiver.expires}: {waiver.reason}"

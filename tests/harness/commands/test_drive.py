@@ -273,7 +273,7 @@ def test_a_pm_ac_drive_is_reported_by_its_limits_of_current_and_voltage(command,
         assert words in drawn, f"the figure does not tell {words}"
     shown = command("drive", "pm-ac-interior").out
     assert "2168.7 rpm" in shown
-    assert "at least loss the efficiency is at most" in shown
+    assert "best efficiency" in shown
     much = command("drive", "pm-ac-interior", "--set", "rated_power_w=900", "--json").document
     assert "900 W needs 4.09 N·m at 2100 rpm" in much["unreachable"][0]["message"]
 

@@ -51,7 +51,7 @@ def test_each_figure_stands_with_its_words(duty_result: Document, text: str) -> 
     assert f"90 % is reached after {stated.step.rise_ms:.4g} ms" in text
     assert f"a ripple of {figure(stated.torque.peak_to_peak_percent)} % of rated torque" in text
     assert text.count(" % speed, ") >= 16, "eight operating points in the figure's words and in the table"
-    assert "uses up the undistorted 55.43 V of a phase at 585.42 rpm" in text
+    assert "undistorted phase voltage 55.43 V (peak), reached at the current limit from 585.42 rpm on" in text
     assert len(text) < 1_000_000
 
 

@@ -25,10 +25,10 @@ def numbers(drive: DriveDocument, declaration: Declaration) -> dict[str, str]:
         # The time with a locked rotor is stated where it is another one.
         "safe_time": safe if safe == locked else f"{safe} ({locked} with a locked rotor)",
         **_current_error(document, declaration),
-        "rise": f"90 % within {milliseconds(limits.rise_time_s)} and what the voltage takes"
+        "rise": f"90 % within {milliseconds(limits.rise_time_s)}, plus the time that the voltage limit adds"
         if bandwidth is None
         else f"90 % of the currents within {1e3 * declared_rise_s(document, bandwidth):.4g} ms, by the declared "
-        f"bandwidth of {bandwidth:g} rad/s, or what the voltage takes",
+        f"bandwidth of {bandwidth:g} rad/s, or within the least time that the voltage limit allows",
         "transient": f"{transient_periods(document, declaration)} control periods",
     }
 

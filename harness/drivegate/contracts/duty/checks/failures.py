@@ -117,17 +117,18 @@ SAF_1 = Check(
     id="SAF-1",
     families=("failure",),
     requirement=(
-        "After each failure that the candidate declares to detect the drive is soon in a safe state for good, and its "
-        "torque goes hardly beyond the reference until then; behind an edge that is lost it may also go on."
+        "After each failure that the candidate declares to detect, the drive reaches a safe state within {safe_time} "
+        "and stays in it. Until then its torque exceeds the reference by at most {failure_torque}. After a lost edge "
+        "of the position, the controller may instead keep following the reference within {failure_torque}."
     ),
-    limit="{safe_time}, and torque {failure_torque} until then and from then on, or always where it goes on",
+    limit="{safe_time}, and torque {failure_torque} until then and from then on, or throughout where it keeps running",
     scenarios=(
         "runs of the nominal drive in which a phase, a current sensor, the position or the shaft fails, an edge of the "
         "position is lost, or its magnet slips by 45 electrical degrees or more"
     ),
     formula=(
         "the lesser of 1 - time / {safe_time} and 1 - torque beyond 0 to the reference / {failure_torque}; of a drive "
-        "that goes on 1 - torque off the reference / {failure_torque}"
+        "that keeps running 1 - torque off the reference / {failure_torque}"
     ),
     why="What fails, fails in the field, where the torque that nobody asked for moves something.",
     evaluate=safe_state,

@@ -155,8 +155,8 @@ def overshoot_of_speed(
     made = min(max(abs(step), -float(np.min(ahead[: peak + 1]))), regulated_rpm(drive))
     over = max(float(ahead[peak]), 0.0)
     allowed = max(limits.speed_overshoot * made, ERROR_FACTOR * limits.speed_tolerance_rpm)
-    share = f"{100.0 * over / made:.3g} % of the {made:.4g} rpm that its regulator makes"
-    measured = f"speed overshoots by {over:.4g} rpm, {share}, from {start_s:.4g} s on"
+    share = f"{100.0 * over / made:.3g} % of the {made:.4g} rpm step that the regulator makes"
+    measured = f"speed overshoots by {over:.4g} rpm, {share}, after the step at {start_s:.4g} s"
     return Margin("ROB-4", at_most(over, allowed), measured)
 
 
@@ -191,8 +191,9 @@ def _swing(record: DutyRecord, window: DutyWindow) -> Margin:
 ROB_4 = Check(
     id="ROB-4",
     families=("parameter", "speed step", "reversal", "load step", "start"),
-    requirement="The speed follows a step without much overshoot or detour, bears a load in time and does not swing; "
-    "on a plant that differs from the nameplate it is also held.",
+    requirement="After a step, the speed overshoots its reference, moves away from it and sags under a load by no more "
+    "than the limits, and its oscillation does not grow. On a plant that differs from the nameplate, the steady speed "
+    "stays within 2 k1 of its reference.",
     limit="overshoot {speed_overshoot}, swing × {speed_swing_ratio}, detour and on another plant speed error 2 k1, sag "
     "by a load 1.5 times that within the slowest reaction",
     scenarios="runs of a speed reference on the nominal drive, and with R × 0.5 to 2, L × 0.7 to 1.3, ψ × 0.8 to 1.05 "

@@ -183,7 +183,7 @@ def _followed(record: DutyRecord, step: TorqueStep) -> tuple[NDArray[np.float64]
 
 
 def allowed_rise_s(record: DutyRecord, step: TorqueStep) -> float:
-    """Return the longest time of a step: what is stated and what the voltage takes, or what a bandwidth takes."""
+    """Return the longest time of a step: the stated one and what the voltage limit adds, or that of a bandwidth."""
     bandwidth, voltage_time = record.declaration.current_bandwidth, voltage_time_s(record, step)
     remaining = REMAINING if record.follows_current else _remaining_currents(record, step)
     if bandwidth is None:
