@@ -54,6 +54,8 @@ LANGUAGES: Final = {
 }
 MEASURED: Final = re.compile(r"<!-- ([\w ]+): begin -->\n.*?<!-- \1: end -->", re.DOTALL)
 """Tables that other commands write, each named by its page."""
+PRINTED: Final = re.compile(r"<!-- printed: [\w-]+ -->\n.*?<!-- end -->", re.DOTALL)
+"""What `outputs.py` inserts."""
 SIGNALS: Final = MappingProxyType({"current": current_signals, "duty": duty_signals})
 
 
@@ -386,7 +388,9 @@ def _plain(text: str) -> str:
 
 def words(text: str) -> tuple[int, int]:
     """Count the words of a page: by hand, and generated."""
-    generated = sum(len(place[0].split()) for kind in (PLACE, MEASURED) for place in kind.finditer(text))
+    generated = sum(
+        len(place[0].split()) for kind in (PLACE, MEASURED, PRINTED) for place in kind.finditer(text)
+    )
     return len(text.split()) - generated, generated
 
 
