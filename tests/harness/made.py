@@ -12,6 +12,7 @@ from drivegate.results.document import (
     FaultSection,
     ResultDocument,
 )
+from drivegate.results.result import content_hash
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 
 
@@ -59,3 +60,10 @@ def made_result(
         faults=tuple(map(FaultSection.of, faults)),
         **usual | changes,
     )
+
+
+def with_hash(document: dict[str, Any]) -> dict[str, Any]:
+    """Return a result as drivegate writes it, with the hash of its content."""
+    provenance = {"drivegate": "0.1.0", **document.get("provenance", {})}
+    document = {**document, "provenance": provenance}
+    return document | {"provenance": provenance | {"content_hash": content_hash(document)}}

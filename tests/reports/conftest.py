@@ -14,6 +14,7 @@ from typing import Any, TypeVar
 
 import pytest
 from playwright.sync_api import Browser, sync_playwright
+from tests.harness.made import with_hash
 from tests.reports.page_names import PAGE_NAMES
 
 from drivegate.candidates.builtin.loading import BuiltinController
@@ -111,10 +112,10 @@ def _document(**changes: Any) -> Document:
         "faults": [],
         "runs": 131,
         "set_aside": 4,
-        "provenance": {"drivegate": "0.1.0", "packages": {"numpy": "2.0"}, "content_hash": "feed"},
+        "provenance": {"drivegate": "0.1.0", "packages": {"numpy": "2.0"}},
         "timing": {"started_utc": "2030-01-01T00:00:00+00:00", "seconds": 12.5, "workers": 2},
     }
-    return document | changes
+    return with_hash(document | changes)
 
 
 @pytest.fixture
@@ -386,7 +387,6 @@ def _campaign_candidate(name: str, *, fails: bool, **changes: Any) -> Document:
         "verdicts": {"fail": 3, "pass": 1} if fails else {"pass": 4},
         "set_aside": 0,
         "not_passed": violated if fails else met,
-        "cases": {"fig5-search": violated if fails else met, "fig6-settled": met},
         "checks": [
             _campaign_check(check, violated=fails and check == "ROB-1") for check in JUDGED_CHECKS["current"]
         ],

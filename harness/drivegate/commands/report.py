@@ -37,11 +37,12 @@ def command(file: Path, formats: tuple[str, ...], output: Path) -> Outcome:
     """
     from drivegate.output.report_folder import ReportFolder
     from drivegate.output.result_reports import read_result, report_formats, write_reports_again
+    from drivegate.results.result import alteration_of
 
     chosen = report_formats(formats)
     result = read_result(file)
     with ReportFolder(output) as folder:
-        written = write_reports_again(result, file, folder.staging, chosen)
+        written = write_reports_again(result, file, folder.staging, chosen, output)
         folder.commit()
     document = {
         "schema": SCHEMA,
@@ -49,6 +50,7 @@ def command(file: Path, formats: tuple[str, ...], output: Path) -> Outcome:
         "candidate": result["candidate"]["name"],
         "verdict": result["verdict"],
         "formats": list(chosen),
+        "alteration": alteration_of(result),
         "pages": [str(output / page) for page in written.pages.values()],
     }
     return Outcome(document, lambda console: _show(console, document))
@@ -59,6 +61,8 @@ def _show(console: Console, document: dict[str, Any]) -> None:
 
     heading = plain(f"{document['candidate']}: ")
     heading.append_text(verdict_text(document["verdict"]))
+    if document["alteration"]:
+        heading.append(f", but the result {document['alteration']}", "bold red")
     console.print(heading)
     for page in document["pages"]:
         print_line(console, f"report: {page}")

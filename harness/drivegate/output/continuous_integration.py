@@ -6,7 +6,6 @@ import re
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Collection
 from pathlib import Path
-from shlex import quote
 from typing import Any, Final
 
 from drivegate.checks.margin import margin_in_words
@@ -17,9 +16,10 @@ from drivegate.output.explanations import (
     in_runs,
     unjudged_in_words,
 )
+from drivegate.output.rerun import replay_command
 from drivegate.output.result_file import counterexample_name
 from drivegate.output.wording import drive_in_words, printed_margin, runs_in_short
-from drivegate.results.result import NOT_WITNESSED, STALE_WAIVERS, counted_levels
+from drivegate.results.result import NOT_WITNESSED, STALE_WAIVERS, alteration_of, counted_levels
 from drivegate_cases.documents.wording import one_line
 
 JUNIT_FILE: Final = "junit.xml"
@@ -50,6 +50,9 @@ def junit_xml(result: dict[str, Any]) -> bytes:
     counted = counted_levels(result.get("fail_on"))
     seconds = result["timing"].get("seconds", 0.0)
     explained = explanations(result)
+    if altered := alteration_of(result):
+        message = f"the result {altered}"
+        ElementTree.SubElement(_case(suite, name, "content hash"), "error", type="altered", message=message)
     for number, (fault, count) in enumerate(distinct_faults(result["faults"]), start=1):
         case = _case(suite, name, f"fault {number}")
         error = ElementTree.SubElement(
@@ -137,6 +140,7 @@ def markdown(result: dict[str, Any]) -> str:
         "",
         f"{runs_in_short(result)}{on_drive}, effort {escaped(result['effort'])}, "
         f"seed {result['seed']}, drivegate {escaped(result['provenance']['drivegate'])}.",
+        *(["", f"**This result {altered}.**"] if (altered := alteration_of(result)) else []),
         *_faults(result),
         *_causes(result),
         *_what_failed(result),
@@ -167,9 +171,7 @@ def _what_failed(result: dict[str, Any]) -> list[str]:
     )
     if failed:
         # Indented code, in which nothing has to be escaped.
-        candidate = quote(one_line(result["candidate"]["specification"]))
-        files = [counterexample_name(check["id"]) for check in failed]
-        commands = [f"    drivegate replay {file} --candidate {candidate}" for file in files]
+        commands = [f"    {replay_command(result, check['id'])}" for check in failed]
         lines += ["", "Run one again, in the folder of this report:", "", *commands]
     return lines
 

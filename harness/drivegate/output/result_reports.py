@@ -16,9 +16,10 @@ from drivegate.output.report_writers import (
     report_points,
     write_reports,
 )
+from drivegate.output.rerun import moved_to
 from drivegate.output.result_file import write_result_files
 from drivegate.output.streams import harmless
-from drivegate.results.result import NOT_WITNESSED, STALE_WAIVERS, content_hash, counted_levels
+from drivegate.results.result import NOT_WITNESSED, STALE_WAIVERS, alteration_of, counted_levels
 from drivegate_cases.documents.wording import nearest, one_line, shown_path
 from drivegate_models.errors import HarnessFault, InputError
 
@@ -67,7 +68,9 @@ def workflow_commands(result: dict[str, Any]) -> list[str]:
         for entry in result["baseline"] or ()
         if entry["level"] in counted and entry["verdict"] == "fail"
     ]
-    lines = [*first, *judged, *against, *chain(*others)]
+    altered = alteration_of(result)
+    unverified = [("error", "content hash", f"the result {altered}")] if altered else []
+    lines = [*unverified, *first, *judged, *against, *chain(*others)]
     return [
         _command(level, file, f"{name} {title}", message)
         for one_level in _LEVELS
@@ -131,14 +134,22 @@ def write_result(result: dict[str, Any], folder: Path, formats: Mapping[str, Loa
 
 
 def write_reports_again(
-    result: dict[str, Any], path: Path, folder: Path, formats: Mapping[str, LoadWriter]
+    result: dict[str, Any],
+    path: Path,
+    folder: Path,
+    formats: Mapping[str, LoadWriter],
+    place: Path | None = None,
 ) -> WrittenReports:
-    """Write the reports of a result that was read from a file, which somebody may have altered."""
+    """Write the reports of a result that was read from a file, which somebody may have altered.
+
+    The folder is moved to `place` when it is complete, by default it stays.
+    """
     try:
-        written = write_result(result, folder, formats)
+        write_result_files(result, folder)
+        written = write_reports(moved_to(result, path, place or folder), folder, formats)
         written.require_all("made")
     except (HarnessFault, LookupError, TypeError, ValueError, AttributeError, ArithmeticError) as error:
-        if content_hash(result) == result["provenance"].get("content_hash"):
+        if not alteration_of(result):
             raise
         raise InputError(
             f"{shown_path(path)} was altered after drivegate wrote it, and no report can be made from it now: "
@@ -177,23 +188,11 @@ def _same(write: WriteReport) -> LoadWriter:
 
 
 def read_result(path: Path) -> dict[str, Any]:
-    mapping = read_unchecked_result(path)
-    check_result(mapping, path)
-    return mapping
-
-
-def read_unchecked_result(path: Path) -> dict[str, Any]:
-    """Read a document that says of itself that it is the result of a check."""
     # Typed documents take a while to import, and writing needs none.
-    from drivegate.results.counterexample import require_kind
-    from drivegate_cases.documents.reading import read_mapping
+    from drivegate.results.stored import read_stored
 
-    mapping = read_mapping(path)
-    if mapping.get("kind") == "checks":
-        raise InputError(
-            f"{shown_path(path)} holds the results of several candidates; name the result.json of one of them"
-        )
-    require_kind(mapping, "check", path)
+    mapping = read_stored(path)
+    check_result(mapping, path)
     return mapping
 
 

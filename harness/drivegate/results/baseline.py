@@ -12,11 +12,11 @@ import numpy as np
 from pydantic import BeforeValidator, ConfigDict, Field
 
 from drivegate.checks.check import Check, JudgedRun
-from drivegate.results.counterexample import require_kind, resolved_scenario
+from drivegate.results.counterexample import resolved_scenario
 from drivegate.results.document import ComparisonSection
-from drivegate.results.result import RESULT_SCHEMA
+from drivegate.results.result import RESULT_SCHEMA, alteration_of
+from drivegate.results.stored import read_stored
 from drivegate_cases.documents.document import Document, Section, parse_document
-from drivegate_cases.documents.reading import read_mapping
 from drivegate_cases.documents.wording import shown_path
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import InputError
@@ -46,21 +46,22 @@ class Baseline(Document):
     schema_current: ClassVar[int] = RESULT_SCHEMA
     kind: Literal["check"] = Field(description="kind of document")
     fixed: tuple[FixedRun, ...] = Field(description="list of fixed scenarios with their margins")
+    alteration: str = Field(
+        default="",
+        description="how it differs from what drivegate wrote, in words that follow its name; not read",
+    )
 
 
 def read_baseline(path: Path) -> Baseline:
-    mapping = read_mapping(path)
-    if mapping.get("kind") == "checks":
-        raise InputError(
-            f"{shown_path(path)} holds the results of several candidates; name the result.json of one of them"
-        )
-    require_kind(mapping, "check", path)
+    mapping = read_stored(path)
     if mapping.get("schema") == RESULT_SCHEMA - 1:
         raise InputError(
             f"{shown_path(path)} is a result of schema {RESULT_SCHEMA - 1}, which kept no margins of single "
             "scenarios; check its candidate again for a baseline"
         )
-    return parse_document(mapping, Baseline, str(path), folder=path.parent)
+    stated = {key: value for key, value in mapping.items() if key != "alteration"}
+    read = parse_document(stated, Baseline, str(path), folder=path.parent)
+    return read.model_copy(update={"alteration": alteration_of(mapping)})
 
 
 def scenario_key(scenario: Mapping[str, Any]) -> str:
@@ -86,11 +87,11 @@ def compared(
             if (old := margins.get(check.id)) is not None
             and (new := now.get(key, {}).get(check.id)) is not None
         ]
-        made.append(_comparison(check, changes))
+        made.append(_comparison(check, changes, baseline.alteration))
     return tuple(made)
 
 
-def _comparison(check: Check, changes: Sequence[float]) -> ComparisonSection:
+def _comparison(check: Check, changes: Sequence[float], alteration: str) -> ComparisonSection:
     from statistics import median
 
     pairs, p_value = len(changes), None
@@ -114,7 +115,7 @@ def _comparison(check: Check, changes: Sequence[float]) -> ComparisonSection:
         median_change=change,
         p_value=p_value,
         verdict=verdict,
-        message=message,
+        message=f"{message}; the baseline {alteration}" if alteration else message,
     )
 
 

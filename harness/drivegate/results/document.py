@@ -242,6 +242,11 @@ class TimingSection(Section):
     checks: dict[str, MeasuredSection] = Field(
         default_factory=dict, description="numbers of the checks that depend on the machine, by identifier"
     )
+    places: dict[str, str] = Field(
+        default_factory=dict,
+        description="ways between the report's folder and the one in which the check ran: 'to_working_folder' and "
+        "'to_report'",
+    )
 
 
 class StepCostSection(Section):

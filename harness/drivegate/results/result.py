@@ -20,6 +20,9 @@ NEVER_JUDGED: Final = "never judged"
 STALE_WAIVERS: Final = ("waiver expired", "unexpectedly passes")
 """Verdicts of checks whose waiver has to be renewed or removed."""
 
+_ALTERED: Final = "was altered after drivegate wrote it: its content is not that of its content hash"
+_WITHOUT_HASH: Final = "has no content hash, so nothing shows whether it is as drivegate wrote it"
+
 
 def counted_levels(fail_on: str | None) -> tuple[str, ...]:
     """Return the levels of checks whose failure fails a candidate; earlier results state none, which means required."""
@@ -38,6 +41,17 @@ def content_hash(document: Mapping[str, Any]) -> str:
     # What a dying process printed differs from run to run.
     hashed["faults"] = [{**fault, "traceback": ""} for fault in document["faults"]]
     return hash_of_content(hashed)
+
+
+def alteration_of(document: Mapping[str, Any]) -> str:
+    """State, after the name of a result, that its content does not fit its hash; empty where it does."""
+    provenance = document.get("provenance")
+    stated = provenance.get("content_hash") if isinstance(provenance, Mapping) else None
+    try:
+        return "" if stated == content_hash(document) else _ALTERED if stated else _WITHOUT_HASH
+    except (LookupError, TypeError, AttributeError, ValueError, RecursionError):
+        # What is missing is needed to compute the hash.
+        return _ALTERED if stated else _WITHOUT_HASH
 
 
 def finite(value: Any) -> Any:

@@ -6,8 +6,9 @@ from pathlib import Path
 from typing import Any, Final
 
 from drivegate.output.failure import ExitCode
-from drivegate.output.result_reports import check_result, read_unchecked_result
+from drivegate.output.result_reports import check_result
 from drivegate.results.result import content_hash
+from drivegate.results.stored import read_unverified
 from drivegate_cases.documents.wording import shown_path
 from drivegate_models.errors import InputError
 
@@ -24,7 +25,7 @@ _WITH_SIGNATURE: Final = (
 
 def verification(file: Path) -> dict[str, Any]:
     """Return what ``drivegate verify --json`` prints of a result; ``outcome`` is ``unchanged`` or ``altered``."""
-    document = read_unchecked_result(file)
+    document = read_unverified(file)
     stated = _stated_hash(document, file)
     digest = content_hash(document)
     unchanged = digest == stated

@@ -6,15 +6,20 @@ import json
 import os
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from shlex import quote
 from typing import Any, Final
 
 from drivegate.isolation.layers import layers_in_words
 from drivegate.output.causes import causes_of, first_to_mend, likely_causes_of
 from drivegate.output.explanations import unjudged_in_words
-from drivegate.output.result_file import counterexample_name
-from drivegate.output.wording import drive_in_words, drive_option
-from drivegate.results.result import NEVER_JUDGED, NOT_WITNESSED, RESULT_SCHEMA, counted_levels
+from drivegate.output.rerun import PLACES, check_command, replay_command
+from drivegate.output.wording import drive_in_words
+from drivegate.results.result import (
+    NEVER_JUDGED,
+    NOT_WITNESSED,
+    RESULT_SCHEMA,
+    alteration_of,
+    counted_levels,
+)
 from drivegate.results.waivers import DAY_VARIABLE, present_day
 from drivegate_reports.page.page import LONGEST_BLOCK, LONGEST_TEXT, clean, require_document
 
@@ -50,6 +55,7 @@ def page_values(document: Mapping[str, Any]) -> dict[str, Any]:
         "result": result,
         "drive_in_words": clean(drive_in_words(document["drive"]) if document.get("drive") else ""),
         "meaning": " ".join([_meaning(result["verdict"], failing), *_causes(document)]).strip(),
+        "alteration": alteration_of(document),
         "failing": failing,
         "rests_on": _rests_on(document, checks),
         "next_step": clean(_next_step(document, failing)),
@@ -144,13 +150,11 @@ def _rests_on(document: Mapping[str, Any], checks: Sequence[Mapping[str, Any]]) 
 
 
 def _next_step(document: Mapping[str, Any], failing: Sequence[str]) -> str:
-    specification = quote(str(document["candidate"]["specification"]))
-    checked_again = f"drivegate check {specification}{drive_option(document)}"
+    checked_again = check_command(document)
     if failing:
         begin = first_to_mend(document)
         first = failing[0] if begin is None else clean(begin["id"])
-        file = counterexample_name(first)
-        return f"drivegate replay {file} --candidate {specification} --plot {first}.svg"
+        return replay_command(document, first, plot=True)
     if document["verdict"] == "pass" and document["effort"] != "nightly":
         return f"{checked_again} --effort nightly"
     return f"{checked_again} --effort {document['effort']} --seed {document['seed']}"
@@ -170,7 +174,10 @@ def _provenance(document: Mapping[str, Any], times: Mapping[str, Any]) -> tuple[
     ]
     drive = document.get("drive") or {}
     entries += [(f"drive's {key}", value) for key, value in drive.items() if isinstance(value, str)]
-    for section in (document.get("provenance", {}), {key: times[key] for key in times if key != "checks"}):
+    for section in (
+        document.get("provenance", {}),
+        {key: times[key] for key in times if key not in ("checks", PLACES)},
+    ):
         for key, value in section.items():
             items = value.items() if isinstance(value, Mapping) else [("", value)]
             entries += [(f"{key} {name}".strip().replace("_", " "), item) for name, item in items]

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from shlex import quote
 from statistics import median
 from typing import Any, Final, TypeGuard
 
 from drivegate.checks.margin import margin_in_words
+from drivegate.output import rerun
 from drivegate.output.result_file import counterexample_name
 from drivegate.output.wording import scenario_in_short
 from drivegate.results.result import witness_in_words
@@ -88,9 +88,8 @@ def counterexample_file(check: Mapping[str, Any]) -> str:
     return clean(counterexample_name(str(check["id"])))
 
 
-def replay_command(check: Mapping[str, Any], specification: str) -> str:
-    file, plot = quote(counterexample_file(check)), quote(str(check["id"]))
-    return f"drivegate replay {file} --candidate {quote(specification)} --plot {plot}.svg"
+def replay_command(check: Mapping[str, Any], result: Mapping[str, Any]) -> str:
+    return clean(rerun.replay_command(result, str(check["id"]), plot=True))
 
 
 def waiver_items(check: Mapping[str, Any]) -> list[tuple[str, str]]:

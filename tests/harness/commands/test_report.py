@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 
+import drivegate
 from drivegate.output.result_reports import OWN_FORMATS
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "reporter"
@@ -132,3 +133,61 @@ def test_no_report_can_be_made_of_an_altered_result(
     assert ended.code == 2
     assert "result.json was altered after drivegate wrote it" in ended.err
     assert ended.err.strip().endswith("name an unaltered result")
+
+
+@pytest.fixture
+def altered(command: Any, failing: Any, tmp_path: Path) -> Path:
+    """Write the result of a candidate that fails, edited so that it passes."""
+    failing.faults = ()
+    command("check", "reference")
+    file = tmp_path / "drivegate-report" / "result.json"
+    document = json.loads(file.read_text(encoding="utf-8"))
+    document["verdict"], document["exit_code"] = "pass", 0
+    document["checks"][0] |= {"verdict": "pass", "margin": 0.9}
+    file.write_text(json.dumps(document), encoding="utf-8")
+    return file
+
+
+ALTERED = "was altered after drivegate wrote it: its content is not that of its content hash"
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["report", "drivegate-report/result.json", "--output", "again"],
+        ["check", "reference", "--last-failed"],
+        ["check", "reference", "--baseline", "drivegate-report/result.json", "--output", "again"],
+        ["simulate", "reference", "--from", "drivegate-report", "--run", "CUR-1"],
+    ],
+)
+def test_every_command_that_reads_a_result_says_that_it_was_altered(
+    command: Any,
+    altered: Path,
+    caplog: pytest.LogCaptureFixture,
+    monkeypatch: pytest.MonkeyPatch,
+    words: list[str],
+) -> None:
+    monkeypatch.setattr("drivegate.studies.simulate.simulated", lambda *_: 1 / 0, raising=False)
+    command(*words)
+    assert f"result.json {ALTERED}" in caplog.text.replace("\n", " ")
+
+
+def test_the_pages_of_an_altered_result_say_so(command: Any, altered: Path, tmp_path: Path) -> None:
+    ended = command("report", altered, "--output", "again")
+    assert ended.code == 0
+    assert f"reference: pass, but the result {ALTERED}" in " ".join(ended.out.split())
+    for name in ("summary.md", "junit.xml", "annotations.txt"):
+        text = (tmp_path / "again" / name).read_text(encoding="utf-8")
+        assert "was altered after drivegate wrote it" in text, name
+    assert not (tmp_path / "again" / "junit.xml").read_text(encoding="utf-8").count('errors="0"')
+
+
+def test_the_seams_where_results_are_read_are_few() -> None:
+    """Whatever reads a result goes through the module that verifies its hash."""
+    package = Path(drivegate.__file__).parent
+    readers = {
+        str(file.relative_to(package))
+        for file in package.rglob("*.py")
+        if 'require_kind(mapping, "check"' in file.read_text(encoding="utf-8")
+    }
+    assert readers == {"results/stored.py"}

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from tests.harness.made import with_hash
 
 from drivegate.output.result_reports import workflow_commands
 
@@ -15,13 +16,14 @@ def result(
     fail_on: str = "required",
     specification: str = "mine",
 ) -> Any:
-    return {
+    document = {
         "candidate": {"name": "mine", "specification": specification},
         "checks": checks,
         "faults": faults,
         "baseline": None,
         "fail_on": fail_on,
     }
+    return with_hash(document)
 
 
 def check(

@@ -6,6 +6,7 @@ import xml.etree.ElementTree as ElementTree
 from typing import Any
 
 import pytest
+from tests.harness.made import with_hash
 
 from drivegate.output.continuous_integration import junit_xml, markdown
 from drivegate.output.explanations import explanations, unjudged_in_words
@@ -97,7 +98,9 @@ def test_junit_gives_the_reason_and_skips_what_only_advises(crashed: dict[str, A
 
 def test_what_failed_comes_before_what_was_not_judged(crashed: dict[str, Any]) -> None:
     crashed["checks"].append(check("STP-1", "fail") | {"requirement": "Settles.", "limit": "25 %"})
-    cases = [case.get("name") for case in ElementTree.fromstring(junit_xml(crashed)).iter("testcase")]
+    cases = [
+        case.get("name") for case in ElementTree.fromstring(junit_xml(with_hash(crashed))).iter("testcase")
+    ]
     assert cases[:2] == ["fault 1", "STP-1"]
     rows = [line for line in markdown(crashed).splitlines() if line.startswith("| ")]
     assert rows[1].startswith("| STP-1 | required | fail |")

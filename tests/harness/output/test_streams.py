@@ -14,6 +14,7 @@ import click
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from tests.harness.made import with_hash
 from tests.harness.output.log_commands import commands_in
 
 from drivegate.commands import conduct
@@ -199,6 +200,6 @@ def test_a_message_in_an_annotation_is_not_a_second_command() -> None:
         "baseline": None,
         "fail_on": "required",
     }
-    (line,) = workflow_commands(result)
+    (line,) = workflow_commands(with_hash(result))
     assert commands_in(f"x{line}") == []
     assert line.startswith("::error file="), "drivegate's own annotation is a command"

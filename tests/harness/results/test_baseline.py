@@ -17,6 +17,7 @@ from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.gate.plan import Origin, planned_work
 from drivegate.results.baseline import Baseline, compared, loss_by_chance, read_baseline
 from drivegate.results.document import ComparisonSection
+from drivegate.results.result import content_hash
 from drivegate.results.verdict import candidate_verdict
 from drivegate_cases.scenario.scenario import Scenario, load_scenario
 from drivegate_models.errors import InputError
@@ -133,6 +134,18 @@ def test_many_changes_have_the_probability_of_scipy(changes: list[float]) -> Non
 def test_a_single_change_is_one_of_two_by_chance(tmp_path: Path) -> None:
     assert loss_by_chance([0.0, 0.0, 0.0, 0.0, -1.5]) == 0.5
     assert comparison(tmp_path, [0.9] * 5, [0.9, 0.9, 0.9, 0.9, -0.6]).verdict == "pass"
+
+
+def test_a_comparison_says_that_its_baseline_was_altered(tmp_path: Path) -> None:
+    runs = [JudgedRun(scenario(0).to_mapping(), (Margin("CNV-2", 0.5, "as measured"),))]
+    document = earlier([0.9], faults=[], provenance={}, alteration="is as good as new")
+    document["provenance"]["content_hash"] = content_hash(document)
+    whole = read(tmp_path, document)
+    document["fixed"][0]["margins"]["CNV-2"] = -3.0
+    altered = read(tmp_path, document)
+    (first,), (second,) = (compared(baseline, runs, CHECKS) for baseline in (whole, altered))
+    assert "the baseline" not in first.message
+    assert "the baseline was altered after drivegate wrote it" in second.message
 
 
 def test_scenarios_of_the_baseline_are_run_once(tmp_path: Path) -> None:

@@ -173,3 +173,10 @@ def test_a_failure_that_is_not_witnessed_yet_has_a_section_of_its_own(failing: d
     text = page(failing)
     assert '<h2 id="not-yet-witnessed">Not yet witnessed</h2>' in text
     assert "ended before known good controllers were run in the same scenario" in text
+
+
+def test_the_page_says_that_its_result_was_altered(passing: dict[str, Any]) -> None:
+    assert page_values(passing)["alteration"] == ""
+    edited = passing | {"verdict": "pass", "runs": 5000}
+    assert "This result was altered after drivegate wrote it" in page(edited)
+    assert "was altered" not in page(passing)

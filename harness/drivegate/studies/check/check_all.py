@@ -21,6 +21,7 @@ from drivegate.output.event_loop import finished
 from drivegate.output.progress import progress_on
 from drivegate.output.report_folder import ReportFolder
 from drivegate.output.report_writers import LoadWriter, Preparation, page_name, write_reports
+from drivegate.output.rerun import PLACES, places_of
 from drivegate.output.result_file import RESULT_FILE, as_json
 from drivegate.output.result_reports import page_formats
 from drivegate.output.waiting import CheckPace
@@ -198,6 +199,8 @@ def _check(
 
     def keep(result: ResultDocument) -> None:
         checked.document = result.written()
+        if checked.folder is not None:
+            checked.document["timing"] |= {PLACES: places_of(checked.folder.resolve())}
 
     try:
         with progress_on(None if quiet else sys.stderr) as display:

@@ -106,18 +106,21 @@ def _show_counterexample(
 def _next_step(checked: Checked, folder: Path, again: str | None) -> str:
     specification, document = quote(checked.specification), checked.document
     assert document is not None, "only a candidate with a result is shown"
-    again = again or f"drivegate check {specification}{drive_option(document)}"
+    plain = f"drivegate check {specification}{drive_option(document)}"
     first = first_to_mend(document)
     if first is not None:
         file = str(folder / counterexample_name(first["id"]))
         return f"drivegate replay {quote(file)} --candidate {specification} --plot {first['id']}.svg"
     if document["faults"]:
         kind = document["faults"][0]["kind"]
-        return f"mend what is named first ({kind}), then {again}"
+        return f"mend what is named first ({kind}), then {again or plain}"
     if any(check["verdict"] == NOT_WITNESSED for check in document["checks"]):
-        return f"{again} --last-failed runs known good controllers"
+        # The folder of one among several candidates is not the one that the command line has.
+        return (
+            f"{again or f'{plain} --output {quote(str(folder))}'} --last-failed runs known good controllers"
+        )
     if document.get("focus") is not None or document.get("incomplete"):
-        return f"the whole check: {again}"
+        return f"the whole check: {again or plain}"
     return "open the report; drivegate checks lists what was required"
 
 

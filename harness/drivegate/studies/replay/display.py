@@ -32,10 +32,11 @@ def next_step(document: dict[str, Any], file: Path, candidate: str | None) -> st
     again = f"drivegate replay {quote(str(file))}{named}"
     if document["verdict"] == NOT_REPRODUCED:
         return (
-            f"what differs: drivegate check {quote(candidate or document['candidate']['name'])} --only DET-1"
+            f"what differs: drivegate check {quote(candidate or document['candidate']['name'])}"
+            f"{document['drive_option']} --only DET-1"
         )
     if document["verdict"] != STILL_FAILS:
-        who = quote(candidate or document["candidate"]["name"])
+        who = quote(candidate or document["candidate"]["name"]) + document["drive_option"]
         # A report's own folder is replaced by the next one, and is no place to keep anything.
         copied = f"mkdir -p corpus && cp {quote(str(file))} corpus/"
         return f"keep it in a corpus: {copied} && drivegate check {who} --corpus corpus"
@@ -93,7 +94,7 @@ def next_step_of_all(document: dict[str, Any], candidate: str | None) -> str:
     if failing is not None:
         named = "" if candidate is None else f" --candidate {quote(candidate)}"
         return f"drivegate replay {quote(failing['file'])}{named} --plot {failing['check']}.svg"
-    who = quote(candidate or replays[0]["candidate"]["name"])
+    who = quote(candidate or replays[0]["candidate"]["name"]) + replays[0]["drive_option"]
     places = {Path(replay["file"]).parent for replay in replays}
     if len(places) > 1:
         return f"drivegate check {who}"

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
+from shlex import quote
 from typing import Any, Final
 
 import drivegate_models
 from drivegate import version
 from drivegate.candidates.builtin.candidates import is_builtin_name
 from drivegate.candidates.candidate import Candidate
+from drivegate.candidates.contract import ANSWERS
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.fault import Fault
 from drivegate.candidates.kinds import KINDS
@@ -24,6 +26,7 @@ from drivegate.contracts.contract import RecordedTrace
 from drivegate.contracts.current.flowchart.judging import judge_script
 from drivegate.contracts.parting import SEED_IN_RESET, room_for_commands
 from drivegate.contracts.recorded_trace import deciding_moment, trace_of_run
+from drivegate.drives.kinds import drive_for
 from drivegate.drives.running import recorded, with_repetitions
 from drivegate.gate.own_requirements import with_requirements
 from drivegate.gate.plan import REPEATED
@@ -34,6 +37,7 @@ from drivegate.results.provenance import versions
 from drivegate.results.result import finite
 from drivegate.studies.simulate import MOST_ROWS
 from drivegate_cases.documents.wording import one_line
+from drivegate_cases.drive.drive_document import DriveDocument, drive_names, load_drive
 from drivegate_cases.requirements.file import OwnRequirements
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.script import Script
@@ -104,6 +108,12 @@ def with_row(candidate: Candidate, stored: Counterexample) -> Candidate:
 
 
 def replayed(stored: Counterexample, candidate: Candidate) -> Replay | Fault:
+    required = stored.scenario.drive.contract
+    if candidate.contract not in (None, required):
+        raise InputError(
+            f"the candidate '{one_line(candidate.name)}' answers with {ANSWERS[str(candidate.contract)]}, but the "
+            f"counterexample's drive takes {ANSWERS[required]}; name a candidate that answers so with --candidate"
+        )
     with_compiled_kernels([stored.scenario.drive])
     candidate = with_row(candidate, stored)
     with Judge(candidate, on_slow=report_slow) as judge:
@@ -202,6 +212,22 @@ def remark_on(stored: Counterexample, candidate: Candidate, ended: Replay | Faul
     return _PARTED if same and not check_of(stored).volatile else ""
 
 
+def _drive_option(drive: DriveDocument, candidate: Candidate) -> str:
+    """Write the option by which ``drivegate check`` takes a drive, with a space before it; empty where none is needed.
+
+    Of a drive that is not included only the name is known, and with it the usual name of its file.
+    """
+
+    def is_that(named: DriveDocument | None) -> bool:
+        found = drive_for(replace(candidate, contract=None), named)
+        return found.values_hash == drive.values_hash
+
+    if candidate.contract in (None, drive.contract) and is_that(None):
+        return ""
+    included = drive.name in drive_names() and is_that(load_drive(drive.name))
+    return f" --drive {quote(drive.name if included else f'{drive.name}.toml')}"
+
+
 def document_of(stored: Counterexample, candidate: Candidate, ended: Replay | Fault) -> dict[str, Any]:
     drive, remark = stored.scenario.drive, remark_on(stored, candidate, ended)
     trace = _trace(stored, ended)
@@ -225,6 +251,8 @@ def document_of(stored: Counterexample, candidate: Candidate, ended: Replay | Fa
         "candidate": {"name": candidate.name, "kind": candidate.kind, "hash": candidate.content_hash},
         "found_with": stored.candidate.model_dump(),
         "scenario": stored.scenario.name,
+        "drive": drive.name,
+        "drive_option": _drive_option(drive, candidate),
         "then": {"margin": stored.margin, "measured": stored.measured},
         "now": None if margin is None else {"margin": margin.value, "measured": margin.measured},
         "window_s": None if isinstance(ended, Fault) or ended.window is None else list(ended.window),
