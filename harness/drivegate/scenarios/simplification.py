@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, Final, TypeAlias
 
 from drivegate.scenarios.facts import facts_of
+from drivegate.scenarios.traits import traits_of
 from drivegate_cases.drive.plant import NOMINAL
 from drivegate_cases.scenario.control_periods import on_whole_periods
 from drivegate_cases.scenario.courses import COURSES, stated_profiles
@@ -25,6 +26,8 @@ PLAIN_BEGINNING: Final[dict[str, float]] = {
     "initial_angle_deg": 0.0,
 }
 """How a plain run begins, and how often it steps."""
+PM_AC: Final = "pm-ac"
+"""Kind of the drives whose controllers follow torques."""
 _LOAD_KINDS: Final = {
     "locked": 0,
     "dynamometer": 0,
@@ -59,7 +62,7 @@ def size_of(scenario: Mapping[str, Any]) -> int:
     scales = scenario.get("scales", {})
     numbers += scales.values()
     parts = (
-        _FACT * len(facts_of(scenario)),
+        _FACT * (len(facts_of(scenario)) - _plain_speed(scenario)),
         _FAILURE * (failures + faults + (scenario.get("failure") is not None)),
         _PARAMETER * len([key for key, value in scales.items() if value != getattr(NOMINAL, key)]),
         _sensor_size(scenario.get("sensors", "ideal")),
@@ -72,6 +75,14 @@ def size_of(scenario: Mapping[str, Any]) -> int:
         math.ceil(scenario["duration_s"]),
     )
     return int(sum(parts))
+
+
+def _plain_speed(scenario: Mapping[str, Any]) -> int:
+    """Count the fact that a speed of a PM AC drive is not the highest: torque is followed at any constant one."""
+    is_constant = len({speed for _, speed in scenario["speed_rpm"]}) == 1
+    if not is_constant or scenario.get("drive", {}).get("kind") != PM_AC:
+        return 0
+    return sum(bool(trait.fact) for trait in traits_of("speed_rpm", scenario))
 
 
 def _unplain_operation(scenario: Mapping[str, Any]) -> int:

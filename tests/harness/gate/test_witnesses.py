@@ -16,7 +16,7 @@ from drivegate.containment.judge import own_candidate
 from drivegate.contracts.catalogue import contract_named
 from drivegate.contracts.contract import Witness
 from drivegate.drives.kinds import DRIVE_KINDS
-from drivegate.gate import witnesses
+from drivegate.gate import witness_runs
 from drivegate.gate.witnesses import (
     MOST_SCENARIOS,
     Accusation,
@@ -166,7 +166,7 @@ def test_the_reference_meets_what_the_published_search_does_not_in_the_same_scen
 
 def test_a_witness_that_fails_as_well_contests_the_accusation(monkeypatch: pytest.MonkeyPatch) -> None:
     poor = Witness("published", ("half-bridge",))
-    monkeypatch.setattr(witnesses, "witnesses_for", lambda _drive: (poor,))
+    monkeypatch.setattr(witness_runs, "witnesses_for", lambda _drive: (poor,))
     accused = own_candidate(resolve_candidate("reference"))
     ending = hear_witnesses(accused, Accusation("CNV-1", ((LOCK_UP, MARGIN),)))
     assert ending == Acquittal(("published",))
@@ -176,7 +176,7 @@ def test_the_informed_witness_meets_what_only_a_plant_that_is_known_allows(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     (informed,) = _informed(PAPER)
-    monkeypatch.setattr(witnesses, "witnesses_for", lambda _drive: (informed,))
+    monkeypatch.setattr(witness_runs, "witnesses_for", lambda _drive: (informed,))
     accused = own_candidate(resolve_candidate("published"))
     weaker = LOCK_UP | {"duration_s": 16.0, "scales": {"inductance": 1.2}}
     for check, scenario in (("CNV-1", LOCK_UP), ("CNV-2", LOCK_UP), ("ROB-1", weaker)):
@@ -189,7 +189,7 @@ def test_the_informed_witness_meets_what_only_a_plant_that_is_known_allows(
 
 
 def _informed(drive: DriveDocument) -> list[Witness]:
-    return [witness for witness in witnesses.witnesses_for(drive) if witness.made_for is not None]
+    return [witness for witness in witness_runs.witnesses_for(drive) if witness.made_for is not None]
 
 
 def test_the_informed_witness_of_duty_ratios_weakens_and_brakes_as_required(
@@ -197,7 +197,7 @@ def test_the_informed_witness_of_duty_ratios_weakens_and_brakes_as_required(
 ) -> None:
     drive = load_drive("pm-ac-interior")
     (informed,) = _informed(drive)
-    monkeypatch.setattr(witnesses, "witnesses_for", lambda _drive: (informed,))
+    monkeypatch.setattr(witness_runs, "witnesses_for", lambda _drive: (informed,))
     accused = own_candidate(resolve_candidate("foc-mtpa"))
     fixed = contract_named("duty").fixed_scenarios(drive, accused.candidate.declaration)
     (weakened,) = [run for run in fixed if run.name == "6000rpm-torque-0-2.387-0Nm"]
@@ -210,7 +210,7 @@ def test_the_informed_witness_of_duty_ratios_weakens_and_brakes_as_required(
 
 @pytest.mark.parametrize("kind", DRIVE_KINDS.values(), ids=lambda kind: kind.name)
 def test_every_kind_of_drive_has_a_witness_that_knows_no_more_than_its_nameplate(kind: Any) -> None:
-    heard = witnesses.witnesses_for(load_drive(kind.default_drive))
+    heard = witness_runs.witnesses_for(load_drive(kind.default_drive))
     assert heard[0].candidate == contract_named(kind.contract).usual_candidate, (
         "its code is compiled in any case"
     )

@@ -61,10 +61,9 @@ def test_a_peak_of_the_current_does_not_grow_as_its_scenario_becomes_simpler() -
 
 
 def test_a_failure_at_every_speed_is_shown_at_rest() -> None:
-    """A torque that rises late does so at any speed, also backward at top speed, where it was found."""
-    highest = -INTERIOR.rating.highest_speed_rpm
-    levels = [torque_of(INTERIOR, highest, share) for share in (-0.5, 0.0, -0.5)]
-    start = torque_scenario(INTERIOR, highest, levels)
+    """A torque that rises late does so at any speed, also backward at half of base speed, where it was found."""
+    levels = [torque_of(INTERIOR, 0.5 * BASE, share) for share in (0.0, -0.5, 0.0)]
+    start = torque_scenario(INTERIOR, -0.5 * BASE, levels)
     found = shrunk("faulty:slow-currents", start, "STP-1", 25)
     assert {speed for _, speed in found.scenario["speed_rpm"]} == {0.0}
     assert min(torque for _, torque in found.scenario["load"]["torque_reference_nm"]) >= 0.0, (
