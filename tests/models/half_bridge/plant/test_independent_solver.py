@@ -17,7 +17,6 @@ import numpy as np
 import pytest
 from scipy.integrate import OdeSolution, solve_ivp
 from scipy.optimize import minimize_scalar
-from tests.nightly import one_in
 
 from drivegate_models.half_bridge.plant.drive import Drive
 from drivegate_models.half_bridge.plant.phases import make_phases
@@ -382,7 +381,7 @@ POINTS = [
 
 
 @pytest.mark.kernel
-@pytest.mark.parametrize("point", one_in(3, POINTS), ids=str)
+@pytest.mark.parametrize("point", POINTS, ids=str)
 def test_cycles_from_rest_match_numerical_integration(motor: Callable[..., Drive], point: Point) -> None:
     drive = motor(
         phases=point.phases,

@@ -477,7 +477,7 @@ def _drawn(seed: int) -> Point:
 # The chosen ones take every branch, which is what is tested without compilation.
 POINTS = [
     *(pytest.param(point, marks=pytest.mark.kernel) for point in CHOSEN),
-    *(_drawn(seed) for seed in range(40)),
+    *one_in(4, map(_drawn, range(40))),
 ]
 
 
@@ -535,7 +535,7 @@ def differences(star: Callable[..., StarDrive], point: Point) -> dict[str, float
     return apart
 
 
-@pytest.mark.parametrize("point", one_in(4, POINTS), ids=str)
+@pytest.mark.parametrize("point", POINTS, ids=str)
 def test_currents_and_integrals_agree_with_a_numerical_solver(
     star: Callable[..., StarDrive], point: Point
 ) -> None:
