@@ -17,6 +17,7 @@ from typing import Final
 
 import click
 from pydantic.fields import FieldInfo
+from requirement_tables import row_table
 from varied_keys import (
     NOT_VARIED,
     Varied,
@@ -297,6 +298,12 @@ def sensor_keys(kind: str) -> str:
     return _list((key, _key_text(field, optional=True)) for key, field in fields.items() if key != "kind")
 
 
+def requirement_table(named: str) -> str:
+    """A table of what rows of requirements can say, such as ``quantities``."""
+    heads, rows = row_table(named)
+    return _table(heads, ([_plain(cell) if "`" not in cell else cell for cell in row] for row in rows))
+
+
 def source(path: str) -> str:
     """A file of the repository, in full."""
     text = (DOCS.parent / path).read_text(encoding="utf-8").rstrip("\n")
@@ -333,6 +340,7 @@ INSERTED: Final = MappingProxyType(
         "joint-table": joint_table,
         "drive-keys": drive_keys,
         "sensor-keys": sensor_keys,
+        "requirement-table": requirement_table,
         "source": source,
         "function": function,
         "opening-comment": opening_comment,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -22,21 +23,36 @@ _COLUMNS = ("id", "level", "subject", "source", "requirement", "limit")
 @click.command("checks")
 @click.argument("names", nargs=-1, metavar="[CHECK]...", shell_complete=complete_checks)
 @drive_option
+@click.option(
+    "--requirements",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="TOML file of your own requirements, which are listed after the checks.",
+)
 @json_option
-def command(names: tuple[str, ...], drive: str | None) -> Outcome:
+def command(names: tuple[str, ...], drive: str | None, requirements: Path | None) -> Outcome:
     """List the checks with their requirements, sources and limits, and what covers each fact of the paper.
 
     With a CHECK such as STP-1, or a family such as STP, print all of it: requirement, limit on the drive, formula of
     the margin and likely causes of a failure. The numbers are those of the drive; without --drive, of the paper's, or
-    of the default drive of the CHECK.
+    of the default drive of the CHECK, or for --requirements of the drive of duty ratios.
     """
+    if names and requirements is not None:
+        raise click.UsageError("--requirements lists a whole file; leave the CHECK out, or --requirements")
     if names:
         return _explained(names, drive)
+    from drivegate.candidates.declaration import Declaration
     from drivegate.contracts.traceability import traced_checks, traced_facts
-    from drivegate.drives.kinds import DEFAULT_DRIVE
+    from drivegate.drives.kinds import DEFAULT_DRIVE, DEFAULT_DRIVES
+    from drivegate.gate.own_requirements import require_fitting
     from drivegate_cases.drive.drive_document import load_drive
+    from drivegate_cases.requirements.file import read_requirements
 
-    checks = traced_checks(load_drive(DEFAULT_DRIVE if drive is None else drive))
+    own = Declaration(requirements=None if requirements is None else read_requirements(requirements))
+    usual = DEFAULT_DRIVE if requirements is None else DEFAULT_DRIVES["duty"]
+    chosen = load_drive(usual if drive is None else drive)
+    require_fitting(own, chosen)
+    checks = traced_checks(chosen, own)
     document = {"schema": SCHEMA, "checks": checks, "facts": traced_facts()}
     return Outcome(document, lambda console: _show(console, document))
 

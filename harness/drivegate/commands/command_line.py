@@ -39,6 +39,7 @@ COMMANDS: Final = MappingProxyType(
         "bench": "Measure how fast drivegate is on this machine.",
         "new": "Write a small candidate to start from, with a test and a gate for CI.",
         "checks": "List the checks with their requirements and limits.",
+        "schema": "Print the JSON Schema of a file that you write, for editors.",
         "include-dir": "Print the folder of drivegate.h and drivegate_duty.h, for a C compiler.",
         "cases": "List the scenarios, operating points, sweeps and drives that are included.",
     }

@@ -20,8 +20,13 @@ if TYPE_CHECKING:
 
 SCHEMA = 1
 DRIVE = "drive"
-"""The one kind that is no candidate."""
-CHOICES = ("python", "numba", "c", "rust", "cortex-m", "exec", "embedded-coder", DRIVE)
+"""The kind that is a drive's file."""
+REQUIREMENTS = "requirements"
+"""The kind that is a file of requirements."""
+CHOICES = (
+    *("python", "numba", "c", "rust", "cortex-m", "exec", "embedded-coder"),
+    *(DRIVE, REQUIREMENTS),
+)
 
 
 @click.command("new")
@@ -58,23 +63,30 @@ def command(
     conversion. Otherwise the file has a comment for each key and the values of the paper's drive, or of that of
     --drive, to be replaced by your own.
 
+    The kind requirements is no controller either: NAME is then a new file such as requirements.toml, with five usual
+    requirements for the drive of --drive, by default the one of duty ratios.
+
     The controller is field-oriented control in the language of the kind: python, numba, c, rust, cortex-m (the image
     for a microcontroller, emulated), exec, or embedded-coder (C as generated from Simulink). It passes every required
     check on pm-ac-interior. With --drive its manifest names that drive, whose file is copied into the folder. For a
     drive that takes a current reference and an advance angle, such as paper-5-phase, the controller is a speed
     regulator with a line of angles; what it fails is waived for 90 days and is the exercise.
     """
+    if kind == REQUIREMENTS:
+        return _new_requirements(Path(name), output, drive)
     if kind == DRIVE:
         return _new_drive(Path(name), output, drive, from_datasheet)
     if from_datasheet:
         raise click.UsageError("--from-datasheet goes with the kind drive only")
 
+    from drivegate.commands.file_schemas import schema_contents
     from drivegate.results.waivers import present_day
     from drivegate.studies.new import write_candidate
 
     folder = Path(name) if output is None else output
     named_drive(drive)
-    written = write_candidate(kind, name, folder, present_day(), drive, service)
+    schemas = schema_contents("candidate", "waivers", "drive", "requirements")
+    written = write_candidate(kind, name, folder, present_day(), drive, service, schemas)
     document: dict[str, Any] = {
         "schema": SCHEMA,
         "kind": "new",
@@ -91,12 +103,42 @@ def command(
     return Outcome(document, lambda console: _show(console, document))
 
 
+def _new_requirements(file: Path, output: Path | None, drive: str | None) -> Outcome:
+    if output is not None:
+        raise click.UsageError("--output goes with a candidate only; NAME is the file of requirements")
+    from drivegate.commands.file_schemas import schema_line, write_missing
+    from drivegate.drives.kinds import DEFAULT_DRIVES
+    from drivegate.studies.new import refuse_drive_file
+    from drivegate.studies.new_requirements import requirements_toml
+    from drivegate_cases.documents.atomic_write import write_atomically
+    from drivegate_cases.drive.drive_document import load_drive
+
+    refuse_drive_file(file)
+    chosen = named_drive(drive) or load_drive(DEFAULT_DRIVES["duty"])
+    write_atomically(file, f"{schema_line(REQUIREMENTS)}\n{requirements_toml(chosen)}")
+    write_missing(REQUIREMENTS, file.parent)
+    named = "" if drive is None else f" --drive {quote(drive)}"
+    document: dict[str, Any] = {
+        "schema": SCHEMA,
+        "kind": "new",
+        "drive": chosen.identity(),
+        "folder": str(file.parent),
+        "files": [file.name],
+        "next": [
+            f"put your requirements into {file}",
+            f"drivegate check CANDIDATE{named} --requirements {quote(str(file))}",
+        ],
+    }
+    return Outcome(document, lambda console: _show(console, document))
+
+
 def _new_drive(file: Path, output: Path | None, start: str | None, from_datasheet: bool) -> Outcome:
     if output is not None:
         raise click.UsageError("--output goes with a candidate only; NAME is the file of a drive")
     if from_datasheet and start is not None:
         raise click.UsageError("--drive and --from-datasheet do not go together")
 
+    from drivegate.commands.file_schemas import write_missing
     from drivegate.drives.kinds import drive_for
     from drivegate.studies.data_sheet_drive import QUESTIONS, data_sheet_drive
     from drivegate.studies.new import drive_to_edit, refuse_drive_file, write_drive
@@ -108,6 +150,7 @@ def _new_drive(file: Path, output: Path | None, start: str | None, from_datashee
     else:
         written = drive_to_edit(file.stem, drive_for(None, named_drive(start)))
     write_drive(file, written)
+    write_missing("drive", file.parent)
     look = f"drivegate drive {quote(str(file))}"
     document: dict[str, Any] = {
         "schema": SCHEMA,

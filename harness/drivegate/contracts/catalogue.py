@@ -8,6 +8,7 @@ from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Final
 
 from drivegate.candidates.declaration import NOTHING_DECLARED, Declaration
+from drivegate_cases.documents.wording import one_line
 from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
@@ -57,12 +58,26 @@ def all_checks() -> dict[str, Check]:
     for contract in all_contracts():
         for check in contract.checks:
             found.setdefault(check.id, check)
+    for contract in all_contracts():
+        for check in _installed(contract.name):
+            if found.setdefault(check.id, check) is not check:
+                raise InputError(
+                    f"an installed package offers a check {one_line(check.id)}, which there is already; give it "
+                    "another identifier"
+                )
     return found
 
 
 def checks_of(drive: DriveDocument, declaration: Declaration) -> tuple[Check, ...]:
-    """Return the checks of a candidate on a drive: those of the contract, and the user's rows."""
-    return contract_of(drive).checks + row_checks(drive.contract, declaration)
+    """Return the checks of a candidate on a drive: of the contract, of installed packages, and the user's rows."""
+    return contract_of(drive).checks + _installed(drive.contract) + row_checks(drive.contract, declaration)
+
+
+def _installed(contract: str) -> tuple[Check, ...]:
+    # It brings the documents of drives, which the names of contracts do not need.
+    from drivegate.checks.installed import installed_checks
+
+    return installed_checks(contract)
 
 
 def row_checks(contract: str, declaration: Declaration) -> tuple[Check, ...]:
@@ -76,7 +91,8 @@ def row_checks(contract: str, declaration: Declaration) -> tuple[Check, ...]:
 
 def check_of(contract: str, name: str, declaration: Declaration = NOTHING_DECLARED) -> Check:
     """Return a contract's check or a user's row by its identifier, else a check of another contract."""
-    own = (*contract_named(contract).checks, *row_checks(contract, declaration))
+    listed = contract_named(contract).checks + _installed(contract)
+    own = listed + row_checks(contract, declaration)
     return next((check for check in own if check.id == name), None) or all_checks()[name]
 
 

@@ -8,8 +8,10 @@ from typing import Any, Final
 
 from numpy.typing import NDArray
 
+from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.step_costs import NO_COSTS, StepCosts
 from drivegate.checks.check import Record
+from drivegate.checks.installed import installed_checks
 from drivegate.containment.contained_controller import ContainedController
 from drivegate.containment.messages import AnyController, JudgedCandidate
 from drivegate.contracts.catalogue import contract_of
@@ -44,14 +46,18 @@ def recorded(
         declaration,
         scenario,
         controller,
-        # Rows judge every control period.
-        trace_every=trace_every if declaration.requirements is None else 1,
+        trace_every=1 if _needs_all(declaration, scenario) else trace_every,
         kept=kept,
     )
     costs = taken_costs(controller)
     if costs == NO_COSTS:
         return record
     return replace(record, costs=costs, allowed_costs=loaded.candidate.step_limits)
+
+
+def _needs_all(declaration: Declaration, scenario: Scenario) -> bool:
+    """Return True if rows or installed checks judge a run, which may look at every control period."""
+    return declaration.requirements is not None or bool(installed_checks(scenario.drive.contract))
 
 
 def taken_costs(controller: AnyController) -> StepCosts:

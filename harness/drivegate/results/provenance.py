@@ -16,6 +16,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from drivegate.checks.installed import installed_versions
 from drivegate.version import __version__
 from drivegate_models.compilation.target import requested_target
 
@@ -27,13 +28,15 @@ _NOT_HASHED = ("commit", "target", "content_hash")
 
 def versions() -> dict[str, Any]:
     """Return the versions of everything that a result follows from; equal ones give equal results."""
-    return {
+    known = {
         "drivegate": __version__,
         "sources": _sources(),
         "python": platform.python_version(),
         "machine": platform.machine(),
         "packages": {name: importlib.metadata.version(name) for name in _PACKAGES},
     }
+    installed = installed_versions()
+    return known | {"checks": installed} if installed else known
 
 
 def provenance() -> dict[str, Any]:

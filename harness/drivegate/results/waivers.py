@@ -83,11 +83,11 @@ def _problems(
         yield f"{named}, but must be for one of the candidate, since a failure of the plant is never accepted"
     elif waiver.check in NEVER_WAIVED:
         yield f"{named}, but must be for another one, since a candidate that is not deterministic is never accepted"
-    elif checks[waiver.check].volatile:
+    elif waiver.check in checks and checks[waiver.check].volatile:
         yield f"{named}, but must be for another one, since its margin depends on the machine and it only advises"
     if waiver.candidate not in candidates:
-        known = ", ".join(f"'{one_line(name)}'" for name in candidates)
-        yield f"is for the candidate {shown(waiver.candidate)}, but must be for one of those checked, {known}"
+        listed = ", ".join(f"'{one_line(name)}'" for name in candidates)
+        yield f"is for the candidate {shown(waiver.candidate)}, but must be for one of those checked, {listed}"
     if any((waiver.check, waiver.candidate) == (other.check, other.candidate) for other in earlier):
         yield f"{named} and the candidate {shown(waiver.candidate)}, for which there is one before; keep one of them"
 

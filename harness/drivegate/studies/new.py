@@ -102,9 +102,15 @@ class Written:
 
 
 def write_candidate(
-    kind: str, name: str, folder: Path, today: date, drive: str | None = None, service: str = "github"
+    kind: str,
+    name: str,
+    folder: Path,
+    today: date,
+    drive: str | None = None,
+    service: str = "github",
+    schemas: Mapping[str, bytes] = MappingProxyType({}),
 ) -> Written:
-    """Write a new candidate, for a drive that is included or a copy of a file of one.
+    """Write a new candidate, for a drive that is included or a copy of a file of one, with the schemas of its files.
 
     The drive decides what the controller answers with. Without one it is field-oriented control. In a repository, the
     pipeline is written where `service` looks for it: ``github``, ``gitlab`` or ``none``.
@@ -145,6 +151,7 @@ def write_candidate(
     contents[REQUIREMENTS] = contents.pop("requirements.txt")
     outside = _move_pipeline(contents, pipeline)
     contents[words["@wheel@"]] = _wheel_bytes()
+    contents |= schemas
     usual = DEFAULT_DRIVES[contract]
     if drive is None and usual != DEFAULT_DRIVE:
         # Manifest and waivers that name none are for the default drive.
@@ -260,9 +267,9 @@ def write_drive(file: Path, drive: DriveDocument) -> None:
 
 
 def refuse_drive_file(file: Path) -> None:
-    """Refuse a file that exists, or whose name is none of a drive's."""
+    """Refuse a file that exists, or whose name is none of a drive's, or of requirements."""
     if file.suffix != _SUFFIX:
-        raise InputError(f"{shown_path(file)} is no name for a drive's file, which ends in {_SUFFIX}")
+        raise InputError(f"{shown_path(file)} is no name for such a file, which ends in {_SUFFIX}")
     if file.is_symlink() or file.exists():
         raise InputError(
             f"{shown_path(file)} exists already, and nothing is ever overwritten; name another file"

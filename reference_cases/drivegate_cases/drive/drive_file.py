@@ -19,6 +19,7 @@ def drive_toml(drive: DriveDocument) -> str:
     omitted = following(drive)
     head = ("name", "kind")
     lines = [
+        "#:schema schemas/drive.schema.json",
         "# A drive for drivegate. Every value is nominal; change what is not yours, and say where yours is from.",
         "schema = 1",
         *(_line(type(drive), key, getattr(drive, key)) for key in head),

@@ -14,7 +14,8 @@ from drivegate_cases.documents.document import Document, parse_document, read_do
 from drivegate_cases.documents.wording import shown_path
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.requirements.row import Row
-from drivegate_cases.scenario.scenario import Scenario
+from drivegate_cases.scenario.control_periods import on_whole_periods
+from drivegate_cases.scenario.scenario import LONGEST_CONTROL_PERIOD_S, Scenario
 from drivegate_models.errors import InputError
 
 
@@ -57,6 +58,10 @@ class OwnRequirements:
     def _made(self, drive: DriveDocument) -> Iterator[Scenario]:
         for number, text in enumerate(self.scenarios, start=1):
             table = {"schema": Scenario.schema_current, **json.loads(text), "drive": drive.to_mapping()}
+            period, duration = drive.control_period_s or LONGEST_CONTROL_PERIOD_S, table.get("duration_s")
+            if isinstance(duration, float | int) and duration > 0.0 and "control_period_s" not in table:
+                # Nobody who writes the file knows the control period of every drive.
+                table["duration_s"] = on_whole_periods(float(duration), period)
             yield parse_document(table, Scenario, f"{self.where}, scenario {number}")
 
 

@@ -139,7 +139,10 @@ class Row(Section):
         "lasts so long, a mean is that of each such stretch",
     )
     for_periods: _Length | None = Field(default=None, description="the same in control periods")
-    quantity: str = Field(description="what is limited, with its unit, such as speed_deviation_rpm")
+    quantity: str = Field(
+        description="what is limited, with its unit, such as speed_deviation_rpm",
+        json_schema_extra={"enum": list(QUANTITIES)},
+    )
     statistic: StatisticName = Field(default="value", description="what of the quantity is limited")
     until: OrderedRange | None = Field(
         default=None, description="range that 'time until' waits for, in the quantity's unit"

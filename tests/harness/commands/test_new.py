@@ -10,7 +10,7 @@ import pytest
 import yaml
 
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.commands.new import CHOICES, DRIVE
+from drivegate.commands.new import CHOICES, DRIVE, REQUIREMENTS
 from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.results.provenance import versions
 from drivegate.results.waivers import read_waivers
@@ -73,7 +73,7 @@ def test_people_are_shown_the_next_step(command):
 
 
 def test_the_kinds_on_the_command_line_are_those_that_there_are():
-    assert set(CHOICES) == {*KINDS, DRIVE}
+    assert set(CHOICES) == {*KINDS, DRIVE, REQUIREMENTS}
 
 
 @pytest.mark.parametrize("kind", OF_CURRENTS)

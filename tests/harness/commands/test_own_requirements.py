@@ -163,6 +163,16 @@ def test_rows_reach_another_process_and_say_the_same_there(file: Path) -> None:
     assert without.margins == tuple(each for each in margins[0] if not each.check.startswith("REQ"))
 
 
+def test_rows_are_listed_with_the_checks(command: Any, file: Path) -> None:
+    listed = command("checks", "--requirements", file, "--json").document["checks"]
+    rows = {entry["id"]: entry for entry in listed if entry["source"] == "own requirement"}
+    assert list(rows) == ["REQ-back", "REQ-current", "REQ-failed"]
+    assert rows["REQ-back"]["limit"] == "absolute speed deviation at most 1 rpm"
+    assert rows["REQ-back"]["scenarios"] == "every step of load, from 0.001 s after it begins"
+    assert rows["REQ-failed"]["level"] == "advisory"
+    assert "OVC-1" in {entry["id"] for entry in listed}
+
+
 def test_a_manifest_names_its_requirements(tmp_path: Path, file: Path) -> None:
     (tmp_path / "controller.py").write_text("class C: pass\n", encoding="utf-8")
     manifest = tmp_path / "candidate.toml"
