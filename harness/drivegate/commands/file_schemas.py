@@ -59,9 +59,22 @@ def _requirements() -> Schema:
         scenario["properties"].pop(key)
         scenario["required"].remove(key)
     entry = {key: value for key, value in scenario.items() if key not in ("$schema", "title")}
-    schema["properties"]["scenario"]["items"] = entry
-    schema["$defs"] |= definitions
+    schema["properties"]["scenario"]["items"] = _with_ranges(entry)
+    schema["$defs"] |= _with_ranges(definitions)
     return schema
+
+
+def _with_ranges(schema: Any) -> Any:
+    """Let every number of a schema also be a range [low, high]."""
+    if isinstance(schema, list):
+        return [_with_ranges(item) for item in schema]
+    if not isinstance(schema, dict):
+        return schema
+    if schema.get("type") in ("number", "integer"):
+        number = {"type": "number"}
+        either = [schema, {"type": "array", "items": number, "minItems": 2, "maxItems": 2}]
+        return {"anyOf": either} | {key: schema[key] for key in ("description",) if key in schema}
+    return {key: _with_ranges(value) for key, value in schema.items()}
 
 
 SCHEMAS: Final[Mapping[str, Callable[[], Schema]]] = MappingProxyType(

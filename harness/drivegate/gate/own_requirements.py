@@ -49,6 +49,7 @@ def require_fitting(declaration: Declaration, drive: DriveDocument) -> None:
         for problem in _problems(row, contract_of(drive), drive):
             raise InputError(f"{own.where}: {row.id} {problem}")
     own.scenarios_on(drive)
+    own.drawn_on(drive, 2, 0)
 
 
 def _problems(row: Row, contract: Contract, drive: DriveDocument) -> Iterator[str]:

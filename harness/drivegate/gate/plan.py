@@ -38,6 +38,8 @@ _TURNS: Final = 720720
 """A number that 1 to 16 divide: seeds that differ by it take the same turn at as many families of scenarios."""
 JOINT: Final = {"quick": 0, "default": 1, "nightly": 5}
 """Times that the runs of joint changes are drawn, by effort."""
+OWN_DRAWS: Final = {"quick": 4, "default": 16, "nightly": 100}
+"""Scenarios drawn from each of the user's own that has ranges, by effort."""
 SCRIPTS: Final = {"quick": 10, "default": 60, "nightly": 600}
 """Scripts drawn for a candidate of the profile `flowchart`, by effort."""
 LONG_RUNS: Final = "nightly"
@@ -106,7 +108,7 @@ def planned_work(
             _as_they_are((scenario,), Origin.FIXED, focus, repeat=scenario in repeated)
             for scenario in fixed[2:]
         ),
-        *(Work(own_job(scenario), 1, scenario.name, Origin.FIXED) for scenario in _own(drive, declaration)),
+        *_own(drive, declaration, effort, seed),
         *(
             _stored(stored, Origin.CORPUS, focus)
             for stored in corpus
@@ -137,9 +139,15 @@ def shard_seeds(seed: int, content_hash: str = "") -> tuple[int, ...]:
     return tuple((own if shard % 2 else seed) * SHARDS + shard for shard in range(SHARDS))
 
 
-def _own(drive: DriveDocument, declaration: Declaration) -> tuple[Scenario, ...]:
-    """Return the scenarios of the user's own requirements."""
-    return () if declaration.requirements is None else declaration.requirements.scenarios_on(drive)
+def _own(drive: DriveDocument, declaration: Declaration, effort: str, seed: int) -> list[Work]:
+    """Plan the scenarios of the user's own requirements; those with ranges are drawn."""
+    own = declaration.requirements
+    if own is None:
+        return []
+    drawn = own.drawn_on(drive, OWN_DRAWS[effort], seed)
+    runs = [(Origin.FIXED, scenario) for scenario in own.scenarios_on(drive)]
+    runs += [(Origin.DRAWN, scenario) for scenario in drawn]
+    return [Work(own_job(scenario), 1, scenario.name, origin) for origin, scenario in runs]
 
 
 def _repeated(fixed: Sequence[Scenario]) -> list[Scenario]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,6 +13,7 @@ from pydantic import Field, model_validator
 from drivegate_cases.documents.document import Document, parse_document, read_document
 from drivegate_cases.documents.wording import shown_path
 from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.requirements.ranges import draws_of, has_ranges
 from drivegate_cases.requirements.row import Row
 from drivegate_cases.scenario.control_periods import on_whole_periods
 from drivegate_cases.scenario.scenario import LONGEST_CONTROL_PERIOD_S, Scenario
@@ -28,7 +29,8 @@ class RequirementsFile(Document):
     scenario: tuple[dict[str, Any], ...] = Field(
         default=(),
         description="list of scenarios that are run besides those of the check, each a table [[scenario]] with the "
-        "keys of a scenario but 'schema' and 'drive', which is the one that is checked",
+        "keys of a scenario but 'schema' and 'drive', which is the one that is checked; a number may be a range "
+        "[low, high], from which values are drawn",
     )
 
     @model_validator(mode="after")
@@ -53,11 +55,24 @@ class OwnRequirements:
     """The file, as messages name it."""
 
     def scenarios_on(self, drive: DriveDocument) -> tuple[Scenario, ...]:
-        return tuple(self._made(drive))
+        """Return the scenarios without ranges."""
+        tables = [(number, json.loads(text)) for number, text in enumerate(self.scenarios, start=1)]
+        return tuple(self._made(drive, [entry for entry in tables if not has_ranges(entry[1])]))
 
-    def _made(self, drive: DriveDocument) -> Iterator[Scenario]:
-        for number, text in enumerate(self.scenarios, start=1):
-            table = {"schema": Scenario.schema_current, **json.loads(text), "drive": drive.to_mapping()}
+    def drawn_on(self, drive: DriveDocument, count: int, seed: int) -> tuple[Scenario, ...]:
+        """Draw so many scenarios from each with ranges; the first two have the ends of all ranges."""
+        tables = [(number, json.loads(text)) for number, text in enumerate(self.scenarios, start=1)]
+        drawn = [
+            (number, values)
+            for number, table in tables
+            if has_ranges(table)
+            for values in draws_of(table, count, seed)
+        ]
+        return tuple(self._made(drive, drawn))
+
+    def _made(self, drive: DriveDocument, tables: Iterable[tuple[int, dict[str, Any]]]) -> Iterator[Scenario]:
+        for number, stated in tables:
+            table = {"schema": Scenario.schema_current, **stated, "drive": drive.to_mapping()}
             period, duration = drive.control_period_s or LONGEST_CONTROL_PERIOD_S, table.get("duration_s")
             if isinstance(duration, float | int) and duration > 0.0 and "control_period_s" not in table:
                 # Nobody who writes the file knows the control period of every drive.

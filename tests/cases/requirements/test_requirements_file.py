@@ -9,7 +9,8 @@ from typing import Any
 import pytest
 
 from drivegate_cases.documents.document import parse_document
-from drivegate_cases.requirements.file import RequirementsFile, read_requirements
+from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.requirements.file import OwnRequirements, RequirementsFile, read_requirements
 from drivegate_cases.requirements.quantities import QUANTITIES
 from drivegate_cases.requirements.row import Row
 from drivegate_models.errors import InputError
@@ -99,6 +100,35 @@ def test_a_scenario_leaves_its_drive_out(tmp_path: Path) -> None:
         read_requirements(path)
     path.write_text(f"schema = 1\n[[requirement]]\n{row}\n")
     assert read_requirements(path).rows == (Row.model_validate(parsed(ROW).requirement[0]),)
+
+
+def test_ranges_are_drawn_and_their_ends_come_first() -> None:
+    table = {
+        "name": "step",
+        "duration_s": 0.5,
+        "restarts_s": [0.1, [0.2, 0.3]],
+        "initial_angle_deg": [0.0, 90.0],
+        "speed_rpm": [[0.0, [500.0, 1500.0]]],
+        "load": {
+            "kind": "constant_torque",
+            "torque_nm": [0.1, 1.0],
+            "factor": [[0.0, 0.0], [[0.1, 0.2], 0.0]],
+        },
+    }
+    own = OwnRequirements(parsed(ROW).requirement, (json.dumps(table),))
+    drive = load_drive("pm-ac-interior")
+    assert own.scenarios_on(drive) == ()
+    drawn = own.drawn_on(drive, 5, 7)
+    assert [scenario.name for scenario in drawn] == [f"step {number}" for number in range(1, 6)]
+    assert [scenario.speed_rpm[0][1] for scenario in drawn[:2]] == [500.0, 1500.0]
+    assert [scenario.restarts_s for scenario in drawn[:2]] == [(0.1, 0.2), (0.1, 0.3)]
+    angles = {scenario.initial_angle_deg for scenario in drawn}
+    assert len(angles) == 5
+    assert drawn == own.drawn_on(drive, 5, 7)
+    assert drawn != own.drawn_on(drive, 5, 8)
+    wrong = OwnRequirements(own.rows, (json.dumps(table | {"initial_angle_deg": [90.0, 0.0]}),))
+    with pytest.raises(InputError, match="must have its lowest value first"):
+        wrong.drawn_on(drive, 5, 7)
 
 
 def test_every_quantity_has_its_unit_in_its_name() -> None:

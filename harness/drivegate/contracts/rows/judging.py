@@ -119,8 +119,10 @@ def _instant(time_s: float) -> Extremes:
 def margin_of(row: Row, contract: Contract, record: Record) -> Margin | None:
     """Judge a run by a row."""
     judged = worst_window(row, contract, record)
-    if judged is None or not math.isfinite(judged.measured):
-        return judged and Margin(row.id, normalised(math.nan, 1.0), "not finite")
+    if judged is None:
+        return None
+    if not math.isfinite(judged.measured):
+        return Margin(row.id, normalised(math.nan, 1.0), f"{named_statistic(row)} is not finite")
     words = _measured_in_words(row, QUANTITIES[row.quantity], judged, record)
     return Margin(row.id, judged.value, words)
 
@@ -160,7 +162,7 @@ def when_in_words(row: Row) -> str:
 def moment_of(row: Row, contract: Contract, record: Record) -> Moment | None:
     """Return the window that decides, with the limits in it as values of the signal that figures show."""
     judged = worst_window(row, contract, record)
-    if judged is None:
+    if judged is None or not math.isfinite(judged.measured):
         return None
     period, columns = record.scenario.control_period_s, signals_of(contract, record)
     quantity, span = QUANTITIES[row.quantity], judged.span
