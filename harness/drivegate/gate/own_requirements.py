@@ -15,11 +15,12 @@ from drivegate.contracts.contract import Contract
 from drivegate.drives.running import recorded
 from drivegate_cases.documents.wording import figure, nearest
 from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.limits import limits_of
 from drivegate_cases.requirements.file import OwnRequirements
 from drivegate_cases.requirements.quantities import QUANTITIES, quantities_of
 from drivegate_cases.requirements.row import Row
 from drivegate_cases.requirements.vocabulary import TIME_UNITS
-from drivegate_cases.scenario.scenario import Scenario
+from drivegate_cases.scenario.scenario import LONGEST_CONTROL_PERIOD_S, Scenario
 from drivegate_models.errors import InputError
 
 _FAR: Final = 100.0
@@ -30,7 +31,8 @@ _OF_DUTY: Final = {
     "release": "torque_reference_nm",
 }
 """Events that only drives have whose controllers may follow a torque, with a signal that these have."""
-_LONGEST_RUN_S: Final = 86400.0
+_SETTLING_TIMES: Final = 100.0
+"""Times over the drive's settling time from which a unit is doubted, unless a scenario of the user's lasts as long."""
 
 
 def with_requirements(candidate: Candidate, own: OwnRequirements | None) -> Candidate:
@@ -48,8 +50,11 @@ def require_fitting(declaration: Declaration, drive: DriveDocument) -> None:
     for row in own.rows:
         for problem in _problems(row, contract_of(drive), drive):
             raise InputError(f"{own.where}: {row.id} {problem}")
-    own.scenarios_on(drive)
-    own.drawn_on(drive, 2, 0)
+    scenarios = own.scenarios_on(drive) + own.drawn_on(drive, 2, 0)
+    longest = max((scenario.duration_s for scenario in scenarios), default=0.0)
+    for row in own.rows:
+        for problem in _times(row, drive, longest):
+            raise InputError(f"{own.where}: {row.id} {problem}")
 
 
 def _problems(row: Row, contract: Contract, drive: DriveDocument) -> Iterator[str]:
@@ -84,14 +89,20 @@ def _sizes(row: Row, drive: DriveDocument) -> Iterator[str]:
                 f"has a limit of {figure(greatest)} {quantity.unit}, but the drive's own size of {row.quantity} is "
                 f"{figure(scale)} {quantity.unit}, so the row would never fail; is it in another unit?"
             )
+
+
+def _times(row: Row, drive: DriveDocument, longest_s: float) -> Iterator[str]:
+    """Find times that no run lasts for; `longest_s` is the length of the longest scenario of the user's."""
     unit, (begin, _) = row.window
-    period = drive.control_period_s or 0.0
-    start_s = begin * TIME_UNITS[unit].seconds(drive, period)
-    if start_s >= _LONGEST_RUN_S:
-        yield (
-            f"has a window that begins {figure(start_s)} s after its event, but a run lasts {_LONGEST_RUN_S:g} s at "
-            "most"
-        )
+    settling = float(limits_of(drive).settling_s)
+    start = begin * TIME_UNITS[unit].seconds(drive, drive.control_period_s or LONGEST_CONTROL_PERIOD_S)
+    waited = row.limits[1] if row.statistic == "time until" else None
+    for what, time in (("has a window that begins after", start), ("waits for at most", waited)):
+        if time is not None and time > max(_SETTLING_TIMES * settling, longest_s):
+            yield (
+                f"{what} {figure(time)} s, but the drive settles in {figure(settling)} s and no run lasts as long; is "
+                "it in another unit? Otherwise add a [[scenario]] that does"
+            )
 
 
 @dataclass(frozen=True)

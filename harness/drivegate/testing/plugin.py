@@ -114,14 +114,15 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
         raise _refused(
             f"{metafunc.function.__name__} must take the argument '{FIXTURE}' and call its verify()"
         )
-    from drivegate.contracts.catalogue import contract_named
+    from drivegate.contracts.catalogue import checks_of
     from drivegate.drives.kinds import drive_for
     from drivegate_models.errors import InputError
 
     try:
         requested = _requested(metafunc.config, marker, metafunc.definition.path.parent)
         candidate, _ = _planned(requested)
-        checks = contract_named(drive_for(candidate, _named_drive(requested)).contract).checks
+        drive = drive_for(candidate, _named_drive(requested))
+        checks = checks_of(drive, candidate.declaration)
     except InputError as error:
         raise _refused(str(error)) from error
     metafunc.parametrize(FIXTURE, [CANDIDATE_ITEM, *(check.id for check in checks)], indirect=True)

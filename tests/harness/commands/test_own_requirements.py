@@ -128,7 +128,8 @@ def test_rows_are_checked_reported_waived_and_replayed(
         ),
         ({"at_most": 2e9}, "is it in another unit?"),
         ({"id": "ovc-1"}, "has the identifier of a check of drivegate"),
-        ({"between_s": (1e6,)}, "but a run lasts 86400 s at most"),
+        ({"between_s": (300.0,)}, "has a window that begins after 300 s, but the drive settles in 0.2 s"),
+        ({"statistic": "time until", "until": (0.0, 1.0), "at_most": 300.0}, "waits for at most 300 s"),
     ],
 )
 def test_a_row_that_does_not_fit_the_drive_is_refused(change: dict[str, Any], sentence: str) -> None:
