@@ -11,7 +11,7 @@ from drivegate_cases.documents.document import Section
 from drivegate_cases.documents.wording import one_line
 from drivegate_models.errors import InputError
 
-_FILES: Final = ("corpus", "waivers", "baseline", "output")
+_FILES: Final = ("corpus", "waivers", "baseline", "requirements", "output")
 """Keys that name a place in the manifest's folder."""
 _Place = Annotated[str, Field(min_length=1)]
 
@@ -30,6 +30,9 @@ class CheckTable(Section):
     waivers: _Place | None = Field(default=None, description="file of failures that are accepted until a day")
     baseline: _Place | None = Field(
         default=None, description="earlier result.json that margins are compared with"
+    )
+    requirements: _Place | None = Field(
+        default=None, description="file of your own requirements, in place of the manifest's"
     )
     output: _Place | None = Field(default=None, description="folder of the report")
     fail_on: Literal["required", "advisory"] | None = Field(

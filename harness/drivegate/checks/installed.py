@@ -47,7 +47,9 @@ class _Guarded:
                 f"the check {self.id} of the entry point '{self.point}' failed ({what}); mend the package, or "
                 "uninstall it"
             ) from error
-        if margin is not None and not (isinstance(margin, Margin) and margin.check == self.id):
+        # A stranger's function may return anything.
+        returned: object = margin
+        if returned is not None and not (isinstance(returned, Margin) and returned.check == self.id):
             raise InputError(
                 f"the check {self.id} of the entry point '{self.point}' returned {bounded_line(repr(margin))}, but "
                 f'must return None or a Margin("{self.id}", …)'

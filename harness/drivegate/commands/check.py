@@ -144,7 +144,7 @@ def command(
     installed. inner:pi:candidate runs any of these that answers with a current reference on a drive of duty ratios.
 
     Without a CANDIDATE it is candidate.toml in this folder. The table [check] of a manifest may state drive, effort,
-    seed, corpus, waivers, baseline, output, fail_on and contested; the command line wins.
+    seed, corpus, waivers, baseline, requirements, output, fail_on and contested; the command line wins.
 
     The exit code is 0 when all pass or are waived, 1 when one fails, 2 when one is refused, 3 after a fault of
     drivegate.

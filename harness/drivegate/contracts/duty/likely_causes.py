@@ -327,6 +327,23 @@ def _agreement(signs: frozenset[str], shown: frozenset[str]) -> float:
 
 def causes_of_check(name: str) -> tuple[str, ...]:
     """List the causes that a check confirms, then those that it shows among other checks, the most specific first."""
-    showing = [cause for cause in LIKELY_CAUSES if name in cause.signs or cause.confirming_check == name]
-    showing.sort(key=lambda cause: (cause.confirming_check != name, len(cause.signs)))
-    return tuple(f"{cause.words}; {cause.confirmed_by}" for cause in showing)
+    showing = [cause for cause in LIKELY_CAUSES if name in _checks(cause.signs) or name in _confirming(cause)]
+    showing.sort(key=lambda cause: (name not in _confirming(cause), len(cause.signs)))
+    return tuple(
+        "; ".join(
+            [
+                cause.words,
+                *(f"{sign.partition(':')[0]} confirms it: {shows}" for sign, shows in cause.confirmations),
+            ]
+        )
+        for cause in showing
+    )
+
+
+def _confirming(cause: LikelyCause) -> frozenset[str]:
+    return _checks(sign for sign, _ in cause.confirmations)
+
+
+def _checks(signs: Iterable[str]) -> frozenset[str]:
+    """Return the checks of signs, some of which state what a measured value shows too."""
+    return frozenset(sign.partition(":")[0] for sign in signs)

@@ -55,7 +55,7 @@ def _rows(document: dict[str, Any], candidate: dict[str, Any]) -> list[dict[str,
     return [*rows, everything | _BLANK, *_point_rows(candidate["not_passed"], interval)]
 
 
-def _point_rows(stated: dict[str, Any], interval: str) -> list[dict[str, str]]:
+def _point_rows(stated: Mapping[str, Any], interval: str) -> list[dict[str, str]]:
     return [
         {"check": f"  {words}", "level": "", **_counted(point, interval)} | _BLANK
         for words, point in listed_points(stated)
@@ -79,7 +79,7 @@ def _point_in_words(point: Mapping[str, Any], *, with_case: bool) -> str:
     return ", ".join([point["case"], *values] if with_case else values)
 
 
-def _counted(stated: dict[str, Any], interval: str) -> dict[str, str]:
+def _counted(stated: Mapping[str, Any], interval: str) -> dict[str, str]:
     return {
         "violated": share_text(stated),
         "probability": probability_text(stated.get("probability")),
