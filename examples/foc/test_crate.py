@@ -14,6 +14,7 @@ from drivegate.containment.judge import own_candidate
 from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.duty.scenarios.building import torque_of, torque_scenario
 from drivegate.drives.running import recorded
+from drivegate.isolation.layers import roots_named
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 
@@ -32,7 +33,8 @@ def test_its_regulators_drive_the_current_away_unless_gains_are_negative(
     manifest = target / "candidate.toml"
     command = "cargo build --release"
     manifest.write_text(manifest.read_text().replace(command, f"{command}{features}", 1), encoding="utf-8")
-    loaded = own_candidate(resolve_candidate(str(manifest)))
+    with roots_named([str(tmp_path / "firmware")]):
+        loaded = own_candidate(resolve_candidate(str(manifest)))
     drive = load_drive("pm-ac-surface")
     assert isinstance(drive, PmAcDocument)
     speed = 0.1 * drive.rating.base_speed_rpm

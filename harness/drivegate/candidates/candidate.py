@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 
 from drivegate.candidates.declaration import NOTHING_DECLARED, Declaration
 from drivegate.candidates.step_costs import NO_COSTS, StepCosts
+from drivegate_cases.documents.regular_file import regular_content
 from drivegate_cases.documents.wording import shown_path
 from drivegate_models.errors import InputError
 
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
 
 STEP_DEADLINE: Final = 1.0
 """Time that a program has for each step unless its manifest says otherwise (s)."""
+_LARGEST_BYTES: Final = 2**30
+"""Greatest size of all files of a candidate."""
 
 
 @dataclass(frozen=True)
@@ -122,16 +125,6 @@ class Candidate:
         return self.details.limits if isinstance(self.details, Target) else NO_COSTS
 
 
-def existing_file(path: Path) -> Path:
-    try:
-        if path.is_file():
-            return path.resolve()
-        problem = "is a folder" if path.is_dir() else "does not exist"
-    except OSError as error:
-        problem = f"cannot be read: {error.strerror}"
-    raise InputError(f"{shown_path(path)} {problem}; name an existing file")
-
-
 def existing_folder(file: Path) -> Path:
     """Return the folder that a file is in; where only a build makes it, the nearest one that exists."""
     return next(folder for folder in file.parents if folder.is_dir())
@@ -139,13 +132,20 @@ def existing_folder(file: Path) -> Path:
 
 def hash_of(sources: Sequence[Path], entry: str) -> str:
     digest = hashlib.sha256(entry.encode())
+    left = _LARGEST_BYTES
     for source in sources:
         try:
-            content = source.read_bytes()
+            content = regular_content(source)
         except OSError as error:
             raise InputError(
                 f"{shown_path(source)} cannot be read: {error.strerror}; name a readable file"
             ) from error
+        left -= len(content)
+        if left < 0:
+            raise InputError(
+                f"the candidate's files are larger than {_LARGEST_BYTES // 2**20} MiB together, up to "
+                f"{shown_path(source)}; name those alone that it is made of"
+            )
         # With its length before each content, bytes that move from one file to the next change the hash.
         digest.update(f"\0{len(content)}\0".encode())
         digest.update(content)

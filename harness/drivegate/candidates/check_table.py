@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated, Any, Final, Literal
 
 from pydantic import Field
 
 from drivegate_cases.documents.document import Section
-from drivegate_cases.documents.wording import one_line
-from drivegate_models.errors import InputError
+from drivegate_cases.documents.reach import Reach
 
 _FILES: Final = ("corpus", "waivers", "baseline", "requirements", "output")
 """Keys that name a place in the manifest's folder."""
@@ -43,29 +41,14 @@ class CheckTable(Section):
         description="whether a failure counts that no known good controller avoids in the same scenario",
     )
 
-    def options(self, folder: Path) -> dict[str, Any]:
-        """Return the values by their option, with paths from the manifest's folder, which they must not leave."""
+    def options(self, reach: Reach) -> dict[str, Any]:
+        """Return the values by their option; a manifest must not choose what is read or written elsewhere."""
         from drivegate_cases.drive.drive_document import drive_names
 
         stated = self.model_dump(exclude_none=True)
         for key in _FILES:
             if key in stated:
-                stated[key] = str(_inside(folder, stated[key], key))
+                stated[key] = str(reach.place(stated[key], f"the key '{key}' of [check]"))
         if self.drive is not None and self.drive not in drive_names():
-            stated["drive"] = str(_inside(folder, self.drive, "drive"))
+            stated["drive"] = str(reach.place(self.drive, "the key 'drive' of [check]"))
         return stated
-
-
-def _inside(folder: Path, name: str, key: str) -> Path:
-    """Return a path in a folder; a manifest must not choose what is read or written elsewhere."""
-    place = folder / name
-    try:
-        is_inside = place.resolve().is_relative_to(folder.resolve())
-    except (OSError, RuntimeError, ValueError):
-        is_inside = False
-    if not is_inside or "\0" in name:
-        raise InputError(
-            f"the key '{key}' of [check] is '{one_line(name)}', which leads out of the manifest's folder; name such a "
-            f"place on the command line, with --{key}"
-        )
-    return place

@@ -1,7 +1,7 @@
 """The kinds of candidate, one row each; all that the rest of the harness must know of a kind is in its row.
 
 The folder of a kind has two modules. `resolution` has ``from_text(specification)`` and
-``from_manifest(manifest, specification, folder)``, which return a `Candidate` and run none of its code; a manifest's
+``from_manifest(manifest, specification, reach)``, which return a `Candidate` and run none of its code; a manifest's
 name, declaration and drive are added to it by `drivegate.candidates.resolution`. `loading` has
 ``load_controller(candidate)``, which runs it, and for some kinds ``compile_own_code(candidate)``. They are imported
 when they are needed: each kind brings libraries of its own, and a process needs those of one kind only.
@@ -12,7 +12,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import import_module
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from drivegate.candidates.candidate import Candidate
@@ -21,6 +20,7 @@ from drivegate.candidates.step_costs import NO_COSTS
 
 if TYPE_CHECKING:
     from drivegate_cases.documents.document import Document
+    from drivegate_cases.documents.reach import Reach
 
 
 EXEC_PREFIX: Final = "exec:"
@@ -76,9 +76,9 @@ class Kind:
         candidate: Candidate = self._module("resolution").from_text(specification)
         return candidate
 
-    def from_manifest(self, manifest: Document, specification: str, folder: Path) -> Candidate:
+    def from_manifest(self, manifest: Document, specification: str, reach: Reach) -> Candidate:
         """Find the candidate that a `Manifest` describes, whose keys are checked against these rows."""
-        candidate: Candidate = self._module("resolution").from_manifest(manifest, specification, folder)
+        candidate: Candidate = self._module("resolution").from_manifest(manifest, specification, reach)
         return candidate
 
     def load_controller(self, candidate: Candidate) -> Controller:

@@ -1,19 +1,18 @@
 """The manifest `candidate.toml`: what a candidate is made of, and what it declares of itself."""
 
-from itertools import islice
 from math import radians
-from pathlib import Path, PurePath
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from drivegate.candidates.candidate import existing_file
 from drivegate.candidates.check_table import CheckTable
 from drivegate.candidates.contract import ContractName
 from drivegate.candidates.contract_keys import refuse_other_keys
 from drivegate.candidates.declaration import Declaration, FlowchartProfile
 from drivegate.candidates.kinds import KINDS
 from drivegate_cases.documents.document import Document, Section
+from drivegate_cases.documents.reach import Reach
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_cases.drive.drive_document import DriveReference
 from drivegate_cases.drive.pm_ac.inverter import MOST_CARRIERS
@@ -34,8 +33,6 @@ _KINDS_OF_KEY = {
     for kind in KINDS.values()
     for key in kind.manifest_keys
 }
-_MOST_MATCHES = 1000
-"""Greatest number of files that one pattern may match."""
 
 Text = Annotated[str, Field(min_length=1)]
 Positive = Annotated[float, Field(gt=0)]
@@ -293,7 +290,7 @@ class Manifest(Document):
             raise ValueError("the key 'speed_range_rpm' must give the lowest speed first, then a higher one")
         return self
 
-    def files(self, specification: str, folder: Path) -> tuple[Path, tuple[Path, ...]]:
+    def files(self, specification: str, reach: Reach) -> tuple[Path, tuple[Path, ...]]:
         """Find the file that the entry is, whose suffix is the kind's, and the further sources.
 
         What is built need not exist.
@@ -304,13 +301,18 @@ class Manifest(Document):
                 f"{shown_path(specification)}: the key 'entry' is '{one_line(self.entry)}', but for the kind "
                 f"'{self.kind}' must be a file *{' or *'.join(suffixes)}"
             )
-        entry = folder / self.entry
-        return entry if self.build else existing_file(entry), self.source_files(folder)
+        found = reach.place if self.build else reach.file
+        return found(self.entry, "the key 'entry'"), self.source_files(reach)
 
-    def source_files(self, folder: Path) -> tuple[Path, ...]:
+    def source_files(self, reach: Reach) -> tuple[Path, ...]:
         """Find the further sources, those that a pattern such as ``src/**/*.c`` matches in the order of their names."""
-        found = (file for source in self.sources for file in _matching(folder, source))
-        return tuple(dict.fromkeys(found))
+        files: dict[Path, None] = {}
+        for source in self.sources:
+            if set(source) & set("*?["):
+                files |= dict.fromkeys(reach.files_matching(source, "'sources'"))
+            else:
+                files[reach.file(source, "a file of the key 'sources'")] = None
+        return tuple(files)
 
     def declaration(self) -> Declaration:
         """What the candidate declares of itself, in SI units."""
@@ -329,28 +331,3 @@ class Manifest(Document):
             self.update_delay,
             self.modulation,
         )
-
-
-def _matching(folder: Path, source: str) -> tuple[Path, ...]:
-    if not set(source) & set("*?["):
-        return (existing_file(folder / source),)
-    pattern = PurePath(source)
-    if pattern.is_absolute() or ".." in pattern.parts:
-        raise InputError(
-            f"the pattern '{one_line(source)}' in 'sources' leaves the manifest's folder; name files outside it one by "
-            "one"
-        )
-    # One more than allowed shows that there are too many, without listing all that is below a large folder.
-    try:
-        files = sorted(islice((file for file in folder.glob(source) if file.is_file()), _MOST_MATCHES + 1))
-    except (ValueError, OSError) as error:
-        raise InputError(
-            f"the pattern '{one_line(source)}' in 'sources' is none: {one_line(str(error))}"
-        ) from error
-    if not 0 < len(files) <= _MOST_MATCHES:
-        count = "no file" if not files else f"more than {_MOST_MATCHES} files"
-        raise InputError(
-            f"the pattern '{one_line(source)}' in 'sources' matches {count} in {shown_path(folder)}; write one that "
-            "matches the sources alone"
-        )
-    return tuple(file.resolve() for file in files)

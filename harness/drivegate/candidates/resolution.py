@@ -4,6 +4,7 @@ Nothing here runs a candidate's code. Whether the class exists and has its metho
 loads it.
 """
 
+from collections.abc import Iterable
 from dataclasses import replace
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
@@ -11,6 +12,8 @@ from pathlib import Path
 from drivegate.candidates.builtin.candidates import BUILTIN_CANDIDATES, DUTY_CANDIDATES
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.kinds import KINDS, MANIFEST_SUFFIX, WHOLE_FILE_SUFFIXES
+from drivegate.isolation.layers import named_roots
+from drivegate_cases.documents.reach import Reach
 from drivegate_cases.documents.wording import nearest, one_line, shown_path
 from drivegate_models.errors import InputError
 
@@ -105,6 +108,13 @@ def _from_bare_name(name: str) -> Candidate:
     )
 
 
+def reach_of(manifest: Path, further: Iterable[str] = ()) -> Reach:
+    """Return what a manifest may name; it may itself be a link to another one there."""
+    roots = (*named_roots(), *further)
+    file = Reach.of(manifest.parent, roots).place(manifest.name, "the manifest")
+    return Reach.of(file.parent, roots)
+
+
 def _from_manifest(specification: str) -> Candidate:
     # Reading a manifest needs pydantic, which takes longer to import than all the rest of this module.
     from drivegate.candidates.contract import ANSWERS
@@ -112,10 +122,9 @@ def _from_manifest(specification: str) -> Candidate:
     from drivegate.candidates.manifest import Manifest
     from drivegate_cases.documents.document import read_document
 
-    manifest = read_document(specification, Manifest)
-    candidate = KINDS[manifest.kind].from_manifest(
-        manifest, specification, Path(specification).resolve().parent
-    )
+    reach = reach_of(Path(specification))
+    manifest = read_document(specification, Manifest, reach)
+    candidate = KINDS[manifest.kind].from_manifest(manifest, specification, reach)
     stated, known = manifest.contract, candidate.contract
     if None not in (stated, known) and stated != known:
         raise InputError(
@@ -128,7 +137,7 @@ def _from_manifest(specification: str) -> Candidate:
     if manifest.requirements is not None:
         from drivegate_cases.requirements.file import read_requirements
 
-        own = read_requirements(Path(specification).parent / manifest.requirements)
+        own = read_requirements(reach.file(manifest.requirements, "the key 'requirements'"))
         declaration = replace(declaration, requirements=own)
     # What every kind takes from its manifest in the same way.
     return replace(

@@ -12,7 +12,7 @@ from drivegate.commands.conduct import Outcome
 from drivegate.commands.options import (
     bounded,
     drive_option,
-    isolation_option,
+    isolation_options,
     json_option,
     looked_at,
     named_drive,
@@ -52,7 +52,7 @@ from drivegate.output.failure import ExitCode
     show_default=True,
     help="Confidence of the intervals of probabilities.",
 )
-@isolation_option
+@isolation_options
 @json_option
 def command(
     file: str,

@@ -16,7 +16,7 @@ from drivegate.commands.options import (
     drive_option,
     effort_option,
     folder_option,
-    isolation_option,
+    isolation_options,
     json_flag,
     named_drive,
     workers_option,
@@ -40,7 +40,7 @@ DEFAULT_OUTPUT = "drivegate-report"
     "--seed", type=click.IntRange(0, 2**63 - 1), default=0, show_default=True, help="Seed of the search."
 )
 @workers_option
-@isolation_option
+@isolation_options
 @click.option(
     "--max-time",
     type=bounded(0.0, above=True),

@@ -13,7 +13,7 @@ from drivegate.commands.options import (
     drives_option,
     effort_option,
     folder_option,
-    isolation_option,
+    isolation_options,
     json_option,
     named_drive,
     workers_option,
@@ -40,7 +40,7 @@ DEFAULT_OUTPUT = "drivegate-comparison"
     help="Seed of noise, of drawn plants, and of the checks' search.",
 )
 @workers_option
-@isolation_option
+@isolation_options
 @click.option(
     "--checks/--no-checks",
     default=True,

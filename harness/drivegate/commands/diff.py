@@ -14,7 +14,7 @@ from drivegate.commands.options import (
     chosen_scenario,
     drive_options,
     drive_words,
-    isolation_option,
+    isolation_options,
     json_option,
 )
 from drivegate.contracts.catalogue import contract_of
@@ -68,7 +68,7 @@ _AROUND_IN_FIGURE = 100
     help="Draw both commands around the first difference; the name ends in .png or .svg.",
 )
 @drive_options
-@isolation_option
+@isolation_options
 @json_option
 def command(
     first: str,

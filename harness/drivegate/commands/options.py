@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable
 from math import inf, isfinite, nan
@@ -46,14 +47,42 @@ def _request_isolation(context: click.Context, _option: click.Parameter, value: 
         context.with_resource(isolation_requested(value))
 
 
-isolation_option = click.option(
+def _name_roots(context: click.Context, _option: click.Parameter, folders: tuple[Path, ...]) -> None:
+    """Name the folders that manifests may lead into for as long as the command runs."""
+    from drivegate.isolation.layers import roots_named
+
+    if any(os.pathsep in str(folder) for folder in folders):
+        raise click.BadParameter(f"a folder's path must not contain '{os.pathsep}'")
+    if folders:
+        context.with_resource(roots_named([str(folder.resolve()) for folder in folders]))
+
+
+_folder: Any = click.Path(exists=True, file_okay=False, path_type=Path)
+_root_option = click.option(
+    "--root",
+    "roots",
+    type=_folder,
+    multiple=True,
+    metavar="DIR",
+    expose_value=False,
+    callback=_name_roots,
+    help="A further folder whose files a manifest may name and the candidate may read; may be given again.",
+)
+_isolation_option = click.option(
     "--isolation",
     type=click.Choice(["auto", "strict", "none"]),
     expose_value=False,
     callback=_request_isolation,
     help="Isolate the candidate by all that this machine has, refuse to run without all of it, or do not isolate it.",
 )
-"""The option that sets how candidates are isolated; by default, `DRIVEGATE_ISOLATION` does, else it is ``auto``."""
+
+
+def isolation_options(function: _Function) -> _Function:
+    """Add the options that set how candidates are isolated, and where their files may be.
+
+    By default, `DRIVEGATE_ISOLATION` and `DRIVEGATE_READ` do; else it is ``auto``, and each manifest's own folder.
+    """
+    return _isolation_option(_root_option(function))
 
 
 def folder_option(default: str, help_text: str) -> Callable[[_Function], _Function]:

@@ -9,7 +9,7 @@ import click
 
 from drivegate.commands.completion import complete_candidate
 from drivegate.commands.conduct import Outcome
-from drivegate.commands.options import isolation_option, json_option
+from drivegate.commands.options import isolation_options, json_option
 
 
 @click.command("replay")
@@ -26,7 +26,7 @@ from drivegate.commands.options import isolation_option, json_option
     metavar="FILE",
     help="Write a figure; the name ends in .png or .svg.",
 )
-@isolation_option
+@isolation_options
 @json_option
 def command(file: Path, candidate: str | None, plot: Path | None) -> Outcome:
     """Run the counterexample in FILE again, and show whether its check STILL FAILS or is FIXED.

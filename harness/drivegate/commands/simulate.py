@@ -13,7 +13,7 @@ from drivegate.commands.options import (
     chosen_scenario,
     drive_options,
     drive_words,
-    isolation_option,
+    isolation_options,
     json_option,
 )
 from drivegate.output.failure import ExitCode
@@ -46,7 +46,7 @@ from drivegate.output.failure import ExitCode
     "--plot", type=click.Path(path_type=Path), help="Write a figure; the name ends in .png or .svg."
 )
 @drive_options
-@isolation_option
+@isolation_options
 @json_option
 def command(
     candidate: str,

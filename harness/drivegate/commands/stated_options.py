@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from shlex import join
 from typing import Any, Final
@@ -33,7 +33,7 @@ class CheckCommand(click.Command):
             named = tuple(found) if isinstance(found, list | tuple) else ()
             if not named:
                 args = [*args, _own_manifest()]
-            stated = stated_by([*named, MANIFEST][0]) if len(named) <= 1 else {}
+            stated = stated_by([*named, MANIFEST][0], given.get("roots") or ()) if len(named) <= 1 else {}
             ctx.default_map = {**(ctx.default_map or {}), **stated}
             ctx.meta[_STATED] = stated
             ctx.meta[_AGAIN] = join(["drivegate", "check", *named, *self._words(ctx, given)])
@@ -74,13 +74,15 @@ def _own_manifest() -> str:
     return MANIFEST
 
 
-def stated_by(specification: str) -> dict[str, Any]:
+def stated_by(specification: str, roots: Iterable[str] = ()) -> dict[str, Any]:
     """Return the options that a candidate's manifest states; one that is no manifest states none."""
     file = Path(specification)
     if file.suffix.lower() != MANIFEST_SUFFIX or ":" in specification:
         return {}
     # Reading a manifest needs pydantic, which takes longer to import than the rest of this module.
     from drivegate.candidates.manifest import Manifest
+    from drivegate.candidates.resolution import reach_of
     from drivegate_cases.documents.document import read_document
 
-    return read_document(file, Manifest).check.options(file.parent)
+    reach = reach_of(file, roots)
+    return read_document(file, Manifest, reach).check.options(reach)

@@ -4,7 +4,8 @@ from pathlib import Path
 
 from drivegate.candidates.candidate import Candidate, NativeBuild, OuterLoop, Program, Target
 from drivegate.candidates.kinds import KINDS
-from drivegate.isolation.layers import Layer, requested_layers
+from drivegate.isolation.installations import installation_of
+from drivegate.isolation.layers import Layer, named_roots, requested_layers
 
 
 def isolating_layers(candidate: Candidate) -> tuple[Layer, ...] | None:
@@ -25,15 +26,11 @@ def _own_places(candidate: Candidate) -> list[Path]:
     elif isinstance(details, Target):
         places.append(details.image)
     elif isinstance(details, Program):
-        places += map(_installation_of, (details.executable, details.executable.resolve()))
+        named = [candidate.folder.resolve(), *map(Path, named_roots())]
+        for program in (details.executable, details.executable.resolve()):
+            # What is above a folder that the candidate is in, or that the user names, is not the candidate's.
+            is_own = any(program.is_relative_to(place) for place in named)
+            places += [program] if is_own else installation_of(program)
     elif isinstance(details, OuterLoop):
         places += _own_places(details.outer)
     return places
-
-
-def _installation_of(program: Path) -> Path:
-    """Return the folder with a program's libraries, or with what a version manager's shim starts."""
-    folder = program.parent
-    # The folder above /bin is the whole file system, which is no installation.
-    is_part = folder.name in ("bin", "shims") and folder.parent != Path(folder.anchor)
-    return folder.parent if is_part else program

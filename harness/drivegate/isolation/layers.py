@@ -31,7 +31,8 @@ from drivegate_models.errors import InputError
 ISOLATION_VARIABLE: Final = "DRIVEGATE_ISOLATION"
 """Environment variable with the requested isolation; the option ``--isolation`` sets it."""
 READ_VARIABLE: Final = "DRIVEGATE_READ"
-"""Environment variable with further files and folders that candidates may read, separated by colons."""
+"""Environment variable with further files and folders that candidates may consist of and read, separated by colons;
+the option ``--root`` adds to it."""
 
 # What programs need of the system: libraries, interpreters, time zones and certificates.
 _SYSTEM: Final = (
@@ -94,8 +95,21 @@ def system_places() -> tuple[str, ...]:
     finders = [vars(sys.modules[name]).get("MAPPING") for name in list(sys.modules) if "__editable__" in name]
     packages = [place for mapping in finders if isinstance(mapping, dict) for place in mapping.values()]
     python = (sys.prefix, sys.base_prefix, sys.exec_prefix, sys.base_exec_prefix, *_search_path(), *packages)
-    further = os.environ.get(READ_VARIABLE, "").split(os.pathsep)
-    return (*_SYSTEM, *(str(Path(place).absolute()) for place in (*python, *further) if place))
+    return (*_SYSTEM, *(str(Path(place).absolute()) for place in python if place), *named_roots())
+
+
+def named_roots() -> tuple[str, ...]:
+    """Return the files and folders besides its own that the user lets a candidate consist of, and read."""
+    places = os.environ.get(READ_VARIABLE, "").split(os.pathsep)
+    return tuple(str(Path(place).absolute()) for place in places if place)
+
+
+@contextmanager
+def roots_named(folders: Sequence[str]) -> Iterator[None]:
+    """Name further roots for as long as the context lasts, in this process and in those that it starts."""
+    before = os.environ.get(READ_VARIABLE, "")
+    with _environment_set(READ_VARIABLE, os.pathsep.join(filter(None, (before, *folders)))):
+        yield
 
 
 def _search_path() -> Iterator[str]:
@@ -121,15 +135,21 @@ def _own_files() -> Iterator[str]:
 @contextmanager
 def isolation_requested(value: str) -> Iterator[None]:
     """Request an isolation for as long as the context lasts, in this process and in those that it starts."""
-    before = os.environ.get(ISOLATION_VARIABLE)
-    os.environ[ISOLATION_VARIABLE] = value
+    with _environment_set(ISOLATION_VARIABLE, value):
+        yield
+
+
+@contextmanager
+def _environment_set(name: str, value: str) -> Iterator[None]:
+    before = os.environ.get(name)
+    os.environ[name] = value
     try:
         yield
     finally:
         if before is None:
-            os.environ.pop(ISOLATION_VARIABLE, None)
+            os.environ.pop(name, None)
         else:
-            os.environ[ISOLATION_VARIABLE] = before
+            os.environ[name] = before
 
 
 def requested_layers() -> tuple[Layer, ...]:

@@ -12,6 +12,7 @@ from typing import Any, ClassVar, Self, TypeVar
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
 
 from drivegate_cases.documents.problems import described
+from drivegate_cases.documents.reach import Reach
 from drivegate_cases.documents.reading import read_mapping
 from drivegate_cases.documents.wording import LONGEST_MESSAGE, shown, shown_path
 from drivegate_models.errors import InputError
@@ -78,13 +79,21 @@ class Document(Section):
         return _validated({**values, **_frozen(changes)}, type(self), type(self).__name__.lower(), None)
 
 
-def read_document(path: str | Path, model: type[DocumentT]) -> DocumentT:
-    """Read a TOML or JSON file as a document of a given kind."""
-    return parse_document(read_mapping(path), model, str(path), folder=Path(path).parent)
+def read_document(path: str | Path, model: type[DocumentT], reach: Reach | None = None) -> DocumentT:
+    """Read a TOML or JSON file as a document of a given kind.
+
+    `reach`: where the files lie that it may name; None for a document of the user's own, which may name any.
+    """
+    return parse_document(read_mapping(path), model, str(path), folder=Path(path).parent, reach=reach)
 
 
 def parse_document(
-    mapping: Mapping[str, Any], model: type[DocumentT], where: str, *, folder: Path | None = None
+    mapping: Mapping[str, Any],
+    model: type[DocumentT],
+    where: str,
+    *,
+    folder: Path | None = None,
+    reach: Reach | None = None,
 ) -> DocumentT:
     """Check plain data as a document of a given kind."""
     if not isinstance(mapping, Mapping):
@@ -97,7 +106,7 @@ def parse_document(
     schema = _supported_schema(values.pop("schema", None), model, where)
     if schema < model.schema_current:
         values = model.from_previous(values)
-    return _validated(_frozen(values), model, where, folder)
+    return _validated(_frozen(values), model, where, folder, reach)
 
 
 def _supported_schema(number: object, model: type[Document], where: str) -> int:
@@ -122,10 +131,14 @@ def _supported_schema(number: object, model: type[Document], where: str) -> int:
 
 
 def _validated(
-    values: Mapping[str, Any], model: type[DocumentT], where: str, folder: Path | None
+    values: Mapping[str, Any],
+    model: type[DocumentT],
+    where: str,
+    folder: Path | None,
+    reach: Reach | None = None,
 ) -> DocumentT:
     try:
-        return model.model_validate(values, context={"folder": folder})
+        return model.model_validate(values, context={"folder": folder, "reach": reach})
     except ValidationError as error:
         place = f"{shown_path(where)}: "
         raise InputError(place + described(error, model, LONGEST_MESSAGE - len(place))) from error

@@ -4,6 +4,7 @@ from importlib.resources import as_file, files
 from pathlib import Path
 
 from drivegate_cases.documents.document import DocumentT, read_document
+from drivegate_cases.documents.reach import Reach
 from drivegate_cases.documents.reading import SUFFIXES
 from drivegate_cases.documents.wording import nearest, one_line
 from drivegate_models.errors import InputError
@@ -23,12 +24,15 @@ def load_named(
     noun: str,
     *,
     relative_to: Path | None = None,
+    reach: Reach | None = None,
 ) -> DocumentT:
-    """Load a document of the package by its name, or any other by its path."""
+    """Load a document of the package by its name, or any other by its path, within the reach of what names it."""
     name = str(name_or_path)
     is_path = "/" in name or "\\" in name or name.lower().endswith(SUFFIXES)
     if isinstance(name_or_path, Path) or is_path:
         path = Path(name_or_path)
+        if reach is not None:
+            return read_document(reach.place(name, f"the path of the {noun}"), model, reach)
         return read_document(path if relative_to is None else relative_to / path, model)
     known = packaged_names(folder)
     if name not in known:

@@ -1,5 +1,6 @@
 """From a TOML or JSON file, or from KEY=VALUE pairs, to plain data, with one sentence for each way to fail."""
 
+import errno
 import json
 import re
 import tomllib
@@ -8,6 +9,7 @@ from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 from typing import Any, Final, NoReturn
 
+from drivegate_cases.documents.regular_file import regular_content
 from drivegate_cases.documents.wording import nearest, one_line, short_line, shown, shown_path, with_point
 from drivegate_models.errors import InputError
 
@@ -63,16 +65,14 @@ def file_bytes(path: str | Path, kind: str, *, most: int, limit: str, having: st
             raise InputError(f"{where} is a folder, but must be a {kind}{having}")
         if place.exists() and not place.is_file():
             raise InputError(f"{where} is not a regular file, but must be a {kind}{having}")
-        with place.open("rb") as stream:
-            data = stream.read(most + 1)
+        return regular_content(place, most)
     except FileNotFoundError as error:
         raise InputError(f"{where} does not exist; name an existing {kind}") from error
     except (OSError, ValueError) as error:
+        if getattr(error, "errno", None) == errno.EFBIG:
+            raise InputError(f"{where} is larger than {most // 1024**2} MB, {limit}") from error
         reason = getattr(error, "strerror", None) or str(error)
         raise InputError(f"{where} cannot be read: {one_line(reason)}; name a readable {kind}") from error
-    if len(data) > most:
-        raise InputError(f"{where} is larger than {most // 1024**2} MB, {limit}")
-    return data
 
 
 def read_mapping(path: str | Path) -> dict[str, Any]:

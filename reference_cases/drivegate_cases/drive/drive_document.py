@@ -10,6 +10,7 @@ from pydantic import BeforeValidator, SerializeAsAny, ValidationError, Validatio
 
 from drivegate_cases.documents.packaged import load_named, packaged_names
 from drivegate_cases.documents.problems import described
+from drivegate_cases.documents.reach import Reach
 from drivegate_cases.drive.document import PM_AC, SPLIT_SUPPLY, TABLE_KEYS, DriveDocument
 
 # It enters itself as the document of its kind.
@@ -27,9 +28,11 @@ __all__ = [
 ]
 
 
-def load_drive(name_or_path: str | Path, *, relative_to: Path | None = None) -> DriveDocument:
+def load_drive(
+    name_or_path: str | Path, *, relative_to: Path | None = None, reach: Reach | None = None
+) -> DriveDocument:
     """Load a drive that comes with drivegate, or one from a file."""
-    return load_named(name_or_path, DriveDocument, "drives", "drive", relative_to=relative_to)
+    return load_named(name_or_path, DriveDocument, "drives", "drive", relative_to=relative_to, reach=reach)
 
 
 def drive_names(*, but: str = "") -> tuple[str, ...]:
@@ -45,7 +48,8 @@ def _drive_by_name(value: Any, info: ValidationInfo) -> Any:
     if not isinstance(value, str):
         return value
     try:
-        return load_drive(value, relative_to=(info.context or {}).get("folder"))
+        context = info.context or {}
+        return load_drive(value, relative_to=context.get("folder"), reach=context.get("reach"))
     except InputError as error:
         raise ValueError(str(error)) from error
 

@@ -16,6 +16,7 @@ from drivegate_models.errors import InputError
 if TYPE_CHECKING:
     from drivegate.candidates.contract import ContractName
     from drivegate.candidates.manifest import Manifest
+    from drivegate_cases.documents.reach import Reach
 
 
 def from_text(specification: str) -> Candidate:
@@ -27,7 +28,7 @@ def from_text(specification: str) -> Candidate:
     return _candidate(specification, specification, declaration, _contract_of(specification))
 
 
-def from_manifest(manifest: Manifest, specification: str, folder: Path) -> Candidate:  # noqa: ARG001  (as all kinds)
+def from_manifest(manifest: Manifest, specification: str, reach: Reach) -> Candidate:  # noqa: ARG001  (as all kinds)
     """Find the controller that a manifest names, which has no prefix."""
     known = (*BUILTIN_CANDIDATES, *DUTY_CANDIDATES)
     if manifest.entry not in known:

@@ -8,15 +8,17 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from drivegate.candidates.candidate import Candidate, Stub, Target, existing_file, existing_folder, hash_of
+from drivegate.candidates.candidate import Candidate, Stub, Target, existing_folder, hash_of
 from drivegate.candidates.elf.expression import parsed, parsed_place
 from drivegate.candidates.native.resolution import ElfHeader, built_or_given, contract_served, elf_header
 from drivegate.candidates.step_costs import StepCosts
+from drivegate_cases.documents.reach import existing_file
 from drivegate_cases.documents.wording import shown_path
 from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
     from drivegate.candidates.manifest import Manifest, StubTable
+    from drivegate_cases.documents.reach import Reach
 
 _CORTEX_M: Final = ElfHeader(word_size=1, byte_order=1, kind=2, machine=40)
 """That of a linked image for Arm."""
@@ -28,10 +30,10 @@ def from_text(specification: str) -> Candidate:
     return _candidate(specification, file, (file,), Target(file))
 
 
-def from_manifest(manifest: Manifest, specification: str, folder: Path) -> Candidate:
-    file, further = manifest.files(specification, folder)
+def from_manifest(manifest: Manifest, specification: str, reach: Reach) -> Candidate:
+    file, further = manifest.files(specification, reach)
     _require_emulator(file)
-    image, sources = built_or_given(manifest, file, further, specification, folder)
+    image, sources = built_or_given(manifest, file, further, specification, reach.folder)
     target = Target(
         image,
         (manifest.start,) if isinstance(manifest.start, str) else manifest.start,

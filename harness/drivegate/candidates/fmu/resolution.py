@@ -5,18 +5,20 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from drivegate.candidates.candidate import Candidate, existing_file, hash_of
+from drivegate.candidates.candidate import Candidate, hash_of
+from drivegate_cases.documents.reach import existing_file
 
 if TYPE_CHECKING:
     from drivegate.candidates.manifest import Manifest
+    from drivegate_cases.documents.reach import Reach
 
 
 def from_text(specification: str) -> Candidate:
     return _candidate(specification, existing_file(Path(specification)), ())
 
 
-def from_manifest(manifest: Manifest, specification: str, folder: Path) -> Candidate:
-    file, further = manifest.files(specification, folder)
+def from_manifest(manifest: Manifest, specification: str, reach: Reach) -> Candidate:
+    file, further = manifest.files(specification, reach)
     return _candidate(specification, file, further)
 
 

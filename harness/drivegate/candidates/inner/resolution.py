@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from drivegate.candidates.candidate import Candidate, OuterLoop, hash_of
@@ -15,6 +14,7 @@ from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
     from drivegate.candidates.manifest import Manifest
+    from drivegate_cases.documents.reach import Reach
 
 _LOOPS: Final = ("pi",)
 _OUTER: Final = "current"
@@ -66,7 +66,7 @@ def from_text(specification: str) -> Candidate:
     )
 
 
-def from_manifest(manifest: Manifest, specification: str, folder: Path) -> Candidate:  # noqa: ARG001  (as all kinds)
+def from_manifest(manifest: Manifest, specification: str, reach: Reach) -> Candidate:  # noqa: ARG001  (as all kinds)
     """Refuse a manifest: the loop is put before a manifest's own name."""
     raise InputError(
         f"{shown_path(specification)}: the key 'kind' is 'inner', which has no manifest; write that of the controller "

@@ -19,6 +19,7 @@ from typing import Final
 from drivegate.candidates.fault import bounded_line, bounded_reason
 from drivegate.candidates.native.bounded_command import COMPILATION, Bounds, Ended, run_bounded
 from drivegate.candidates.native.compiler_wrappers import private_caches, without_wrapper
+from drivegate.isolation.installations import installation_of
 from drivegate.isolation.layers import Places, isolated_command, requested_layers
 from drivegate_cases.documents.wording import one_line
 from drivegate_models import contract
@@ -249,11 +250,11 @@ def _run(
 
 
 def _places(compiler: str, plan: Compilation, scratch: Path) -> Places:
-    """Return what a compiler may read: itself, and the folders of sources and headers; it writes into one folder."""
-    sources = [(plan.folder / source).parent for source in plan.sources]
-    headers = [plan.folder / folder for folder in plan.include]
-    own = [Path(compiler).parent, *Path(compiler).resolve().parents[:2], include_folder()]
-    readable = (plan.folder, *sources, *headers, *own)
+    """Return what a compiler may read: itself, and the folder of sources and headers; it writes into one folder."""
+    # Sources and headers elsewhere are in roots that the user names, which every program may read.
+    files = (Path(compiler), Path(compiler).resolve())
+    tools = [place for file in files for place in (file.parent, *installation_of(file))]
+    readable = (plan.folder, *tools, include_folder())
     return Places(tuple(str(place.resolve()) for place in readable), (str(scratch),))
 
 

@@ -10,15 +10,17 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, NamedTuple
 
-from drivegate.candidates.candidate import Candidate, NativeBuild, existing_file, existing_folder, hash_of
+from drivegate.candidates.candidate import Candidate, NativeBuild, existing_folder, hash_of
 from drivegate.candidates.contract import ContractName
 from drivegate.candidates.kinds import KINDS
 from drivegate.candidates.native.compiler import Compilation
+from drivegate_cases.documents.reach import existing_file
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
     from drivegate.candidates.manifest import Manifest
+    from drivegate_cases.documents.reach import Reach
 
 _MAGIC: Final = b"\x7fELF"
 _HEADER: Final = struct.Struct("<4xBB10xHH")
@@ -69,14 +71,14 @@ def from_text(specification: str) -> Candidate:
     return _source_candidate(specification, file, Compilation(file.parent, (file.name,)))
 
 
-def from_manifest(manifest: Manifest, specification: str, folder: Path) -> Candidate:
-    where = shown_path(specification)
-    entry, further = manifest.files(specification, folder)
+def from_manifest(manifest: Manifest, specification: str, reach: Reach) -> Candidate:
+    where, folder = shown_path(specification), reach.folder
+    entry, further = manifest.files(specification, reach)
     if manifest.kind == "so":
         library, sources = built_or_given(manifest, entry, further, specification, folder)
         return _library_candidate(specification, entry, library, sources, manifest.build)
     for include in manifest.include:
-        if not (folder / include).is_dir():
+        if not reach.place(include, f"{where}: a folder of the key 'include'").is_dir():
             raise InputError(f"{where}: the key 'include' names '{one_line(include)}', which is no folder")
     for flag in manifest.flags:
         _check_flag(flag, where)
@@ -90,8 +92,7 @@ def from_manifest(manifest: Manifest, specification: str, folder: Path) -> Candi
 
 def _named(file: Path, folder: Path) -> str:
     """Name a source as messages of the compiler show it: in the manifest's folder without that folder."""
-    own = folder.resolve()
-    return str(file.relative_to(own)) if file.is_relative_to(own) else str(file)
+    return str(file.relative_to(folder)) if file.is_relative_to(folder) else str(file)
 
 
 def _check_flag(flag: str, where: str) -> None:

@@ -9,11 +9,13 @@ from typing import TYPE_CHECKING
 
 from drivegate.candidates.candidate import STEP_DEADLINE, Candidate, Program, hash_of
 from drivegate.candidates.kinds import EXEC_PREFIX
+from drivegate.isolation.layers import system_places
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
     from drivegate.candidates.manifest import Manifest
+    from drivegate_cases.documents.reach import Reach
 
 _EXAMPLE = "exec:python3 controller.py"
 
@@ -27,13 +29,14 @@ def from_text(specification: str) -> Candidate:
     return _candidate(specification, command, folder, _program(words, folder, where))
 
 
-def from_manifest(manifest: "Manifest", specification: str, folder: Path) -> Candidate:
+def from_manifest(manifest: "Manifest", specification: str, reach: "Reach") -> Candidate:
     """Find the program that a manifest names; it starts in the manifest's folder."""
     where = f"{shown_path(specification)}: the key 'entry'"
     words = _words(manifest.entry, where, "write a command line, such as 'python3 controller.py'")
     deadline = STEP_DEADLINE if manifest.step_deadline_s is None else manifest.step_deadline_s
-    program = _program(words, folder, where, deadline)
-    return _candidate(specification, manifest.entry, folder, program, manifest.source_files(folder))
+    _require_reached(words, reach, where)
+    program = _program(words, reach.folder, where, deadline)
+    return _candidate(specification, manifest.entry, reach.folder, program, manifest.source_files(reach))
 
 
 def _candidate(
@@ -89,6 +92,21 @@ def _program(words: Sequence[str], folder: Path, where: str, step_deadline: floa
             "its interpreter first"
         )
     return Program(file.absolute(), tuple(words), step_deadline)
+
+
+def _require_reached(words: Sequence[str], reach: "Reach", where: str) -> None:
+    """Refuse a command line that names a file which is neither in reach nor of the system.
+
+    Programs in PATH are the user's, whatever links lead to them: the `python3` of a virtual environment does.
+    """
+    programs = [Path(place).resolve() for place in os.environ.get("PATH", "").split(os.pathsep) if place]
+    usual = [Path(place).resolve() for place in system_places()]
+    for number, word in enumerate(words):
+        file = _file_named(word, reach.folder)
+        if file is None or (number == 0 and ("/" not in word or file.parent in programs)):
+            continue
+        if not any(file.is_relative_to(place) for place in usual):
+            reach.file(word, f"{where}: a file")
 
 
 def _file_named(word: str, folder: Path) -> Path | None:

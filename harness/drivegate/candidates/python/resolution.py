@@ -16,14 +16,18 @@ from importlib.machinery import (
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from drivegate.candidates.candidate import Candidate, existing_file, hash_of
+from drivegate.candidates.candidate import Candidate, hash_of
 from drivegate.candidates.contract import ContractName
+from drivegate_cases.documents.reach import existing_file
+from drivegate_cases.documents.regular_file import regular_content
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
     from drivegate.candidates.manifest import Manifest
+    from drivegate_cases.documents.reach import Reach
 
+_LONGEST_PARSED: Final = 4 * 2**20
 _COMMANDS: Final[dict[str, ContractName]] = {"Command": "current", "DutyCommand": "duty"}
 
 
@@ -89,14 +93,16 @@ def installed_candidate(name: str, entry: str) -> Candidate:
     return _candidate(name, name, entry, Path.cwd())
 
 
-def from_manifest(manifest: Manifest, specification: str, folder: Path) -> Candidate:
+def from_manifest(manifest: Manifest, specification: str, reach: Reach) -> Candidate:
     if ":" not in manifest.entry:
         raise InputError(
             f"{shown_path(specification)}: the key 'entry' is '{one_line(manifest.entry)}', "
             "but must be module:Class or file.py:Class"
         )
-    sources = manifest.source_files(folder)
-    return _candidate(manifest.name, specification, manifest.entry, folder, sources, manifest.contract)
+    sources = manifest.source_files(reach)
+    return _candidate(
+        manifest.name, specification, manifest.entry, reach.folder, sources, manifest.contract, reach
+    )
 
 
 def _candidate(
@@ -106,6 +112,7 @@ def _candidate(
     folder: Path,
     further_sources: tuple[Path, ...] = (),
     contract: ContractName | None = None,
+    reach: Reach | None = None,
 ) -> Candidate:
     source, _, attribute = entry.rpartition(":")
     if not all(part.isidentifier() for part in attribute.split(".")):
@@ -114,11 +121,17 @@ def _candidate(
             "name of a Python class; write module:Class or file.py:Class"
         )
     if source.endswith(".py"):
-        file = existing_file(folder / source)
+        file = existing_file(folder / source) if reach is None else reach.file(source, "the key 'entry'")
         found: tuple[Path, ...] = (file,)
         entry, folder = f"{file}:{attribute}", file.parent
     else:
         found = module_sources(source, folder, specification)
+        if reach is not None:
+            # Those of an installed package are the user's.
+            found = tuple(
+                reach.file(str(file), "a file of the key 'entry'") if file.is_relative_to(folder) else file
+                for file in found
+            )
     sources = tuple(dict.fromkeys((*found, *further_sources)))
     digest = hash_of(sources, attribute)
     contract = contract or (imported_contract(found[0]) if len(found) == 1 else None)
@@ -128,7 +141,7 @@ def _candidate(
 def imported_contract(file: Path) -> ContractName | None:
     """Return the contract whose command a file imports from drivegate; None where it imports both or neither."""
     try:
-        tree = ast.parse(file.read_bytes())
+        tree = ast.parse(regular_content(file, _LONGEST_PARSED))
     except (OSError, SyntaxError, ValueError, RecursionError, MemoryError):
         # Loading reports what is wrong.
         return None

@@ -26,6 +26,7 @@ from drivegate.results.provenance import versions
 from drivegate.studies.campaign.folder import CampaignFolder, table_bytes
 from drivegate.studies.campaign.plan import CampaignPlan, Chunk
 from drivegate.studies.campaign.row import CampaignRow, RowRequest, fault_row, run_row
+from drivegate_cases.documents.regular_file import regular_content
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_models.errors import InputError
 
@@ -111,7 +112,7 @@ def _fingerprint(candidate: Candidate) -> str:
     digest = hashlib.sha256()
     for source in candidate.sources:
         try:
-            content = source.read_bytes()
+            content = regular_content(source)
         except OSError as error:
             raise InputError(
                 f"{shown_path(source)}, a file of the candidate '{one_line(candidate.name)}', cannot be read by a "
