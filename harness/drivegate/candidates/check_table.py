@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated, Any, Final, Literal
 
 from pydantic import Field
@@ -48,7 +49,13 @@ class CheckTable(Section):
         stated = self.model_dump(exclude_none=True)
         for key in _FILES:
             if key in stated:
-                stated[key] = str(reach.place(stated[key], f"the key '{key}' of [check]"))
+                stated[key] = _shown(reach.place(stated[key], f"the key '{key}' of [check]"))
         if self.drive is not None and self.drive not in drive_names():
-            stated["drive"] = str(reach.place(self.drive, "the key 'drive' of [check]"))
+            stated["drive"] = _shown(reach.place(self.drive, "the key 'drive' of [check]"))
         return stated
+
+
+def _shown(place: Path) -> str:
+    """Return a path from the present folder, as a person writes it, where it is in there."""
+    here = Path.cwd()
+    return str(place.relative_to(here) if place.is_relative_to(here) else place)

@@ -49,6 +49,7 @@ KEYS = {
     "sources of a build": Key('kind = "so"\nentry = "own.so"\nsources = ["{}"]\nbuild = ["true"]', "id_rsa"),
     "include": Key('kind = "c"\nentry = "own.c"\ninclude = ["{}"]', "headers"),
     "drive": Key('kind = "builtin"\nentry = "reference"\ndrive = "{}"', "mine.toml"),
+    "requirements": Key('kind = "builtin"\nentry = "foc"\nrequirements = "{}"', "mine.toml"),
 }
 OF_FOLDERS = ("include", "package")
 NO_PATHS = {
@@ -57,7 +58,10 @@ NO_PATHS = {
     "current_bandwidth_rad_s", "control_every", "update_delay", "modulation", "step_deadline_s", "start", "ram",
     "step_instructions", "step_cycles", "stack_bytes", "step", "peripherals", "write", "read", "once", "pause", "stub",
 }  # fmt: skip
-"""Keys that name nothing which drivegate opens: commands of a build and flags are for programs that are isolated."""
+"""Keys that name nothing which drivegate opens: commands of a build and flags are for programs that are isolated.
+
+The table `check` has tests of its own, with the command that reads it.
+"""
 
 
 @pytest.fixture
@@ -134,7 +138,7 @@ WAYS = (absolute, by_dots, by_a_link, through_a_linked_folder, to_the_kernel)
 
 
 def test_every_key_that_names_a_file_is_tried() -> None:
-    assert set(Manifest.model_fields) == NO_PATHS | {"entry", "sources", "include", "drive"}
+    assert set(Manifest.model_fields) == NO_PATHS | {"entry", "sources", "include", "drive", "requirements", "check"}
 
 
 @pytest.mark.parametrize("way", WAYS)

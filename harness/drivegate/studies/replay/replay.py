@@ -219,7 +219,7 @@ def _drive_option(drive: DriveDocument, candidate: Candidate) -> str:
     """
 
     def is_that(named: DriveDocument | None) -> bool:
-        found = drive_for(replace(candidate, contract=None), named)
+        found = drive_for(candidate, named)
         return found.values_hash == drive.values_hash
 
     if candidate.contract in (None, drive.contract) and is_that(None):
