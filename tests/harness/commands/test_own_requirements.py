@@ -59,7 +59,7 @@ duration_s = 0.6
 speed_rpm = [[0.0, 500.0]]
 load = { kind = "constant_torque", torque_nm = 0.5, factor = [[0.0, 0.0], [0.3, 0.0], [0.3, 1.0]] }
 """
-CONFINED = ("check", "foc", "--effort", "quick", "--workers", "1", "--only", "req")
+QUICK = ("check", "foc", "--effort", "quick", "--workers", "1", "--contested", "fail")
 
 
 @pytest.fixture
@@ -81,7 +81,7 @@ def small(monkeypatch: pytest.MonkeyPatch, little_shrunk: None, undrawn: None) -
 def test_rows_are_checked_reported_waived_and_replayed(
     command: Any, small: None, file: Path, tmp_path: Path
 ) -> None:
-    ended = command(*CONFINED, "--requirements", file, "--json")
+    ended = command(*QUICK, "--only", "req", "--requirements", file, "--json")
     outcomes = {check["id"]: check for check in ended.document["checks"]}
     assert {name: check["verdict"] for name, check in outcomes.items()} == {
         "REQ-back": "fail",
@@ -115,7 +115,7 @@ def test_rows_are_checked_reported_waived_and_replayed(
         encoding="utf-8",
     )
     words = ("--requirements", file, "--waivers", waivers, "--only", "REQ-back", "--json")
-    again = command("check", "foc", "--effort", "quick", "--workers", "1", *words)
+    again = command(*QUICK, *words)
     assert (again.code, again.document["verdict"]) == (0, "waived")
 
 

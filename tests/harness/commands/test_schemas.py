@@ -23,9 +23,14 @@ EXAMPLES = ROOT / "examples"
 def files_of(name: str) -> list[Path]:
     return {
         "drive": sorted((CASES / "drives").glob("*.toml")),
-        "scenario": sorted((CASES / "scenarios").glob("*.toml")),
+        "scenario": [
+            *sorted((CASES / "scenarios").glob("*.toml")),
+            EXAMPLES / "campaign" / "pm-ac-step-up.toml",
+        ],
         "candidate": sorted(EXAMPLES.rglob("candidate.toml")),
-        "campaign": sorted((EXAMPLES / "campaign").glob("*.toml")),
+        "campaign": [
+            file for file in sorted((EXAMPLES / "campaign").glob("*.toml")) if "step-up" not in file.name
+        ],
         "waivers": [],
         "requirements": sorted((ROOT / "docs").glob("requirements*.toml")),
     }[name]

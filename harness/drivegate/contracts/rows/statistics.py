@@ -44,12 +44,19 @@ def _sustained(values: Values, stretch: int) -> tuple[Values, Values]:
     """Return for each stretch the greatest value that none in it exceeds, and the least that none falls below."""
     if stretch <= 1:
         return values, values
-    # It takes a while to import, and few rows need it.
-    from scipy.ndimage import maximum_filter1d, minimum_filter1d
+    return _greatest_of(values, stretch), -_greatest_of(-values, stretch)
 
-    first = stretch // 2
-    inner = slice(first, first + len(values) - stretch + 1)
-    return maximum_filter1d(values, stretch)[inner], minimum_filter1d(values, stretch)[inner]
+
+def _greatest_of(values: Values, stretch: int) -> Values:
+    """Return the greatest value of each stretch, from running maxima of blocks of its length (van Herk, 1992)."""
+    filled = np.full(-(-len(values) // stretch) * stretch, -np.inf)
+    filled[: len(values)] = values
+    blocks = filled.reshape(-1, stretch)
+    forward = np.maximum.accumulate(blocks, axis=1).ravel()
+    backward = np.maximum.accumulate(blocks[:, ::-1], axis=1)[:, ::-1].ravel()
+    count = len(values) - stretch + 1
+    greatest: Values = np.maximum(backward[:count], forward[stretch - 1 : stretch - 1 + count])
+    return greatest
 
 
 def _value(values: Values, stretch: int) -> Extremes:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,8 @@ from drivegate_cases.requirements.row import Row, When
 from drivegate_cases.requirements.vocabulary import TIME_UNITS
 from drivegate_cases.scenario.control_periods import first_period_from
 from drivegate_cases.scenario.scenario import Scenario
+
+_ROUNDING: Final = 1e-9
 
 
 @dataclass(frozen=True)
@@ -131,7 +134,9 @@ def in_state(when: When, columns: Columns) -> NDArray[np.bool_] | None:
     for name, (low, high) in when.ranges().items():
         # A contract whose supply has two halves shows one of them.
         values = columns[name] if name in columns else 2.0 * columns["half_supply_v"]
-        inside &= (values >= low) & (values <= high)
+        # A reference of 750 rpm is in the range [750, 750] whatever its conversion to rad/s rounds.
+        slack = _ROUNDING * max(abs(low), abs(high), 1.0)
+        inside &= (values >= low - slack) & (values <= high + slack)
     if when.direction is not None:
         speed = columns["speed_rpm"]
         inside &= speed > 0.0 if when.direction == "forward" else speed < 0.0

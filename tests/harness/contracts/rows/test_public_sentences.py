@@ -81,8 +81,8 @@ SENTENCES = (
         "Its output is finally cut off as the vehicle reaches 25 km/h.",
         SPEED,
         {"when": {"speed_rpm": (1500.0, 1e4)}, "quantity": "torque_nm", "at_most": 0.02},
-        {"speed_rpm": ramp(SPEED, 1e4), "torque_nm": np.where(ramp(SPEED, 1e4) < 1500.0, 1.0, 0.0)},
-        {"speed_rpm": ramp(SPEED, 1e4), "torque_nm": np.where(ramp(SPEED, 1e4) < 1600.0, 1.0, 0.0)},
+        {"speed_rpm": ramp(SPEED, 3e4), "torque_nm": np.where(ramp(SPEED, 3e4) < 1490.0, 1.0, 0.0)},
+        {"speed_rpm": ramp(SPEED, 3e4), "torque_nm": np.where(ramp(SPEED, 3e4) < 1700.0, 1.0, 0.0)},
     ),
     Sentence(
         EPAC,
