@@ -57,6 +57,8 @@ def check(
     max_time: float | None = None,
     search: bool = True,
     only: Sequence[str] = (),
+    stop_at_first: bool = False,
+    last_failed: bool = False,
     corpus: str | Path | None = None,
     waivers: str | Path | None = None,
     baseline: str | Path | None = None,
@@ -73,9 +75,11 @@ def check(
         What the command takes, such as ``"controller.py:Controller"``. By default the manifest in this folder.
     drive : str, Path or DriveDocument, optional
         By default that of the manifest, or the default drive of the candidate's contract.
-    effort, seed, workers, max_time, search, only, corpus, waivers, baseline, fail_on, contested : optional
+    effort, seed, corpus, waivers, baseline, fail_on, contested : optional
         Options of the command. By default what the table ``[check]`` of the manifest states, else those of the
         command.
+    workers, max_time, search, only, stop_at_first, last_failed : optional
+        Further options of the command.
     output : str or Path, optional
         Folder of the report. By default no report is kept.
     quiet : bool
@@ -116,7 +120,12 @@ def check(
     records = Records(**{name: None if value is None else Path(value) for name, value in files.items()})
     with _report_folder(output) as folder:
         (checked,) = check_all(
-            [str(candidate)], folder, options, records, Part(tuple(only), False, False), quiet=quiet
+            [str(candidate)],
+            folder,
+            options,
+            records,
+            Part(tuple(only), stop_at_first, last_failed),
+            quiet=quiet,
         )
         if checked.document is None:
             assert checked.error is not None, "without a result there is a reason"

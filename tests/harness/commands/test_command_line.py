@@ -109,8 +109,11 @@ def test_a_misspelt_command_is_named_with_the_nearest(refused):
     assert "'pint' is unknown, the nearest is 'point'" in refused("pint")
 
 
-def test_without_a_command_they_are_listed(refused):
-    assert all(name in refused() for name in COMMANDS)
+def test_without_a_command_the_help_is_printed(command):
+    ended = command()
+    assert (ended.code, ended.err) == (0, "")
+    assert all(f"  {name} " in ended.out for name in COMMANDS)
+    assert "a command is missing" in command("--json").document["error"]["message"]
 
 
 def test_json_is_understood_before_and_after_the_command(command):

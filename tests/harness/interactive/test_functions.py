@@ -16,7 +16,12 @@ import drivegate
 def checked() -> drivegate.CheckResult:
     """A faulty controller, judged by one check that it fails."""
     return drivegate.check(
-        "faulty:stuck-weakening", drive="pm-ac-interior", effort="quick", workers=1, only=["FWK-2"]
+        "faulty:stuck-weakening",
+        drive="pm-ac-interior",
+        effort="quick",
+        workers=1,
+        only=["FWK-2"],
+        stop_at_first=True,
     )
 
 
