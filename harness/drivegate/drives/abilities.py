@@ -79,10 +79,13 @@ def refuse_unreachable(document: DriveDocument) -> None:
         if isinstance(found, TooSlow):
             raise InputError(f"the drive '{document.name}' is too slow to be checked: {found.sentence()}")
         suspects = unusual_keys(document)
-        first = f"; correct {', '.join(suspects)} first, from which it may follow" if suspects else ""
-        raise InputError(
-            f"no controller can meet what the drive '{document.name}' requires: {found.sentence()}{first}"
+        # What follows from a wrong unit is no value to write down.
+        reason = (
+            f"correct {', '.join(suspects)} first, from which that may follow: {next(iter(suspects.values()))}"
+            if suspects
+            else found.sentence()
         )
+        raise InputError(f"no controller can meet what the drive '{document.name}' requires: {reason}")
 
 
 def _too_slow(document: DriveDocument) -> TooSlow | None:

@@ -6,9 +6,11 @@ from math import radians
 
 import pytest
 
+from drivegate.drives.abilities import refuse_unreachable
 from drivegate.results.result import finite
 from drivegate.studies.drive.run import studied_drive
 from drivegate_cases.drive.drive_document import load_drive
+from drivegate_models.errors import InputError
 from drivegate_models.steady.steady_state import steady_state
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -82,7 +84,8 @@ def test_people_get_a_table_the_line_the_times_and_what_to_do_next(command):
 def test_a_narrow_console_has_fewer_columns_and_no_broken_numbers(command, monkeypatch):
     for columns, heads in (("80", "rated"), ("160", "rated N·m")):
         monkeypatch.setenv("COLUMNS", columns)
-        listed = command("drive", *QUICK).out.splitlines()
+        first, *listed = command("drive", *QUICK).out.splitlines()
+        assert first.startswith("as a data sheet: link 96 V, 22 poles (pole_pairs = 11)")
         assert len(listed[2].rstrip()) <= int(columns)
         assert heads in listed[2]
         assert listed[4].split()[0] == "100"
@@ -103,6 +106,20 @@ def test_a_rating_out_of_reach_is_named_and_shown_all_the_same(command):
     assert row_at(document, 550.0)["edge_deg"] is None
     assert row_at(document, 550.0)["greatest_torque_nm"] > 20.0
     assert row_at(document, 1500.0)["edge_deg"] == pytest.approx(50.8, abs=0.1)
+
+
+def test_where_a_unit_slipped_its_key_is_to_be_corrected_and_nothing_else(command):
+    ended = command("drive", "pm-ac-servo", "--set", "resistance_ohm=2303")
+    assert ended.code == 2
+    last = ended.out.splitlines()[-1]
+    assert last.startswith("next: correct resistance_ohm first, since the rest follows from it: ")
+    assert "is it in milliohm" in last
+    assert "rated_power_w = " not in ended.out
+    with pytest.raises(
+        InputError, match="correct resistance_ohm first, from which that may follow"
+    ) as refused:
+        refuse_unreachable(load_drive("pm-ac-servo").replaced(resistance_ohm=2303.0))
+    assert "rated_power_w = " not in str(refused.value)
 
 
 def test_torques_of_a_small_drive_keep_their_digits(command):

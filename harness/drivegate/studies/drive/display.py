@@ -124,11 +124,12 @@ def show_drive(console: Console, document: dict[str, Any], name: str, drive: Dri
         value = setting_words({row["key"]: row["value"]})
         print_line(console, f"from the data sheet: {value} follows from {row['from']}")
     refused = document["unreachable"]
-    for row in refused:
-        print_line(console, f"a check refuses this drive: {row['message']}", "bold red")
     suspects = document["suspects"]
-    if refused:
+    for row in refused:
         # What follows from a wrong unit is no value to write down.
+        message = row["message"].partition("; a check accepts")[0] if suspects else row["message"]
+        print_line(console, f"a check refuses this drive: {message}", "bold red")
+    if refused:
         advice = _corrections(suspects, document["doubts"]) or _changes(refused)
     print_ending(console, document["files"], advice)
 

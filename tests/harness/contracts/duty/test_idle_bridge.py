@@ -18,7 +18,7 @@ from drivegate.contracts.duty.likely_causes import likely_causes
 from drivegate.contracts.duty.run import WAITING_PERIODS
 from drivegate.contracts.duty.scenarios.building import torque_scenario
 from drivegate.drives.running import recorded
-from drivegate.gate.witnesses import judged_witness
+from drivegate.gate.witness_runs import judged_witness
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario
 
