@@ -18,7 +18,7 @@ from drivegate.contracts.duty.record import DutyRecord
 from drivegate.contracts.duty.run import DUTY_RATIOS
 from drivegate.contracts.duty.scenarios.building import torque_of, torque_scenario
 from drivegate.drives.running import recorded
-from drivegate.gate.witnesses import judged_witness
+from drivegate.gate.witness_runs import judged_witness
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_models.pm_ac.modulation_kind import ModulationKind
