@@ -14,6 +14,7 @@ from drivegate.output.failure import ExitCode
 
 if TYPE_CHECKING:
     from drivegate_lab.selftest.drawn.run import DrivesRequest
+    from drivegate_lab.selftest.run import SelftestEffort
 
 ALL_SEEDS = 1000
 MOST_DRIVES = 10_000
@@ -58,6 +59,11 @@ DRAWN = ("half-bridge", "star", "pm-ac")
     is_flag=True,
     help="Leave the fixed scenarios out, and the correct designs: what would drawing alone have caught?",
 )
+@click.option(
+    "--unfair",
+    is_flag=True,
+    help="Search with every correct controller, for fair scenarios in which none of them meets a check.",
+)
 @workers_option
 @click.option(
     "--drives",
@@ -80,7 +86,8 @@ DRAWN = ("half-bridge", "star", "pm-ac")
 @click.option(
     "--output",
     type=click.Path(path_type=Path),
-    help="With --drives: folder of drives and results, by default drivegate-selftest; the same command goes on there.",
+    help="With --drives: folder of drives and results, by default drivegate-selftest; the same command goes on there. "
+    "With --unfair: folder of the scenarios.",
 )
 @drive_option
 @json_option
@@ -91,6 +98,7 @@ def command(
     effort: str | None,
     search: bool,
     drawn_only: bool,
+    unfair: bool,
     workers: int | None,
     drives: int | None,
     kind: str | None,
@@ -108,21 +116,30 @@ def command(
     With --drives N the reference, on PM AC drives foc, is checked on N drives that are drawn within stated bounds,
     and the faulty controllers that --fault or --faults names on those that it passes. The exit code is 1 when it
     fails on any.
+
+    With --unfair each correct controller is searched with as a candidate is, and the others are its witnesses. A
+    failure that no witness avoids is a fault of the check or of what counts as fair: the exit code is 1, and the
+    scenario is shrunk and kept.
     """
     if drives is None:
         given = {
             "--kind": kind is not None,
             "--drawing-seed": drawing_seed is not None,
             "--faults": every_fault,
-            "--output": output is not None,
+            "--output": output is not None and not unfair,
         }
         _refuse(given, "goes with --drives N only")
+        given = {"--fault": bool(faults), "--rare": rare, "--drawn-only": drawn_only}
+        _refuse(
+            {option: unfair and is_given for option, is_given in given.items()}, "does not go with --unfair"
+        )
     else:
         given = {
             "--drive": drive is not None,
             "--drawn-only": drawn_only,
             "--fault": bool(faults) and every_fault,
             "--rare": rare,
+            "--unfair": unfair,
         }
         _refuse(given, f"does not go with {'--faults' if faults and every_fault else '--drives'}")
     from drivegate_lab.selftest.run import chosen_names, selftested
@@ -147,6 +164,8 @@ def command(
         )
         return _on_drives(request)
     amount = SelftestEffort(effort or "default", seeds, workers, search, drawn_only, named_drive(drive))
+    if unfair:
+        return _for_unfair(amount, output or OUTPUT)
     if rare:
         from drivegate_lab.selftest.operations import proofs
 
@@ -166,6 +185,18 @@ def _on_drives(request: DrivesRequest) -> Outcome:
         document = selftest_on_drives(request, display)
     code = ExitCode.PASSED if document["passed"] else ExitCode.FAILED
     return Outcome(document, lambda console: show_drives(console, document), code)
+
+
+def _for_unfair(effort: SelftestEffort, folder: Path) -> Outcome:
+    from drivegate.output.progress import progress_on
+    from drivegate_lab.selftest.display import show_unfair
+    from drivegate_lab.selftest.unfair import keep_unfair, unfair_document
+
+    with progress_on(sys.stderr) as display:
+        document = unfair_document(effort, display)
+    kept = keep_unfair(document, folder)
+    code = ExitCode.PASSED if document["passed"] else ExitCode.FAILED
+    return Outcome(document, lambda console: show_unfair(console, document, kept), code)
 
 
 def _refuse(given: dict[str, bool], why: str) -> None:

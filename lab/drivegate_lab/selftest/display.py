@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 from shlex import quote
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rich.text import Text
 
@@ -50,6 +52,22 @@ def show_matrix(console: Console, matrix: Matrix, drive: str | None = None) -> N
         console.print(plain(words, "dim"))
     else:
         console.print(plain("next: drivegate checks lists the checks", "dim"))
+
+
+def show_unfair(console: Console, document: Mapping[str, Any], kept: Sequence[Path]) -> None:
+    """Print the fair scenarios in which no good controller meets a check, and where they are kept."""
+    for row, path in zip(document["unfair"], kept, strict=True):
+        sentence = f"{row['check']} is met by no controller in {path}: {row['candidate']}, {row['measured']}"
+        console.print(plain(sentence, "bold red"))
+    for row in document["met_by_a_witness"]:
+        sentence = f"{row['candidate']} fails {row['check']}, which a witness meets there: {row['measured']}"
+        console.print(plain(sentence, "yellow"))
+    for fault in document["faults"]:
+        console.print(plain(fault, "bold red"))
+    count = len(document["unfair"])
+    scenarios = "scenario" if count == 1 else "scenarios"
+    words = f"{count} unfair {scenarios} in {document['runs']} runs of correct controllers"
+    console.print(plain(words, "green" if document["passed"] else "bold red"))
 
 
 def _show_faults(console: Console, matrix: Matrix) -> None:
