@@ -10,10 +10,10 @@ import ast
 import inspect
 import re
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from types import MappingProxyType
-from typing import Final
+from typing import Final, get_args
 
 import click
 from pydantic.fields import FieldInfo
@@ -32,8 +32,10 @@ from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
 from drivegate.contracts.traceability import family_name, traced_checks
 from drivegate.drives.kinds import DEFAULT_DRIVE, DEFAULT_DRIVES
 from drivegate.scenarios.covering import FACTORS, covering_rows
+from drivegate_cases.documents.document import Section
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.drive.rating import FOLLOWING
+from drivegate_cases.scenario.scenario import FOLLOWING_KEYS, Scenario, load_scenario, scenario_names
 from drivegate_cases.scenario.sensors import PLAIN
 from drivegate_lab.candidates.faults.catalogue import MUTATIONS
 from drivegate_lab.drawn.kinds import DRAWN_KINDS
@@ -289,7 +291,53 @@ def _key_text(field: FieldInfo, *, optional: bool) -> str:
     stated = field.default if isinstance(field.default, str | int | float) else None
     if not optional or (stated is None and "by default" in text):
         return text
-    return f"{text} ({'optional' if stated is None else f'{stated:g}' if not isinstance(stated, str) else stated})"
+    if stated in (None, ""):
+        return f"{text} (optional)"
+    return f"{text} ({stated if isinstance(stated, str) else f'{stated:g}'})"
+
+
+def scenario_keys(table: str) -> str:
+    """Every key of a scenario, or of one of its tables: ``scales``, ``load.dynamometer``."""
+    name, _, kind = table.partition(".")
+    if not name:
+        return _list(_model_rows(Scenario))
+    models = tables_of(Scenario.model_fields[name].annotation)
+    return _list(row for model in models if kind in ("", kind_of(model)) for row in _model_rows(model))
+
+
+def _model_rows(model: type[Section]) -> Iterator[tuple[str, str]]:
+    for key, field in model.model_fields.items():
+        if field.alias is None:
+            yield key, _key_text(field, optional=not field.is_required() or key in FOLLOWING_KEYS)
+
+
+def tables_of(annotation: object) -> list[type[Section]]:
+    """Return the tables that a key may hold."""
+    if isinstance(annotation, type) and issubclass(annotation, Section):
+        return [annotation]
+    return [table for argument in get_args(annotation) for table in tables_of(argument)]
+
+
+def kind_of(model: type[Section]) -> str:
+    """Return the kind that a table states; empty for one without kinds."""
+    described = model.model_fields.get("kind")
+    return "" if described is None else str(get_args(described.annotation)[0])
+
+
+def load_kinds(_: str) -> str:
+    """The kinds of loads, each with its keys."""
+    lines = []
+    for model in tables_of(Scenario.model_fields["load"].annotation):
+        what = _plain((inspect.getdoc(model) or "").partition("\n")[0])
+        lines += [f"- `{kind_of(model)}`: {what}"]
+        lines += [f"  - `{key}`: {text}" for key, text in _model_rows(model) if key != "kind"]
+    return "\n".join(lines)
+
+
+def packaged_cases(contract: str) -> str:
+    """The scenarios that come with drivegate for the drives of a contract."""
+    loaded = [load_scenario(name) for name in scenario_names()]
+    return _list((one.name, _plain(one.description)) for one in loaded if one.drive.contract == contract)
 
 
 def sensor_keys(kind: str) -> str:
@@ -339,6 +387,9 @@ INSERTED: Final = MappingProxyType(
         "command-table": command_table,
         "joint-table": joint_table,
         "drive-keys": drive_keys,
+        "scenario-keys": scenario_keys,
+        "load-kinds": load_kinds,
+        "packaged-cases": packaged_cases,
         "sensor-keys": sensor_keys,
         "requirement-table": requirement_table,
         "source": source,

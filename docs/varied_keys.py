@@ -40,6 +40,7 @@ NOT_VARIED: Final[Mapping[str, str]] = {
     "name": _NO_PART,
     "description": _NO_PART,
     "drive": _DRIVE,
+    "link_voltage_v": "it is stored as supply_v",
     "drift.friction_n_m": _OWN,
     **dict.fromkeys(
         (

@@ -23,12 +23,9 @@ def _drive() -> Schema:
 
 
 def _scenario() -> Schema:
-    from drivegate_cases.scenario.scenario import Scenario
+    from drivegate_cases.scenario.scenario import scenario_schema
 
-    schema = _of(Scenario, "scenario")
-    # Left out, it is the first speed reference, which the model fills in ahead of its fields.
-    schema["required"].remove("initial_speed_rpm")
-    return schema
+    return scenario_schema()
 
 
 def _candidate() -> Schema:
@@ -57,7 +54,7 @@ def _requirements() -> Schema:
     definitions = scenario.pop("$defs")
     for key in ("drive", "schema"):
         scenario["properties"].pop(key)
-        scenario["required"].remove(key)
+    scenario["required"] = [key for key in scenario["required"] if key in scenario["properties"]]
     entry = {key: value for key, value in scenario.items() if key not in ("$schema", "title")}
     schema["properties"]["scenario"]["items"] = _with_ranges(entry)
     schema["$defs"] |= _with_ranges(definitions)

@@ -20,12 +20,12 @@ if TYPE_CHECKING:
 
 SCHEMA = 1
 DRIVE = "drive"
-"""The kind that is a drive's file."""
 REQUIREMENTS = "requirements"
-"""The kind that is a file of requirements."""
+SCENARIO = "scenario"
+"""The kinds that are no candidates."""
 CHOICES = (
     *("python", "numba", "c", "rust", "cortex-m", "exec", "embedded-coder"),
-    *(DRIVE, REQUIREMENTS),
+    *(DRIVE, SCENARIO, REQUIREMENTS),
 )
 
 
@@ -63,6 +63,9 @@ def command(
     conversion. Otherwise the file has a comment for each key and the values of the paper's drive, or of that of
     --drive, to be replaced by your own.
 
+    The kind scenario is one run on the drive of --drive, by default the PM AC drive pm-ac-interior: NAME is a new file
+    such as my-run.toml with a step, and with a comment for every other key.
+
     The kind requirements is no controller either: NAME is then a new file such as requirements.toml, with five usual
     requirements for the drive of --drive, by default the one of duty ratios.
 
@@ -78,6 +81,8 @@ def command(
         return _new_drive(Path(name), output, drive, from_datasheet)
     if from_datasheet:
         raise click.UsageError("--from-datasheet goes with the kind drive only")
+    if kind == SCENARIO:
+        return _new_scenario(Path(name), output, drive)
 
     from drivegate.commands.file_schemas import schema_contents
     from drivegate.results.waivers import present_day
@@ -166,6 +171,32 @@ def _new_drive(file: Path, output: Path | None, start: str | None, from_datashee
             for table, sentences in written.provenance.items()
             for key, sentence in sentences.items()
         ]
+    return Outcome(document, lambda console: _show(console, document))
+
+
+def _new_scenario(file: Path, output: Path | None, drive: str | None) -> Outcome:
+    if output is not None:
+        raise click.UsageError("--output goes with a candidate only; NAME is the file of a scenario")
+
+    from drivegate.contracts.catalogue import contract_of
+    from drivegate.drives.kinds import DEFAULT_DRIVES
+    from drivegate.studies.new_scenario import write_scenario
+    from drivegate_cases.drive.drive_document import drive_names, load_drive
+
+    chosen = DEFAULT_DRIVES["duty"] if drive is None else drive
+    known = named_drive(chosen) or load_drive(chosen)
+    # A file's path is read from the folder of the scenario.
+    named = chosen if chosen in drive_names() else str(Path(chosen).resolve())
+    write_scenario(file, known, named)
+    candidate = contract_of(known).usual_candidate
+    document: dict[str, Any] = {
+        "schema": SCHEMA,
+        "kind": "new",
+        "scenario": {"name": file.stem, "drive": known.name},
+        "folder": str(file.parent),
+        "files": [file.name],
+        "next": [f"drivegate simulate {candidate} --case {quote(str(file))} --plot run.svg"],
+    }
     return Outcome(document, lambda console: _show(console, document))
 
 

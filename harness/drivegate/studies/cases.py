@@ -77,7 +77,8 @@ def show_cases(console: Console, document: dict[str, Any]) -> None:
         console.print(listed)
     print_line(
         console,
-        "next: drivegate simulate reference --case NAME runs a scenario, --drive NAME takes a drive, "
+        "next: drivegate simulate reference --case NAME runs a scenario (foc one of a PM AC drive), "
+        "drivegate new scenario FILE writes one, --drive NAME takes a drive, "
         "drivegate compare A B --cycle NAME drives a cycle",
         "dim",
     )

@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Final
 from drivegate.candidates.contract import ANSWERS, ContractName
 from drivegate.drives.kinds import DEFAULT_DRIVE, DEFAULT_DRIVES
 from drivegate.laboratory import LABORATORY
+from drivegate.output.new_file import refuse_new_file
 from drivegate.studies.new_pipeline import Pipeline, pipeline_for
 from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.documents.wording import one_line, shown_path
@@ -34,7 +35,6 @@ from drivegate_models.errors import InputError
 if TYPE_CHECKING:
     from importlib.resources.abc import Traversable
 
-_SUFFIX = ".toml"
 _FOLLOWING: Final = {"speed_tolerance_rpm": None, "settling_s": None, "point": ()}
 """Requirements that follow from the rating, as they are left out."""
 _PACKAGES: Final = ("drivegate_models", "drivegate_cases", "drivegate", "drivegate_reports", LABORATORY)
@@ -268,12 +268,7 @@ def write_drive(file: Path, drive: DriveDocument) -> None:
 
 def refuse_drive_file(file: Path) -> None:
     """Refuse a file that exists, or whose name is none of a drive's, or of requirements."""
-    if file.suffix != _SUFFIX:
-        raise InputError(f"{shown_path(file)} is no name for such a file, which ends in {_SUFFIX}")
-    if file.is_symlink() or file.exists():
-        raise InputError(
-            f"{shown_path(file)} exists already, and nothing is ever overwritten; name another file"
-        )
+    refuse_new_file(file, "such")
 
 
 def drive_to_edit(name: str, start: DriveDocument) -> DriveDocument:

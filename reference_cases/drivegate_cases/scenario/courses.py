@@ -34,18 +34,14 @@ class Drift(Section):
     the friction where a brake drags.
     """
 
-    resistance: _Factors | None = Field(
-        default=None, description="factor on the phase resistance, a list of [seconds, factor]"
-    )
-    emf_constant: _Factors | None = Field(
-        default=None, description="factor on the EMF constant, a list of [seconds, factor]"
-    )
+    resistance: _Factors | None = Field(default=None, description="factor on the phase resistance over time")
+    emf_constant: _Factors | None = Field(default=None, description="factor on the EMF constant over time")
     inertia: _Factors | None = Field(
-        default=None, description="factor on the inertia of rotor and load, a list of [seconds, factor]"
+        default=None, description="factor on the inertia of rotor and load over time"
     )
     friction_n_m: _AddedFriction | None = Field(
         default=None,
-        description="friction torque added to the drive's own, a list of [seconds, newton metres]",
+        description="friction torque added to the drive's own over time, in newton metres",
     )
 
     @model_validator(mode="after")

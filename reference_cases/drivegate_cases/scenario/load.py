@@ -10,7 +10,7 @@ from pydantic import Field
 
 from drivegate_cases.documents.document import Section
 from drivegate_cases.drive.rating import GREATEST_POWER_W, GREATEST_TORQUE_NM, HIGHEST_SPEED_RPM, OVER_RATING
-from drivegate_cases.scenario.piecewise import Profile, ProfilePoint, values_within
+from drivegate_cases.scenario.piecewise import WRITTEN, Profile, ProfilePoint, values_within
 from drivegate_models.units import RADIANS_PER_RPM
 
 _MOST_TORQUE_NM: Final = OVER_RATING * GREATEST_TORQUE_NM
@@ -41,7 +41,7 @@ class DynamometerLoad(LockedLoad):
             _MOST_TORQUE_NM,
             f"must have torques of at most {_MOST_TORQUE_NM:g} N·m either way",
         ),
-    ] = Field(description="torque that the controller is asked for, a list of [seconds, newton metres]")
+    ] = Field(description="torque that the controller is asked for over time, in newton metres")
     released_s: float | None = Field(
         default=None,
         gt=0.0,
@@ -53,8 +53,11 @@ class DynamometerLoad(LockedLoad):
 class _SwitchedLoad(Section):
     """A load that a profile of factors switches on and off."""
 
-    factor: Annotated[tuple[_FactorPoint, ...], values_within(0.0, 10.0, "must have shares from 0 to 10")] = (
-        Field(description="list of [time in seconds, share of the load], best from share 0 at first")
+    factor: Annotated[
+        tuple[_FactorPoint, ...], WRITTEN, values_within(0.0, 10.0, "must have shares from 0 to 10")
+    ] = Field(
+        default=((0.0, 1.0),),
+        description="share of the load over time, from 0 without it to 1 with all of it",
     )
 
 
@@ -128,8 +131,7 @@ class VehicleLoad(Section):
     grade_percent: Annotated[Profile, values_within(-100.0, 100.0, "must have grades from -100 to 100 %")] = (
         Field(
             default=((0.0, 0.0),),
-            description="grade of the road, a list of [seconds, percent], positive where it rises in the forward "
-            "direction",
+            description="grade of the road over time, in percent, positive where it rises in the forward direction",
         )
     )
 

@@ -1,19 +1,61 @@
 """Piecewise linear profiles over time: a list of [time, value], where two points at one time are a step.
 
 The value before the first point is the first one's, after the last point the last one's; at a step itself the
-later value already holds.
+later value already holds. People may also write a number, which is a constant, or a table with `steps`, each of which
+lasts until the next.
 """
 
 from bisect import bisect_left, bisect_right
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
+from typing import Annotated, Any, TypeAlias
 
-from pydantic import AfterValidator
+from pydantic import AfterValidator, BeforeValidator, Field
+
+from drivegate_cases.documents.document import Section
 
 ProfilePoint = tuple[float, float]
-Profile = tuple[ProfilePoint, ...]
-
 _POINTS_OF_A_STEP = 2
+_WRITTEN = (
+    "must be a number, a list of [time in seconds, value], or a table of steps such as "
+    "{steps = [[0.0, 1.0], [0.5, 2.0]]}"
+)
+
+
+class Steps(Section):
+    """A course that jumps: each value lasts until the next."""
+
+    steps: tuple[ProfilePoint, ...] = Field(description="list of [time in seconds, value from then on]")
+
+
+def as_profile(value: Any) -> Any:
+    """Write a constant or a table of steps as points; anything else is left to the rules of a profile."""
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        return ((0.0, value),)
+    if isinstance(value, Mapping):
+        return _stepped(value)
+    if isinstance(value, tuple | list):
+        return value
+    raise ValueError(_WRITTEN)
+
+
+def _stepped(table: Mapping[str, Any]) -> Any:
+    steps = table.get("steps")
+    if set(table) != {"steps"} or not isinstance(steps, tuple | list) or not steps:
+        raise ValueError(_WRITTEN)
+    if not all(isinstance(step, tuple | list) and len(step) == _POINTS_OF_A_STEP for step in steps):
+        raise ValueError("must have steps of two numbers each, [time in seconds, value from then on]")
+    jumps = [((after[0], before[1]), tuple(after)) for before, after in pairwise(steps)]
+    repeated = [after for before, after in pairwise(steps) if after[0] == before[0]]
+    if repeated:
+        raise ValueError(f"must have steps at different times, but has two at {repeated[0][0]} s")
+    return (tuple(steps[0]), *(point for jump in jumps for point in jump))
+
+
+_Points: TypeAlias = tuple[ProfilePoint, ...]
+WRITTEN = BeforeValidator(as_profile, json_schema_input_type=float | Steps | _Points)
+"""The ways in which people may write a profile."""
+Profile = Annotated[_Points, WRITTEN]
 
 
 def check_times(points: Profile) -> Profile:

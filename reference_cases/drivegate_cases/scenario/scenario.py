@@ -1,5 +1,6 @@
 """A run as plain data: drive, plant, supply, speed reference, load, duration and seed."""
 
+import json
 from itertools import pairwise
 from math import ulp
 from pathlib import Path
@@ -23,9 +24,17 @@ from drivegate_cases.scenario.load import (
     LockedLoad,
     VehicleLoad,
 )
-from drivegate_cases.scenario.piecewise import Profile, breakpoints, value_from, value_until, values_within
+from drivegate_cases.scenario.piecewise import (
+    Profile,
+    as_profile,
+    breakpoints,
+    value_from,
+    value_until,
+    values_within,
+)
 from drivegate_cases.scenario.sensors import (
     IDEAL,
+    PLAIN,
     Sensors,
     fitted,
     has_edges,
@@ -43,6 +52,8 @@ _HIGHEST_SPEED_RPM = OVER_RATING * HIGHEST_SPEED_RPM
 _LATEST_START_S = 1e7
 _MOST_TURNS = 10**9
 _LEFT_OUT: Final[Any] = None
+FOLLOWING_KEYS: Final = ("initial_speed_rpm",)
+"""Keys that follow from others where they are left out."""
 
 
 class Scenario(Document):
@@ -98,14 +109,23 @@ class Scenario(Document):
             _HIGHEST_SPEED_RPM,
             f"must have speeds of at most {_HIGHEST_SPEED_RPM:g} rpm either way",
         ),
-    ] = Field(description="speed reference, a list of [time in seconds, speed in rpm], negative backward")
+    ] = Field(description="speed reference over time, in rpm, negative backward")
     supply_v: (
         Annotated[Profile, values_within(ulp(0.0), 1e5, "must have voltages above 0 and up to 100000 V")]
         | None
     ) = Field(
         default=None,
-        description="voltage of each half of the supply, or half the voltage of a link without a tap, "
-        "a list of [seconds, volts], by default the drive's",
+        description="voltage of each half of the supply over time, or half the voltage of a link without a tap, in "
+        "volts, by default the drive's",
+    )
+    link_voltage_v: (
+        Annotated[Profile, values_within(ulp(0.0), 2e5, "must have voltages above 0 and up to 200000 V")]
+        | None
+    ) = Field(
+        default=None,
+        exclude=True,
+        description="voltage of the whole link over time, of a drive without a tap, in volts, by default the drive's; "
+        "it is stored as supply_v, which is half of it",
     )
     load: Load = Field(description="table of the load on the shaft")
     sensors: Sensors = Field(
@@ -118,8 +138,8 @@ class Scenario(Document):
     imbalance: Annotated[Profile, values_within(-0.5, 0.5, "must have shares from -0.5 to 0.5")] | None = (
         Field(
             default=None,
-            description="share by which the upper half of the supply is above, and the lower half below, its voltage, "
-            "a list of [seconds, share]",
+            description="share over time by which the upper half of the supply is above, and the lower half below, its "
+            "voltage",
         )
     )
     drift: Drift | None = Field(default=None, description="table of how parameters change during the run")
@@ -136,11 +156,43 @@ class Scenario(Document):
         """Take the first speed reference where no initial speed is given."""
         if not isinstance(values, dict) or "initial_speed_rpm" in values:
             return values
-        match values.get("speed_rpm"):
+        try:
+            written = as_profile(values.get("speed_rpm"))
+        except ValueError:
+            written = None
+        match written:
             case ((_, float() | int() as first), *_) if abs(first) <= _HIGHEST_SPEED_RPM:
                 return {**values, "initial_speed_rpm": first}
         # The profile itself is refused, and reported, where it has no valid first speed.
         return {**values, "initial_speed_rpm": 0.0}
+
+    @model_validator(mode="before")
+    @classmethod
+    def _link_is_two_halves(cls, values: Any) -> Any:
+        """Take the half of a link's voltage for that of each half of the supply."""
+        if not isinstance(values, dict) or values.get("link_voltage_v") is None:
+            return values
+        if values.get("supply_v") is not None:
+            raise ValueError(
+                "the keys 'link_voltage_v' and 'supply_v' state the same voltage; leave one of them out"
+            )
+        try:
+            halves = tuple((time, 0.5 * volts) for time, volts in as_profile(values["link_voltage_v"]))
+        except (TypeError, ValueError):
+            halves = ()
+        # A voltage that is none is refused, and reported, as the key that states it.
+        is_right = bool(halves) and all(volts > 0.0 for _, volts in halves)
+        return {**values, "supply_v": halves} if is_right else values
+
+    @field_validator("link_voltage_v")
+    @classmethod
+    def _link_has_no_tap(cls, link: Profile | None, info: ValidationInfo) -> None:
+        drive: DriveDocument | None = info.data.get("drive")
+        if link is not None and drive is not None and drive.has_split_supply:
+            raise ValueError(
+                f'must be left out, since the drive\'s kind "{drive.kind}" has a split supply; state the voltage '
+                "of each half as supply_v"
+            )
 
     @field_validator("sensors")
     @classmethod
@@ -369,6 +421,31 @@ class Scenario(Document):
     @property
     def control_periods(self) -> int:
         return round(self.duration_s / self.control_period_s)
+
+
+def scenario_schema() -> dict[str, Any]:
+    """Make the JSON Schema of the document; its drive may be a name, a path or a table."""
+    schema = Scenario.model_json_schema(by_alias=True)
+    schema["properties"]["schema"] = {"const": 2, "description": "number of the document's schema"}
+    schema["required"] = ["schema", *(key for key in schema["required"] if key not in FOLLOWING_KEYS)]
+    drive, sensors = (schema["properties"][key] for key in ("drive", "sensors"))
+    schema["properties"]["drive"] = {"type": ["string", "object"], "description": drive["description"]}
+    schema["properties"]["sensors"] = {
+        "anyOf": [{"type": "string", "enum": sorted(PLAIN)}, {"oneOf": sensors["oneOf"]}],
+        "description": sensors["description"],
+    }
+    # A drive has a schema of its own.
+    parts, used = schema["$defs"], json.dumps(schema["properties"])
+    while (seen := {name: part for name, part in parts.items() if f'#/$defs/{name}"' in used}) != schema[
+        "$defs"
+    ]:
+        schema["$defs"] = seen
+        used = json.dumps([schema["properties"], seen])
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "drivegate scenario, schema 2",
+        **{key: value for key, value in schema.items() if key != "title"},
+    }
 
 
 def load_scenario(name_or_path: str | Path) -> Scenario:

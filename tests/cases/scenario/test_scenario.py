@@ -19,8 +19,9 @@ def test_every_scenario_of_the_package_loads_and_starts_unloaded(name: str) -> N
     scenario = load_scenario(name)
     assert scenario.name == name
     assert scenario.description
-    assert scenario.load_profile[0] == (0.0, 0.0), "a run has to start in a true steady state"
-    assert scenario.initial_speed_rpm == scenario.speed_rpm[0][1]
+    if scenario.drive.contract == "current":
+        assert scenario.load_profile[0] == (0.0, 0.0), "a run has to start in a true steady state"
+        assert scenario.initial_speed_rpm == scenario.speed_rpm[0][1]
     assert dwells(scenario), "nothing can be judged in a run without a dwell"
 
 
@@ -122,7 +123,7 @@ RAMP = [[0, 0], [0.2, 1]]
             "the key 'glitches' needs the sensors 'mcs96', or an encoder on a PM AC drive, since 'hall' have no ",
         ),
         ({"initial_speed_rpm": -1}, "the key 'initial_speed_rpm' is -1"),
-        ({"speed_rpm": 1500}, "the key 'speed_rpm' is 1500, but must be a list"),
+        ({"speed_rpm": "1500"}, "the key 'speed_rpm' is \"1500\", but must be a number, a list"),
         ({"speed_rpm": []}, "must have its first point at time 0"),
         (
             {"speed_rpm": [[0, -5]]},
@@ -146,7 +147,7 @@ RAMP = [[0, 0], [0.2, 1]]
         ({"load": {"kind": "crane"}}, "the key 'load.kind' is \"crane\", but must be one of 'locked'"),
         ({"load": {"kind": "locked", "factor": RAMP}}, "the key 'load.factor' is unknown"),
         ({"load": {"kind": "constant_torque", "factor": RAMP}}, "the key 'load.torque_nm' is missing"),
-        ({"load": {"kind": "constant_torque", "torque_nm": 1}}, "the key 'load.factor' is missing"),
+        ({"load": {"kind": "constant_torque"}}, "the key 'load.torque_nm' is missing"),
         (
             {"load": {"kind": "constant_torque", "torque_nm": 1, "factor": RAMP, "power_w": 1}},
             "the key 'load.power_w' is unknown",

@@ -138,7 +138,14 @@ WAYS = (absolute, by_dots, by_a_link, through_a_linked_folder, to_the_kernel)
 
 
 def test_every_key_that_names_a_file_is_tried() -> None:
-    assert set(Manifest.model_fields) == NO_PATHS | {"entry", "sources", "include", "drive", "requirements", "check"}
+    assert set(Manifest.model_fields) == NO_PATHS | {
+        "entry",
+        "sources",
+        "include",
+        "drive",
+        "requirements",
+        "check",
+    }
 
 
 @pytest.mark.parametrize("way", WAYS)

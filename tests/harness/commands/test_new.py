@@ -10,7 +10,7 @@ import pytest
 import yaml
 
 from drivegate.candidates.resolution import resolve_candidate
-from drivegate.commands.new import CHOICES, DRIVE, REQUIREMENTS
+from drivegate.commands.new import CHOICES, DRIVE, REQUIREMENTS, SCENARIO
 from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.results.provenance import versions
 from drivegate.results.waivers import read_waivers
@@ -73,7 +73,7 @@ def test_people_are_shown_the_next_step(command):
 
 
 def test_the_kinds_on_the_command_line_are_those_that_there_are():
-    assert set(CHOICES) == {*KINDS, DRIVE, REQUIREMENTS}
+    assert set(CHOICES) == {*KINDS, DRIVE, REQUIREMENTS, SCENARIO}
 
 
 @pytest.mark.parametrize("kind", OF_CURRENTS)
@@ -94,7 +94,7 @@ def test_the_wheel_is_drivegate_as_it_is_here(tmp_path):
     write_candidate("c", "other", tmp_path / "other", TODAY)
     wheel = tmp_path / "mine" / WHEEL
     assert wheel.read_bytes() == (tmp_path / "other" / WHEEL).read_bytes(), "equal sources, other bytes"
-    assert wheel.stat().st_size < 1_600_000, "the documentation calls it 1.6 MB at most"
+    assert wheel.stat().st_size < 2_000_000, "the documentation calls it 2 MB at most"
     pip = [sys.executable, "-m", "pip", "install", "--no-index", "--no-deps", "--no-compile", "--target"]
     subprocess.run([*pip, "there", wheel], cwd=tmp_path, check=True, capture_output=True)
     # Isolated from the drivegate that runs this test, but for what that one needs of others.
@@ -191,7 +191,7 @@ def test_for_gitlab_there_is_one_file_that_includes_others(command, tmp_path):
     assert command("new", "c", "mine", "--ci", "gitlab").code == 0
     found = yaml.safe_load((tmp_path / ".gitlab-ci.yml").read_text(encoding="utf-8"))
     assert (tmp_path / found[".drivegate"]["variables"]["DRIVEGATE"]).is_file()
-    assert "drivegate check mine/candidate.toml " in found["gate"]["script"][0]
+    assert " check mine/candidate.toml " in found["gate"]["script"][0]
     ended = command("new", "c", "second", "--ci", "gitlab")
     assert "add to .gitlab-ci.yml: include: [{local: second/.gitlab-ci.yml}]" in ended.out
     assert (tmp_path / "second" / ".gitlab-ci.yml").is_file()

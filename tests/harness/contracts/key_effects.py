@@ -145,6 +145,7 @@ _SCENARIO: Final[dict[str, Effect]] = {
     "restarts_s": Runs([0.01]),
     "speed_rpm": Runs([[0.0, 400.0]]),
     "supply_v": Runs([[0.0, 10.0]]),
+    "link_voltage_v": Refused(20.0, ("link_voltage_v", '"half-bridge"', "split supply")),
     "load[dynamometer].torque_reference_nm": Runs([[0.0, 0.0], [0.01, 1.0]]),
     "load[dynamometer].released_s": Runs(0.01),
     "load[constant_torque].factor": Runs([[0.0, 0.5]]),
@@ -311,10 +312,12 @@ _EXCEPT: Final[dict[str, dict[str, Effect]]] = {
     "half-bridge": {"drive.inverter.regulation": Refused("upper-only", ("regulation", "star"))},
     "star": {
         "drive.kind": Runs("half-bridge", with_it={"drive.inverter.regulation": None}),
+        "link_voltage_v": Runs(20.0),
         "imbalance": Refused([[0.0, 0.2]], ("imbalance", '"star"', "split supply")),
     },
     "pm-ac": {
         "control_period_s": Refused(5e-4, ("control_period_s", "0.0001")),
+        "link_voltage_v": Runs(20.0),
         "imbalance": Refused([[0.0, 0.2]], ("imbalance", '"pm-ac"', "split supply")),
         "glitches.time_s": Runs(0.005, _GLITCHED_SHUNTS),
         "glitches.counts": Runs(-9, _GLITCHED_SHUNTS),
