@@ -16,6 +16,8 @@ from shutil import copyfile, copytree
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Final
 
+import numpy as np
+
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.margin import Mark, Moment
 from drivegate.containment.judge import own_candidate
@@ -183,8 +185,6 @@ FAULTS: Final = (
                 "",
             ),
         ),
-        "speed_rpm",
-        "speed_reference_rpm",
     ),
     Fault(
         "Weakening ends with the torque",
@@ -235,8 +235,9 @@ def shown(fault: Fault) -> tuple[str, Figure]:
         levels = (Mark(words="reference", value=columns[fault.reference][-1]),) if fault.reference else ()
         moment = Moment(start_s=0.0, end_s=columns[TIME][-1], column=fault.column, levels=levels)
     figure, (panel,) = new_figure(2.2, 1)
-    _draw_sound(panel, moment, contract.recorded_signals(healthy.run))
-    draw_moment(panel, moment, columns, contract.panels)
+    sound = None if fault.column else check.moment(healthy)
+    _draw_sound(panel, moment, sound, contract.recorded_signals(healthy.run))
+    draw_moment(panel, moment, columns, contract.panels_of(found.scenario))
     return "\n".join(_section(fault, margin.measured, facts_in_short(found.scenario.to_mapping()))), figure
 
 
@@ -246,10 +247,16 @@ def _run(fault: Fault, scenario: Scenario) -> Record:
         return recorded(loaded, scenario, loaded.controller())
 
 
-def _draw_sound(panel: Axes, moment: Moment, columns: Columns) -> None:
-    axis, rows = MomentTime(moment), (columns[TIME] >= moment.start_s) & (columns[TIME] <= moment.end_s)
-    time = axis.factor * (columns[TIME][rows] - axis.origin)
-    panel.plot(time, columns[moment.column][rows], color="0.6", linewidth=1.2, label="without the fault")
+def _draw_sound(panel: Axes, moment: Moment, sound: Moment | None, columns: Columns) -> None:
+    axis, lines = MomentTime(moment), []
+    if moment.column:
+        rows = (columns[TIME] >= moment.start_s) & (columns[TIME] <= moment.end_s)
+        lines = [(columns[TIME][rows], columns[moment.column][rows])]
+    elif sound is not None:
+        lines = [(np.array(course.time_s), np.array(course.values)) for course in sound.courses]
+    for number, (time, values) in enumerate(lines):
+        name = "_" if number else "without the fault"
+        panel.plot(axis.factor * (time - axis.origin), values, color="0.6", linewidth=1.2, label=name)
     panel.legend(loc="lower left", bbox_to_anchor=(0.0, 0.98), fontsize=8, frameon=False)
 
 

@@ -34,7 +34,7 @@ def _failed_step() -> Figure:
     check, contract = check_of("duty", "STP-1"), contract_of(drive)
     moment = deciding_moment(check, record, check.evaluate(record))
     figure, (panel,) = new_figure(2.6, 1)
-    draw_moment(panel, moment, contract.recorded_signals(record.run), contract.panels)
+    draw_moment(panel, moment, contract.recorded_signals(record.run), contract.panels_of(record.scenario))
     return figure
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Literal, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, Protocol, TypeAlias
 
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.step_costs import NO_COSTS, StepCosts
@@ -14,6 +14,9 @@ from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.requirements.row import Row
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.steady.plant import AnyDrive
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 Evaluate: TypeAlias = Callable[[Any], Margin | None]
 """From the record of a run of the check's contract to its margin; None where it does not apply to the run."""
@@ -49,6 +52,9 @@ class Record:
     """What the candidate's manifest allows of them."""
     parting: str = ""
     """Where one of these runs first differs from this one, in words; empty where none does."""
+    steps: NDArray[Any] | None = None
+    """What the controller sensed and answered, as rows of `loop.step_recording.row_layout`: of every control period, or
+    of every n-th of a long run; None where that was not kept."""
 
     @cached_property
     def drive(self) -> AnyDrive:

@@ -86,13 +86,25 @@ class Point(Section):
     value: float = Field(description="value of the column there")
 
 
+class Course(Section):
+    """A quantity over time that no recorded column has."""
+
+    words: str = Field(description="what it is")
+    time_s: tuple[float, ...] = Field(description="times, in seconds")
+    values: tuple[float, ...] = Field(description="its value at each of them")
+
+
 class Moment(Section):
-    """The stretch of a run that decides a margin; a check that knows more than the stretch states its column."""
+    """The stretch of a run that decides a margin, and the recorded column or the courses that show it."""
 
     start_s: float = Field(description="start of the stretch, in seconds")
     end_s: float = Field(description="end of it, in seconds")
     column: str = Field(
         default="", description="recorded column that decides; empty where no single one does"
+    )
+    quantity: str = Field(default="", description="what the courses are, with its unit; empty without any")
+    courses: tuple[Course, ...] = Field(
+        default=(), description="the quantity that decides, where no recorded column has it"
     )
     origin_s: float | None = Field(
         default=None, description="time of the step or failure that it follows, in seconds"
@@ -100,3 +112,8 @@ class Moment(Section):
     levels: tuple[Mark, ...] = Field(default=(), description="references and limits, as values of the column")
     instants: tuple[Mark, ...] = Field(default=(), description="times that matter, in seconds")
     point: Point | None = Field(default=None, description="the measured value")
+
+    @property
+    def is_marked(self) -> bool:
+        """Whether it shows the quantity that decides."""
+        return bool(self.column or self.courses)

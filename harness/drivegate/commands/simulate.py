@@ -83,10 +83,10 @@ def command(
         return Outcome(document, lambda console: show_fault(console, document), ExitCode.FAILED)
     contract = contract_of(scenario.drive)
     if csv is not None or parquet is not None or plot is not None:
-        frame = trace_frame(scenario, ended.run)
+        frame = trace_frame(scenario, ended.run, ended.steps)
         write_trace(frame, csv, parquet)
         if plot is not None:
-            write_plot(frame, plot, f"{resolved.name}: {scenario.name}", contract.panels)
+            write_plot(frame, plot, f"{resolved.name}: {scenario.name}", contract.panels_of(scenario))
     document["files"] = [str(path) for path in (csv, parquet, plot) if path is not None]
     named = (
         f"--from {quote(str(report))} --run {quote(str(run))}" if case is None else f"--case {quote(case)}"

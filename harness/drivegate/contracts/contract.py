@@ -97,8 +97,10 @@ class Contract(ABC):
     """Names of the recorded columns without which a run cannot be described."""
     signal_names: ClassVar[tuple[str, ...]] = ()
     """Names of the columns of `signals`, which the user's own requirements can limit."""
+    further_names: ClassVar[tuple[str, ...]] = ()
+    """Names of columns that some results keep besides, such as what the controller sensed in a run that fails."""
     panels: ClassVar[tuple[Panel, ...]] = ()
-    """How figures show the recorded columns; without any, each has a panel."""
+    """How figures show the recorded columns; without any, each has a panel. `panels_of` has those of one run."""
     summary_rows: ClassVar[tuple[tuple[str, str, str], ...]]
     """Keys of `summary` to print, each with its name and unit."""
     window_columns: ClassVar[tuple[tuple[str, str], ...]]
@@ -168,8 +170,12 @@ class Contract(ABC):
         *,
         trace_every: int = 0,
         kept: NDArray[Any] | None = None,
+        keeps_steps: bool = False,
     ) -> Record:
-        """Run a controller for the checks against a plant's loop; `kept` receives its commands."""
+        """Run a controller for the checks against a plant's loop; `kept` receives its commands.
+
+        With `keeps_steps` the record has what the controller sensed and answered, where the trace has every step.
+        """
 
     @abstractmethod
     def judged_window(self, check: Check, record: Any, margin: Margin | None) -> tuple[float, float]:
@@ -210,6 +216,14 @@ class Contract(ABC):
     def recorded_signals(self, run: Any) -> Columns:
         """Return the columns of a run's trace that a result keeps."""
         return self.signals(run)
+
+    def panels_of(self, _scenario: Scenario, /) -> tuple[Panel, ...]:
+        """Return how figures show the recorded columns of a run."""
+        return self.panels
+
+    def sensed_signals(self, _scenario: Scenario, _run: Any, _steps: NDArray[Any], /) -> Columns:
+        """Return what the controller of a run has sensed, as columns as long as those of the trace."""
+        return {}
 
     @abstractmethod
     def account(self, trace: RecordedTrace) -> tuple[str, ...]:

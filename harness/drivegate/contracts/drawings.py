@@ -27,6 +27,8 @@ class Line(NamedTuple):
     """Its name in the figure."""
     is_reference: bool = False
     """Whether it is what the drive is asked for or limited by, and is dashed."""
+    is_sensed: bool = False
+    """Whether it is what the controller saw, and is dotted."""
 
 
 class Panel(NamedTuple):

@@ -31,9 +31,10 @@ _ROUNDS: Final = 5
 class RecordingController(CompiledController):
     """A controller that records every step of another one, which has been reset."""
 
-    def __init__(self, inner: Controller, rows: NDArray[Any]) -> None:
-        """Record into rows of `drivegate_models.loop.step_recording.row_layout`."""
-        super().__init__(recording_step(), recorder_of(rows, inner.step_address, inner.state_address))
+    def __init__(self, inner: Controller, rows: NDArray[Any], *, every: int = 1, skipped: int = 0) -> None:
+        """Record every n-th step after the skipped ones into rows of `loop.step_recording.row_layout`."""
+        addresses = inner.step_address, inner.state_address
+        super().__init__(recording_step(), recorder_of(rows, *addresses, every=every, skipped=skipped))
         self._inner = inner
         self._rows = rows
 
@@ -53,6 +54,11 @@ class RecordingController(CompiledController):
         # A reset may make another controller.
         self._state[0]["step_address"] = self._inner.step_address
         self._state[0]["state_address"] = self._inner.state_address
+
+
+def sensed_phases(currents: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+    """Return the phase currents that were sensed, shape (n, m) (A), as a column for each phase."""
+    return {f"sensed_phase_{number}_a": values for number, values in enumerate(currents.T, start=1)}
 
 
 class GivenSteps:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from pydantic import Field, ValidationError
 
 from drivegate.checks.check import Check, Record
+from drivegate.checks.course import course_of
 from drivegate.checks.margin import Margin, Moment
 from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.contract import Columns, RecordedTrace
@@ -55,17 +56,28 @@ def trace_of_run(scenario: Scenario, run: Any, judged_s: tuple[float, float]) ->
     return _trace(scenario, thinned(contract_of(scenario.drive).recorded_signals(run)), judged_s)
 
 
+def shown_signals(record: Record) -> Columns:
+    """Return the columns of a run that a result keeps: its trace, and what was sensed where that was kept."""
+    contract = contract_of(record.scenario.drive)
+    columns = contract.recorded_signals(record.run)
+    if record.steps is None:
+        return columns
+    sensed = contract.sensed_signals(record.scenario, record.run, record.steps)
+    return columns | {name: sensed[name] for name in contract.further_names if name in sensed}
+
+
 def _trace(scenario: Scenario, trace: object, judged_s: tuple[float, float]) -> RecordedTrace | None:
-    columns = columns_of(trace, contract_of(scenario.drive).recorded_names)
+    contract = contract_of(scenario.drive)
+    columns = columns_of(trace, contract.recorded_names, contract.further_names)
     return None if columns is None else RecordedTrace(scenario, columns, judged_s)
 
 
-def columns_of(trace: object, names: Iterable[str]) -> Columns | None:
-    """Read columns; None unless all are there, equally long and finite, and time goes on."""
+def columns_of(trace: object, names: Iterable[str], further: Iterable[str] = ()) -> Columns | None:
+    """Read columns; None unless all are there, equally long and finite, and time goes on. Some may be missing."""
     if not isinstance(trace, Mapping):
         return None
     columns = {}
-    for name in names:
+    for name in (*names, *(name for name in further if name in trace)):
         values = trace.get(name)
         if not isinstance(values, list) or not 2 <= len(values) <= _MOST_POINTS:
             return None
@@ -112,19 +124,25 @@ def deciding_moment(check: Check, record: Record, margin: Margin | None) -> Mome
 
 def closeup_of(record: Record, moment: Moment) -> dict[str, Any] | None:
     """Return the close-up of a moment as plain data; None where that would be the whole run, unmarked."""
-    columns = contract_of(record.scenario.drive).recorded_signals(record.run)
+    columns = shown_signals(record)
     time = columns["time_s"]
     # A stretch without a column of its own is shown with what leads to it.
-    before = 0.0 if moment.column else _CONTEXT * (moment.end_s - moment.start_s)
+    before = 0.0 if moment.is_marked else _CONTEXT * (moment.end_s - moment.start_s)
     rows = np.flatnonzero((time >= moment.start_s - before) & (time <= moment.end_s))
-    is_marked = bool(moment.column) and moment.column in columns
+    is_marked = bool(moment.courses) or moment.column in columns
     if len(rows) < 2 or (len(rows) == len(time) and not is_marked):
         return None
     shown = {name: values[rows[0] : rows[-1] + 1] for name, values in columns.items()}
+    if is_marked and not moment.courses and len(rows) > _MOST_ROWS:
+        # Means of several control periods would not show what only one of them does.
+        course = course_of(moment.column, shown["time_s"], shown[moment.column])
+        moment = moment.model_copy(update={"courses": (course,)})
     return {"moment": moment.model_dump(mode="json"), "columns": thinned(shown, _MOST_ROWS)}
 
 
-def recorded_closeup(check: Mapping[str, Any], names: tuple[str, ...]) -> tuple[Moment, Columns] | None:
+def recorded_closeup(
+    check: Mapping[str, Any], names: tuple[str, ...], further: tuple[str, ...] = ()
+) -> tuple[Moment, Columns] | None:
     """Read the close-up of the run that is shown for a check; None unless all columns of its contract are there."""
     recording = check.get("recording")
     if not isinstance(recording, Mapping) or recording.get("closeup") is None:
@@ -133,5 +151,5 @@ def recorded_closeup(check: Mapping[str, Any], names: tuple[str, ...]) -> tuple[
         read = Closeup.model_validate_json(json.dumps(recording["closeup"]))
     except (ValidationError, TypeError, ValueError):
         return None
-    columns = columns_of({name: list(values) for name, values in read.columns.items()}, names)
+    columns = columns_of({name: list(values) for name, values in read.columns.items()}, names, further)
     return None if columns is None else (read.moment, columns)

@@ -37,6 +37,7 @@ def recorded(
     *,
     trace_every: int = 0,
     kept: NDArray[Any] | None = None,
+    keeps_steps: bool = False,
 ) -> Record:
     """Run a candidate through a scenario for the checks, observed as its declaration requires."""
     require_contract(loaded.candidate, scenario.drive)
@@ -48,6 +49,7 @@ def recorded(
         controller,
         trace_every=1 if _needs_all(declaration, scenario) else trace_every,
         kept=kept,
+        keeps_steps=keeps_steps,
     )
     costs = taken_costs(controller)
     if costs == NO_COSTS:

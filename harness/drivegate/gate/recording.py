@@ -10,7 +10,7 @@ from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.fault import Fault
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.contracts.catalogue import checks_of, contract_of
-from drivegate.contracts.recorded_trace import closeup_of, deciding_moment, thinned
+from drivegate.contracts.recorded_trace import closeup_of, deciding_moment, shown_signals, thinned
 from drivegate.drives.running import recorded
 from drivegate.results.document import CheckSection, RecordingSection
 from drivegate_cases.documents.document import parse_document
@@ -18,7 +18,7 @@ from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.scenario import Scenario
 
 _OF_STEPS: Final = "STP-1"
-_MOST_ROWS: Final = 60_000
+_MOST_ROWS: Final = 200_000
 
 
 @dataclass(frozen=True)
@@ -66,9 +66,9 @@ def run_recorded(loaded: JudgedCandidate, plan: RecordPlan) -> Recorded:
     """Run a scenario again and keep its signals; this is what the worker process does."""
     scenario = parse_document(plan.scenario, Scenario, "the recorded scenario")
     every = -(-scenario.control_periods // _MOST_ROWS)
-    record = recorded(loaded, scenario, loaded.controller(), trace_every=every)
+    keeps_steps = bool(plan.failed)
+    record = recorded(loaded, scenario, loaded.controller(), trace_every=every, keeps_steps=keeps_steps)
     windows, closeups = {}, {}
-    contract = contract_of(scenario.drive)
     for check in checks_of(scenario.drive, loaded.candidate.declaration):
         if check.id in plan.checks:
             moment = deciding_moment(check, record, check.evaluate(record))
@@ -76,7 +76,7 @@ def run_recorded(loaded: JudgedCandidate, plan: RecordPlan) -> Recorded:
             closeup = closeup_of(record, moment) if check.id in plan.failed else None
             if closeup is not None:
                 closeups[check.id] = closeup
-    return Recorded(thinned(contract.recorded_signals(record.run)), windows, closeups)
+    return Recorded(thinned(shown_signals(record)), windows, closeups)
 
 
 def with_recordings(

@@ -253,13 +253,17 @@ def replay(counterexample: str | Path | Counterexample, candidate: str | Path | 
     from drivegate.results.counterexample import read_counterexample
     from drivegate.studies.replay.replay import candidate_for, document_of, replayed
     from drivegate.studies.simulate import trace_frame
+    from drivegate_cases.scenario.script import Script
 
-    is_file = isinstance(counterexample, str | Path)
-    stored = read_counterexample(Path(counterexample)) if is_file else counterexample
+    if isinstance(counterexample, str | Path):
+        stored = read_counterexample(Path(counterexample))
+    else:
+        stored = counterexample
     resolved = candidate_for(stored, None if candidate is None else str(candidate))
     ended = replayed(stored, resolved)
-    has_run = not isinstance(ended, Fault) and ended.run is not None
-    trace = trace_frame(stored.scenario, ended.run) if has_run else pandas.DataFrame()
+    trace = pandas.DataFrame()
+    if not isinstance(ended, Fault) and not isinstance(stored.scenario, Script) and ended.run is not None:
+        trace = trace_frame(stored.scenario, ended.run)
     return Replayed(document_of(stored, resolved, ended), trace)
 
 

@@ -55,7 +55,7 @@ class CheckResult:
         from drivegate.results.counterexample import Counterexample
         from drivegate_cases.documents.document import parse_document
 
-        found = {stored["check"]: stored for stored in counterexamples(self.document)}
+        found = {stored["check"]: stored for stored in counterexamples(dict(self.document))}
         if check not in found:
             raise InputError(
                 f"there is no counterexample of '{check}'; there are "

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from itertools import cycle
+from textwrap import fill
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drivegate.checks.margin import Moment
 from drivegate.contracts.contract import Columns
@@ -15,7 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 # Okabe and Ito, "Color Universal Design": distinguishable with any colour vision.
-_SIGNAL: Final = "#0072B2"
+_SIGNALS: Final = ("#0072B2", "#009E73", "#56B4E9", "#CC79A7")
 _LIMIT: Final = "#D55E00"
 _LIMIT_INK: Final = "#A34700"
 _DASHED: Final = (0, (4, 3))
@@ -23,6 +27,8 @@ _MOST_TREADS: Final = 150
 _SECONDS_FROM: Final = 5.0
 _WITH_LABELS: Final = 1.32
 _LABELS_AT: Final = 1.012
+_WIDEST_LABEL: Final = 26
+"""Longest line of a label (characters)."""
 
 
 class MomentTime:
@@ -58,12 +64,11 @@ class MomentTime:
 def draw_moment(axes: Axes, moment: Moment, columns: Columns, panels: tuple[Panel, ...]) -> None:
     """Draw the column that decides, with everything that its check marks."""
     axis = MomentTime(moment)
-    rows = (columns[TIME] >= moment.start_s) & (columns[TIME] <= moment.end_s)
-    time = axis.factor * (columns[TIME][rows] - axis.origin)
-    values = columns[moment.column][rows]
-    # A control period is drawn as what it is: one value for its whole length.
-    style = "steps-post" if len(values) <= _MOST_TREADS else "default"
-    axes.plot(time, values, color=_SIGNAL, linewidth=1.5, drawstyle=style)
+    for words, time, values, colour in _lines(moment, columns):
+        # A control period is drawn as what it is: one value for its whole length.
+        style = "steps-post" if len(values) <= _MOST_TREADS else "default"
+        shown = axis.factor * (time - axis.origin)
+        axes.plot(shown, values, color=colour, linewidth=1.5, drawstyle=style, label=words)
     begin, end = axis.of(moment.start_s), axis.of(moment.end_s)
     for level in moment.levels:
         axes.plot([begin, end], [level.value] * 2, color=_LIMIT, linewidth=1.0, linestyle=_DASHED)
@@ -72,10 +77,23 @@ def draw_moment(axes: Axes, moment: Moment, columns: Columns, panels: tuple[Pane
     axes.margins(y=0.12)
     axis.apply(axes)
     _label(axes, axis, moment)
+    if len(moment.courses) > 1:
+        axes.legend(loc="upper left", fontsize=8.0, frameon=False, ncols=2)
     axes.set_xlabel(axis.label)
-    axes.set_ylabel(quantity_of(moment.column, panels))
+    axes.set_ylabel(moment.quantity or quantity_of(moment.column, panels))
     axes.ticklabel_format(axis="y", useOffset=False)
     axes.grid(visible=True, alpha=0.4)
+
+
+def _lines(
+    moment: Moment, columns: Columns
+) -> Iterator[tuple[str, NDArray[np.float64], NDArray[np.float64], str]]:
+    """List what is drawn: words, times (s), values and colour of each line."""
+    for course, colour in zip(moment.courses, cycle(_SIGNALS)):
+        yield one_line(course.words), np.array(course.time_s), np.array(course.values), colour
+    if not moment.courses:
+        rows = (columns[TIME] >= moment.start_s) & (columns[TIME] <= moment.end_s)
+        yield "", columns[TIME][rows], columns[moment.column][rows], _SIGNALS[0]
 
 
 def _label(axes: Axes, axis: MomentTime, moment: Moment) -> None:
@@ -93,8 +111,10 @@ def _label(axes: Axes, axis: MomentTime, moment: Moment) -> None:
     low, high = axes.get_ylim()
     gap, last = 0.1 * (high - low), -np.inf
     for value, words in sorted(lines.items()):
+        shown = fill(words, _WIDEST_LABEL)
         last = max(value, last + gap)
-        axes.text(axis.labels_at, last, words, color=_LIMIT_INK, fontsize=8.5, va="center")
+        axes.text(axis.labels_at, last, shown, color=_LIMIT_INK, fontsize=8.5, va="center")
+        last += gap * shown.count("\n")
     for instant in moment.instants:
         axes.text(
             axis.of(instant.value),

@@ -89,19 +89,21 @@ def write_plot(
 
     thinned = frame.iloc[:: -(-len(frame) // _MOST_POINTS)]
     shown = panels_for(panels, frame.columns)
-    is_marked = moment is not None and bool(moment.column)
+    is_marked = moment is not None and moment.is_marked
     with figure_file(plot, 9.0, 12.0 if is_marked else 9.0) as figure:
         whole: FigureBase = figure
         if moment is not None and is_marked:
             parts = figure.subfigures(2, 1, squeeze=False, height_ratios=(1, 3))[:, 0]
             whole = parts[1]
-            columns = {name: frame[name].to_numpy() for name in (TIME, moment.column)}
+            columns = {name: frame[name].to_numpy() for name in (TIME, moment.column) if name}
             draw_moment(parts[0].subplots(), moment, columns, panels)
         all_axes = whole.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0]
         for axes, (label, lines) in zip(all_axes, shown, strict=True):
-            for column, name, is_reference in lines:
-                style = "--" if is_reference else "-"
-                axes.plot(thinned[TIME], thinned[column], label=name, linewidth=1.0, linestyle=style)
+            for line in lines:
+                style = "--" if line.is_reference else ":" if line.is_sensed else "-"
+                axes.plot(
+                    thinned[TIME], thinned[line.column], label=line.name, linewidth=1.0, linestyle=style
+                )
             if edge is not None and lines[0].column == "advance_deg":
                 begin, angle = edge
                 reach = [begin, float(frame[TIME].iloc[-1]) if moment is None else moment.end_s]

@@ -21,6 +21,7 @@ from drivegate_cases.scenario.scenario import Scenario
 
 if TYPE_CHECKING:
     import pandas
+    from numpy.typing import NDArray
 
 SCHEMA: Final = 1
 MOST_ROWS: Final = 1_000_000
@@ -35,13 +36,16 @@ def simulated(candidate: Candidate, scenario: Scenario) -> Record | Fault:
 
 def run_once(loaded: JudgedCandidate, scenario: Scenario) -> Record:
     every = -(-scenario.control_periods // MOST_ROWS)
-    return recorded(loaded, scenario, loaded.controller(), trace_every=every)
+    return recorded(loaded, scenario, loaded.controller(), trace_every=every, keeps_steps=True)
 
 
-def trace_frame(scenario: Scenario, run: Any) -> pandas.DataFrame:
+def trace_frame(scenario: Scenario, run: Any, steps: NDArray[Any] | None = None) -> pandas.DataFrame:
+    """Make a table of a run's signals, with what its controller sensed where that was kept."""
     import pandas
 
-    return pandas.DataFrame(contract_of(scenario.drive).signals(run))
+    contract = contract_of(scenario.drive)
+    sensed = {} if steps is None else contract.sensed_signals(scenario, run, steps)
+    return pandas.DataFrame({**contract.signals(run), **sensed})
 
 
 def document_of(candidate: Candidate, scenario: Scenario, ended: Record | Fault) -> dict[str, Any]:

@@ -87,7 +87,7 @@ def run_good(_host: JudgedCandidate, shard: GoodShard) -> ShardFailures:
         runs = run_drawn(loaded, shard.runs).runs
     except CandidateFault as raised:
         return ShardFailures(0, (), f"{shard.candidate.name}: {raised.fault.message}")
-    checks = sorted(searched_checks(contract_of(shard.runs.drive)))
+    checks = sorted(searched_checks(contract_of(shard.runs.drive).checks))
     found = (_failure(loaded, check, _failed(check, runs), shard.budget) for check in checks)
     return ShardFailures(len(runs), tuple(failure for failure in found if failure is not None))
 

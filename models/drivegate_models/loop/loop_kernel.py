@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from math import pi
+from math import inf, pi
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -234,12 +234,15 @@ def _ripple_follower(torque_range: Callable[..., tuple[float, float]]) -> Callab
         watch: RippleWatch,
         length: float,
         wraps: bool,
+        row: int,
     ) -> RippleWatch:
         if watched < 0:
             return fresh_watch(False)
-        lowest, highest = torque_range(
-            plant, recorded, room.row_positions, length, watch.lowest, watch.highest
-        )
+        lowest, highest = torque_range(plant, recorded, room.row_positions, length, inf, -inf)
+        if row >= 0:
+            records.trace[row].torque_lowest_nm = lowest
+            records.trace[row].torque_highest_nm = highest
+        lowest, highest = min(lowest, watch.lowest), max(highest, watch.highest)
         watch = widened_watch(watch, lowest, highest, room.period[ledger.IMPULSE], length)
         if not wraps:
             return watch
@@ -324,13 +327,15 @@ def loop_of(kernels: PlantKernels) -> Any:
             load_now = opposing + weight_torque(load, conditions.load)
             applied = _applied(period, length, reference, advance, held, current_sum, load_now)
             _observe_windows(timing, records, room, k, conditions.speed, applied)
+            row = -1
             if traced < records.trace.shape[0] and k % timing.trace_every == 0:
-                write_trace(records.trace[traced], time, conditions, applied, speed, measured.speed)
+                row = traced
+                write_trace(records.trace[row], time, conditions, applied, speed, measured.speed)
                 traced += 1
 
             turned = angle + drive.pole_pairs * held * length
             wraps = turned >= 2.0 * pi
-            watch = follow_ripple(plant, recorded, records, room, watched, watch, length, wraps)
+            watch = follow_ripple(plant, recorded, records, room, watched, watch, length, wraps, row)
             angle = within_a_turn(turned)
             if load.kind != LOCKED:
                 inertia = conditions.inertia * (drive.inertia + load.inertia)

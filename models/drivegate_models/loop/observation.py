@@ -114,8 +114,14 @@ TRACE_COLUMNS: Final = (
     "input_power_w",
     "half_supply_v",
     "measured_speed_rpm",
+    "current_peak_a",
+    "torque_lowest_nm",
+    "torque_highest_nm",
 )
-"""Columns of a trace, with their units; one record for each recorded control period."""
+"""Columns of a trace, with their units; one record for each recorded control period.
+
+The torque's extremes are NaN where no window observes its ripple.
+"""
 
 
 def _record_of(names: tuple[str, ...]) -> np.dtype[Any]:

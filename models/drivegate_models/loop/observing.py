@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import inf
+from math import inf, nan
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -196,3 +196,6 @@ def write_trace(
     row.input_power_w = applied.input_power
     row.half_supply_v = conditions.supply
     row.measured_speed_rpm = measured_speed * RPM
+    row.current_peak_a = applied.peak
+    row.torque_lowest_nm = nan
+    row.torque_highest_nm = nan

@@ -35,12 +35,15 @@ RECORDER: Final = np.dtype(
         ("currents_place", np.int64),
         ("currents_size", np.int64),
         ("command_size", np.int64),
+        ("every", np.int64),
+        ("skipped", np.int64),
     ],
     align=True,
 )
 """A recorder: the controller that it passes steps on to, the room for rows, and how many of them are written.
 
 `currents_place` is the number of the sense's 64-bit field with the address of the phase currents. Sizes are in bytes.
+Of `every` steps one is recorded, and `skipped` is the number of steps until then.
 """
 
 
@@ -54,16 +57,21 @@ def row_layout(layout: Layout, phases: int) -> np.dtype[Any]:
     )
 
 
-def recorder_of(rows: NDArray[Any], step_address: int, state_address: int) -> NDArray[Any]:
+def recorder_of(
+    rows: NDArray[Any], step_address: int, state_address: int, *, every: int = 1, skipped: int = 0
+) -> NDArray[Any]:
     """Make the state of a recording step.
 
-    `rows`, shape (n,): receives the steps; it has to outlive the state. `step_address`, `state_address`: addresses of
-    the controller's step function and of its state.
+    - `rows`, shape (n,): receives the steps; it has to outlive the state.
+    - `step_address`, `state_address`: addresses of the controller's step function and of its state.
+    - `every`: record every n-th step; n is at least 1.
+    - `skipped`: number of steps at the start that are not recorded.
     """
     sense, currents, command = (rows.dtype[name] for name in ("sense", "currents", "command"))
     place = (sense.names or ()).index("phase_currents")
     sizes = (sense.itemsize, place, currents.itemsize, command.itemsize)
-    return np.array([(step_address, state_address, rows.ctypes.data, len(rows), 0, *sizes)], RECORDER)
+    recorder = (step_address, state_address, rows.ctypes.data, len(rows), 0, *sizes, every, skipped)
+    return np.array([recorder], RECORDER)
 
 
 @cache
@@ -81,6 +89,10 @@ def recording_step() -> Any:
         # The first word is the size; a negative one requests a stop.
         if answer[0] < 0 or kept.count >= kept.capacity:
             return
+        if kept.skipped > 0:
+            kept.skipped -= 1
+            return
+        kept.skipped = kept.every - 1
         currents = kept.rows_address + kept.count * (kept.sense_size + kept.currents_size + kept.command_size)
         copy_bytes(sensed.ctypes.data, currents, kept.sense_size)
         currents += kept.sense_size

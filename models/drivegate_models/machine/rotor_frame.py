@@ -94,6 +94,22 @@ def phase_currents(
     return currents
 
 
+@kernel
+def rotor_currents(currents: NDArray[np.float64], angles: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the currents in the rotor frame for phase currents, without their mean.
+
+    `currents`, shape (n, 3): phase currents (A). `angles`, shape (n,): electrical angles of the d axis (rad). Result,
+    shape (n, 2): d-axis and q-axis currents (A).
+    """
+    found = np.empty((len(angles), 2))
+    for row in range(len(angles)):
+        cosine, sine = cosine_sine(angles[row])
+        along, across = from_phases(currents[row, 0], currents[row, 1], currents[row, 2])
+        found[row, 0] = cosine * along + sine * across
+        found[row, 1] = cosine * across - sine * along
+    return found
+
+
 def shaft_angles(electrical: NDArray[np.float64], pole_pairs: int) -> NDArray[np.float64]:
     """Return the shaft's angles from the electrical angles of consecutive control periods.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from math import inf
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,9 @@ from drivegate_models.machine.rotor_frame import of_phase
 from drivegate_models.machine.sine import cosine_sine
 from drivegate_models.pm_ac.plant.advance import PmAcPhases, follow_period, make_phases
 from drivegate_models.pm_ac.plant.drive import PmAcDrive, alignment_of
+
+NONE_KEPT: Final = np.empty((0, 2))
+"""No room for extremes."""
 
 
 @unallocating
@@ -29,6 +33,7 @@ def swing_of_updates(
     ignored: int,
     period: float,
     totals: NDArray[np.float64],
+    extremes: NDArray[np.float64],
 ) -> float:
     """Return maximum minus minimum torque of the carrier's updates after the ignored ones.
 
@@ -36,6 +41,7 @@ def swing_of_updates(
     - `ratios`, `legs`, shape (n, 3): what acts in each.
     - `first`: number of the first one, on which the alignment depends.
     - `totals`, shape (ledger.ENTRIES,): the exact integrals are added to it.
+    - `extremes`, shape (k, 2): receives minimum and maximum torque of the first k updates (N m).
     - Other arguments: as for `commanded_swing`, but `period` is that of an update.
     - Result: N m; infinite if the plant's advance fails.
     """
@@ -59,6 +65,9 @@ def swing_of_updates(
             != COMPLETED
         ):
             return inf
+        if k < extremes.shape[0]:
+            extremes[k, 0] = phases.torque_bounds[0]
+            extremes[k, 1] = phases.torque_bounds[1]
         if k >= ignored:
             least = min(least, phases.torque_bounds[0])
             most = max(most, phases.torque_bounds[1])
@@ -77,6 +86,7 @@ def commanded_swing(
     first: int,
     ignored: int,
     period: float,
+    extremes: NDArray[np.float64] = NONE_KEPT,
 ) -> float:
     """Return the peak-to-peak torque under given duty ratios.
 
@@ -90,6 +100,7 @@ def commanded_swing(
       switch is on at its start.
     - `ignored`: number of control periods at the start that are not evaluated.
     - `period`: control period (s).
+    - `extremes`, shape (k, 2): receives minimum and maximum torque of the first k carrier updates (N m).
     - Result: maximum minus minimum torque at any instant (N m); infinite if the plant's advance fails.
     """
     phases = make_phases(follows_torque=True)
@@ -114,5 +125,6 @@ def commanded_swing(
             int(ignored) * every,
             float(period) / every,
             totals,
+            extremes,
         )
     )

@@ -11,7 +11,7 @@ import numpy as np
 
 from drivegate.checks.margin import Moment
 from drivegate.contracts.catalogue import contract_of
-from drivegate.contracts.contract import Columns, Contract, RecordedTrace
+from drivegate.contracts.contract import Columns, RecordedTrace
 from drivegate.contracts.current.words import run_signals
 from drivegate.contracts.drawings import TIME, Panel, panels_for
 from drivegate.contracts.recorded_trace import recorded_closeup, recorded_trace
@@ -98,29 +98,30 @@ def shown_runs(document: Mapping[str, Any]) -> dict[str, ShownRun]:
         if not known:
             drawn[key] = _RUN_OF.get(contract.name, _plain_figure)(trace, f"run-{len(drawn) + 1}")
         ripple = _RIPPLE_OF.get(contract.name)
-        near = recorded_closeup(check, contract.recorded_names)
+        panels = contract.panels_of(trace.scenario)
+        near = recorded_closeup(check, contract.recorded_names, contract.further_names)
         shown[str(check["id"])] = ShownRun(
             tuple(map(clean, contract.account(trace))),
             drawn[key],
             known,
             None if ripple is None else ripple(check, trace),
-            None if near is None else _closeup(check, contract, *near),
-            "" if known and near is None else trace_data(trace, near, contract.panels),
+            None if near is None else _closeup(check, panels, *near),
+            "" if known and near is None else trace_data(trace, near, panels),
         )
     return shown
 
 
 def _closeup(
-    check: Mapping[str, Any], contract: Contract, moment: Moment, columns: Columns
+    check: Mapping[str, Any], panels: tuple[Panel, ...], moment: Moment, columns: Columns
 ) -> PageFigure | None:
     """Draw the moment that decides a counterexample; None where its column is not there."""
-    if moment.column and moment.column not in columns:
+    if moment.column and not moment.courses and moment.column not in columns:
         return None
     return page_figure(
         f"closeup-{clean(check['id'], 40)}",
         closeup.title(moment),
-        lambda: closeup.draw(moment, columns, contract.panels),
-        clean(closeup.alternative(moment, contract.panels)),
+        lambda: closeup.draw(moment, columns, panels),
+        clean(closeup.alternative(moment, panels)),
         closeup.caption(moment),
     )
 

@@ -40,6 +40,11 @@ _TEXT = "#22262E"
 _GRID = "#E3E6EA"
 
 WIDTH_INCH: Final = 6.8
+LEFT: Final = 0.1
+RIGHT: Final = 0.995
+"""Where panels begin and end, over the width of a figure, if their texts leave room (1)."""
+_ROOM_INCH: Final = 0.05
+_MOST_ROUNDS: Final = 4
 
 _HOUSE: Final[dict[str, Any]] = {
     "font.family": "sans-serif",
@@ -106,7 +111,7 @@ def new_figure(
     figure = NewFigure(figsize=(WIDTH_INCH, height), layout="constrained" if fitted else None)
     if not fitted:
         figure.subplots_adjust(
-            left=0.1, right=0.995, top=1.0 - 0.3 / height, bottom=0.5 / height, hspace=apart
+            left=LEFT, right=RIGHT, top=1.0 - 0.3 / height, bottom=0.5 / height, hspace=apart
         )
     panels = figure.subplots(rows, 1, squeeze=False, height_ratios=ratios)
     return figure, list(panels[:, 0])
@@ -161,10 +166,44 @@ def label_ends(panel: Axes, x: float, *lines: tuple[str, float, str]) -> None:
         label(panel, x, at, text, colour, va="center", fontsize=8.5, bbox=ground)
 
 
+def keep_inside(figure: Figure) -> None:
+    """Make panels narrower until no text leaves the figure; one with a layout of its own takes care of that itself."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    if figure.get_layout_engine() is not None:
+        return
+    canvas: Any = FigureCanvasAgg(figure)
+    renderer = canvas.get_renderer()
+    width = figure.get_figwidth()
+    for _ in range(_MOST_ROUNDS):
+        ends = [(box.x0 / figure.dpi, box.x1 / figure.dpi) for box in _text_boxes(figure, renderer)]
+        before = _ROOM_INCH - min((begin for begin, _ in ends), default=width)
+        beyond = max((end for _, end in ends), default=0.0) - (width - _ROOM_INCH)
+        if before <= 0.0 and beyond <= 0.0:
+            return
+        places = figure.subplotpars
+        # Words begin inside of the panel, so that its end has to move by more than they are too long.
+        right = places.right - 1.4 * max(beyond, 0.0) / width
+        figure.subplots_adjust(left=places.left + max(before, 0.0) / width, right=right)
+
+
+def _text_boxes(figure: Figure, renderer: Any) -> Iterator[Any]:
+    """Go through the places of all texts: those of the axes, and those beside lines."""
+    for panel in figure.axes:
+        for axis in (panel.xaxis, panel.yaxis):
+            box = axis.get_tightbbox(renderer)
+            if box is not None:
+                yield box
+        for text in (*panel.texts, panel.title):
+            if text.get_text() and text.get_visible():
+                yield text.get_window_extent(renderer)
+
+
 def svg_document(figure: Figure, name: str, *, letters_as_shapes: bool = True) -> str:
     """Write a figure as an SVG file of its own."""
     import matplotlib
 
+    keep_inside(figure)
     stream = StringIO()
     fonttype = "path" if letters_as_shapes else "none"
     with matplotlib.rc_context({"svg.hashsalt": name, "svg.fonttype": fonttype}):

@@ -1,7 +1,7 @@
 // Traces that people zoom and read off. Without this, and on paper, the drawn figures stand in their place.
 (() => {
   "use strict";
-  const COLOURS = ["#D55E00", "#0072B2", "#009E73", "#CC79A7"];
+  const COLOURS = ["#D55E00", "#0072B2", "#009E73", "#E69F00", "#56B4E9", "#CC79A7"];
   const GREY = "#8A8F98";
   const shown = (value) => (value == null ? "–" : Number(value.toPrecision(5)).toString());
   const button = (text, act) => {
@@ -15,9 +15,17 @@
     label: line.name,
     stroke: line.is_reference ? GREY : colour,
     width: 1.5,
-    dash: line.is_reference ? [5, 4] : undefined,
+    dash: line.is_reference ? [5, 4] : line.is_sensed ? [2, 3] : undefined,
     points: { show: false },
   });
+  // As wide as its longest tick, beside its label.
+  const axisSize = (plot, values, index, cycle) => {
+    const axis = plot.axes[index];
+    if (cycle > 1) return axis._size;
+    const longest = (values ?? []).reduce((one, other) => (other.length > one.length ? other : one), "");
+    plot.ctx.font = axis.font[0];
+    return Math.max(60, Math.ceil(plot.ctx.measureText(longest).width / devicePixelRatio) + 40);
+  };
   const mark = (told, panel) => (plot) => {
     const { ctx, bbox } = plot;
     const at = (time) => plot.valToPos(time, "x", true);
@@ -71,7 +79,7 @@
         const values = panel.lines.map((line) => `${line.name} ${shown(row == null ? null : told.columns[line.column][row])}`);
         readout.textContent = `${row == null ? "" : `${Number(time[row].toPrecision(7))} s: `}${values.join(", ")}`;
       };
-      const colours = panel.lines.filter((line) => !line.is_reference).length === 1 ? [COLOURS[1]] : [...COLOURS];
+      const colours = panel.lines.filter((line) => !line.is_reference && !line.is_sensed).length === 1 ? [COLOURS[1], COLOURS[0]] : [...COLOURS];
       plots.push(
         new uPlot(
           {
@@ -80,8 +88,8 @@
             legend: { show: false },
             cursor: { sync: { key }, drag: { x: true, y: false } },
             scales: { x: { time: false } },
-            axes: [{ size: 30, values: (_, ticks) => ticks.map((tick) => Number(tick.toPrecision(7))) }, { label: panel.label, size: 60, labelSize: 22 }],
-            series: [{}, ...panel.lines.map((line) => lineOf(line, line.is_reference ? GREY : colours.shift() ?? COLOURS[3]))],
+            axes: [{ size: 30, values: (_, ticks) => ticks.map((tick) => Number(tick.toPrecision(7))) }, { label: panel.label, size: axisSize, labelSize: 22 }],
+            series: [{}, ...panel.lines.map((line) => lineOf(line, line.is_reference ? GREY : colours.shift() ?? COLOURS[5]))],
             hooks: {
               drawAxes: [mark(told, panel)],
               setCursor: [read],

@@ -6,6 +6,7 @@ import re
 import pandas
 import pytest
 
+from drivegate.contracts.current.columns import EXTREMES
 from drivegate.output.result_file import counterexamples
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import load_scenario
@@ -25,7 +26,9 @@ def test_a_run_is_summarised_and_its_trace_written(command, short, tmp_path):
     document = command("simulate", "reference", "--case", short, *files, "--json").document
     summary = document["summary"]
     trace = pandas.read_csv(tmp_path / "run.csv")
-    assert tuple(trace.columns) == TRACE_COLUMNS
+    own = [name for name in TRACE_COLUMNS if name not in EXTREMES]
+    sensed = [f"sensed_phase_{phase}_a" for phase in range(1, 6)]
+    assert list(trace.columns) == [*own, *sensed, "sensed_current_sum_a"]
     assert len(trace) == summary["steps"] == 20_000
     assert trace["speed_rpm"].iloc[-1] == pytest.approx(summary["speed_final_rpm"], abs=1.0)
     assert abs(trace["speed_rpm"] - trace["speed_reference_rpm"]).max() == summary["speed_error_worst_rpm"]

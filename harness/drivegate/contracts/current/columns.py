@@ -21,6 +21,8 @@ RECORDED: Final = (
     "half_supply_v",
 )
 """Columns of the trace that a result keeps."""
+EXTREMES: Final = ("torque_lowest_nm", "torque_highest_nm")
+"""Columns of the trace that have numbers only where a window observes the ripple of the torque."""
 
 
 class CurrentColumns(Contract):
@@ -43,16 +45,32 @@ class CurrentColumns(Contract):
         "advance_angle": ("el. deg", 180.0 / math.pi),
     }
     panels = (
-        Panel("speed (rpm)", (Line("speed_reference_rpm", "reference", True), Line("speed_rpm", "speed"))),
+        Panel(
+            "speed (rpm)",
+            (
+                Line("speed_reference_rpm", "reference", True),
+                Line("speed_rpm", "speed"),
+                Line("sensed_speed_rpm", "sensed", is_sensed=True),
+            ),
+        ),
         Panel("angle (el. deg)", (Line("advance_deg", "advance angle"),)),
         Panel(
             "current (A)",
-            (Line("current_sum_a", "Σ|i|"), Line("current_reference_a", "current reference", True)),
+            (
+                Line("current_sum_a", "Σ|i|"),
+                Line("sensed_current_sum_a", "sensed Σ|i|", is_sensed=True),
+                Line("current_reference_a", "current reference", True),
+            ),
         ),
         Panel("torque (N·m)", (Line("load_torque_nm", "load", True), Line("torque_nm", "torque"))),
+        Panel(
+            "half supply (V)",
+            (Line("half_supply_v", "true"), Line("sensed_half_supply_v", "sensed", is_sensed=True)),
+        ),
     )
     recorded_names = tuple(name for name in RECORDED if name != "half_supply_v")
     signal_names = (*RECORDED, "input_power_w", "measured_speed_rpm")
+    further_names = ("half_supply_v", "sensed_speed_rpm", "sensed_current_sum_a", "sensed_half_supply_v")
     summary_rows = (
         ("speed_final_rpm", "speed at the end", "rpm"),
         ("speed_error_worst_rpm", "speed error, worst", "rpm"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
 from drivegate.candidates.declaration import Declaration
@@ -23,8 +24,10 @@ from drivegate.contracts.current.run import (
 from drivegate.contracts.current.scenarios.feasibility import unfair_because
 from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
 from drivegate.contracts.current.scenarios.simplification import SIMPLIFICATIONS
+from drivegate.contracts.current.sensed import room_for_steps, sensed_signals
 from drivegate.contracts.current.timed_steps import current_step_seconds, given_steps
 from drivegate.contracts.current.words import account, judged_point, loss_of_speed, run_signals
+from drivegate.contracts.given_steps import RecordingController
 from drivegate.scenarios.drawn_range import LIGHTEST_SHARE, NONE, DrawnRange, Interval
 from drivegate.scenarios.drive_scale import scale_of
 from drivegate_cases.drive.drive_document import DriveDocument
@@ -86,6 +89,7 @@ class _CurrentContract(CurrentColumns):
     plant_state = staticmethod(plant_state)
     signals = staticmethod(signals)
     recorded_signals = staticmethod(recorded_signals)
+    sensed_signals = staticmethod(sensed_signals)
     summary = staticmethod(summary)
     observe = staticmethod(observe)
 
@@ -132,7 +136,9 @@ class _CurrentContract(CurrentColumns):
         *,
         trace_every: int = 0,
         kept: NDArray[Any] | None = None,
+        keeps_steps: bool = False,
     ) -> CurrentRecord:
+        steps = room_for_steps(scenario, trace_every) if keeps_steps and trace_every > 0 else None
         run = run_in_closed_loop(
             prepare,
             scenario,
@@ -140,8 +146,9 @@ class _CurrentContract(CurrentColumns):
             trace_every=trace_every,
             power_window=declaration.power_window_s,
             kept=kept,
+            wrap=None if steps is None else partial(RecordingController, rows=steps, every=trace_every),
         )
-        return CurrentRecord(scenario, run, declaration)
+        return CurrentRecord(scenario, run, declaration, steps=steps)
 
     def account(self, trace: RecordedTrace) -> tuple[str, ...]:
         return account(run_signals(trace))

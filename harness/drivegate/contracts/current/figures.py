@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.contracts.current.checks.command_range import LARGEST_ANGLE
-from drivegate.contracts.current.columns import RECORDED
+from drivegate.contracts.current.columns import EXTREMES, RECORDED
 from drivegate.contracts.current.record import CurrentRecord
 from drivegate.contracts.current.run import observed_windows
 from drivegate_cases.scenario.scenario import Scenario
@@ -20,8 +20,9 @@ from drivegate_models.units import RPM
 
 
 def signals(run: ClosedLoopRun) -> dict[str, NDArray[Any]]:
-    """Return every column of a run with a trace."""
-    return {name: run.trace[name] for name in run.trace.dtype.names or ()}
+    """Return every column of a run with a trace, without the torque's extremes, which few windows observe."""
+    names = (name for name in run.trace.dtype.names or () if name not in EXTREMES)
+    return {name: run.trace[name] for name in names}
 
 
 def recorded_signals(run: ClosedLoopRun) -> dict[str, NDArray[Any]]:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegate.contracts.current.columns import CurrentColumns
 from drivegate.scenarios.title import titled
 from drivegate_cases.drive.limits import limits_of
 from drivegate_cases.scenario.profile import Dwell, dwell_torque, dwells
@@ -64,7 +65,9 @@ class RunSignals:
 
 
 def run_signals(trace: RecordedTrace) -> RunSignals:
-    return RunSignals(scenario=trace.scenario, judged_s=trace.judged_s, **trace.columns)
+    # A result may have further columns, of what the controller sensed.
+    columns = {name: trace.columns[name] for name in CurrentColumns.recorded_names}
+    return RunSignals(scenario=trace.scenario, judged_s=trace.judged_s, **columns)
 
 
 @dataclass(frozen=True)

@@ -60,19 +60,48 @@ class DutyColumns(Contract):
     }
     panels = (
         Panel("torque (N·m)", (Line("torque_reference_nm", "reference", True), Line("torque_nm", "torque"))),
-        Panel("speed (rpm)", (Line("speed_reference_rpm", "reference", True), Line("speed_rpm", "speed"))),
+        Panel(
+            "speed (rpm)",
+            (
+                Line("speed_reference_rpm", "reference", True),
+                Line("speed_rpm", "speed"),
+                Line("sensed_speed_rpm", "sensed", is_sensed=True),
+            ),
+        ),
         Panel(
             "current (A)",
             (
                 Line("direct_current_a", "d"),
                 Line("quadrature_current_a", "q"),
                 Line("peak_current_a", "peak"),
+                Line("sensed_direct_current_a", "sensed d", is_sensed=True),
+                Line("sensed_quadrature_current_a", "sensed q", is_sensed=True),
             ),
         ),
-        Panel("voltage (V)", (Line("link_voltage_v", "link", True), Line(VOLTAGE, "used"))),
+        Panel(
+            "voltage (V)",
+            (
+                Line("link_voltage_v", "link", True),
+                Line(VOLTAGE, "used"),
+                Line("sensed_link_voltage_v", "sensed link", is_sensed=True),
+            ),
+        ),
+        Panel("sensed angle (el. deg)", (Line("sensed_angle_error_deg", "error", is_sensed=True),)),
     )
+    panels_of_speed = (
+        Panel("torque (N·m)", (Line("load_torque_nm", "load", True), Line("torque_nm", "torque"))),
+        *panels[1:],
+    )
+    """Panels of a run without a torque reference."""
     recorded_names = (*COLUMNS, VOLTAGE)
     signal_names = recorded_names
+    further_names = (
+        "sensed_direct_current_a",
+        "sensed_quadrature_current_a",
+        "sensed_speed_rpm",
+        "sensed_link_voltage_v",
+        "sensed_angle_error_deg",
+    )
     summary_rows = (
         ("speed_final_rpm", "speed at the end", "rpm"),
         ("torque_mean_nm", "torque, mean", "N·m"),

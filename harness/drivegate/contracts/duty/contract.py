@@ -10,6 +10,7 @@ from drivegate.candidates.declaration import Declaration
 from drivegate.checks.check import Record
 from drivegate.containment.messages import AnyController
 from drivegate.contracts.contract import Witness
+from drivegate.contracts.drawings import Panel
 from drivegate.contracts.duty.checks.catalogue import DUTY_CHECKS
 from drivegate.contracts.duty.columns import DutyColumns
 from drivegate.contracts.duty.current_reference import STEPPED, is_current_in_reach, without_weakening
@@ -27,9 +28,11 @@ from drivegate.contracts.duty.scenarios.feasibility import unfair_because
 from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios, long_scenarios
 from drivegate.contracts.duty.scenarios.simplification import DUTY_SIMPLIFICATIONS
 from drivegate.contracts.duty.scenarios.windows import duty_windows
+from drivegate.contracts.duty.sensed import room_for_steps, sensed_signals
 from drivegate.contracts.duty.timed_steps import duty_step_seconds, given_duty_steps
 from drivegate.contracts.duty.words import account
 from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.scenario.load import DynamometerLoad
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.contract.duty.signals import DutyNameplate
 from drivegate_models.contract.layout import DUTY as LAYOUT
@@ -98,6 +101,7 @@ class _DutyContract(DutyColumns):
     given_steps = staticmethod(given_duty_steps)
     plant_state = staticmethod(plant_state)
     signals = staticmethod(signals)
+    sensed_signals = staticmethod(sensed_signals)
     likely_causes = staticmethod(likely_causes_in_words)
     causes_of = staticmethod(causes_of_check)
     account = staticmethod(account)
@@ -106,6 +110,9 @@ class _DutyContract(DutyColumns):
 
     def settled_until(self, scenario: Scenario, /) -> tuple[float, ...]:
         return tuple(end for _, _, end in duty_windows(scenario))
+
+    def panels_of(self, scenario: Scenario, /) -> tuple[Panel, ...]:
+        return self.panels if isinstance(scenario.load, DynamometerLoad) else self.panels_of_speed
 
     def fixed_scenarios(self, drive: DriveDocument, declaration: Declaration) -> tuple[Scenario, ...]:
         document, reverses = duty_document(drive), declaration.reverses
@@ -141,6 +148,7 @@ class _DutyContract(DutyColumns):
         *,
         trace_every: int = 0,  # noqa: ARG002  (every run of this contract keeps its whole trace)
         kept: NDArray[Any] | None = None,
+        keeps_steps: bool = False,
     ) -> DutyRecord:
         run_once = partial(
             duty_run,
@@ -149,14 +157,15 @@ class _DutyContract(DutyColumns):
             idle=idle_bridge(declaration, scenario.control_period_s),
             follows_current=declaration.follows_current,
         )
-        run = run_once(scenario)
+        steps = room_for_steps(scenario) if keeps_steps else None
+        run = run_once(scenario, steps=steps)
         if kept is not None:
             kept[:] = run.commands
         other, mirror = (
             None if compared is None else DutyRecord(compared, run_once(compared), declaration)
             for compared in (with_other_dead_time(scenario), mirror_image(scenario))
         )
-        return DutyRecord(scenario, run, declaration, other_dead_time=other, mirror=mirror)
+        return DutyRecord(scenario, run, declaration, steps=steps, other_dead_time=other, mirror=mirror)
 
     def nameplate(self, scenario: Scenario, **options: Any) -> DutyNameplate:
         return duty_nameplate(scenario, **options)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 from dataclasses import replace
+from functools import partial
 from math import degrees
 from typing import Any, Final
 
@@ -25,6 +26,7 @@ from drivegate.contracts.duty.run import (
     duty_nameplate,
     refusal_of,
 )
+from drivegate.contracts.given_steps import RecordingController
 from drivegate.scenarios.plant_inputs import (
     common_inputs,
     plant_converters,
@@ -87,8 +89,12 @@ def duty_run(
     idle: IdleBridge = BRIDGE_ON,
     *,
     follows_current: bool = False,
+    steps: NDArray[Any] | None = None,
 ) -> DutyClosedLoopRun:
-    """Reset a controller and run it through a scenario, once; a fault of its own is raised."""
+    """Reset a controller and run it through a scenario, once; a fault of its own is raised.
+
+    `steps` receives what it senses and answers in the run, of every n-th step if there is no room for more.
+    """
     inputs = DutyLoopInputs(
         **common_inputs(scenario),
         sensors=duty_sensors(scenario),
@@ -102,10 +108,14 @@ def duty_run(
     before = 0 if inputs.turning is None else inputs.turning.periods
     order = CloseLoop(prepare, inputs, restart_steps(scenario), DUTY, steps_before=before)
     nameplate = duty_nameplate(scenario, follows_current=follows_current)
-    steps = idle.periods + scenario.control_periods
     # Commands that are played back need no turns to count.
     judged = replace(inputs, turning=None) if isinstance(controller, ContainedController) else None
-    run = run_loop(order, controller, nameplate, steps, refusal_of, observed=judged, wrap=wrap)
+    if steps is not None:
+        skipped = idle.periods + (before if judged is None else 0)
+        every = -(-scenario.control_periods // len(steps))
+        wrap = partial(RecordingController, rows=steps, every=every, skipped=skipped)
+    count = idle.periods + scenario.control_periods
+    run = run_loop(order, controller, nameplate, count, refusal_of, observed=judged, wrap=wrap)
     commands = run.commands[run.before :]
     if follows_current:
         _show_torque(run.trace, scenario)

@@ -21,7 +21,7 @@ from drivegate_models.machine.sine import cosine_sine
 from drivegate_models.pm_ac.plant.advance import PmAcPhases, make_phases
 from drivegate_models.pm_ac.plant.drive import Modulator, PmAcDrive, alignment_of, electrical_torque
 from drivegate_models.pm_ac.plant.modulator import LOWER, UPPER, make_gates, schedule_gates
-from drivegate_models.pm_ac.ripple import swing_of_updates
+from drivegate_models.pm_ac.ripple import NONE_KEPT, swing_of_updates
 
 _SMALL: Final = 1e-2
 _Phasors: TypeAlias = tuple[NDArray[np.float64], NDArray[np.float64]]
@@ -178,7 +178,7 @@ class _Replay:
             phases, length = self.phases, end - start
             instant = angle + turning * (begin + start)
             held = (speed, link, _NO_RATIOS, legs[np.newaxis])
-            if isinf(swing_of_updates(self.plant, phases, instant, *held, 0, 0, length, totals)):
+            if isinf(swing_of_updates(self.plant, phases, instant, *held, 0, 0, length, totals, NONE_KEPT)):
                 raise HarnessFault(f"the plant could not follow the commands of step {row}")
             seen = (row * self.length + (begin + start), length, totals[ledger.IMPULSE] / length)
             for values, value in zip(self.stretches, (*seen, self._torque() - before), strict=True):

@@ -8,13 +8,24 @@ from drivegate.checks.margin import Moment
 from drivegate.contracts.contract import Columns
 from drivegate.contracts.drawings import TIME, Panel, panels_for
 from drivegate.output.panels import MomentTime, draw_moment, quantity_of
-from drivegate_reports.page.style import BLUE, DASHED, GREEN, GREY, VERMILION, label_ends, new_figure
+from drivegate_reports.page.style import (
+    BLUE,
+    DASHED,
+    DOTTED,
+    GREEN,
+    GREY,
+    ORANGE,
+    SKY,
+    VERMILION,
+    label_ends,
+    new_figure,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_INKS = (VERMILION, BLUE, GREEN)
+_INKS = (VERMILION, BLUE, GREEN, ORANGE, SKY)
 
 
 def title(moment: Moment) -> str:
@@ -24,8 +35,11 @@ def title(moment: Moment) -> str:
 def alternative(moment: Moment, panels: tuple[Panel, ...]) -> str:
     axis = MomentTime(moment)
     words = [f"{axis.of(moment.end_s) - axis.of(moment.start_s):.3g} {axis.unit} of the run."]
-    if moment.column:
-        words.append(f"Shown is {quantity_of(moment.column, panels)}.")
+    if moment.is_marked:
+        words.append(f"Shown is {moment.quantity or quantity_of(moment.column, panels)}.")
+    words += [
+        f"{course.words}: {min(course.values):.4g} to {max(course.values):.4g}." for course in moment.courses
+    ]
     words += [f"Line at {level.value:.4g}: {level.words}." for level in moment.levels]
     words += [f"At {axis.of(mark.value):.3g} {axis.unit}: {mark.words}." for mark in moment.instants]
     if moment.point is not None:
@@ -34,8 +48,11 @@ def alternative(moment: Moment, panels: tuple[Panel, ...]) -> str:
 
 
 def caption(moment: Moment) -> str:
-    marked = " Dashed red: references and limits; the ring is what was measured." if moment.column else ""
-    return f"The moment of the run that decides, with its signals control period by control period.{marked}"
+    marked = " Dashed red: references and limits; the ring is what was measured." if moment.is_marked else ""
+    return (
+        f"The moment of the run that decides, with its signals control period by control period.{marked} Dotted: what "
+        "the controller sensed."
+    )
 
 
 def draw(moment: Moment, columns: Columns, panels: tuple[Panel, ...]) -> Figure:
@@ -45,9 +62,9 @@ def draw(moment: Moment, columns: Columns, panels: tuple[Panel, ...]) -> Figure:
         for panel in panels_for(panels, columns)
         if [line.column for line in panel.lines if not line.is_reference] != [moment.column]
     ]
-    ratios = ((2.4,) if moment.column else ()) + (1.0,) * len(others)
+    ratios = ((2.4,) if moment.is_marked else ()) + (1.0,) * len(others)
     figure, axes = new_figure(0.9 + 0.9 * sum(ratios), len(ratios), ratios, fitted=False, apart=0.3)
-    if moment.column:
+    if moment.is_marked:
         draw_moment(axes[0], moment, columns, panels)
         axes[0].set_xlabel("")
     axis = MomentTime(moment)
@@ -62,12 +79,12 @@ def draw(moment: Moment, columns: Columns, panels: tuple[Panel, ...]) -> Figure:
 
 def _draw_panel(axes: Axes, axis: MomentTime, columns: Columns, panel: Panel) -> None:
     time = axis.factor * (columns[TIME] - axis.origin)
-    is_alone = sum(not line.is_reference for line in panel.lines) == 1
-    inks = iter((BLUE,) if is_alone else _INKS)
+    is_alone = sum(not (line.is_reference or line.is_sensed) for line in panel.lines) == 1
+    inks = iter((BLUE, VERMILION) if is_alone else _INKS)
     ends = []
     for line in panel.lines:
         colour = GREY if line.is_reference else next(inks, BLUE)
-        style = DASHED if line.is_reference else "-"
+        style = DASHED if line.is_reference else DOTTED if line.is_sensed else "-"
         axes.plot(time, columns[line.column], color=colour, linewidth=1.2, linestyle=style)
         ends.append((line.name, float(columns[line.column][-1]), colour))
     axes.set_ylabel(panel.label)

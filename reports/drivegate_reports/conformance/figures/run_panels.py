@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from drivegate_reports.page.style import leave_room_for_labels, new_figure
+from drivegate_reports.page.style import LEFT, RIGHT, leave_room_for_labels, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -41,6 +41,7 @@ def reused_run_panels() -> Iterator[None]:
 def new_run_panels() -> tuple[Figure, list[Axes]]:
     """Make the four panels; in `house_style`."""
     if _REUSED.panels is not None:
+        _REUSED.panels[0].subplots_adjust(left=LEFT, right=RIGHT)
         for panel in _REUSED.panels[1]:
             _empty(panel)
         return _REUSED.panels

@@ -7,14 +7,13 @@ import math
 import numpy as np
 
 from drivegate.checks.check import Check
-from drivegate.checks.margin import Margin, Mark, Moment, Point, normalised
+from drivegate.checks.margin import GREATEST, Margin, Mark, Moment, Point, normalised
 from drivegate.contracts.current.checks.declared_speeds import below_base, unless_speeds
+from drivegate.contracts.current.checks.shown import SHOWN_PERIODS, around
 from drivegate.contracts.current.record import CurrentRecord
 
 LARGEST_ANGLE = math.pi / 2.0
 """Greatest advance angle of the contract (rad electrical)."""
-SHOWN_PERIODS = 100
-"""Control periods before and after the deciding one that figures show."""
 
 
 def angle_below_base(record: CurrentRecord) -> Margin | None:
@@ -41,23 +40,42 @@ def below_base_moment(record: CurrentRecord) -> Moment | None:
     run = record.run.observed
     if run.steps_below_base == 0.0 or run.angle_below_base == 0.0:
         return None
-    place = int(np.searchsorted(record.run.trace["time_s"], run.first_below_base))
-    return _moment(record, "advance_deg", place, "°", (0.0,))
+    times = record.run.trace["time_s"]
+    place = min(int(np.searchsorted(times, run.first_below_base)), len(times) - 1)
+    if record.steps is None:
+        return _moment(record, "advance_deg", place, "°", (0.0,))
+    angles = np.degrees(record.steps["command"]["advance_angle"][: len(times)])
+    values = np.clip(angles, -GREATEST, GREATEST)
+    words, quantity = f"{values[place]:.4g}°", "commanded advance angle (°)"
+    return around(times, place, [("advance angle", values)], quantity, (("limit 0°", 0.0),), words)
 
 
 def angle_moment(record: CurrentRecord) -> Moment:
     """Show the advance angle where it comes nearest to an end of its range, or leaves it furthest."""
-    return _furthest(record, "advance_deg", "°", math.degrees(LARGEST_ANGLE))
+    degree = math.degrees(1.0)
+    return _furthest(record, "advance_angle", degree, "advance_deg", "°", math.degrees(LARGEST_ANGLE))
 
 
 def reference_moment(record: CurrentRecord) -> Moment:
     """Show the current reference where it comes nearest to an end of its range, or leaves it furthest."""
-    return _furthest(record, "current_reference_a", " A", record.scenario.drive.rating.current_limit_a)
+    limit = record.scenario.drive.rating.current_limit_a
+    return _furthest(record, "current_reference", 1.0, "current_reference_a", " A", limit)
 
 
-def _furthest(record: CurrentRecord, column: str, unit: str, highest: float) -> Moment:
-    values = record.run.trace[column]
-    return _moment(record, column, int(np.argmin(np.minimum(values, highest - values))), unit, (0.0, highest))
+def _furthest(
+    record: CurrentRecord, field: str, factor: float, column: str, unit: str, highest: float
+) -> Moment:
+    """Show a field of the commands where they were kept, before any clamping, else the column that was applied."""
+    values, kept = record.run.trace[column], record.steps
+    if kept is not None:
+        values = np.clip(factor * kept["command"][field][: len(values)], -GREATEST, GREATEST)
+    place = int(np.argmin(np.minimum(values, highest - values)))
+    if kept is None:
+        return _moment(record, column, place, unit, (0.0, highest))
+    levels = [(f"limit {limit:.4g}{unit}", limit) for limit in (0.0, highest)]
+    name = field.replace("_", " ")
+    words, quantity = f"{values[place]:.4g}{unit}", f"commanded {name} ({unit.strip()})"
+    return around(record.run.trace["time_s"], place, [(name, values)], quantity, levels, words)
 
 
 def _moment(record: CurrentRecord, column: str, place: int, unit: str, limits: tuple[float, ...]) -> Moment:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from drivegate.checks.check import Check
-from drivegate.checks.margin import Margin, at_most
+from drivegate.checks.check import Check, StateMoment
+from drivegate.checks.margin import Margin, Moment, at_most
 from drivegate.contracts.current.checks.convergence import described, speed_in_words, speed_tolerance
 from drivegate.contracts.current.checks.declared_speeds import (
     JudgedSpeeds,
@@ -11,6 +11,7 @@ from drivegate.contracts.current.checks.declared_speeds import (
     constant_power,
     unless_speeds,
 )
+from drivegate.contracts.current.checks.shown import speed_moment
 from drivegate.contracts.current.record import CurrentRecord, SteadyWindow
 
 
@@ -30,9 +31,23 @@ def is_in(judged: JudgedSpeeds, window: SteadyWindow) -> bool:
     return lowest <= window.dwell.speed_rpm <= highest
 
 
-def _held(check: str, record: CurrentRecord, judged: JudgedSpeeds) -> Margin | None:
+def _worst(record: CurrentRecord, judged: JudgedSpeeds) -> SteadyWindow | None:
     windows = [w for w in record.nominal_windows() if is_in(judged, w) and w.requires_rated_power]
-    worst = max(windows, key=lambda window: window.values.speed_error, default=None)
+    return max(windows, key=lambda window: window.values.speed_error, default=None)
+
+
+def _shown(judged: JudgedSpeeds) -> StateMoment:
+    """Show the speed in the window that holds it least, of those that a check judges."""
+
+    def moment(record: CurrentRecord) -> Moment | None:
+        window = _worst(record, judged)
+        return None if window is None else speed_moment(record, window)
+
+    return moment
+
+
+def _held(check: str, record: CurrentRecord, judged: JudgedSpeeds) -> Margin | None:
+    worst = _worst(record, judged)
     if worst is None:
         return None
     margin = at_most(worst.values.speed_error, speed_tolerance(worst))
@@ -49,6 +64,7 @@ CPW_1 = Check(
     formula="1 - |speed error| / k1",
     why="Constant power over the whole high-speed range is what the advance angle is for.",
     evaluate=holds_constant_power,
+    moment=_shown(constant_power),
     reason_not_applicable=unless_speeds(constant_power),
 )
 CPW_2 = Check(
@@ -62,5 +78,6 @@ CPW_2 = Check(
     formula="1 - |speed error| / k1",
     why="The paper puts the limit of its drive beyond three times base speed, without a number.",
     evaluate=holds_constant_power_beyond,
+    moment=_shown(beyond_constant_power),
     reason_not_applicable=unless_speeds(beyond_constant_power),
 )

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import Final
 
 from drivegate.checks.check import Check
-from drivegate.checks.margin import Margin, at_most, worst_required
+from drivegate.checks.margin import Margin, Moment, at_most, worst_required
 from drivegate.contracts.current.checks.declared_speeds import above_base, unless_speeds
+from drivegate.contracts.current.checks.shown import angle_moment, decisive, speed_moment, spread_moment
 from drivegate.contracts.current.numbers import given_below_limit
 from drivegate.contracts.current.record import CurrentRecord, SteadyWindow, rated_torque
 from drivegate_cases.documents.wording import figure
@@ -88,8 +89,23 @@ def judged_current_sum(window: SteadyWindow) -> float:
     return max(mean, least) if math.isfinite(least) else mean
 
 
+_SHOWN: Final = (speed_moment, angle_moment, spread_moment)
+"""What shows each of the quantities of `window_convergence`, in their order."""
+
+
 def window_convergence(window: SteadyWindow) -> tuple[float, str]:
     """Judge whether the search has converged in a window (paper, Fig. 4)."""
+    return min(_quantities(window))
+
+
+def convergence_moment(record: CurrentRecord, window: SteadyWindow) -> Moment:
+    """Show the quantity of a window that has converged least."""
+    judged = _quantities(window)
+    return _SHOWN[judged.index(min(judged))](record, window)
+
+
+def _quantities(window: SteadyWindow) -> list[tuple[float, str]]:
+    """Judge speed, angle and, with a current, the means of the current sum of a window."""
     values, limits = window.values, limits_of(window.scenario.drive)
     mean = values.current_sum
     spread = values.mean_highest - values.mean_lowest
@@ -108,7 +124,7 @@ def window_convergence(window: SteadyWindow) -> tuple[float, str]:
         k2 = limits.power_tolerance
         allowed = (k2 + unseen_share(window)) * mean + k2 * lacking
         judged.append((at_most(spread, allowed), share))
-    return min(judged)
+    return judged
 
 
 def is_feasible(window: SteadyWindow) -> bool:
@@ -123,15 +139,24 @@ def is_feasible(window: SteadyWindow) -> bool:
 
 
 def worst_convergence(check: str, windows: Iterable[SteadyWindow]) -> Margin | None:
-    margins = []
+    return worst_required([margin for _, margin in converging(check, windows)])
+
+
+def converging(check: str, windows: Iterable[SteadyWindow]) -> Iterator[tuple[SteadyWindow, Margin]]:
+    """Judge the loaded windows that some angle lets converge, each with its margin."""
     for window in windows:
         if not window.is_loaded:
             continue
         value, measured = window_convergence(window)
         # Feasibility takes much longer to compute than convergence, and matters only without it.
         if value >= 0.0 or is_feasible(window):
-            margins.append(Margin(check, value, measured + described(window), is_beyond_range(window)))
-    return worst_required(margins)
+            yield window, Margin(check, value, measured + described(window), is_beyond_range(window))
+
+
+def moment_of(record: CurrentRecord, windows: Iterable[SteadyWindow]) -> Moment | None:
+    """Show the window that has converged least."""
+    window = decisive(converging("", windows))
+    return None if window is None else convergence_moment(record, window)
 
 
 def is_beyond_range(window: SteadyWindow) -> bool:
@@ -141,14 +166,20 @@ def is_beyond_range(window: SteadyWindow) -> bool:
 
 def converges(record: CurrentRecord) -> Margin | None:
     """Judge whether the search has converged where nothing had changed before."""
-    windows = record.nominal_windows()
-    return worst_convergence("CNV-1", (window for window in windows if not window.is_after_change))
+    return worst_convergence("CNV-1", _at_first(record))
+
+
+def _at_first(record: CurrentRecord) -> Iterator[SteadyWindow]:
+    return (window for window in record.nominal_windows() if not window.is_after_change)
+
+
+def _after_changes(record: CurrentRecord) -> Iterator[SteadyWindow]:
+    return (window for window in record.nominal_windows() if window.is_after_change)
 
 
 def converges_again(record: CurrentRecord) -> Margin | None:
     """Judge whether the search has converged again after a change of load, speed reference or supply."""
-    windows = record.nominal_windows()
-    return worst_convergence("CNV-3", (window for window in windows if window.is_after_change))
+    return worst_convergence("CNV-3", _after_changes(record))
 
 
 def reaches_optimum(record: CurrentRecord) -> Margin | None:
@@ -228,6 +259,7 @@ CNV_1 = Check(
     ),
     why="A search that goes on for ever shakes torque and speed, and one that loses the speed does not drive.",
     evaluate=converges,
+    moment=lambda record: moment_of(record, _at_first(record)),
     reason_not_applicable=ABOVE_BASE_SPEED,
 )
 CNV_2 = Check(
@@ -260,5 +292,6 @@ CNV_3 = Check(
     formula="as CNV-1",
     why="A search that is active only near the reference stops for good once it has lost the speed.",
     evaluate=converges_again,
+    moment=lambda record: moment_of(record, _after_changes(record)),
     reason_not_applicable=ABOVE_BASE_SPEED,
 )

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from drivegate.candidates.declaration import Declaration
 from drivegate.checks.check import Check
-from drivegate.checks.margin import Margin, at_most
+from drivegate.checks.margin import Margin, Moment, at_most
+from drivegate.contracts.current.checks.shown import around
 from drivegate.contracts.current.record import CurrentRecord
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_models.machine import ledger
@@ -21,6 +24,19 @@ def peak_current(record: CurrentRecord) -> Margin:
     allowed = (drive.rating.current_limit_a + drive.inverter.hysteresis_band_a) * (1.0 + ROUNDING)
     peak = float(record.run.totals[ledger.PEAK])
     return Margin("CUR-1", at_most(peak, allowed), f"{peak:.5g} A")
+
+
+def peak_moment(record: CurrentRecord) -> Moment | None:
+    """Show the greatest phase current of each control period around the greatest of all."""
+    trace, drive = record.run.trace, record.scenario.drive
+    if not len(trace):
+        return None
+    peaks = trace["current_peak_a"]
+    place = int(np.argmax(peaks))
+    allowed = drive.rating.current_limit_a + drive.inverter.hysteresis_band_a
+    quantity, words = "greatest phase current (A)", f"{peaks[place]:.5g} A"
+    levels = ((f"limit {allowed:.4g} A", allowed),)
+    return around(trace["time_s"], place, [("greatest phase current", peaks)], quantity, levels, words)
 
 
 def _unless_regulated(_declaration: Declaration, drive: DriveDocument) -> str | None:
@@ -41,6 +57,7 @@ CUR_1 = Check(
     formula="1 - greatest phase current / ({current} + band)",
     why="Devices and magnets are chosen for that current; where EMF exceeds the supply, the diodes can drive more.",
     evaluate=peak_current,
+    moment=peak_moment,
     reason_not_applicable=_unless_regulated,
 )
 

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import numpy as np
+from numpy.typing import NDArray
+
 from drivegate.checks.check import Check
-from drivegate.checks.margin import Margin, at_most
+from drivegate.checks.margin import Margin, Moment, at_most
+from drivegate.contracts.current.checks.shown import around
 from drivegate.contracts.current.record import CurrentRecord
 from drivegate.contracts.current.run import plant_sensors
 from drivegate_models.machine import ledger
@@ -49,6 +53,36 @@ def estimated_power(record: CurrentRecord) -> Margin | None:
     return max(margin, by_step, key=lambda judged: judged.value)
 
 
+def estimate_moment(record: CurrentRecord) -> Moment | None:
+    """Show the estimate and the product that it should be, around their greatest difference."""
+    if record.steps is None or record.run.observed.power_estimates == 0.0:
+        return None
+    sense, period = record.steps["sense"], record.scenario.control_period_s
+    estimates, products = record.steps["command"]["input_power"], _products(record)
+    errors = np.nan_to_num(np.abs(estimates - products) / np.maximum(products, 1.0))
+    place = int(np.argmax(errors))
+    times = np.arange(len(sense)) * (record.scenario.duration_s / len(sense) if len(sense) else period)
+    known = np.flatnonzero(np.isfinite(estimates))
+    if not known.size:
+        return None
+    courses = [("estimate", estimates[known]), ("V Σ|i|", products[known])]
+    words = f"{estimates[place]:.4g} W of {products[place]:.4g} W"
+    at = int(np.searchsorted(known, place))
+    return around(times[known], at, courses, "input power (W)", (), words)
+
+
+def _products(record: CurrentRecord) -> NDArray[np.float64]:
+    """Return what an estimate should be at each step that was kept, shape (n,) (W)."""
+    assert record.steps is not None, "the steps were kept"
+    sense = record.steps["sense"]
+    products: NDArray[np.float64] = sense["half_supply_voltage"] * sense["current_magnitude_sum"]
+    count = max(round(record.declaration.power_window_s / record.scenario.control_period_s), 1)
+    sums = np.concatenate([np.zeros(1), np.cumsum(products)])
+    begins = np.maximum(np.arange(len(products)) + 1 - count, 0)
+    ends = np.arange(len(products)) + 1
+    return (sums[ends] - sums[begins]) / (ends - begins) if count > 1 else products
+
+
 PWR_1 = Check(
     id="PWR-1",
     every_run=True,
@@ -85,4 +119,5 @@ PWR_2 = Check(
     ),
     why="The search of the paper takes this product for the input power; a wrong one leads it to a wrong angle.",
     evaluate=estimated_power,
+    moment=estimate_moment,
 )

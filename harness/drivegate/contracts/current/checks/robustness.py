@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 from drivegate.checks.check import Check, Evaluate
-from drivegate.checks.margin import Margin, worst_required
-from drivegate.contracts.current.checks.convergence import ABOVE_BASE_SPEED, worst_convergence
-from drivegate.contracts.current.record import CurrentRecord
+from drivegate.checks.margin import Margin, Moment, worst_required
+from drivegate.contracts.current.checks.convergence import ABOVE_BASE_SPEED, moment_of, worst_convergence
+from drivegate.contracts.current.record import CurrentRecord, SteadyWindow
 from drivegate.scenarios.drive_scale import scale_of
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.plant import Scales
@@ -43,13 +44,21 @@ def robust_convergence(check: str, judged: Circumstance) -> Evaluate:
             return None
         margins = [
             replace(margin, measured=f"{'CNV-3' if window.is_after_change else 'CNV-1'}: {margin.measured}")
-            for window in record.windows()
-            if is_claimed(window.scales, record.scenario.drive)
+            for window in _claimed_windows(record)
             if (margin := worst_convergence(check, [window])) is not None
         ]
         return worst_required(margins)
 
     return evaluate
+
+
+def robust_moment(record: CurrentRecord) -> Moment | None:
+    """Show the window that has converged least."""
+    return moment_of(record, _claimed_windows(record))
+
+
+def _claimed_windows(record: CurrentRecord) -> Iterator[SteadyWindow]:
+    return (window for window in record.windows() if is_claimed(window.scales, record.scenario.drive))
 
 
 ROB_1 = Check(
@@ -67,6 +76,7 @@ ROB_1 = Check(
     formula="as CNV-1",
     why="The search is to need no model of the losses and to be insensitive to the motor's parameters.",
     evaluate=robust_convergence("ROB-1", Circumstance.PARAMETERS),
+    moment=robust_moment,
     reason_not_applicable=ABOVE_BASE_SPEED,
 )
 ROB_2 = Check(
@@ -79,6 +89,7 @@ ROB_2 = Check(
     formula="as CNV-1, on the true speed and the true currents",
     why="A search compares small differences of Σ|i|, which offsets, noise and a converter's steps blur.",
     evaluate=robust_convergence("ROB-2", Circumstance.SENSORS),
+    moment=robust_moment,
     reason_not_applicable=ABOVE_BASE_SPEED,
 )
 ROB_3 = Check(
@@ -91,5 +102,6 @@ ROB_3 = Check(
     formula="as CNV-1",
     why="What one bad measurement leaves in a controller's memory must not stay there for good.",
     evaluate=robust_convergence("ROB-3", Circumstance.FAULTS),
+    moment=robust_moment,
     reason_not_applicable=ABOVE_BASE_SPEED,
 )

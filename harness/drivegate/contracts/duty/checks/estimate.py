@@ -6,26 +6,54 @@ import math
 from collections.abc import Iterator
 from typing import Final
 
+import numpy as np
+
 from drivegate.checks.check import Check
-from drivegate.checks.margin import Margin, at_most
+from drivegate.checks.course import course_of
+from drivegate.checks.margin import Margin, Mark, Moment, at_most
 from drivegate.checks.means import exact_mean
 from drivegate.contracts.duty.checks.judged import STEADY_FAMILIES, at, worst
-from drivegate.contracts.duty.record import DutyRecord
+from drivegate.contracts.duty.record import DutyRecord, DutyWindow
 
 _ESTIMATE: Final = "torque"
 """Field of a command that has the estimate."""
 
 
 def estimated_torque(record: DutyRecord) -> Margin | None:
-    return worst(_errors(record))
+    return worst(margin for _, margin in _errors(record))
 
 
-def _errors(record: DutyRecord) -> Iterator[Margin]:
+def estimate_moment(record: DutyRecord) -> Moment | None:
+    """Show estimate and torque in the stretch that decides."""
+    decisive = min(_errors(record), key=lambda pair: pair[1].value, default=None)
+    if decisive is None:
+        return None
+    window, _ = decisive
+    rows, period = record.periods(window.start_s, window.end_s), record.scenario.control_period_s
+    times = (np.arange(rows.start, rows.stop) + 0.5) * period
+    estimate = record.run.commands[_ESTIMATE][rows]
+    return Moment(
+        start_s=window.start_s,
+        end_s=window.end_s,
+        quantity="torque (N·m)",
+        courses=(
+            course_of("estimate", times, estimate),
+            course_of("torque", times, record.run.column("torque")[rows]),
+        ),
+        levels=(
+            Mark(words="mean estimate", value=exact_mean(estimate)),
+            Mark(words="mean torque", value=window.torque),
+        ),
+    )
+
+
+def _errors(record: DutyRecord) -> Iterator[tuple[DutyWindow, Margin]]:
     for window in record.nominal:
         mean = exact_mean(record.run.commands[_ESTIMATE][record.periods(window.start_s, window.end_s)])
         if not math.isnan(mean):
             words = f"estimate {mean:.4g} N·m of a torque of {window.torque:.4g} N·m {at(window)}"
-            yield Margin("EST-1", at_most(abs(mean - window.torque), record.limits.estimate_error_nm), words)
+            error = abs(mean - window.torque)
+            yield window, Margin("EST-1", at_most(error, record.limits.estimate_error_nm), words)
 
 
 EST_1 = Check(
@@ -38,4 +66,5 @@ EST_1 = Check(
     formula="1 - |mean estimate - mean torque| / {estimate_error}",
     why="A supervisor limits torque and detects an unintended one by what the controller reports.",
     evaluate=estimated_torque,
+    moment=estimate_moment,
 )

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from drivegate.candidates.declaration import Declaration
 from drivegate.checks.check import Check
-from drivegate.checks.margin import Margin, Mark, Moment, at_most
+from drivegate.checks.margin import Margin, Mark, Moment, Point, at_most
 from drivegate.contracts.duty.record import DutyRecord
 from drivegate.contracts.duty.right_trips import claimed_safe
 from drivegate.contracts.duty.scenarios.drawn_range import unnoticed_because
@@ -42,23 +42,38 @@ def safe_state(record: DutyRecord) -> Margin | None:
 
 
 def failure_moment(record: DutyRecord) -> Moment | None:
-    """Show the torque from the failure on, until twice the time that is allowed."""
+    """Show the torque from the failure on, until twice the time that is allowed or what was measured."""
     failure, period = record.scenario.failure, record.scenario.control_period_s
-    if failure is None:
+    margin = safe_state(record)
+    if failure is None or margin is None:
         return None
     begin, longest = failure.first_period(period) * period, _longest_s(record)
+    claimed, torque = claimed_safe(record.run.commands), record.run.column("torque")
+    first = failure.first_period(period)
+    if claimed[:first].any():
+        place = int(np.argmax(claimed))
+    elif failure.kind in SURVIVABLE and not claimed.any():
+        place = first + int(np.argmax(np.abs(torque - record.run.column("torque_reference"))[first:]))
+    elif _reached(record, claimed, first).value <= margin.value:
+        place = min(first + round(_unsafe_s(record, claimed, first) / period), len(torque) - 1)
+    else:
+        place = first + int(np.argmax(_beyond(record, claimed, first)))
+    reached = (place + 0.5) * period
     allowed = record.limits.failure_torque_nm
     wanted = record.run.column("torque_reference")[failure.first_period(period) - 1]
     levels = [Mark(words=f"± {allowed:.3g} N·m", value=value) for value in (allowed, -allowed)]
     if isinstance(record.scenario.load, DynamometerLoad):
         levels.append(Mark(words="reference", value=float(wanted)))
     return Moment(
-        start_s=max(begin - 0.25 * longest, 0.0),
-        end_s=min(begin + 2.0 * longest, record.scenario.duration_s),
+        start_s=max(min(begin - 0.25 * longest, reached - longest), 0.0),
+        end_s=min(max(begin + 2.0 * longest, reached + longest), record.scenario.duration_s),
         column="torque_nm",
         origin_s=begin,
         levels=tuple(levels),
         instants=(Mark(words=f"{1e3 * longest:.3g} ms allowed", value=begin + longest),),
+        point=Point(
+            words=margin.measured.partition(" after ")[0], time_s=reached, value=float(torque[place])
+        ),
     )
 
 
@@ -78,13 +93,17 @@ def _ridden_through(record: DutyRecord, begin: int) -> Margin:
 
 
 def _reached(record: DutyRecord, claimed: NDArray[np.bool_], begin: int) -> Margin:
-    limits, period = record.limits, record.scenario.control_period_s
-    still = np.abs(record.run.column("torque")) <= limits.failure_torque_nm
-    unsafe = np.flatnonzero(~(claimed & still)[begin:])
-    time = float(unsafe[-1] + 1) * period if unsafe.size else 0.0
+    period, time = record.scenario.control_period_s, _unsafe_s(record, claimed, begin)
     reached = begin + round(time / period) < len(claimed)
     measured = f"safe {1e3 * time:.4g} ms after" if reached else f"not safe {1e3 * time:.4g} ms after"
     return Margin("SAF-1", at_most(time, _longest_s(record)), f"{measured} {_words(record)}")
+
+
+def _unsafe_s(record: DutyRecord, claimed: NDArray[np.bool_], begin: int) -> float:
+    """Return the time from the failure on after which the drive is safe for good (s)."""
+    still = np.abs(record.run.column("torque")) <= record.limits.failure_torque_nm
+    unsafe = np.flatnonzero(~(claimed & still)[begin:])
+    return float(unsafe[-1] + 1) * record.scenario.control_period_s if unsafe.size else 0.0
 
 
 def _torque_until_then(record: DutyRecord, claimed: NDArray[np.bool_], begin: int) -> Margin:
@@ -93,14 +112,21 @@ def _torque_until_then(record: DutyRecord, claimed: NDArray[np.bool_], begin: in
     if not isinstance(record.scenario.load, DynamometerLoad):
         # What torque a speed regulator wants, nobody else knows.
         return Margin("SAF-1", 1.0, f"no torque is asked for {_words(record)}")
+    greatest = max(float(np.max(_beyond(record, claimed, begin))), 0.0)
+    measured = f"torque {greatest:.4g} N·m beyond its reference after {_words(record)}"
+    return Margin("SAF-1", at_most(greatest, limits.failure_torque_nm), measured)
+
+
+def _beyond(record: DutyRecord, claimed: NDArray[np.bool_], begin: int) -> NDArray[np.float64]:
+    """Return the torque beyond the reference or against it in each control period until the safe state (N·m)."""
     later = np.flatnonzero(claimed[begin:])
     allowed = round(_longest_s(record) / record.scenario.control_period_s)
     rows = slice(begin, begin + 1 + (int(later[0]) if later.size else allowed))
     torque, wanted = (record.run.column(name)[rows] for name in ("torque", "torque_reference"))
-    beyond = np.maximum(torque - np.maximum(wanted, 0.0), np.minimum(wanted, 0.0) - torque)
-    greatest = max(float(np.max(beyond)), 0.0)
-    measured = f"torque {greatest:.4g} N·m beyond its reference after {_words(record)}"
-    return Margin("SAF-1", at_most(greatest, limits.failure_torque_nm), measured)
+    beyond: NDArray[np.float64] = np.maximum(
+        torque - np.maximum(wanted, 0.0), np.minimum(wanted, 0.0) - torque
+    )
+    return beyond
 
 
 def _words(record: DutyRecord) -> str:

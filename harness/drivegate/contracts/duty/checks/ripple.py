@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import ceil, pi
-from typing import Final
+from typing import Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.candidates.declaration import NOTHING_DECLARED
 from drivegate.checks.check import Check
-from drivegate.checks.margin import Margin, Mark, Moment, at_most
+from drivegate.checks.course import course_of
+from drivegate.checks.margin import Course, Margin, Mark, Moment, Point, at_most
 from drivegate.contracts.duty.checks.judged import at, undistorted, worst
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
 from drivegate.contracts.duty.run import DUTY_RATIOS, LEGS
@@ -20,7 +21,7 @@ from drivegate_models.contract.duty.signals import LEG_HIGH, LEG_LOW
 from drivegate_models.pm_ac.fundamental import steady_state
 from drivegate_models.pm_ac.ideal_ripple import ideal_swing
 from drivegate_models.pm_ac.modulation_kind import MODULATION_NUMBERS, ONE_SIDED
-from drivegate_models.pm_ac.ripple import commanded_swing
+from drivegate_models.pm_ac.ripple import NONE_KEPT, commanded_swing
 from drivegate_models.units import RADIANS_PER_RPM
 
 LEAST_TORQUE_SHARE: Final = 0.1
@@ -41,8 +42,8 @@ CLAMPED_RATIO: Final = 0.005
 """Distance of a duty ratio from 0 or 1 up to which its leg counts as clamped (1)."""
 CLAMPED_SHARE: Final = 0.8
 """Share of the control periods with a clamped leg from which on the modulation looks discontinuous (1)."""
-SHOWN_SIXTHS: Final = 6
-"""Sixths of an electrical cycle that figures show."""
+_Pair: TypeAlias = "tuple[tuple[DutyRecord, DutyWindow], tuple[DutyRecord, DutyWindow]]"
+"""A window of the run with dead time and the same one of the run without."""
 _SIXTH: Final = pi / 3.0
 _FEWEST, _MOST = 20, 600
 _LEAD: Final = 4
@@ -63,14 +64,15 @@ def _watched(record: DutyRecord, window: DutyWindow) -> int:
     return min(max(ceil(part / turning), _FEWEST), _MOST, room)
 
 
-def _swing(record: DutyRecord, window: DutyWindow) -> float:
-    """Return the greatest less the least torque at any instant of the end of a window (N·m)."""
+def _swing(record: DutyRecord, window: DutyWindow, extremes: NDArray[np.float64] = NONE_KEPT) -> float:
+    """Return the greatest less the least torque at any instant of the end of a window (N·m).
+
+    `extremes`, shape (n, 2), receives the least and the greatest torque of updates of the carrier, from the first
+    control period of `_swing_rows` on.
+    """
     run, length, count = record.run, record.scenario.control_period_s, _watched(record, window)
-    first = round(window.end_s / length) - count - _LEAD
-    # The plant begins with its lower switches on, which they are at the start of a carrier's period.
-    first -= first % 2
-    rows = slice(first, round(window.end_s / length))
-    drive = record.plant
+    rows = _swing_rows(record, window)
+    first, drive = rows.start, record.plant
     delay = 1 if drive.modulator.update_delay > 0 else 0
     commands = run.commands[rows.start - delay : rows.stop - delay]
     ratios: NDArray[np.float64] = np.stack([commands[name] for name in DUTY_RATIOS], axis=1)
@@ -89,7 +91,26 @@ def _swing(record: DutyRecord, window: DutyWindow) -> float:
         first=first,
         ignored=len(ratios) - count,
         period=length,
+        extremes=extremes,
     )
+
+
+def _swing_rows(record: DutyRecord, window: DutyWindow) -> slice:
+    """Return the control periods in which the swing of a window is followed, the first few of them unjudged."""
+    end = round(window.end_s / record.scenario.control_period_s)
+    first = end - _watched(record, window) - _LEAD
+    # The plant begins with its lower switches on, which they are at the start of a carrier's period.
+    return slice(first - first % 2, end)
+
+
+def _extremes(record: DutyRecord, window: DutyWindow) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the judged updates' times (s), shape (n,), and their least and greatest torque (N·m), shape (n, 2)."""
+    rows, every = _swing_rows(record, window), record.plant.modulator.control_every
+    update = record.scenario.control_period_s / every
+    extremes = np.zeros(((rows.stop - rows.start) * every, 2))
+    _swing(record, window, extremes)
+    begin = len(extremes) - _watched(record, window) * every
+    return rows.start * every * update + np.arange(begin, len(extremes)) * update, extremes[begin:]
 
 
 def _ideal_swing(record: DutyRecord, window: DutyWindow) -> float:
@@ -155,7 +176,13 @@ def _looks_discontinuous(record: DutyRecord, window: DutyWindow) -> bool:
 
 
 def modulation_moment(record: DutyRecord) -> Moment | None:
-    return _moment(record, _over_ideal(record))
+    """Show the torque at the end of the window that decides, next to the swing that is allowed."""
+    decisive = min(_over_ideal(record), key=lambda pair: pair[1].value, default=None)
+    if decisive is None:
+        return None
+    window, _ = decisive
+    allowed = _allowed(record, _ideal_swing(record, window), record.limits.modulation_ripple)
+    return _moment([("torque", record, window)], allowed)
 
 
 def dead_time_ripple(record: DutyRecord) -> Margin | None:
@@ -163,44 +190,76 @@ def dead_time_ripple(record: DutyRecord) -> Margin | None:
     return worst(margin for _, margin in _over_free(record))
 
 
-def _over_free(record: DutyRecord) -> Iterator[tuple[DutyWindow, Margin]]:
+def _over_free(record: DutyRecord) -> Iterator[tuple[_Pair, Margin]]:
+    """Go through the windows of both runs that are compared, each pair with its margin."""
     other, limit = record.other_dead_time, record.limits.dead_time_ripple
     if other is None:
         return
     blanked, free = (record, other) if record.document.inverter.dead_time_s > 0.0 else (other, record)
+    doing = f"with {_dead_time(blanked)} the torque"
     for window, plain in zip(blanked.steady, free.steady, strict=False):
         if free.is_nominal and _is_rippling(free, plain):
-            yield window, _over("DTM-1", blanked, window, _swing(free, plain), limit, "without dead time")
+            words = "without dead time"
+            margin = _over("DTM-1", blanked, window, _swing(free, plain), limit, words, doing)
+            yield ((blanked, window), (free, plain)), margin
+
+
+def _dead_time(blanked: DutyRecord) -> str:
+    return f"{1e6 * blanked.document.inverter.dead_time_s:.4g} µs of dead time"
 
 
 def dead_time_moment(record: DutyRecord) -> Moment | None:
-    return _moment(record, _over_free(record))
-
-
-def _moment(record: DutyRecord, windows: Iterable[tuple[DutyWindow, Margin]]) -> Moment | None:
-    """Show a sixth of a cycle of the torque, in which its swing is measured, and its mean."""
-    decisive = min(windows, key=lambda pair: pair[1].value, default=None)
+    """Show the torque of both runs at the end of the window that decides, next to the swing that is allowed."""
+    decisive = min(_over_free(record), key=lambda pair: pair[1].value, default=None)
     if decisive is None:
         return None
-    window, _ = decisive
-    length = record.scenario.control_period_s
+    (blanked, free), _ = decisive
+    allowed = _allowed(blanked[0], _swing(*free), record.limits.dead_time_ripple)
+    return _moment([(_dead_time(blanked[0]), *blanked), ("no dead time", *free)], allowed)
+
+
+def _moment(runs: Sequence[tuple[str, DutyRecord, DutyWindow]], allowed: float) -> Moment:
+    """Show the extremes of the torque in the part of a cycle in which its swing is measured, of one run or of two."""
+    courses: list[Course] = []
+    found = [(words, *_extremes(record, window)) for words, record, window in runs]
+    for words, times, extremes in found:
+        courses.append(course_of(f"{words}: greatest", times, extremes[:, 1]))
+        courses.append(course_of(f"{words}: least", times, extremes[:, 0]))
+    _, times, extremes = found[0]
+    least, place = float(np.min(extremes[:, 0])), int(np.argmax(extremes[:, 1]))
+    greatest, step = float(extremes[place, 1]), float(times[1] - times[0])
     return Moment(
-        start_s=window.end_s - SHOWN_SIXTHS * _watched(record, window) * length,
-        end_s=window.end_s,
-        column="torque_nm",
-        levels=(Mark(words="mean", value=window.torque),),
+        start_s=min(float(times[0]) for _, times, _ in found),
+        end_s=max(float(times[-1]) for _, times, _ in found) + step,
+        quantity="torque (N·m)",
+        courses=tuple(courses),
+        levels=(
+            Mark(words="least", value=least),
+            Mark(words=f"limit: swing {allowed:.4g} N·m", value=least + allowed),
+        ),
+        point=Point(words=f"swing {greatest - least:.4g} N·m", time_s=float(times[place]), value=greatest),
     )
 
 
 def _over(
-    check: str, record: DutyRecord, window: DutyWindow, other: float, limit: float, words: str
+    check: str,
+    record: DutyRecord,
+    window: DutyWindow,
+    other: float,
+    limit: float,
+    words: str,
+    doing: str = "torque",
 ) -> Margin:
     """Judge the swing of a window by another swing, and by what is always allowed."""
     swing = _swing(record, window)
-    always = LEAST_SWING_SHARE * record.document.rating.rated_torque_nm
     times = f"{swing / other:.4g} times " if other > 0.0 else ""
-    finding = f"torque swings by {swing:.4g} N·m, {times}the {other:.4g} N·m {words}, {at(window)}"
-    return Margin(check, at_most(swing, max(limit * other, always)), finding)
+    finding = f"{doing} swings by {swing:.4g} N·m, {times}the {other:.4g} N·m {words}, {at(window)}"
+    return Margin(check, at_most(swing, _allowed(record, other, limit)), finding)
+
+
+def _allowed(record: DutyRecord, other: float, limit: float) -> float:
+    """Return the greatest swing that is allowed (N·m), by another swing (N·m) and its multiple."""
+    return max(limit * other, LEAST_SWING_SHARE * record.document.rating.rated_torque_nm)
 
 
 RIP_4 = Check(

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.checks.check import Check
-from drivegate.checks.margin import Margin, at_most
+from drivegate.checks.margin import Margin, Mark, Moment, Point, at_most
 from drivegate.contracts.duty.checks.accuracy import ERROR_FACTOR, reference_error
 from drivegate.contracts.duty.checks.judged import at, worst
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
@@ -21,6 +23,8 @@ from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.profile import Dwell
 from drivegate_models.units import RADIANS_PER_RPM
 
+SHOWN_PERIODS = 100
+"""Control periods before and after a step that figures show at least."""
 SAG_FACTOR = 1.5
 """Change of the speed by a load that comes or goes, over that within the reaction time of the slowest regulator (1)."""
 
@@ -30,7 +34,26 @@ def speed_response(record: DutyRecord) -> Margin | None:
     is_other = not record.has_nominal_plant
     if record.fails or not (is_other or record.is_nominal) or _trips_at_a_stall(record):
         return None
-    return worst(_margins(record, is_other))
+    return worst(margin for margin, _ in _judged(record, is_other))
+
+
+def speed_moment(record: DutyRecord) -> Moment | None:
+    """Show the speed where it decides: the step, the load step or the stretch, with what is allowed there."""
+    if speed_response(record) is None:
+        return None
+    judged = _judged(record, not record.has_nominal_plant)
+    _, shown = min(judged, key=lambda pair: pair[0].value)
+    period = record.scenario.control_period_s
+    speed = record.run.column("speed") / RADIANS_PER_RPM
+    place = shown.place
+    return Moment(
+        start_s=max(shown.rows.start - shown.before, 0) * period,
+        end_s=shown.rows.stop * period,
+        column="speed_rpm",
+        origin_s=shown.rows.start * period,
+        levels=tuple(Mark(words=words, value=value) for words, value in shown.levels),
+        point=Point(words=shown.words, time_s=(place + 0.5) * period, value=float(speed[place])),
+    )
 
 
 def _trips_at_a_stall(record: DutyRecord) -> bool:
@@ -41,22 +64,73 @@ def _trips_at_a_stall(record: DutyRecord) -> bool:
     return bool(claimed_safe(record.run.commands)[record.periods(first.start, first.end)].any())
 
 
-def _margins(record: DutyRecord, is_other: bool) -> Iterator[Margin | None]:
+@dataclass(frozen=True)
+class _Shown:
+    """What a figure shows of a margin."""
+
+    rows: slice
+    """The control periods."""
+    place: int
+    """The one that is marked."""
+    words: str
+    levels: tuple[tuple[str, float], ...] = ()
+    """References and limits, with words (rpm)."""
+    before: int = 0
+    """Control periods before them that are shown as well."""
+
+
+_Judged: TypeAlias = "tuple[Margin, _Shown]"
+
+
+def _judged(record: DutyRecord, is_other: bool) -> Iterator[_Judged]:
     for window in record.steady:
         if window.torque_reference is not None:
             continue
         if is_other:
-            yield reference_error("ROB-4", record, window, ERROR_FACTOR)
+            yield from _mean_error(record, window)
         yield _swing(record, window)
         if not is_other:
-            yield _sag(record, window.dwell)
+            yield from _sag(record, window.dwell)
         step = judged_step_rpm(record, window.dwell)
         if step != 0.0:
-            speed = record.run.column("speed")[record.periods(window.dwell.start, window.dwell.end)]
-            beyond = (speed - window.speed_reference) / RADIANS_PER_RPM
-            yield overshoot_of_speed(beyond, step, window.dwell.start, record.document)
+            beyond = _beyond(record, window.dwell)
+            margin = overshoot_of_speed(beyond, step, window.dwell.start, record.document)
+            yield margin, _overshoot_shown(record, window.dwell, beyond, step)
             if window.dwell.start > 0.0 and not is_other and _steps_alone(record, window.dwell):
-                yield _detour(beyond, step, window.dwell.start, record)
+                yield _detour(beyond, step, window.dwell, record)
+
+
+def _beyond(record: DutyRecord, dwell: Dwell) -> NDArray[np.float64]:
+    """Return the speed of a dwell without its reference, shape (n,) (rpm)."""
+    speed = record.run.column("speed")[record.periods(dwell.start, dwell.end)]
+    return (speed - dwell.speed_rpm * RADIANS_PER_RPM) / RADIANS_PER_RPM
+
+
+def _mean_error(record: DutyRecord, window: DutyWindow) -> Iterator[_Judged]:
+    margin = reference_error("ROB-4", record, window, ERROR_FACTOR)
+    if margin is not None:
+        rows, wanted = record.periods(window.start_s, window.end_s), window.dwell.speed_rpm
+        mean = window.speed / RADIANS_PER_RPM
+        speed = record.run.column("speed")[rows] / RADIANS_PER_RPM
+        levels = ("reference", wanted), (f"mean {mean:.5g} rpm", mean)
+        place = rows.start + int(np.argmin(np.abs(speed - mean)))
+        yield margin, _Shown(rows, place, f"off by {abs(mean - wanted):.4g} rpm", levels)
+
+
+def _around(record: DutyRecord, dwell: Dwell, place: int) -> slice:
+    """Return the control periods from the start of a dwell to twice as far as one of its places, or further."""
+    rows = record.periods(dwell.start, dwell.end)
+    return slice(rows.start, min(rows.start + max(2 * place, SHOWN_PERIODS), rows.stop))
+
+
+def _overshoot_shown(record: DutyRecord, dwell: Dwell, beyond: NDArray[np.float64], step: float) -> _Shown:
+    sense = 1.0 if step > 0.0 else -1.0
+    place = int(np.argmax(sense * beyond))
+    wanted, rows = dwell.speed_rpm, _around(record, dwell, place)
+    allowed = sense * allowed_overshoot_rpm(beyond, step, record.document)
+    levels = ("reference", wanted), (f"limit {wanted + allowed:.5g} rpm", wanted + allowed)
+    words = f"{max(sense * float(beyond[place]), 0.0):.4g} rpm beyond"
+    return _Shown(rows, rows.start + place, words, levels, SHOWN_PERIODS)
 
 
 def judged_step_rpm(record: DutyRecord, dwell: Dwell) -> float:
@@ -92,19 +166,24 @@ def _steps_alone(record: DutyRecord, dwell: Dwell) -> bool:
     return load_on_shaft(scenario, before, speed) == load_on_shaft(scenario, dwell, speed)
 
 
-def _detour(beyond: NDArray[np.float64], step: float, start_s: float, record: DutyRecord) -> Margin:
+def _detour(beyond: NDArray[np.float64], step: float, dwell: Dwell, record: DutyRecord) -> _Judged:
     """Judge how far a speed leaves its old reference away from the new one; arguments as in `overshoot_of_speed`.
 
     A regulator that bears the load when its reference changes bears it also afterwards.
     """
     away = -beyond - step if step > 0.0 else beyond + step
     farthest = max(float(np.max(away)), 0.0)
-    measured = f"{farthest:.4g} rpm away from a reference {abs(step):.5g} rpm off after {start_s:.4g} s"
+    measured = f"{farthest:.4g} rpm away from a reference {abs(step):.5g} rpm off after {dwell.start:.4g} s"
     allowed = ERROR_FACTOR * record.limits.speed_tolerance_rpm
-    return Margin("ROB-4", at_most(farthest, allowed), measured)
+    place = int(np.argmax(away))
+    before, rows = dwell.speed_rpm - step, _around(record, dwell, place)
+    limit = before - (allowed if step > 0.0 else -allowed)
+    levels = ("reference before", before), (f"limit {limit:.5g} rpm", limit)
+    shown = _Shown(rows, rows.start + place, f"{farthest:.4g} rpm away", levels, SHOWN_PERIODS)
+    return Margin("ROB-4", at_most(farthest, allowed), measured), shown
 
 
-def _sag(record: DutyRecord, dwell: Dwell) -> Margin | None:
+def _sag(record: DutyRecord, dwell: Dwell) -> Iterator[_Judged]:
     """Judge how far a load that comes or goes alone takes a settled speed; None where none does.
 
     The slowest regulator that settles bears the load after its reaction time; until then the load moves the shaft. How
@@ -113,17 +192,22 @@ def _sag(record: DutyRecord, dwell: Dwell) -> Margin | None:
     scenario, document = record.scenario, record.document
     before = _settled_before(record, dwell)
     if before is None:
-        return None
+        return
     reference = dwell.speed_rpm * RADIANS_PER_RPM
     loads = [load_on_shaft(scenario, each, reference) for each in (before, dwell)]
     if before.speed_rpm != dwell.speed_rpm or loads[0] == loads[1]:
-        return None
-    speed = record.run.column("speed")[record.periods(dwell.start, dwell.end)]
-    sag = float(np.max(np.abs(speed - reference))) / RADIANS_PER_RPM
+        return
+    beyond = _beyond(record, dwell)
+    place = int(np.argmax(np.abs(beyond)))
+    sag = float(abs(beyond[place]))
     moved = abs(loads[1] - loads[0]) * reaction_s(document) / document.machine.inertia_kg_m2 / RADIANS_PER_RPM
     allowed = max(SAG_FACTOR * moved, ERROR_FACTOR * record.limits.speed_tolerance_rpm)
     measured = f"{sag:.4g} rpm off after a load step at {dwell.start:.4g} s, {allowed:.4g} rpm are allowed"
-    return Margin("ROB-4", at_most(sag, allowed), measured)
+    limit = dwell.speed_rpm + (allowed if beyond[place] > 0.0 else -allowed)
+    levels = ("reference", dwell.speed_rpm), (f"limit {limit:.5g} rpm", limit)
+    rows = _around(record, dwell, place)
+    shown = _Shown(rows, rows.start + place, f"{sag:.4g} rpm off", levels, SHOWN_PERIODS)
+    yield Margin("ROB-4", at_most(sag, allowed), measured), shown
 
 
 def _settled_before(record: DutyRecord, dwell: Dwell) -> Dwell | None:
@@ -149,15 +233,26 @@ def overshoot_of_speed(
     to make more of it where a load takes the speed farther away first, and only the last part of one that it begins at
     the torque limit. What a steady speed may be off by is no overshoot.
     """
-    limits = limits_of(drive)
     ahead = beyond if step > 0.0 else -beyond
-    peak = int(np.argmax(ahead))
-    made = min(max(abs(step), -float(np.min(ahead[: peak + 1]))), regulated_rpm(drive))
-    over = max(float(ahead[peak]), 0.0)
-    allowed = max(limits.speed_overshoot * made, ERROR_FACTOR * limits.speed_tolerance_rpm)
+    made = _made_rpm(ahead, step, drive)
+    over = max(float(np.max(ahead)), 0.0)
+    allowed = allowed_overshoot_rpm(beyond, step, drive)
     share = f"{100.0 * over / made:.3g} % of the {made:.4g} rpm step that the regulator makes"
     measured = f"speed overshoots by {over:.4g} rpm, {share}, after the step at {start_s:.4g} s"
     return Margin("ROB-4", at_most(over, allowed), measured)
+
+
+def _made_rpm(ahead: NDArray[np.float64], step: float, drive: PmAcDocument) -> float:
+    """Return the step that a regulator has to make (rpm); `ahead` is the speed beyond its reference by its sign."""
+    peak = int(np.argmax(ahead))
+    return min(max(abs(step), -float(np.min(ahead[: peak + 1]))), regulated_rpm(drive))
+
+
+def allowed_overshoot_rpm(beyond: NDArray[np.float64], step: float, drive: PmAcDocument) -> float:
+    """Return the greatest overshoot that is allowed (rpm); arguments as in `overshoot_of_speed`."""
+    limits = limits_of(drive)
+    made = _made_rpm(beyond if step > 0.0 else -beyond, step, drive)
+    return max(limits.speed_overshoot * made, ERROR_FACTOR * limits.speed_tolerance_rpm)
 
 
 def regulated_rpm(drive: PmAcDocument) -> float:
@@ -170,7 +265,7 @@ def regulated_rpm(drive: PmAcDocument) -> float:
     return reaction_s(drive) * torque / drive.machine.inertia_kg_m2 / RADIANS_PER_RPM
 
 
-def _swing(record: DutyRecord, window: DutyWindow) -> Margin:
+def _swing(record: DutyRecord, window: DutyWindow) -> _Judged:
     """Judge whether what swings about the mean grows; below the allowed error it may do what it likes.
 
     The second half of the window is compared with three times that time before it: of a slow swing that lasts, a
@@ -185,7 +280,14 @@ def _swing(record: DutyRecord, window: DutyWindow) -> Margin:
     first, last = (max(float(np.ptp(part)), allowed) for part in parts)
     growth = last / first
     measured = f"speed swings by {last / RADIANS_PER_RPM:.4g} rpm, {growth:.3g} times as much as before, {at(window)}"
-    return Margin("ROB-4", at_most(growth, record.limits.speed_swing_ratio), measured)
+    begin = max(middle - 3 * half, 0)
+    ends = [float(end) / RADIANS_PER_RPM for end in (np.min(parts[1]), np.max(parts[1]))]
+    levels = tuple(
+        (f"{words} of the last half", end) for words, end in zip(("least", "greatest"), ends, strict=True)
+    )
+    place, words = middle + int(np.argmax(parts[1])), f"swing {ends[1] - ends[0]:.4g} rpm"
+    shown = _Shown(slice(begin, rows.stop), place, words, levels)
+    return Margin("ROB-4", at_most(growth, record.limits.speed_swing_ratio), measured), shown
 
 
 ROB_4 = Check(
@@ -203,4 +305,5 @@ ROB_4 = Check(
     why="Loops above the speed rely on its response. Windings warm up, iron saturates, magnets age, loads have inertia "
     "of their own; the nameplate stays.",
     evaluate=speed_response,
+    moment=speed_moment,
 )

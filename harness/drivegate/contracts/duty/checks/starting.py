@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.checks.check import Check
+from drivegate.checks.course import course_of
 from drivegate.checks.margin import Margin, Mark, Moment, Point, at_most, normalised
 from drivegate.contracts.duty.record import DutyRecord
 from drivegate.scenarios.rotation import sense_of
@@ -56,7 +57,7 @@ def _turned(record: DutyRecord, wanted: float) -> NDArray[np.float64]:
 
 
 def start_moment(record: DutyRecord) -> Moment | None:
-    """Show the speed from standstill on, until the shaft has turned back the farthest or should have reached it."""
+    """Show how far the shaft turns back from standstill, or the speed until it should have reached its reference."""
     wanted = _wanted(record)
     if wanted is None:
         return None
@@ -66,16 +67,26 @@ def start_moment(record: DutyRecord) -> Moment | None:
     backward = degrees(max(-float(np.min(turned)), 0.0))
     if at_most(backward, BACKWARD_DEG) < normalised(last.speed / wanted - REACHED, REACHED):
         place = int(np.argmin(turned))
-        end, words = min(2.0 * (place + 1) * period, record.scenario.duration_s), f"{backward:.3g}° backward"
-    else:
-        place = len(speed) - 1
-        end, words = last.end_s, f"{100.0 * last.speed / wanted:.4g} % of the speed"
-    least = REACHED * wanted / RADIANS_PER_RPM
+        shown = np.degrees(turned[: 2 * (place + 1)])
+        return Moment(
+            start_s=0.0,
+            end_s=len(shown) * period,
+            quantity="turn towards the reference (el. deg)",
+            courses=(course_of("turn", (np.arange(len(shown)) + 1.0) * period, shown),),
+            levels=(Mark(words=f"limit {-BACKWARD_DEG:g}°", value=-BACKWARD_DEG),),
+            point=Point(words=f"{backward:.3g}° backward", time_s=(place + 1.0) * period, value=-backward),
+        )
+    place = len(speed) - 1
+    end, words = last.end_s, f"{100.0 * last.speed / wanted:.4g} % of the speed"
+    least, reference = REACHED * wanted / RADIANS_PER_RPM, wanted / RADIANS_PER_RPM
     return Moment(
         start_s=0.0,
         end_s=end,
         column="speed_rpm",
-        levels=(Mark(words=f"limit {least:.4g} rpm", value=least),),
+        levels=(
+            Mark(words="reference", value=reference),
+            Mark(words=f"limit {least:.4g} rpm", value=least),
+        ),
         point=Point(words=words, time_s=min((place + 0.5) * period, end), value=float(speed[place])),
     )
 
