@@ -255,10 +255,11 @@ def replay(counterexample: str | Path | Counterexample, candidate: str | Path | 
     from drivegate.studies.simulate import trace_frame
     from drivegate_cases.scenario.script import Script
 
-    if isinstance(counterexample, str | Path):
-        stored = read_counterexample(Path(counterexample))
-    else:
-        stored = counterexample
+    stored = (
+        read_counterexample(Path(counterexample))
+        if isinstance(counterexample, str | Path)
+        else counterexample
+    )
     resolved = candidate_for(stored, None if candidate is None else str(candidate))
     ended = replayed(stored, resolved)
     trace = pandas.DataFrame()
