@@ -62,8 +62,11 @@ class LogStream:
         self._stream = stream
         self._undecided = ""
 
-    def write(self, text: str) -> int:
-        self.write_styled(printable(text))
+    def write(self, text: str | bytes) -> int:
+        # click writes bytes to a stream without a buffer.
+        self.write_styled(
+            printable(text if isinstance(text, str) else text.decode(errors="backslashreplace"))
+        )
         return len(text)
 
     def write_styled(self, text: str) -> int:

@@ -16,7 +16,6 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from drivegate.checks.installed import installed_versions
 from drivegate.version import __version__
 from drivegate_models.compilation.target import requested_target
 
@@ -35,6 +34,9 @@ def versions() -> dict[str, Any]:
         "machine": platform.machine(),
         "packages": {name: importlib.metadata.version(name) for name in _PACKAGES},
     }
+    # This imports what judges runs.
+    from drivegate.checks.installed import installed_versions
+
     installed = installed_versions()
     return known | {"checks": installed} if installed else known
 

@@ -4,18 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from math import pi
 from types import MappingProxyType
-from typing import Final, Literal, TypeAlias
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING, Final, Literal, TypeAlias
 
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import mechanical_time
 
-Columns: TypeAlias = Mapping[str, NDArray[np.float64]]
+if TYPE_CHECKING:
+    # Reading a file of rows needs no arrays, which take longer to import than all the rest.
+    import numpy as np
+    from numpy.typing import NDArray
+
+Columns: TypeAlias = "Mapping[str, NDArray[np.float64]]"
 """Signals of a run by name, each of shape (n,), one value for each control period, in the unit of the name."""
-Compute: TypeAlias = Callable[[Columns, DriveDocument], NDArray[np.float64]]
+Compute: TypeAlias = "Callable[[Columns, DriveDocument], NDArray[np.float64]]"
 """From signals and a drive to a quantity, shape (n,)."""
 Scale: TypeAlias = Callable[[DriveDocument], float]
 """From a drive to the size that a quantity has at its rating."""
@@ -83,6 +86,8 @@ def _rate(name: str) -> Compute:
     """Make what returns the change of a signal from one control period to the next, over the time (1/s)."""
 
     def rate(columns: Columns, _drive: DriveDocument) -> NDArray[np.float64]:
+        import numpy as np
+
         change = np.diff(columns[name], prepend=columns[name][:1])
         time = columns["time_s"]
         return change / (float(time[1] - time[0]) if len(time) > 1 else 1.0)
@@ -106,12 +111,14 @@ def _torque_deviation(columns: Columns, _drive: DriveDocument) -> NDArray[np.flo
 def _amplitude(columns: Columns, _drive: DriveDocument) -> NDArray[np.float64]:
     direct, quadrature = columns["direct_current_a"], columns["quadrature_current_a"]
     # No hypot, whose last bits differ between processors.
+    import numpy as np
+
     amplitude: NDArray[np.float64] = np.sqrt(direct * direct + quadrature * quadrature)
     return amplitude
 
 
 def _shaft_power(columns: Columns, _drive: DriveDocument) -> NDArray[np.float64]:
-    return columns["torque_nm"] * columns["speed_rpm"] * (np.pi / 30.0)
+    return columns["torque_nm"] * columns["speed_rpm"] * (pi / 30.0)
 
 
 def _supply_current(columns: Columns, _drive: DriveDocument) -> NDArray[np.float64]:

@@ -198,7 +198,7 @@ def test_the_verdict_is_printed_and_stored_before_pages_are_written(
 @pytest.mark.parametrize(
     ("words", "reason"),
     [
-        ([], "CANDIDATE"),
+        ([], "a candidate is missing"),
         (["nobody"], "'nobody' is unknown"),
         (["missing.py:Mine"], "does not exist"),
         (["reference", "--effort", "huge"], "--effort"),
