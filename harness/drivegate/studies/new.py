@@ -24,7 +24,7 @@ from drivegate.candidates.contract import ANSWERS, ContractName
 from drivegate.drives.kinds import DEFAULT_DRIVE, DEFAULT_DRIVES
 from drivegate.laboratory import LABORATORY
 from drivegate.output.new_file import refuse_new_file
-from drivegate.studies.new_pipeline import Pipeline, pipeline_for
+from drivegate.output.new_pipeline import Pipeline, pipeline_for
 from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_cases.drive.data_sheet import copied
