@@ -253,7 +253,6 @@ def replay(counterexample: str | Path | Counterexample, candidate: str | Path | 
     from drivegate.results.counterexample import read_counterexample
     from drivegate.studies.replay.replay import candidate_for, document_of, replayed
     from drivegate.studies.simulate import trace_frame
-    from drivegate_cases.scenario.script import Script
 
     stored = (
         read_counterexample(Path(counterexample))
@@ -263,7 +262,8 @@ def replay(counterexample: str | Path | Counterexample, candidate: str | Path | 
     resolved = candidate_for(stored, None if candidate is None else str(candidate))
     ended = replayed(stored, resolved)
     trace = pandas.DataFrame()
-    if not isinstance(ended, Fault) and not isinstance(stored.scenario, Script) and ended.run is not None:
+    # A script is run on no plant.
+    if isinstance(stored.scenario, Scenario) and not isinstance(ended, Fault) and ended.run is not None:
         trace = trace_frame(stored.scenario, ended.run)
     return Replayed(document_of(stored, resolved, ended), trace)
 

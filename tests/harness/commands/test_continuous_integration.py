@@ -19,6 +19,7 @@ import pytest
 import yaml
 from packaging.requirements import Requirement
 
+from drivegate.commands.check import command as check_command
 from drivegate.results.waivers import read_waivers
 from drivegate.studies.new import write_candidate
 from drivegate_models.compilation.kernels import cache_key
@@ -59,7 +60,7 @@ def recipes() -> list[dict[str, Any]]:
     return [yaml.safe_load(block) for block in re.findall(r"```yaml\n(.*?)```", text, flags=re.DOTALL)]
 
 
-GITHUB, GITLAB = recipes()
+GITHUB, GITLAB, HOOK = recipes()
 ACTION = yaml.safe_load((ROOT / "action.yml").read_text(encoding="utf-8"))
 
 
@@ -540,3 +541,11 @@ def test_every_row_about_pull_requests_has_its_tests() -> None:
     named = [re.search(r"\| `(\S+\.py)` \|$", row) for row in rows]
     assert [row for row, found in zip(rows, named, strict=True) if found is None] == rows[-1:]
     assert all((ROOT / "tests/harness" / found[1]).is_file() for found in named if found)
+
+
+def test_the_hook_of_pre_commit_is_one_that_there_is() -> None:
+    (hook,) = yaml.safe_load((ROOT / ".pre-commit-hooks.yaml").read_text(encoding="utf-8"))
+    assert [used["id"] for used in HOOK["repos"][0]["hooks"]] == [hook["id"]]
+    words = [*hook["entry"].split(), *hook["args"]]
+    context = check_command.make_context("check", words[2:], resilient_parsing=True)
+    assert (words[:2], context.params["effort"]) == (["drivegate", "check"], "quick")
