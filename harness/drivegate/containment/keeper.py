@@ -15,19 +15,15 @@ import shutil
 import signal
 import stat
 import sys
-import time
 from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
 
+from drivegate.isolation.descendants import adopt_orphans, kill_descendants
 from drivegate.isolation.layers import Layer, isolate, read_order
 from drivegate.isolation.namespaces import enter_process_namespace
-from drivegate.isolation.system_calls import control_process, die_first
+from drivegate.isolation.system_calls import die_first
 
-# Number of the option in linux/prctl.h.
-_SET_CHILD_SUBREAPER = 36
-# A process that waits for a device cannot be killed, and must not delay the verdict for ever.
-_PATIENCE = 10.0
 _BLOCK = 4096
 
 
@@ -38,8 +34,7 @@ def keep(role: str, isolation: str, temporary: str, *descriptors: str) -> None:
     on its standard output the worker's process id, and at the end its exit status, negative for a signal.
     """
     # Before the worker exists, so that the keeper adopts every orphan of it.
-    if sys.platform.startswith("linux"):
-        control_process(_SET_CHILD_SUBREAPER, 1)
+    adopt_orphans()
     layers, places = read_order(isolation)
     # The new table of processes holds only what is forked from now on: the worker. The keeper stays outside, where it
     # survives the end of the table and reports the status.
@@ -65,7 +60,7 @@ def keep(role: str, isolation: str, temporary: str, *descriptors: str) -> None:
     finally:
         # Whatever fails here, the folder has to go and the status has to be reported.
         with suppress(BaseException):
-            status = _killed(worker)
+            status = kill_descendants(worker)
         with suppress(BaseException):
             _remove(Path(temporary))
         _report(-signal.SIGKILL if status is None else status)
@@ -111,45 +106,6 @@ def import_role(role: str, *modules: str) -> None:
 def _report(number: int) -> None:
     with suppress(OSError):
         os.write(1, f"{number}\n".encode())
-
-
-def _killed(worker: int) -> int | None:
-    """Kill the worker and all that came from it, and return the worker's exit status.
-
-    A process that is killed while it starts another one leaves it to the keeper, hence the repetition.
-    """
-    status = None
-    with suppress(ProcessLookupError, PermissionError):
-        os.killpg(worker, signal.SIGKILL)
-    until = time.monotonic() + _PATIENCE
-    while time.monotonic() < until:
-        for process in _descendants(os.getpid()):
-            with suppress(ProcessLookupError, PermissionError):
-                os.kill(process, signal.SIGKILL)
-        with suppress(ChildProcessError):
-            # This raises ChildProcessError once no child is left, which leads to the `break`. Killed children need a
-            # moment to get there, hence the sleep.
-            while (ended := os.waitpid(-1, os.WNOHANG))[0]:
-                if ended[0] == worker:
-                    status = os.waitstatus_to_exitcode(ended[1])
-            time.sleep(0.002)
-            continue
-        break
-    return status
-
-
-def _descendants(ancestor: int) -> list[int]:
-    """Find the processes that came from one, where the system lists them; zombies among them."""
-    children: dict[int, list[int]] = {}
-    for place in Path("/proc").glob("[0-9]*/stat"):
-        with suppress(OSError, ValueError, IndexError):
-            # The name, in parentheses, may hold anything; the state and the parent's id follow its end.
-            parent = int(place.read_bytes().rpartition(b")")[2].split()[1])
-            children.setdefault(parent, []).append(int(place.parent.name))
-    found = list(children.get(ancestor, ()))
-    for process in found:
-        found.extend(children.get(process, ()))
-    return found
 
 
 def _remove(folder: Path) -> None:

@@ -8,7 +8,7 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from enum import StrEnum
@@ -16,6 +16,7 @@ from functools import cache
 from pathlib import Path
 from typing import Final, NoReturn
 
+from drivegate.isolation.descendants import adopt_orphans, kill_descendants
 from drivegate.isolation.namespaces import (
     DEVICES,
     SCRATCH,
@@ -205,10 +206,10 @@ def _work(layers: tuple[Layer, ...]) -> bool:
 
 
 def isolated_command(words: Sequence[str], layers: Sequence[Layer], places: Places) -> list[str]:
-    """Return the command that isolates itself and then becomes the given one.
+    """Return the command that runs the given one, isolated, and leaves no process of it.
 
-    `words`: the program, found along ``PATH``, and its arguments. `layers`: what isolates it. With namespaces, the
-    process that becomes isolated is a child of the command. All of it ends with this process, which has to start it.
+    `words`: the program, found along ``PATH``, and its arguments. `layers`: what isolates it. It runs in a child of the
+    command, which ends as the program does. All of it ends with this process, which has to start it, and at SIGTERM.
     """
     return python_command(
         "drivegate.isolation.layers",
@@ -243,33 +244,45 @@ def read_order(order: str) -> tuple[tuple[Layer, ...], Places]:
 
 
 def become_isolated(order: str, parent: str, *words: str) -> None:
-    """Isolate this process, and execute a program in its place; this is the inside of `isolated_command`."""
-    end_with_parent(int(parent))
+    """Execute a program in a child that isolates itself; this is the inside of `isolated_command`."""
+    adopt_orphans()
+    # Killed at once, this process could not end what has left the process group, as `setsid` does.
+    signal.signal(signal.SIGTERM, _end_all)
+    end_with_parent(int(parent), signal.SIGTERM)
     layers, places = read_order(order)
-    if Layer.NAMESPACES in layers:
-        first = start_process_namespace()
-        if first:
-            _end_as(first)
+    keeper = os.getpid()
+    has_own_table = Layer.NAMESPACES in layers
+    child = start_process_namespace() if has_own_table else os.fork()
+    if child:
+        _end_as(child, _end_all)
+    if has_own_table:
         # The first process is the parent of the program: the kernel waits in its end for all to be reaped, and a
         # container often has nobody who would reap a program that lost another parent.
         program = os.fork()
         if program:
             _end_as(program)
+    else:
+        end_with_parent(keeper)
     isolate(layers, places)
-    # Python ignores these, and the program would too.
-    for ignored in (signal.SIGPIPE, signal.SIGXFSZ):
-        signal.signal(ignored, signal.SIG_DFL)
+    # Python handles or ignores these, and the program would too.
+    for handled in (signal.SIGPIPE, signal.SIGXFSZ, signal.SIGTERM):
+        signal.signal(handled, signal.SIG_DFL)
     os.execvp(words[0], words)
 
 
-def _end_as(process: int) -> NoReturn:
+def _end_all(status: int, _frame: object = None) -> NoReturn:
+    kill_descendants()
+    os._exit(status)
+
+
+def _end_as(process: int, end: Callable[[int], NoReturn] = os._exit) -> NoReturn:
     """Wait for a child, reap all others, and end as it did."""
     ended, status = 0, 0
     while ended != process:
         ended, status = os.waitpid(-1, 0)
     code = os.waitstatus_to_exitcode(status)
     # A shell reports the end by a signal in the same way.
-    os._exit(code if code >= 0 else 128 - code)
+    end(code if code >= 0 else 128 - code)
 
 
 def refuse_inspection() -> None:
@@ -293,8 +306,10 @@ def isolate(layers: Sequence[Layer], places: Places) -> None:
     drop_privileges()
     if Layer.LANDLOCK in layers:
         scratch = SCRATCH if has_own_system else ()
+        # In the namespace, /dev has what is listed alone; elsewhere it has the terminals too, and what is typed there.
+        devices = ("/dev",) if has_own_system else ()
         restrict_to(
-            (*places.readable, "/proc", "/dev"),
+            (*places.readable, "/proc", *devices),
             (*places.writable, *DEVICES, *scratch),
             # A network namespace has no way out already, and its loopback device is to stay usable.
             without_tcp=not has_own_system,

@@ -4,7 +4,9 @@ A process in a Landlock domain can trace and inspect only processes of its own d
 Source: the kernel's documentation, ``userspace-api/landlock``.
 
 Refused calls reach into other processes, make memory that no limit counts, or open parts of the kernel that no
-controller needs. Calls that need a privilege are not listed, since the process has none.
+controller needs. Calls that need a privilege are not listed, since the process has none. Landlock has no rule for
+priority, scheduling and processors of other processes of the same user, nor for leases, by which a process that can
+only read a file delays everybody who opens it.
 """
 
 import ctypes
@@ -14,6 +16,7 @@ import platform
 import stat
 import struct
 from collections.abc import Iterable
+from types import MappingProxyType
 from typing import Final
 
 from drivegate.isolation.system_calls import NUMBERS, control_process, system_call
@@ -60,19 +63,40 @@ REFUSED: Final = (
     "shmget",
     "msgget",
     "semget",
+    "mq_open",
+    "syslog",
 )
 """Calls that are refused whatever their arguments are."""
+
+OF_THE_CALLER: Final = MappingProxyType(
+    {
+        "prlimit64": (0,),
+        "setpriority": (0, 1),
+        "sched_setaffinity": (0,),
+        "sched_setparam": (0,),
+        "sched_setscheduler": (0,),
+        "sched_setattr": (0,),
+        "ioprio_set": (1,),
+    }
+)
+"""Calls that change a process, and their arguments that must be 0: the calling process, and no group or user."""
+
+# Numbers in linux/fcntl.h.
+_SET_LEASE, _NOTIFY = 1024, 1026
+# Numbers in linux/socket.h: local sockets, and the protocols of the internet, which end at the loopback device.
+_LOCAL, _INTERNET, _INTERNET_6 = 1, 2, 10
 
 _ARCHITECTURES: Final = {"x86_64": 0xC000003E, "aarch64": 0xC00000B7}
 _X32: Final = 0x40000000
 _NEW_USER: Final = 0x10000000
 
 # A filter reads struct seccomp_data: number, architecture, address, then six arguments of 8 bytes.
-_NUMBER, _ARCHITECTURE, _FIRST_ARGUMENT = 0, 4, 16
+_NUMBER, _ARCHITECTURE, _ARGUMENTS, _ARGUMENT_SIZE = 0, 4, 16, 8
 _LOAD, _IS_EQUAL, _IS_AT_LEAST, _HAS_BITS, _ANSWER = 0x20, 0x15, 0x35, 0x45, 0x06
 _ALLOW: Final = 0x7FFF0000
 _REFUSE: Final = 0x00050000 | errno.EPERM
 _UNKNOWN: Final = 0x00050000 | errno.ENOSYS
+_NO_FAMILY: Final = 0x00050000 | errno.EAFNOSUPPORT
 _SET_SECCOMP, _FILTER = 22, 2
 
 
@@ -135,7 +159,7 @@ def refuse_calls(*, without_sockets: bool) -> None:
 
 def _program(*, without_sockets: bool) -> bytes:
     """Return the filter as instructions of the classic BPF machine."""
-    refused = [*REFUSED, *(["socket"] if without_sockets else [])]
+    families = () if without_sockets else (_LOCAL, _INTERNET, _INTERNET_6)
     steps = [
         # Numbers of calls differ by architecture, so that one of another table would pass for an allowed call.
         _step(_LOAD, _ARCHITECTURE),
@@ -149,23 +173,36 @@ def _program(*, without_sockets: bool) -> bytes:
         _step(_IS_EQUAL, NUMBERS["clone3"], 0, 1),
         _step(_ANSWER, _UNKNOWN),
     ]
-    for name in refused:
-        steps += [_step(_IS_EQUAL, NUMBERS[name], 0, 1), _step(_ANSWER, _REFUSE)]
-    steps += [
-        # A process has every capability inside a user namespace that it makes.
-        _step(_IS_EQUAL, NUMBERS["clone"], 0, 4),
-        _step(_LOAD, _FIRST_ARGUMENT),
-        _step(_HAS_BITS, _NEW_USER, 0, 1),
-        _step(_ANSWER, _REFUSE),
-        _step(_ANSWER, _ALLOW),
-        # Limits of another process; 0 is the calling one.
-        _step(_IS_EQUAL, NUMBERS["prlimit64"], 0, 3),
-        _step(_LOAD, _FIRST_ARGUMENT),
-        _step(_IS_EQUAL, 0, 1, 0),
-        _step(_ANSWER, _REFUSE),
-        _step(_ANSWER, _ALLOW),
-    ]
-    return b"".join(steps)
+    for name in REFUSED:
+        steps += _of_call(name, [_step(_ANSWER, _REFUSE)])
+    # A process has every capability inside a user namespace that it makes.
+    steps += _of_call("clone", [_load(0), _step(_HAS_BITS, _NEW_USER, 0, 1), _step(_ANSWER, _REFUSE)])
+    for command in (_SET_LEASE, _NOTIFY):
+        steps += _of_call("fcntl", [_load(1), _step(_IS_EQUAL, command, 0, 1), _step(_ANSWER, _REFUSE)])
+    for name, arguments in OF_THE_CALLER.items():
+        for argument in arguments:
+            steps += _of_call(name, _required(argument, (0,), _REFUSE))
+    # Of every other family, such as that which reaches the host of a virtual machine, a filter would know nothing.
+    steps += _of_call("socket", _required(0, families, _NO_FAMILY if families else _REFUSE))
+    steps += _of_call("socketpair", _required(0, (_LOCAL,), _NO_FAMILY))
+    return b"".join((*steps, _step(_ANSWER, _ALLOW)))
+
+
+def _of_call(name: str, steps: list[bytes]) -> list[bytes]:
+    """Return steps for one call, after which the number of the call is loaded again for the next ones."""
+    steps = [*steps, _step(_LOAD, _NUMBER)]
+    return [_step(_IS_EQUAL, NUMBERS[name], 0, len(steps)), *steps]
+
+
+def _load(argument: int) -> bytes:
+    # The lower half; the kernel takes all of these arguments as numbers of 32 bits.
+    return _step(_LOAD, _ARGUMENTS + argument * _ARGUMENT_SIZE)
+
+
+def _required(argument: int, values: tuple[int, ...], otherwise: int) -> list[bytes]:
+    """Return steps that answer unless an argument has one of the values."""
+    found = [_step(_IS_EQUAL, value, len(values) - place, 0) for place, value in enumerate(values)]
+    return [_load(argument), *found, _step(_ANSWER, otherwise)]
 
 
 def _step(code: int, value: int, if_true: int = 0, if_false: int = 0) -> bytes:

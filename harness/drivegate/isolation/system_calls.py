@@ -16,16 +16,25 @@ _ARCHITECTURES: Final = ("x86_64", "aarch64")
 _BY_ARCHITECTURE: Final = {
     "shmget": (29, 194),
     "socket": (41, 198),
+    "socketpair": (53, 199),
     "clone": (56, 220),
     "semget": (64, 190),
     "msgget": (68, 186),
+    "fcntl": (72, 25),
     "ptrace": (101, 117),
+    "syslog": (103, 116),
+    "setpriority": (141, 140),
+    "sched_setparam": (142, 118),
+    "sched_setscheduler": (144, 119),
     "pivot_root": (155, 41),
     "mount": (165, 40),
     "umount2": (166, 39),
+    "sched_setaffinity": (203, 122),
+    "mq_open": (240, 180),
     "add_key": (248, 217),
     "request_key": (249, 218),
     "keyctl": (250, 219),
+    "ioprio_set": (251, 30),
     "unshare": (272, 97),
     "perf_event_open": (298, 241),
     "prlimit64": (302, 261),
@@ -34,6 +43,7 @@ _BY_ARCHITECTURE: Final = {
     "process_vm_readv": (310, 270),
     "process_vm_writev": (311, 271),
     "kcmp": (312, 272),
+    "sched_setattr": (314, 274),
     "memfd_create": (319, 279),
     "bpf": (321, 280),
     "userfaultfd": (323, 282),
@@ -87,9 +97,9 @@ def succeeded(result: int, name: str) -> int:
     return int(result)
 
 
-def die_with_parent() -> None:
-    """Have the kernel kill this process when its parent ends."""
-    control_process(_SET_DEATH_SIGNAL, signal.SIGKILL)
+def die_with_parent(by: int = signal.SIGKILL) -> None:
+    """Have the kernel send this process a signal when its parent ends."""
+    control_process(_SET_DEATH_SIGNAL, by)
 
 
 def control_process(option: int, *arguments: int) -> int:
@@ -98,13 +108,13 @@ def control_process(option: int, *arguments: int) -> int:
     return succeeded(SYSTEM.prctl(option, *map(ctypes.c_ulong, four)), "prctl")
 
 
-def end_with_parent(parent: int) -> None:
-    """Ask Linux to kill this process when its parent dies, also from within an endless loop.
+def end_with_parent(parent: int, by: int = signal.SIGKILL) -> None:
+    """Ask Linux to end this process by a signal when its parent dies, also from within an endless loop.
 
     Elsewhere the process ends when it next waits for a message.
     """
     if sys.platform.startswith("linux"):
-        die_with_parent()
+        die_with_parent(by)
     # A parent outside of this process's table has the number 0.
     # Looked at after the request: a parent that ended before it sends no signal.
     if os.getppid() not in (parent, 0):

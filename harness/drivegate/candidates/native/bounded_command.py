@@ -15,6 +15,9 @@ from typing import Final
 KEPT_OUTPUT: Final = 64 * 1024
 """Bytes that are kept of the beginning and of the end of what a tool prints; it may print more."""
 
+# To end processes takes some milliseconds each; a tool that is not isolated may ignore the request.
+_PATIENCE: Final = 5.0
+
 # The shell sets the limits before the tool starts, which no other process can do in time. Sizes are in KiB and in
 # blocks of 512 bytes; not every system can limit the memory.
 _LIMITED: Final = (
@@ -82,7 +85,7 @@ def run_bounded(
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
-        # One signal to its group then ends the tool with all that it has started.
+        # One signal to its group ends what does not end by itself.
         start_new_session=True,
     )
     with process:
@@ -92,10 +95,19 @@ def run_bounded(
                 process.wait(max(deadline - time.monotonic(), 0.0))
             status = process.returncode
         finally:
+            _end(process)
             # Also after its end: it may have left processes in its group.
             with suppress(ProcessLookupError, PermissionError):
                 os.killpg(process.pid, signal.SIGKILL)
     return Ended(status, output.decode(errors="replace"))
+
+
+def _end(process: "subprocess.Popen[bytes]") -> None:
+    """Have an isolated tool end all that came from it, also what has left its group."""
+    if process.poll() is None:
+        process.terminate()
+        with suppress(subprocess.TimeoutExpired):
+            process.wait(_PATIENCE)
 
 
 def _output_of(process: "subprocess.Popen[bytes]", deadline: float) -> bytes:
