@@ -27,6 +27,17 @@ checks = [(contract_named(kind.contract).usual_candidate, kind.default_drive) fo
 versions = {{name: importlib.metadata.version(name) for name in {COMPILERS!r}}}
 print(json.dumps({{"python": "%d.%d" % sys.version_info[:2], "versions": versions, "checks": checks}}))
 """
+_LIST = """
+import sys
+from pathlib import Path
+from drivegate_models.compilation.kernel_files import list_digests
+for place in Path(sys.argv[1]).iterdir():
+    if place.is_dir():
+        list_digests(place)
+    else:
+        # The file of the locks.
+        place.unlink()
+"""
 
 
 class KernelHook(BuildHookInterface[Any]):
@@ -71,4 +82,5 @@ def _compile(interpreter: str, root: Path, environment: Path, kernels: Path) -> 
         # Pages use kernels of their own.
         words = ("check", candidate, "--drive", drive, "--effort", "quick", "--quiet")
         subprocess.run([python, "-m", "drivegate", *words], check=True, env=caching, cwd=environment)
+    subprocess.run([python, "-c", _LIST, str(kernels)], check=True, env=plain, cwd=environment)
     return made

@@ -34,6 +34,11 @@ def drive(loaded: JudgedCandidate, steps: int) -> float:
     return float(answers["current_reference"].sum())
 
 
+def wait_for_the_system(_loaded: JudgedCandidate, _payload: None) -> None:
+    """Wait as for a file that another process has leased: without any processor time."""
+    signal.pause()
+
+
 def drive_slowly(loaded: JudgedCandidate, steps: int) -> tuple[float, float, float]:
     """Drive, then take longer than a process needs to start; tell when that was."""
     began = time.monotonic()

@@ -46,6 +46,8 @@ class Judge:
         self._on_slow = on_slow
         self._process: Any = None
         self._afresh = False
+        self._kernels: dict[str, bytes] = {}
+        self._is_isolated = True
 
     def run(self, job: Job[ResultT]) -> ResultT | Fault:
         """Do one job; one that hangs is tried once more."""
@@ -69,12 +71,15 @@ class Judge:
         from drivegate.containment.candidate_process import CandidateProcess
         from drivegate.containment.contained_controller import ContainedController
         from drivegate_models.compilation import kernels
+        from drivegate_models.compilation.kernel_files import trust_only, trusts_all
 
         if self._process is None:
             KINDS[self._candidate.kind].compile_own_code(self._candidate)
-            if kernels.trusts_all():
-                kernels.trust_only(kernels.kernel_digests())
+            if trusts_all():
+                self._kernels = kernels.kernel_digests()
+                trust_only(self._kernels)
             layers = isolating_layers(self._candidate) if self._layers is None else self._layers
+            self._is_isolated = bool(layers)
             self._process = CandidateProcess(self._candidate, self._limits, self._on_slow, layers or ())
         # Copies of one process share its addresses and hashes, which a repetition must not.
         self._process.starts_afresh = self._afresh
@@ -84,11 +89,24 @@ class Judge:
         """End the candidate's process at once; the next instance starts another one."""
         if self._process is not None:
             self._process.kill()
+            self._remove_changed_kernels()
 
     def close(self) -> None:
         """End the candidate's process, by itself within a moment."""
         if self._process is not None:
             self._process.close()
+            self._remove_changed_kernels()
+
+    def _remove_changed_kernels(self) -> None:
+        """Remove the compiled kernels that a candidate may have changed, where nothing kept it from that.
+
+        In a judge's process the harness does so, which knows what others have compiled meanwhile.
+        """
+        if self._kernels and not self._is_isolated:
+            from drivegate_models.compilation.kernel_files import saved_digests
+            from drivegate_models.compilation.kernels import remove_changed_kernels
+
+            remove_changed_kernels([self._kernels, saved_digests()])
 
     def __enter__(self) -> Self:
         """Return the judge; the candidate's process starts with the first instance."""

@@ -19,7 +19,16 @@ from drivegate.containment.candidate_isolation import isolating_layers
 from drivegate.containment.judge import Judge
 from drivegate.containment.kept_process import KeptProcess, Role
 from drivegate.containment.machine_memory import killed_for_memory, lack_of_memory
-from drivegate.containment.messages import Broken, Faulted, Finished, Job, Outcome, Refused, WithoutMemory
+from drivegate.containment.messages import (
+    Broken,
+    Compiled,
+    Faulted,
+    Finished,
+    Job,
+    Outcome,
+    Refused,
+    WithoutMemory,
+)
 from drivegate.containment.watches import SlowRun, WorkerLimits
 from drivegate.isolation.layers import refuse_inspection
 from drivegate.isolation.system_calls import end_with_parent
@@ -28,6 +37,8 @@ from drivegate_models.errors import HarnessFault, InputError, OutOfMemory
 
 _KILLED = "a process of the harness that watched the candidate was killed"
 _STOPPED = "a process of the harness that watched the candidate was stopped"
+_STILL_SECONDS = 60.0
+_STILL = f"a process of the harness that watched the candidate did nothing for {_STILL_SECONDS:g} s"
 # A debugger that attaches also stops a process, for a moment.
 _STOPPED_SECONDS = 10.0
 
@@ -54,6 +65,9 @@ class JudgeProcess:
         self._connection: Connection[Any, Any] | None = None
         self._busy = False
         self._stopped_since: float | None = None
+        self._moved = (0.0, 0.0)
+        self.saved: dict[str, bytes] = {}
+        """Digests of the compiled kernels that the process has saved."""
 
     def start(self, job: Job[Any]) -> None:
         """Begin a job; `poll` shows its end."""
@@ -61,6 +75,7 @@ class JudgeProcess:
             self._begin(job.target.__module__)
         assert self._connection is not None, "a process was started"
         self._busy = True
+        self._moved = (-1.0, time.monotonic())
         with suppress(BrokenPipeError, ConnectionResetError):
             self._connection.send(job)
 
@@ -97,8 +112,8 @@ class JudgeProcess:
             raise HarnessFault("a judge without a job was polled for its end")
         try:
             if not connection.poll():
-                return self._stopped()
-            outcome: Outcome | SlowRun = connection.recv()
+                return self._stopped() or self._standing_still()
+            outcome: Outcome | SlowRun | Compiled = connection.recv()
         except (EOFError, ConnectionResetError):
             self.kill()
             if killed_for_memory() > self._killed_before:
@@ -110,6 +125,9 @@ class JudgeProcess:
         if isinstance(outcome, SlowRun):
             if self._on_slow is not None:
                 self._on_slow(outcome)
+            return None
+        if isinstance(outcome, Compiled):
+            self.saved |= outcome.kernels
             return None
         self._busy = False
         if isinstance(outcome, Refused):
@@ -133,6 +151,24 @@ class JudgeProcess:
         self.kill()
         return Faulted(Fault(FaultKind.CRASH, _STOPPED, "step"))
 
+    def _standing_still(self) -> Faulted | None:
+        """Look whether the process has used no processor time for long, and end it then.
+
+        A judge that waits for its candidate looks at it several times a second. One that waits for the system, such as
+        for a file that another process has leased, does nothing.
+        """
+        kept = self._kept
+        if kept is None or KINDS[self._candidate.kind].is_included:
+            return None
+        used, now = kept.processor_seconds(), time.monotonic()
+        if used > self._moved[0]:
+            self._moved = (used, now)
+            return None
+        if now - self._moved[1] < _STILL_SECONDS:
+            return None
+        self.kill()
+        return Faulted(Fault(FaultKind.HANG, _STILL, "step"))
+
     def kill(self) -> None:
         """End the process at once; the next job starts another one."""
         if self._connection is not None:
@@ -155,7 +191,8 @@ def judge_jobs(connection: int, temporary: str, parent: int) -> None:
     """Do jobs from a connection; this is the inside of a judge's process."""
     end_with_parent(parent)
     # The folder for kernels is chosen before, since it may lie among the temporary files.
-    from drivegate_models.compilation import kernels
+    from drivegate_models.compilation import kernels  # noqa: F401
+    from drivegate_models.compilation.kernel_files import saved_digests, trust_only
 
     # What a candidate's process leaves goes with this one, however it ends.
     tempfile.tempdir = temporary
@@ -165,7 +202,7 @@ def judge_jobs(connection: int, temporary: str, parent: int) -> None:
         candidate, limits, layers, digests = channel.recv()
         if not KINDS[candidate.kind].is_included:
             # The digests were taken before any code of the candidate ran, which could have changed the files since.
-            kernels.trust_only(digests)
+            trust_only(digests)
         if layers:
             refuse_inspection()
 
@@ -173,8 +210,13 @@ def judge_jobs(connection: int, temporary: str, parent: int) -> None:
             channel.send_bytes(_written(run))
 
         with Judge(candidate, limits=limits, on_slow=report, layers=layers) as judge:
+            saved: dict[str, bytes] = {}
             while True:
-                channel.send_bytes(_written(_outcome(judge, channel.recv())))
+                outcome = _outcome(judge, channel.recv())
+                # Of what a judge does not report, nobody knows whether a candidate has written it.
+                if not layers and saved != (saved := saved_digests()):
+                    channel.send_bytes(_written(Compiled(saved)))
+                channel.send_bytes(_written(outcome))
     except (EOFError, BrokenPipeError, ConnectionResetError):
         return
 
@@ -195,7 +237,7 @@ def _outcome(judge: Judge, job: Job[Any]) -> Outcome:
     return Faulted(result) if isinstance(result, Fault) else Finished(result)
 
 
-def _written(outcome: Outcome | SlowRun) -> bytes:
+def _written(outcome: Outcome | SlowRun | Compiled) -> bytes:
     try:
         return pickle.dumps(outcome, pickle.HIGHEST_PROTOCOL)
     except Exception:

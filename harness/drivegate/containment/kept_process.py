@@ -191,6 +191,15 @@ class KeptProcess:
             return any(psutil.Process(number).status() in stopped for number in numbers if number is not None)
         return False
 
+    def processor_seconds(self) -> float:
+        """Measure the processor time of the worker; 0 until it has been started, and where it is gone."""
+        number = self.process_id
+        if number is not None:
+            with suppress(psutil.NoSuchProcess):
+                times = psutil.Process(number).cpu_times()
+                return float(times.user + times.system)
+        return 0.0
+
     def wait_for_worker(self) -> None:
         until = time.monotonic() + _PATIENCE
         number = self.process_id

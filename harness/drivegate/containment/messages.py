@@ -73,5 +73,13 @@ class Broken:
     traceback: str
 
 
+@dataclass(frozen=True)
+class Compiled:
+    """A judge has compiled kernels in a job, and saved them."""
+
+    kernels: dict[str, bytes]
+    """Digest of each file, by its path in the folder of compiled kernels."""
+
+
 Outcome: TypeAlias = Finished | Faulted | Refused | WithoutMemory | Broken
 """How a job ended, as a judge's process reports it."""

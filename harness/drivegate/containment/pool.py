@@ -8,6 +8,7 @@ from typing import Any, Generic, Self
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault
 from drivegate.candidates.kinds import KINDS
+from drivegate.containment.candidate_isolation import isolating_layers
 from drivegate.containment.judge import is_hang
 from drivegate.containment.judge_process import JudgeProcess
 from drivegate.containment.kept_process import prepare_judges
@@ -15,7 +16,8 @@ from drivegate.containment.machine_memory import require_memory
 from drivegate.containment.messages import Faulted, Finished, Job, ResultT
 from drivegate.containment.templates import Preparation
 from drivegate.containment.watches import SlowRun, WorkerLimits
-from drivegate_models.compilation.kernels import kernel_digests
+from drivegate_models.compilation.kernel_files import saved_digests
+from drivegate_models.compilation.kernels import kernel_digests, remove_changed_kernels
 
 # An outcome ends the wait at once. Only `is_ended` and a stopped judge have to be looked for.
 _LOOK_EVERY = 0.25
@@ -56,6 +58,7 @@ class WorkerPool:
             JudgeProcess(candidate, limits, kernels, report, is_one_of_many=workers > 1)
             for _ in range(max(workers, 1))
         ]
+        self._kernels = kernels if isolating_layers(candidate) == () else None
         self._final: Fault | None = None
         self._is_ended = is_ended
 
@@ -80,6 +83,10 @@ class WorkerPool:
             worker.hang_up()
         for worker in self._workers:
             worker.close()
+        if self._kernels is not None:
+            # Nothing has kept the candidate from writing there.
+            known = (self._kernels, saved_digests(), *(worker.saved for worker in self._workers))
+            remove_changed_kernels(known)
 
     def __enter__(self) -> Self:
         return self

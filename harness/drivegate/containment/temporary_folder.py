@@ -60,7 +60,11 @@ def _locked_folder(place: Path) -> tuple[Path, int]:
         with suppress(FileNotFoundError):
             descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
             try:
-                fcntl.flock(descriptor, fcntl.LOCK_EX)
+                # Without waiting: whoever can read the folder above could lock it for ever in this moment.
+                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                os.close(descriptor)
+                continue
             except OSError as error:
                 # Where there are no locks, no process finds a folder abandoned either.
                 if not is_without_locks(error):

@@ -13,6 +13,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
+from drivegate_models.compilation.kernel_files import remove_unlisted
+
 CACHE_VARIABLE: Final = "DRIVEGATE_CACHE"
 """Environment variable that overrides the folder for compiled kernels."""
 NUMBA_VARIABLE: Final = "NUMBA_CACHE_DIR"
@@ -108,7 +110,10 @@ def _copy_compiled(parents: Iterable[Path], folder: Path) -> None:
             if trusted and not any(folder.iterdir()):
                 # Copy atomically: other processes may read the folder meanwhile.
                 with tempfile.TemporaryDirectory(prefix=".copying-", dir=folder.parent) as scratch:
-                    shutil.copytree(source, Path(scratch, folder.name)).rename(folder)
+                    copied = shutil.copytree(source, Path(scratch, folder.name))
+                    if parent == PACKAGED:
+                        remove_unlisted(copied)
+                    copied.rename(folder)
 
 
 def _close_to_others(folder: Path) -> None:

@@ -14,7 +14,6 @@ is named after its contents here.
 from __future__ import annotations
 
 import contextlib
-import fcntl
 import gc
 import hashlib
 import importlib.metadata
@@ -25,7 +24,7 @@ import platform
 import shutil
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import cache, cached_property
 from pathlib import Path
 from typing import Any, TypeVar, cast
@@ -36,6 +35,13 @@ from drivegate_models.compilation.cache_folder import (
     KEY,
     NUMBA_VARIABLE,
     choose_folder,
+)
+from drivegate_models.compilation.cache_lock import SUFFIX, alone
+from drivegate_models.compilation.kernel_files import (
+    digests_in,
+    enter_saved,
+    remove_changed,
+    trusted_content,
 )
 from drivegate_models.compilation.target import adopt_target, choose_target, requested_target
 from drivegate_models.errors import InputError
@@ -117,6 +123,7 @@ def _prune(used: Path) -> None:
         for folder in used.parent.iterdir():
             if KEY.fullmatch(folder.name) and folder.stat().st_mtime < oldest:
                 shutil.rmtree(folder, ignore_errors=True)
+                folder.with_name(folder.name + SUFFIX).unlink(missing_ok=True)
 
 
 def _require_known_numba(version: str) -> None:
@@ -136,6 +143,7 @@ _ONLY_READS = KERNELS_VARIABLE in os.environ
 _FOLDER = _configure()
 KEEPS_CACHE = _FOLDER is not None
 """True if compiled kernels are cached between processes."""
+_STORED = Path(_FOLDER or os.devnull)
 
 import numba  # noqa: E402  (target and cache folder must be known before numba is imported)
 from numba.core import caching, sigutils  # noqa: E402
@@ -204,12 +212,10 @@ class _FilesNamedByContent(caching.IndexDataCacheFile):
         with contextlib.suppress(OSError) if _ONLY_READS else contextlib.nullcontext():
             self._save_data(name, data)
             self._save_index({**self._load_index(), key: name})
-            for listed in _trusted:
-                for path in (self._data_path(name), self._index_path):
-                    listed[_name_of(path)] = _digest_of(Path(path).read_bytes())
+            enter_saved(_STORED, (self._data_path(name), self._index_path))
 
     def _load_index(self) -> Any:
-        content = _trusted_content(self._index_path)
+        content = trusted_content(_STORED, self._index_path)
         if content is None:
             return {}
         stream = io.BytesIO(content)
@@ -219,7 +225,7 @@ class _FilesNamedByContent(caching.IndexDataCacheFile):
         return entries if stamp == self._source_stamp else {}
 
     def _load_data(self, name: str) -> Any:
-        content = _trusted_content(self._data_path(name))
+        content = trusted_content(_STORED, self._data_path(name))
         if content is None:
             raise FileNotFoundError(name)
         return pickle.loads(content)
@@ -227,46 +233,15 @@ class _FilesNamedByContent(caching.IndexDataCacheFile):
 
 vars(caching)["IndexDataCacheFile"] = _FilesNamedByContent
 
-_trusted: list[dict[str, bytes]] = []
-# The digests of the files that this process trusts, as the one element; without it, all are trusted.
-
 
 def kernel_digests() -> dict[str, bytes]:
     """Return a digest of the content of each file of compiled kernels, by its path in their folder."""
-    folder = Path(_FOLDER or os.devnull)
-    return {_name_of(path): _digest_of(path.read_bytes()) for path in sorted(folder.rglob("*.nb[ic]"))}
+    return digests_in(_STORED)
 
 
-def trust_only(digests: Mapping[str, bytes]) -> None:
-    """Load in this process only those compiled kernels that have these digests, or that it compiles itself.
-
-    `digests`: digest of each file by its path in the folder, as `kernel_digests` returned them before code of
-    strangers ran.
-    """
-    _trusted[:] = [dict(digests)]
-
-
-def trusts_all() -> bool:
-    """Return True if this process loads compiled kernels whatever their digests are."""
-    return not _trusted
-
-
-def _name_of(path: str | Path) -> str:
-    return str(path).removeprefix(f"{_FOLDER}{os.sep}")
-
-
-def _digest_of(content: bytes) -> bytes:
-    return hashlib.sha256(content).digest()
-
-
-def _trusted_content(path: str) -> bytes | None:
-    """Read a file of compiled code; None if it is not there, or is not as it is listed."""
-    try:
-        content = Path(path).read_bytes()
-    except FileNotFoundError:
-        return None
-    is_trusted = all(listed.get(_name_of(path)) == _digest_of(content) for listed in _trusted)
-    return content if is_trusted else None
+def remove_changed_kernels(known: Iterable[Mapping[str, bytes]]) -> int:
+    """Remove the compiled kernels that are not as they are known, and return how many those are."""
+    return remove_changed(_STORED, known)
 
 
 def _load_overload(self: Any, signature: Any, target_context: Any) -> Any:
@@ -350,7 +325,7 @@ class _Kernel(numba.core.dispatcher.Dispatcher):
         collections = gc.get_threshold()
         gc.set_threshold(*_RARE_COLLECTIONS)
         try:
-            with _alone(f"{_fingerprint(self.py_func)}{arguments}"):
+            with alone(f"{_fingerprint(self.py_func)}{arguments}", None if _ONLY_READS else _FOLDER):
                 return super().compile(sig)
         finally:
             gc.set_threshold(*collections)
@@ -358,46 +333,6 @@ class _Kernel(numba.core.dispatcher.Dispatcher):
 
 # The compiler makes many objects that stay. To search them for garbage as often as usual takes a twelfth of its time.
 _RARE_COLLECTIONS = (50_000, 50, 1000)
-
-
-@contextlib.contextmanager
-def _alone(task: str) -> Iterator[None]:
-    """Lock out other processes that share the cache folder from a task, unless there is no such lock.
-
-    No two processes wait for each other, since functions do not call one another in a circle.
-    """
-    descriptor = _lock_file()
-    if descriptor is None:
-        yield
-        return
-    # Each task locks a byte of the file, which need not have so many.
-    # Seven bytes, since the place of a lock in a file is a signed number of 64 bits.
-    place = int.from_bytes(hashlib.sha256(task.encode()).digest()[:7])
-    with contextlib.suppress(OSError):
-        fcntl.lockf(descriptor, fcntl.LOCK_EX, 1, place)
-    try:
-        yield
-    finally:
-        # Some network file systems have no locks. Then two processes may compile the same, which costs only time.
-        with contextlib.suppress(OSError):
-            fcntl.lockf(descriptor, fcntl.LOCK_UN, 1, place)
-
-
-@cache
-def _lock_file() -> int | None:
-    """Open the file of the locks once, since closing it releases all; None if this process writes no compiled code.
-
-    All users can read it, since the whole folder is copied for those who cannot write in it.
-    """
-    if _FOLDER is None or _ONLY_READS:
-        return None
-    with contextlib.suppress(OSError):
-        return os.open(Path(_FOLDER, "compiling"), os.O_RDWR | os.O_CREAT, 0o644)
-    return None
-
-
-# A copy of a process has no locks, and may have closed the file.
-os.register_at_fork(after_in_child=_lock_file.cache_clear)
 
 
 class _Inner(_Kernel):

@@ -14,10 +14,12 @@ from tests.harness.beside_templates import template_files
 
 from drivegate.candidates.fault import FaultKind
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.containment import judge_process
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job
 from drivegate.containment.pool import WorkerPool
 from drivegate.containment.watches import WorkerLimits
+from drivegate_models.compilation.kernels import kernel_digests, required_cache_folder
 from drivegate_models.errors import HarnessFault, InputError
 
 QUICK = WorkerLimits(
@@ -278,6 +280,27 @@ def test_a_judge_in_an_endless_loop_dies_with_its_parent(candidate):
     _, alive = psutil.wait_procs(children, timeout=10)
     assert children != []
     assert alive == [], "the worker outlived its parent"
+
+
+def test_a_judge_that_stands_still_is_a_fault(candidate, monkeypatch):
+    monkeypatch.setattr(judge_process, "_STILL_SECONDS", 0.5)
+    with WorkerPool(candidate(), workers=1, limits=QUICK) as pool:
+        (fault,) = pool.map([Job(worker_jobs.wait_for_the_system, None)])
+    assert fault.kind is FaultKind.HANG
+    assert "did nothing for" in fault.message
+
+
+def test_kernels_that_a_candidate_changes_without_isolation_are_removed(candidate, tmp_path, not_isolated):
+    folder = required_cache_folder()
+    before = kernel_digests()
+    top = f"open({str(folder / 'attack.nbi')!r}, 'w').write('x'); os._exit(1)"
+    with WorkerPool(candidate(top=top), workers=1, limits=QUICK) as pool:
+        (fault,) = pool.map([Job(worker_jobs.drive, NORMAL)])
+        assert (folder / "attack.nbi").exists()
+    assert fault.kind is FaultKind.CRASH
+    assert not (folder / "attack.nbi").exists()
+    after = kernel_digests()
+    assert {name: after.get(name) for name in before} == before, "kernels that nobody changed were removed"
 
 
 @pytest.mark.parametrize("workers", [1, 2, 3])

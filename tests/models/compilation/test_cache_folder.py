@@ -13,6 +13,7 @@ import pytest
 
 from drivegate_models.compilation import kernels
 from drivegate_models.compilation.cache_folder import choose_folder
+from drivegate_models.compilation.kernel_files import LISTED, list_digests
 from drivegate_models.errors import InputError
 
 KEY = "0123456789abcdef"
@@ -153,10 +154,28 @@ def test_what_was_installed_with_drivegate_is_copied(home: Path, monkeypatch: py
     assert choose_folder(KEY).folder == in_home(home)
     assert list(in_home(home).iterdir()) == [], "others could have put it there"
     (installed / KEY).chmod(0o755)
+    list_digests(installed / KEY)
     for _ in range(2):
         assert choose_folder(KEY).folder == in_home(home)
         assert (in_home(home) / "kernel.nbi").read_text(encoding="utf-8") == "code"
-        (in_home(home) / "kernel.nbi").write_text("code", encoding="utf-8")
+
+
+@pytest.mark.parametrize("listed", ["{}", "[]", "no list", '{"other.nbi": 1}', None])
+def test_what_differs_from_the_list_of_its_wheel_is_not_copied(
+    home: Path, monkeypatch: pytest.MonkeyPatch, listed: str | None
+) -> None:
+    installed = home / "site-packages"
+    monkeypatch.setattr("drivegate_models.compilation.cache_folder.PACKAGED", installed)
+    (installed / KEY).mkdir(parents=True)
+    for name in ("same.nbi", "changed.nbc"):
+        (installed / KEY / name).write_text("code", encoding="utf-8")
+    list_digests(installed / KEY)
+    (installed / KEY / "changed.nbc").write_text("other", encoding="utf-8")
+    if listed is not None:
+        (installed / KEY / LISTED).write_text(listed, encoding="utf-8")
+    assert choose_folder(KEY).folder == in_home(home)
+    copied = {path.name for path in in_home(home).glob("*.nb?")}
+    assert copied == ({"same.nbi"} if listed is None else set())
 
 
 def test_numba_uses_the_next_folder(home: Path) -> None:
