@@ -13,6 +13,7 @@ from typing import Any, Final
 from numpy.typing import NDArray
 
 from drivegate.candidates.candidate import Candidate
+from drivegate.candidates.contract import other_contract
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind, bounded_text, ending_in_words
 from drivegate.candidates.kinds import KINDS
 from drivegate.candidates.step_costs import NO_COSTS, StepCosts
@@ -41,6 +42,7 @@ from drivegate_models.loop.exchange import COMPLETED, STOPPED
 LOOK_EVERY: Final = 0.05
 """Time between two looks at a process that reports nothing by itself (s)."""
 
+_OTHER_CONTRACT = (other_contract("current", "duty"), other_contract("duty", "current"))
 # What isolation makes of an attempt to use a file, a device or the network.
 _OF_ISOLATION = ("PermissionError", "FileNotFoundError", "OSError", "ConnectionRefusedError")
 _NOT_ITS_OWN = "a candidate must leave alone what it has not opened"
@@ -86,6 +88,7 @@ class CandidateProcess:
         self.starts_afresh = False
         self._is_set_up = False
         self._has_instance = False
+        self._has_run = False
 
     def made_instance(self) -> Reply:
         """Make a new instance of the candidate, and delete the previous one; start the process if there is none."""
@@ -120,6 +123,8 @@ class CandidateProcess:
             commands = self._running.copied_commands(order.commands, given)
             self.kill()
             return Answered(commands, STOPPED, bytes(CHECK_BYTES), died.fault)
+        finally:
+            self._has_run = True
         fault = self._fault_in(reply)
         if fault is None and reply.status == COMPLETED and reply.steps != steps:
             fault = self._garbled(self._running)
@@ -175,7 +180,7 @@ class CandidateProcess:
             except UnreadableReply:
                 raise CandidateFault(self._garbled(handle)) from None
             if reply is not None:
-                return self._settled(reply)
+                return self._settled(reply, order)
             fault = self._crash(handle) if ended else self._hang(handle, watch) or self._excess(handle)
             if fault is not None:
                 raise CandidateFault(fault)
@@ -190,8 +195,10 @@ class CandidateProcess:
             on_slow, self._on_slow = self._on_slow, None
             on_slow(slow)
 
-    def _settled(self, reply: Reply) -> Reply:
+    def _settled(self, reply: Reply, order: Order) -> Reply:
         if reply.ending is Ending.REFUSED:
+            if not self._may_refuse(reply, order):
+                raise CandidateFault(self._garbled(self._running))
             self.kill()
             raise InputError(bounded_text(reply.text))
         if reply.ending is Ending.BROKEN:
@@ -200,6 +207,20 @@ class CandidateProcess:
             self.kill()
             raise HarnessFault(f"the harness failed in a candidate's process: {reply.text}")
         return reply
+
+    def _may_refuse(self, reply: Reply, order: Order) -> bool:
+        """Return True if drivegate's own code there may have refused the candidate, rather than the candidate itself.
+
+        It refuses one that cannot be loaded or reset, before any run. In a run it can only find, by the first command,
+        that the candidate is for drives of the other contract.
+        """
+        if self._has_run or not isinstance(order, RunOrder):
+            return not self._has_run
+        return (
+            self.candidate.contract is None
+            and int(self._running.progress.steps[0]) <= 1
+            and reply.text in _OTHER_CONTRACT
+        )
 
     def _fault_in(self, reply: Reply) -> Fault | None:
         """Read the fault of a reply, and add what is known of it here."""

@@ -234,7 +234,8 @@ class _Server:
     def _stopped(self, status: int, steps: int) -> Reply:
         """Answer for a run that ended before its end: with the fault, if the controller itself knows it."""
         refusal: InputError | None = getattr(self._instance, "refusal", None)
-        if refusal is not None:
+        # A candidate that has answered before as its drive takes it is not one for another drive.
+        if refusal is not None and steps == 0:
             raise refusal
         fault = self._instance.fault
         if fault is None:

@@ -8,6 +8,7 @@ from textwrap import indent
 
 import pytest
 
+from drivegate.candidates.contract import other_contract
 from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.check import judged
@@ -190,6 +191,18 @@ def test_nothing_of_a_candidate_is_a_fault_of_the_harness(attempt, step):
     fault = attempt(step, limits=replace(LIMITS, idle_seconds=4.0))
     assert isinstance(fault, Fault), fault
     assert fault.kind in (FaultKind.CRASH, FaultKind.HANG), fault
+
+
+@pytest.mark.parametrize("text", ["in a stranger's words", other_contract("duty", "current")])
+def test_a_refusal_that_is_forged_in_a_run_is_a_crash(attempt, text):
+    """Believed, it would end the check without a report, and in the candidate's own words."""
+    forged = (
+        f'connection().send(struct.pack("=8sqqqqq16s", b"drivegat", 2, 0, 0, 0, 0, b"") + {text.encode()!r})'
+    )
+    fault = attempt(step=forged)
+    assert isinstance(fault, Fault)
+    assert fault.kind is FaultKind.CRASH
+    assert "wrote into its connection" in fault.message
 
 
 def test_what_breaks_drivegates_own_code_while_loading_is_the_candidates_fault(attempt):
