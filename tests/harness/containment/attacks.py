@@ -1,6 +1,7 @@
 """Attacks on the machine that checks a candidate, each carried out for real by code in the candidate's process.
 
-``python tests/harness/containment/attacks.py`` prints the table of docs/containment.md.
+``python -m tests.harness.containment.attacks`` prints the table of docs/containment.md, as root: an attack is prevented
+if neither root's candidate nor an ordinary user's does it. ``--json LEVEL`` prints what is done as this user.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ import os
 import re
 import resource
 import select
+import signal
 import socket
 import subprocess
 import sys
@@ -23,12 +25,15 @@ from textwrap import dedent, indent
 import psutil
 
 from drivegate.candidates.fault import Fault
+from drivegate.candidates.native.bounded_command import Bounds, run_bounded
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job, JudgedCandidate
-from drivegate.isolation.layers import Layer
-from drivegate.isolation.system_calls import NUMBERS
+from drivegate.isolation.layers import Layer, Places, available_layers, isolated_command
+from drivegate.isolation.system_calls import NUMBERS, SYSTEM
+from drivegate_models.compilation import cache_lock
 from drivegate_models.compilation.kernels import required_cache_folder
+from drivegate_models.errors import InputError
 
 LEVELS: dict[str, tuple[Layer, ...]] = {
     "all layers": tuple(Layer),
@@ -90,6 +95,8 @@ class Scene:
     """The folder of compiled kernels."""
     sockets: dict[str, socket.socket]
     """A socket of each kind, at which somebody could be heard."""
+    terminal: str
+    """A terminal of the user's, at which somebody types."""
 
     def state_of_victim(self) -> str:
         """Return the state that the system reports of the victim, a letter; empty if it is gone."""
@@ -251,13 +258,43 @@ ATTACKS = (
     ),
     Attack(
         "slows a process down",
-        "os.setpriority(os.PRIO_PROCESS, victim, 15)",
-        lambda scene: os.getpriority(os.PRIO_PROCESS, scene.victim.pid) == 15,
+        "os.setpriority(os.PRIO_PROCESS, victim, 15); aim(os.getpriority(os.PRIO_PROCESS, victim) == 15)",
     ),
     Attack(
         "moves a process to one processor",
         "os.sched_setaffinity(victim, {0})",
         lambda scene: len(os.sched_getaffinity(scene.victim.pid)) == 1 != psutil.cpu_count(),
+    ),
+    Attack(
+        "slows a group of processes down",
+        "os.setpriority(os.PRIO_PGRP, os.getpgid(victim), 16); aim(os.getpriority(os.PRIO_PROCESS, victim) == 16)",
+    ),
+    Attack(
+        "changes how a process is scheduled",
+        "os.sched_setscheduler(victim, os.SCHED_BATCH, os.sched_param(0))",
+        lambda scene: os.sched_getscheduler(scene.victim.pid) == os.SCHED_BATCH,
+    ),
+    Attack(
+        "puts the reading and writing of a process behind that of others",
+        'syscall(scene["ioprio_set"], 1, victim, 3 << 13)',
+        lambda scene: psutil.Process(scene.victim.pid).ionice().ioclass == psutil.IOPRIO_CLASS_IDLE,
+    ),
+    Attack(
+        "reads what is typed at a terminal of yours",
+        'os.open(scene["terminal"], os.O_RDONLY | os.O_NOCTTY); aim()',
+    ),
+    # What drivegate waits for.
+    Attack(
+        "takes the lock of those who compile kernels",
+        """
+        place = Path(scene["kernels"])
+        for lock in (*place.glob("compiling"), *place.parent.glob("*.compiling")):
+            fcntl.lockf(open(lock), fcntl.LOCK_SH | fcntl.LOCK_NB); aim()
+        """,
+    ),
+    Attack(
+        "delays by a lease everybody who opens compiled kernels",
+        'fcntl.fcntl(open(next(Path(scene["kernels"]).rglob("*.nbi"))), 1024, fcntl.F_RDLCK); aim()',
     ),
     # Ways out.
     Attack(
@@ -284,6 +321,10 @@ ATTACKS = (
         'client = socket.socket(socket.AF_UNIX); client.connect(chr(0) + scene["abstract"]); client.send(b"x")',
         _heard("abstract"),
     ),
+    Attack(
+        "reaches the host of a virtual machine", "socket.socket(socket.AF_VSOCK, socket.SOCK_STREAM); aim()"
+    ),
+    Attack("talks to the kernel by netlink", "socket.socket(socket.AF_NETLINK, socket.SOCK_RAW); aim()"),
     Attack("opens a raw socket", "socket.socket(socket.AF_PACKET, socket.SOCK_RAW); aim()"),
     # What would stay.
     Attack(
@@ -296,6 +337,13 @@ ATTACKS = (
         "makes a message queue that others see",
         "call(system.msgget(scene['key'], 0o1600))",
         lambda scene: _queue_exists(_key(scene)),
+    ),
+    Attack(
+        "makes a POSIX message queue",
+        """
+        queue = ctypes.create_string_buffer(scene["left"].encode())
+        syscall(scene["mq_open"], ctypes.addressof(queue), os.O_CREAT | os.O_RDWR, 0o600, 0); aim()
+        """,
     ),
     Attack("makes memory that no limit counts", 'os.memfd_create("attack"); aim()'),
     Attack(
@@ -316,6 +364,10 @@ ATTACKS = (
     Attack("changes the root folder", 'os.chroot("/usr"); aim()'),
     Attack(
         "makes a device", 'os.mknod(Path(os.environ["TMPDIR"], "device"), 0o20600, os.makedev(1, 1)); aim()'
+    ),
+    Attack(
+        "reads the kernel's log",
+        "room = ctypes.create_string_buffer(4096); aim(syscall(scene['syslog'], 3, ctypes.addressof(room), 4096) > 0)",
     ),
     Attack("writes into the kernel's log", 'os.open("/dev/kmsg", os.O_WRONLY); aim()'),
     Attack("opens settings of the kernel for writing", 'open("/proc/sys/kernel/core_pattern", "r+"); aim()'),
@@ -343,7 +395,89 @@ ATTACKS = (
     Attack("becomes another user", "os.setuid(12345); aim()"),
     Attack("raises its own priority", "os.nice(-1); aim()"),
 )
-"""Every attack, in the order of the table."""
+"""Every attack of a candidate's process, in the order of the table."""
+
+
+def _named(lines: str) -> Callable[[Scene], bool]:
+    """Return an attack by a manifest: True if drivegate opens what it names."""
+
+    def is_opened(scene: Scene) -> bool:
+        own, secret = scene.candidate, scene.folder / "secret.txt"
+        (own / "own.c").touch()
+        for name, target in (("link", secret), ("folder", scene.folder)):
+            if not (own / name).is_symlink():
+                (own / name).symlink_to(target)
+        manifest = own / "candidate.toml"
+        filled = lines.format(secret=secret, folder=scene.folder, dots=os.path.relpath(secret, own.resolve()))
+        manifest.write_text(f'schema = 1\nname = "mine"\n{filled}\n', encoding="utf-8")
+        try:
+            resolve_candidate(str(manifest))
+        except InputError as error:
+            # What is refused later has been opened before.
+            return "leads out of the manifest's folder" not in str(error)
+        return True
+
+    return is_opened
+
+
+def _waits(scene: Scene) -> bool:
+    """Return True if drivegate waits for whoever writes into a FIFO that a manifest names."""
+    os.mkfifo(scene.candidate / "fifo")
+    manifest = scene.candidate / "waits.toml"
+    lines = 'schema = 1\nname = "mine"\nkind = "exec"\nentry = "true"\nsources = ["fifo"]\n'
+    manifest.write_text(lines, encoding="utf-8")
+    before = signal.signal(signal.SIGALRM, _raise_timeout)
+    signal.alarm(10)
+    try:
+        resolve_candidate(str(manifest))
+    except InputError:
+        return False
+    except TimeoutError:
+        return True
+    finally:
+        signal.alarm(0)
+        signal.signal(signal.SIGALRM, before)
+    return True
+
+
+def _raise_timeout(*_: object) -> None:
+    raise TimeoutError
+
+
+def _stays(scene: Scene, layers: tuple[Layer, ...]) -> bool:
+    """Return True if a process of a build is left."""
+    mark = f"6{scene.victim.pid}.5"
+    words = isolated_command(["setsid", "--fork", "sleep", mark], layers, Places((), ()))
+    run_bounded(words, folder=scene.candidate, environment={}, bounds=Bounds(20.0))
+    left = [
+        process for process in psutil.process_iter(["cmdline"]) if process.info["cmdline"] == ["sleep", mark]
+    ]
+    for process in left:
+        process.kill()
+    return left != []
+
+
+_OF = "names a file of yours in its manifest: "
+_EXEC = 'kind = "exec"\nentry = "true"\n'
+BY_MANIFEST: dict[str, Callable[[Scene], bool]] = {
+    _OF + "by its path": _named(_EXEC + 'sources = ["{secret}"]'),
+    _OF + "with dots": _named(_EXEC + 'sources = ["{dots}"]'),
+    _OF + "by a symbolic link": _named(_EXEC + 'sources = ["link"]'),
+    _OF + "through a linked folder": _named(_EXEC + 'sources = ["folder/secret.txt"]'),
+    _OF + "by a pattern through a link": _named(_EXEC + 'sources = ["folder/*.txt"]'),
+    _OF + "as a word of its command": _named('kind = "exec"\nentry = "true {secret}"'),
+    _OF + "as its program": _named('kind = "exec"\nentry = "{folder}/bin/tool"'),
+    "names a folder of yours in its manifest": _named('kind = "c"\nentry = "own.c"\ninclude = ["{folder}"]'),
+    _OF + "as its drive": _named('kind = "builtin"\nentry = "reference"\ndrive = "{folder}/drive.toml"'),
+    _OF + "to be copied into its build": _named(
+        'kind = "so"\nentry = "own.so"\nsources = ["{secret}"]\nbuild = ["true"]'
+    ),
+    "makes drivegate wait for a FIFO": _waits,
+}
+"""Every attack by a manifest, which drivegate itself reads, in the order of the table."""
+BY_BUILD = {"leaves a process behind in its build": _stays}
+NAMES = (*(attack.name for attack in ATTACKS), *BY_MANIFEST, *BY_BUILD)
+"""Names of all attacks, in the order of the table."""
 
 
 def _left(scene: Scene) -> str:
@@ -363,9 +497,11 @@ def outcomes(layers: tuple[Layer, ...]) -> dict[str, bool]:
     """Carry out every attack under some layers, and return for each whether it was done."""
     with _scene() as scene:
         reached = _attacked(scene, layers)
-        return {
+        done = {
             attack.name: number in reached or attack.is_done(scene) for number, attack in enumerate(ATTACKS)
         }
+        done |= {name: is_done(scene) for name, is_done in BY_MANIFEST.items()}
+        return done | {name: is_done(scene, layers) for name, is_done in BY_BUILD.items()}
 
 
 def _attacked(scene: Scene, layers: tuple[Layer, ...]) -> set[int]:
@@ -381,7 +517,8 @@ def _attacked(scene: Scene, layers: tuple[Layer, ...]) -> set[int]:
         "abstract": _left(scene),
         "left": _left(scene),
         "key": _key(scene),
-        **{name: NUMBERS[name] for name in ("add_key", "bpf", "userfaultfd", "perf_event_open")},
+        "terminal": scene.terminal,
+        **{name: NUMBERS[name] for name in _CALLS},
     }
     steps = [
         _EACH.format(code=indent(dedent(attack.code).strip(), " " * 8), number=number)
@@ -397,6 +534,9 @@ def _attacked(scene: Scene, layers: tuple[Layer, ...]) -> set[int]:
     report = re.search(r"reached ([\d ]*)", ending.message)
     assert report, f"the attacks did not come to their end: {ending}"
     return set(map(int, report[1].split()))
+
+
+_CALLS = ("add_key", "bpf", "userfaultfd", "perf_event_open", "ioprio_set", "mq_open", "syslog")
 
 
 def _loaded(loaded: JudgedCandidate, _payload: None) -> None:
@@ -415,10 +555,18 @@ def _scene() -> Iterator[Scene]:
             [sys.executable, "-c", "import time; print(flush=True); time.sleep(600)"],
             env=environment,
             stdout=subprocess.PIPE,
+            # A group of its own, which is what an attack on a group is for.
+            start_new_session=True,
         ) as victim,
+        _terminal() as terminal,
     ):
         sockets = _sockets(stack, Path(mine), f"attack-{victim.pid}")
-        scene = Scene(victim, Path(mine), Path(candidate), required_cache_folder(), sockets)
+        scene = Scene(victim, Path(mine), Path(candidate), required_cache_folder(), sockets, terminal)
+        with cache_lock.alone("attack", str(scene.kernels)):
+            # The file of the locks is there from now on.
+            pass
+        kernel = scene.kernels / f"attack-{victim.pid}.nbi"
+        kernel.touch()
         try:
             assert victim.stdout is not None
             victim.stdout.readline()
@@ -426,12 +574,28 @@ def _scene() -> Iterator[Scene]:
             for name in _FILES:
                 (scene.folder / name).write_text("mine")
                 (scene.folder / name).chmod(0o600)
+            (scene.folder / "bin").mkdir()
+            (scene.folder / "bin" / "tool").touch(0o700)
+            (scene.folder / "drive.toml").touch()
             yield scene
         finally:
             victim.kill()
+            kernel.unlink(missing_ok=True)
+            _remove_message_queue(_left(scene))
             (scene.kernels / f"attack-{scene.victim.pid}").unlink(missing_ok=True)
             Path("/dev/shm", _left(scene)).unlink(missing_ok=True)
             _remove_queue(_key(scene))
+
+
+@contextmanager
+def _terminal() -> Iterator[str]:
+    """Open a terminal, as a window of the user's is one."""
+    ends = os.openpty()
+    try:
+        yield os.ttyname(ends[1])
+    finally:
+        for end in ends:
+            os.close(end)
 
 
 _FILES = (
@@ -467,22 +631,49 @@ def _remove_queue(key: int) -> None:
         subprocess.run(["ipcrm", option, str(key)], stderr=subprocess.DEVNULL, check=False)
 
 
+def _remove_message_queue(name: str) -> None:
+    with suppress(OSError):
+        SYSTEM.mq_unlink(f"/{name}".encode())
+
+
 def read_table(page: str) -> dict[str, dict[str, str]]:
     """Read the table of docs/containment.md: what is stated of each attack at each level."""
     rows = [line.strip("| ").split(" | ") for line in page.splitlines() if line.startswith("| ")]
-    names = {attack.name for attack in ATTACKS}
-    return {row[0]: dict(zip(LEVELS, row[1:], strict=True)) for row in rows if row[0] in names}
+    return {row[0]: dict(zip(LEVELS, row[1:], strict=True)) for row in rows if row[0] in NAMES}
 
 
 def table() -> str:
     """Write the table of docs/containment.md."""
-    found = {level: outcomes(layers) for level, layers in LEVELS.items()}
+    found = {}
+    for level, layers in LEVELS.items():
+        # Without layers, root's candidate does all that an ordinary user's does.
+        others = (of_ordinary_user(level) if layers else None) or {}
+        found[level] = {name: done or others.get(name, False) for name, done in outcomes(layers).items()}
     lines = [f"| a candidate | {' | '.join(LEVELS)} |", "|---|" + "---|" * len(LEVELS)]
-    for attack in ATTACKS:
-        cells = ["neither" if found[level][attack.name] else "prevented" for level in LEVELS]
-        lines.append(f"| {attack.name} | {' | '.join(cells)} |")
+    for name in NAMES:
+        cells = ["neither" if found[level][name] else "prevented" for level in LEVELS]
+        lines.append(f"| {name} | {' | '.join(cells)} |")
     return "\n".join(lines) + "\n"
 
 
+def of_ordinary_user(level: str) -> dict[str, bool] | None:
+    """Carry out every attack at a level as an ordinary user, where this process is root's.
+
+    None if an ordinary user does not have the level on this machine.
+    """
+    from tests.harness.containment.ordinary_user import run_as_ordinary_user
+
+    with tempfile.TemporaryDirectory() as home:
+        found: dict[str, bool] | None = json.loads(
+            run_as_ordinary_user(Path(home), __file__, "--json", level)
+        )
+    return found
+
+
 if __name__ == "__main__":
-    sys.stdout.write(table())
+    if sys.argv[1:2] == ["--json"]:
+        layers = LEVELS[sys.argv[2]]
+        can_be_tried = set(layers) <= set(available_layers())
+        sys.stdout.write(json.dumps(outcomes(layers) if can_be_tried else None))
+    else:
+        sys.stdout.write(table())

@@ -16,7 +16,7 @@ import psutil
 import pytest
 from tests.harness import worker_jobs
 from tests.harness.beside_templates import children
-from tests.harness.containment.attacks import ATTACKS, LEVELS, outcomes, read_table
+from tests.harness.containment.attacks import LEVELS, NAMES, of_ordinary_user, outcomes, read_table
 
 from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.candidates.resolution import resolve_candidate
@@ -81,9 +81,22 @@ def can_be_tried(level: str) -> bool:
 @pytest.mark.parametrize("level", [level for level in LEVELS if can_be_tried(level)])
 def test_what_the_page_says_of_each_attack_is_so(level: str, no_process_left: None) -> None:
     stated = read_table(PAGE.read_text(encoding="utf-8"))
-    assert set(stated) == {attack.name for attack in ATTACKS}
+    assert set(stated) == set(NAMES)
     found = {name: "neither" if done else "prevented" for name, done in outcomes(LEVELS[level]).items()}
     assert found == {name: row[level] for name, row in stated.items()}
+
+
+@pytest.mark.parametrize("level", [level for level in LEVELS if LEVELS[level] and os.getuid() == 0])
+def test_what_the_page_says_of_each_attack_is_so_for_an_ordinary_user(
+    level: str, no_process_left: None
+) -> None:
+    """Root's candidate lacks the rights of root, so that it may fail where that of an ordinary user would not."""
+    stated = read_table(PAGE.read_text(encoding="utf-8"))
+    done = of_ordinary_user(level)
+    if done is not None:
+        assert {name for name in done if done[name]} == {
+            name for name, row in stated.items() if row[level] == "neither"
+        }
 
 
 def test_a_candidate_reads_its_own_folder_and_what_the_user_names(

@@ -15,7 +15,9 @@ import pytest
 from drivegate_models.compilation import cache_lock, kernel_files
 
 LOCKS = "import fcntl; fcntl.lockf(file, fcntl.LOCK_SH)"
-LEASES = "import fcntl, signal; signal.signal(signal.SIGIO, lambda *_: 0); fcntl.fcntl(file, 1024, fcntl.F_WRLCK)"
+LEASES = (
+    "import fcntl, signal; signal.signal(signal.SIGIO, lambda *_: 0); fcntl.fcntl(file, 1024, fcntl.F_WRLCK)"
+)
 
 
 @contextmanager
