@@ -37,7 +37,7 @@ from drivegate.gate.events import (
 )
 from drivegate.gate.focus import Focus
 from drivegate.gate.options import CheckOptions
-from drivegate.gate.own_requirements import require_fitting, with_requirements
+from drivegate.gate.own_requirements import require_fitting, with_evidence, with_requirements
 from drivegate.gate.plan import EXAMPLES, REPEATED, Origin, Work, planned_work
 from drivegate.gate.progress import Progress
 from drivegate.gate.recording import behaviour_job, recording_plans, run_recorded, with_recordings
@@ -58,8 +58,9 @@ from drivegate.results.document import (
     FocusSection,
     InfeasibleSection,
     ResultDocument,
+    RunSection,
 )
-from drivegate.results.provenance import machine, provenance
+from drivegate.results.provenance import hash_of_scenario, machine, provenance
 from drivegate.results.result import counted_levels
 from drivegate.results.verdict import candidate_verdict, check_outcomes, costly_steps, machine_dependent
 from drivegate.results.waivers import present_day, under_waivers
@@ -222,6 +223,7 @@ def _finished(
     _add_differing(outcomes, progress)
     if plan.today is not None:
         outcomes = under_waivers(outcomes, candidate.name, options.waivers, plan.today)
+    outcomes = with_evidence(outcomes, candidate.declaration)
     verdict, exit_code = candidate_verdict(
         outcomes, progress.faults, comparisons or (), fail_on=options.fail_on
     )
@@ -256,6 +258,7 @@ def _finished(
         infeasible=tuple(InfeasibleSection(scenario=one.scenario, reason=one.reason) for one in infeasible),
         corpus_runs=len(progress.runs[Origin.CORPUS]),
         fixed=tuple(map(_fixed_margins, progress.runs[Origin.FIXED])),
+        run_list=tuple(map(_listed, runs)),
         baseline=comparisons,
         **made,
     )
@@ -394,12 +397,23 @@ def _behave(pool: WorkerPool, drive: DriveDocument, declaration: Declaration, pr
 
 
 def _fixed_margins(run: JudgedRun) -> FixedSection:
-    margins: dict[str, float | None] = {
-        margin.check: margin.value for margin in run.margins if margin.check not in _VOLATILE
-    }
     return FixedSection.model_construct(
-        name=str(run.scenario["name"]), scenario=run.scenario, margins=margins
+        name=str(run.scenario["name"]), scenario=run.scenario, margins=_settled_margins(run)
     )
+
+
+def _listed(run: JudgedRun) -> RunSection:
+    return RunSection.model_construct(
+        name=str(run.scenario["name"]),
+        seed=int(run.scenario["seed"]),
+        hash=hash_of_scenario(run.scenario),
+        margins=_settled_margins(run),
+    )
+
+
+def _settled_margins(run: JudgedRun) -> dict[str, float | None]:
+    """Return the margins of a run by check, without those that depend on the machine."""
+    return {margin.check: margin.value for margin in run.margins if margin.check not in _VOLATILE}
 
 
 def _worst(runs: Sequence[JudgedRun], focus: Focus) -> str:

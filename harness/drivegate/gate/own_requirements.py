@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -13,7 +13,8 @@ from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.contracts.catalogue import all_checks, checks_of, contract_of, row_checks
 from drivegate.contracts.contract import Contract
 from drivegate.drives.running import recorded
-from drivegate_cases.documents.wording import figure, nearest
+from drivegate.results.document import CheckSection
+from drivegate_cases.documents.wording import figure, nearest, one_line
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import limits_of
 from drivegate_cases.requirements.file import OwnRequirements
@@ -42,6 +43,18 @@ def with_requirements(candidate: Candidate, own: OwnRequirements | None) -> Cand
     return replace(candidate, declaration=replace(candidate.declaration, requirements=own))
 
 
+def with_evidence(outcomes: Iterable[CheckSection], declaration: Declaration) -> tuple[CheckSection, ...]:
+    """Add to each outcome the user's own identifiers of what the check is evidence for."""
+    own = declaration.requirements
+    stated = () if own is None else own.evidence
+    return tuple(
+        outcome.model_copy(
+            update={"evidence_for": tuple(one.id for one in stated if outcome.id in one.checks)}
+        )
+        for outcome in outcomes
+    )
+
+
 def require_fitting(declaration: Declaration, drive: DriveDocument) -> None:
     """Refuse rows that no run on a drive could be judged by, or whose numbers are far off the drive's."""
     own = declaration.requirements
@@ -50,6 +63,13 @@ def require_fitting(declaration: Declaration, drive: DriveDocument) -> None:
     for row in own.rows:
         for problem in _problems(row, contract_of(drive), drive):
             raise InputError(f"{own.where}: {row.id} {problem}")
+    for evidence in own.evidence:
+        for check in evidence.checks:
+            if check not in (known := all_checks()):
+                raise InputError(
+                    f"{own.where}: the evidence {one_line(evidence.id)} names the check '{one_line(check)}', but must "
+                    f"name one that there is, the nearest is '{nearest(check, known)}'"
+                )
     scenarios = own.scenarios_on(drive) + own.drawn_on(drive, 2, 0)
     longest = max((scenario.duration_s for scenario in scenarios), default=0.0)
     for row in own.rows:

@@ -66,6 +66,10 @@ def junit_xml(result: dict[str, Any]) -> bytes:
     for check in by_urgency(result["checks"]):
         case = _case(suite, f"{name}.{check['id'].partition('-')[0]}", check["id"])
         case.set("time", f"{seconds * check['runs'] / judged:.3f}")
+        if check.get("evidence_for"):
+            properties = ElementTree.SubElement(case, "properties")
+            for identifier in check["evidence_for"]:
+                ElementTree.SubElement(properties, "property", name="requirement", value=one_line(identifier))
         _judge(case, result, check, explained.get(check["id"], ""))
     for entry in result["baseline"] or ():
         _compare(_case(suite, name, f"{entry['check']} against the baseline"), entry, counted)

@@ -18,6 +18,7 @@ from drivegate.output.report_writers import (
 )
 from drivegate.output.rerun import moved_to
 from drivegate.output.result_file import write_result_files
+from drivegate.output.run_list import write_runs
 from drivegate.output.streams import harmless
 from drivegate.results.result import NOT_WITNESSED, STALE_WAIVERS, alteration_of, counted_levels
 from drivegate_cases.documents.wording import nearest, one_line, shown_path
@@ -123,6 +124,7 @@ OWN_FORMATS: Final[Mapping[str, WriteReport]] = {
     "annotations": _write_annotations,
     "junit": write_junit,
     "markdown": write_markdown,
+    "runs": write_runs,
 }
 """Reports for CI servers, which the harness makes itself."""
 

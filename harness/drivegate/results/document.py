@@ -143,6 +143,9 @@ class CheckSection(Section):
     scenario: ScenarioTable | None = Field(description="worst scenario, fully resolved")
     counterexample: ScenarioTable | None = Field(description="simplest scenario that breaks the check")
     found: FoundSection | None = Field(default=None, description="what the counterexample gave")
+    evidence_for: tuple[Text, ...] = Field(
+        default=(), description="your own identifiers of what the check is evidence for"
+    )
     waiver: Table | None = Field(default=None, description="the waiver for the check")
     row: Table | None = Field(
         default=None, description="the user's row that was judged; left out for a check of drivegate's own"
@@ -189,6 +192,17 @@ class FixedSection(Section):
     name: Text = Field(description="name of the scenario")
     scenario: ScenarioTable = Field(description="the scenario, fully resolved")
     margins: dict[str, Number] = Field(description="margins by check")
+
+
+class RunSection(Section):
+    """One run, with which a reviewer can find and make it again."""
+
+    name: Text = Field(description="name of the scenario")
+    seed: int = Field(ge=0, description="seed of what is random in the run")
+    hash: Text = Field(description="hash of the scenario, fully resolved")
+    margins: dict[str, Number] = Field(
+        description="margins by check, without those that depend on the machine"
+    )
 
 
 class ComparisonSection(Section):
@@ -321,6 +335,9 @@ class ResultDocument(Document):
     )
     corpus_runs: int = Field(default=0, ge=0, description="number of scenarios of the corpus that were run")
     fixed: tuple[FixedSection, ...] = Field(default=(), description="fixed scenarios and their margins")
+    run_list: tuple[RunSection, ...] = Field(
+        default=(), description="all runs, in the order in which they are judged; empty in earlier results"
+    )
     baseline: tuple[ComparisonSection, ...] | None = Field(
         default=None, description="comparison with an earlier result; null where there was none"
     )

@@ -53,6 +53,11 @@ def hash_of_content(content: Mapping[str, Any]) -> str:
     return hashlib.sha256(json.dumps(hashed, sort_keys=True).encode()).hexdigest()
 
 
+def hash_of_scenario(scenario: Mapping[str, Any]) -> str:
+    """Return a digest of a scenario, fully resolved: equal runs of equal drives have the same."""
+    return hashlib.sha256(json.dumps(scenario, sort_keys=True).encode()).hexdigest()[:16]
+
+
 @cache
 def _sources() -> str:
     """Digest drivegate's own sources and cases, the same in a checkout and in a package."""

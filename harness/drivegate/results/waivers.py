@@ -42,6 +42,7 @@ def _day(value: Any) -> Any:
 class Waiver(Section):
     """A failure of one check by one candidate that is accepted for a while."""
 
+    id: Text | None = Field(default=None, description="your own identifier of the waiver, such as DEV-7")
     check: Text = Field(description="identifier of the check")
     candidate: Text = Field(description="name of the candidate")
     drive: Text | None = Field(
@@ -118,7 +119,7 @@ def _waived(outcome: CheckSection, waiver: Waiver, today: date) -> CheckSection:
         verdict = "waived"
         sentence = f"waived by {waiver.owner} until {waiver.expires}: {waiver.reason}"
     message = f"{outcome.message}; {one_line(sentence)}"
-    shown_keys = {"drive", "reason", "owner", "expires", "margin"}
+    shown_keys = {"id", "drive", "reason", "owner", "expires", "margin"}
     table = waiver.model_dump(mode="json", include=shown_keys, exclude_none=True)
     return outcome.model_copy(update={"verdict": verdict, "message": message, "waiver": table})
 

@@ -10,7 +10,7 @@ from typing import Any
 
 from pydantic import Field, model_validator
 
-from drivegate_cases.documents.document import Document, parse_document, read_document
+from drivegate_cases.documents.document import Document, Section, parse_document, read_document
 from drivegate_cases.documents.wording import shown_path
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.requirements.ranges import draws_of, has_ranges
@@ -20,11 +20,24 @@ from drivegate_cases.scenario.scenario import LONGEST_CONTROL_PERIOD_S, Scenario
 from drivegate_models.errors import InputError
 
 
+class Evidence(Section):
+    """A requirement of the user's that checks of drivegate show."""
+
+    id: str = Field(min_length=1, max_length=100, description="your own identifier, such as SYS-42")
+    checks: tuple[str, ...] = Field(
+        min_length=1, description="list of the checks that are evidence for it, such as STP-1"
+    )
+
+
 class RequirementsFile(Document):
-    """A file of rows and scenarios."""
+    """A file of rows, evidence and scenarios."""
 
     requirement: tuple[Row, ...] = Field(
         default=(), description="list of requirements, each a table [[requirement]]"
+    )
+    evidence: tuple[Evidence, ...] = Field(
+        default=(),
+        description="list of identifiers of yours that checks are evidence for, each a table [[evidence]]",
     )
     scenario: tuple[dict[str, Any], ...] = Field(
         default=(),
@@ -35,8 +48,16 @@ class RequirementsFile(Document):
 
     @model_validator(mode="after")
     def _has_each_once(self) -> RequirementsFile:
-        if not self.requirement:
-            raise ValueError("the file has no table [[requirement]]; write one, or leave the file out")
+        if not self.requirement and not self.evidence:
+            raise ValueError(
+                "the file has no table [[requirement]] or [[evidence]]; write one, or leave the file out"
+            )
+        identifiers = [entry.id for entry in self.evidence]
+        for place, identifier in enumerate(identifiers):
+            if identifier in identifiers[:place]:
+                raise ValueError(
+                    f"two tables [[evidence]] have the id {identifier}; put the checks into one list"
+                )
         seen: dict[str, str] = {}
         for row in self.requirement:
             if (other := seen.setdefault(row.id.upper(), row.id)) is not row.id:
@@ -51,6 +72,8 @@ class OwnRequirements:
     rows: tuple[Row, ...]
     scenarios: tuple[str, ...] = ()
     """Each as JSON, without its drive."""
+    evidence: tuple[Evidence, ...] = ()
+    """The user's identifiers of what checks of drivegate show."""
     where: str = "requirements.toml"
     """The file, as messages name it."""
 
@@ -93,5 +116,6 @@ def read_requirements(path: str | Path) -> OwnRequirements:
     return OwnRequirements(
         read.requirement,
         tuple(json.dumps(table, sort_keys=True) for table in read.scenario),
+        read.evidence,
         shown_path(path),
     )

@@ -1,9 +1,11 @@
 """The catalogue against the table of requirements, and when a check does not apply."""
 
+import re
+
 import pytest
 
 from drivegate.candidates.declaration import Declaration, FlowchartProfile
-from drivegate.contracts.catalogue import on_drive
+from drivegate.contracts.catalogue import contract_named, on_drive
 from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate_cases.drive.drive_document import load_drive
 
@@ -133,3 +135,25 @@ def test_a_star_that_states_no_ripple_is_not_judged_by_it():
     assert spared == {"FLO-1", "RIP-1", "RIP-2", "RIP-3"}
     assert "states no requirements.ripple_percent" in reasons["RIP-1"]
     assert all("inf" not in text for check in CHECKS for text in (on_drive(check, drive).limit,))
+
+
+VAGUE = re.compile(
+    r"\b(hardly|nearly|almost|soon|quickly|much|far|near|enough|roughly|about|too high|too low|in time|well|good|small|"
+    r"large)\b"
+)
+
+
+@pytest.mark.parametrize("contract", ["current", "duty"])
+def test_a_requirement_can_be_tested(contract):
+    """A sentence that a reviewer cannot judge by a number is no requirement."""
+    requirements = {check.id: check.requirement for check in contract_named(contract).checks}
+    vague = {name: VAGUE.findall(text.replace("for good", "")) for name, text in requirements.items()}
+    assert {name: words for name, words in vague.items() if words} == {}
+
+
+def test_requirements_of_duty_ratios_state_their_limits():
+    drive = load_drive("pm-ac-interior")
+    for check in contract_named("duty").checks:
+        text = on_drive(check, drive).requirement
+        if check.subject == "candidate" and check.id != "DET-1":
+            assert re.search(r"\d|peak limit", text), f"{check.id} states no number: {text}"

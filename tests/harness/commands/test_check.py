@@ -19,6 +19,7 @@ FILES = [
     "junit.xml",
     "report.html",
     "result.json",
+    "runs.csv",
     "summary.md",
 ]
 

@@ -31,8 +31,8 @@ def test_reports_are_made_again(command: Any, result: Path, tmp_path: Path) -> N
     assert ended.code == 0, ended.err
     document = ended.document
     assert (document["kind"], document["verdict"]) == ("reports", "pass")
-    assert document["formats"] == ["annotations", "junit", "markdown", "page"]
-    for name in ("result.json", "junit.xml", "summary.md", "annotations.txt", "report.html"):
+    assert document["formats"] == ["annotations", "junit", "markdown", "page", "runs"]
+    for name in ("result.json", "runs.csv", "junit.xml", "summary.md", "annotations.txt", "report.html"):
         first, again = ((tmp_path / folder / name).read_bytes() for folder in ("first", "again"))
         assert first == again, f"{name} differs"
 
@@ -48,7 +48,7 @@ def test_a_report_that_there_is_not(command: Any, result: Path) -> None:
     ended = command("report", str(result), "--format", "junti")
     assert ended.code == 2
     assert ended.err.strip() == (
-        "error: there is no report 'junti', the nearest is 'junit'; there are annotations, junit, markdown, page"
+        "error: there is no report 'junti', the nearest is 'junit'; there are annotations, junit, markdown, page, runs"
     )
 
 

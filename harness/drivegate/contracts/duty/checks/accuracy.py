@@ -77,7 +77,10 @@ def _judged(record: DutyRecord, window: DutyWindow, margin: Margin, column: str,
 ACC_1 = Check(
     id="ACC-1",
     families=(*UNWEAKENED_FAMILIES, "overspeed", "released"),
-    requirement="In steady state, and on a shaft that a torque turns freely, the mean is the reference.",
+    requirement=(
+        "In steady state, and on a shaft that a torque turns freely, the mean torque is within {torque_error} "
+        "of its reference, and the mean speed within k1 = {k1}."
+    ),
     limit="torque {torque_error}, speed k1 = {k1}",
     scenarios="steady stretches of the nominal drive, and those of a shaft that is released; torques up "
     "to {weakening} of the greatest possible",
@@ -97,8 +100,11 @@ def through_sensors(record: DutyRecord) -> Margin | None:
 ROB_5 = Check(
     id="ROB-5",
     families=("sensor", "position error", "lost sample", "false edge", "joint change"),
-    requirement="Through shunts, converters and an encoder or Hall switches the reference is held, also after lost "
-    "samples and false edges.",
+    requirement=(
+        "Through shunts, converters and an encoder or Hall switches, also after lost samples and false edges, "
+        "the mean torque is within 2 × {torque_error} and what an error of the angle costs, and the mean "
+        "speed within 2 k1."
+    ),
     limit="torque 2 × {torque_error} and what an error of the angle costs, speed error 2 k1",
     scenarios="steady stretches of runs with the sensors 'shunts', single samples that are lost, or false edges, "
     "torques up to {weakening} of the greatest possible",

@@ -275,7 +275,9 @@ OVC_1 = Check(
 OVC_2 = Check(
     id="OVC-2",
     families=STEADY_FAMILIES,
-    requirement="In steady state the current stays within the limit of the nameplate.",
+    requirement=(
+        "In steady state the amplitude of the current is at most 1 % above the limit of the nameplate."
+    ),
     limit="1 % above {current}",
     scenarios="steady stretches of the nominal drive where some current within the limit meets the voltage",
     formula="1 - (amplitude of the fundamental / {current} - 1, at least 0) / 1 %",
@@ -285,7 +287,10 @@ OVC_2 = Check(
 MTP_1 = Check(
     id="MTP-1",
     families=UNWEAKENED_FAMILIES,
-    requirement="Below weakening a torque takes hardly more than its least current, or than its least loss.",
+    requirement=(
+        "Below weakening the current is at most {current_excess} above the least for its torque, or the loss "
+        "above the least loss."
+    ),
     limit="{current_excess} above the least",
     scenarios="steady stretches of nominal drives from 10 % of rated torque on that take 90 % of the voltage at most",
     formula="the greater of 1 - (current / the oracle's least - 1) / {current_excess} and the same of the loss",
@@ -295,7 +300,10 @@ MTP_1 = Check(
 )
 EFF_1 = Check(
     id="EFF-1",
-    requirement="At eight operating points derived from those of IEC 61800-9-2 the loss is near the least possible.",
+    requirement=(
+        "At eight operating points derived from those of IEC 61800-9-2 the loss is at most {loss_excess} "
+        "above the least possible."
+    ),
     level="advisory",
     limit="{loss_excess} above the least loss",
     scenarios="steady torque at 0, 50 and 100 % of base speed, 25, 50 and 100 % of rated torque, on the nominal drive",

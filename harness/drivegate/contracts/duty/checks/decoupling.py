@@ -107,7 +107,10 @@ def _moved(record: DutyRecord, step: TorqueStep) -> Margin:
 DEC_1 = Check(
     id="DEC-1",
     families=("torque step",),
-    requirement="A step of the torque moves the d current hardly beyond where it was and where it goes.",
+    requirement=(
+        "A step of the torque moves the d current beyond its values before and after by at most {coupling} of "
+        "the step of the q current."
+    ),
     limit="{coupling} of the step of the q current",
     scenarios="steps of 10 % of rated torque and more on the nominal drive, so small that no voltage is limited",
     formula="1 - d current outside of its values before and {transient} after / {coupling} of the q step",

@@ -59,7 +59,10 @@ def _errors(record: DutyRecord) -> Iterator[tuple[DutyWindow, Margin]]:
 EST_1 = Check(
     id="EST-1",
     families=STEADY_FAMILIES,
-    requirement="In steady state the controller's estimate of the torque is the mean torque.",
+    requirement=(
+        "In steady state the controller's mean estimate of the torque is within {estimate_error} of the mean "
+        "torque."
+    ),
     level="advisory",
     limit="torque {estimate_error}",
     scenarios="steady stretches of the nominal drive in which every command has an estimate of the torque",

@@ -265,7 +265,10 @@ def _allowed(record: DutyRecord, other: float, limit: float) -> float:
 RIP_4 = Check(
     id="RIP-4",
     families=("torque step", "speed step", "load step", "start", "restart"),
-    requirement="In steady state the torque ripple is hardly more than that of ideal modulation.",
+    requirement=(
+        "In steady state the torque ripple is at most {modulation_ripple} times that of ideal modulation, or "
+        "0.5 % of rated torque."
+    ),
     limit="{modulation_ripple} times the ripple of ideal modulation of the declared kind at the same currents and "
     "speed on the same drive, but at least 0.5 % of rated torque",
     scenarios="steady stretches of the nominal drive from 10 % of rated torque and 5 % of base speed on, that take 1 "
@@ -278,7 +281,10 @@ RIP_4 = Check(
 DTM_1 = Check(
     id="DTM-1",
     families=("torque step",),
-    requirement="At low speed dead time adds hardly anything to the torque ripple.",
+    requirement=(
+        "At 5 to 10 % of base speed the torque ripple with dead time is at most {dead_time_ripple} times that "
+        "without, or 0.5 % of rated torque."
+    ),
     level="advisory",
     limit="{dead_time_ripple} times the ripple without dead time, but at least 0.5 % of rated torque",
     scenarios="steady torques at 5 to 10 % of base speed, run with dead time and without",

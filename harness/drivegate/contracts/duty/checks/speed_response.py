@@ -293,9 +293,12 @@ def _swing(record: DutyRecord, window: DutyWindow) -> _Judged:
 ROB_4 = Check(
     id="ROB-4",
     families=("parameter", "speed step", "reversal", "load step", "start"),
-    requirement="After a step, the speed overshoots its reference, moves away from it and sags under a load by no more "
-    "than the limits, and its oscillation does not grow. On a plant that differs from the nameplate, the steady speed "
-    "stays within 2 k1 of its reference.",
+    requirement=(
+        "The speed overshoots a step by at most {speed_overshoot} and leaves its old reference by at most 2 "
+        "k1, a load moves it by at most 1.5 times what it does within the slowest reaction, and its swing "
+        "grows by at most × {speed_swing_ratio}; on a plant that differs from the nameplate its mean is "
+        "within 2 k1 of the reference."
+    ),
     limit="overshoot {speed_overshoot}, swing × {speed_swing_ratio}, detour and on another plant speed error 2 k1, sag "
     "by a load 1.5 times that within the slowest reaction",
     scenarios="runs of a speed reference on the nominal drive, and with R × 0.5 to 2, L × 0.7 to 1.3, ψ × 0.8 to 1.05 "

@@ -94,7 +94,10 @@ def start_moment(record: DutyRecord) -> Moment | None:
 STA_1 = Check(
     id="STA-1",
     families=("start",),
-    requirement="From any angle of the rotor the shaft starts under its load, and does not turn back far.",
+    requirement=(
+        "From any angle of the rotor the shaft starts under its load, reaches 95 % of its speed reference, "
+        "and turns back by at most 60° electrical."
+    ),
     limit="95 % of the speed, 60° electrical backward",
     scenarios="starts of the nominal drive from standstill, from 24 rotor angles and drawn ones",
     formula="the lesser of speed / 95 % of the reference - 1 and 1 - backward turn / 60°",

@@ -258,7 +258,10 @@ def _used_voltage(record: DutyRecord, step: TorqueStep) -> float:
 STP_1 = Check(
     id="STP-1",
     families=("torque step",),
-    requirement="A step of the torque reference is followed without much overshoot, and in time.",
+    requirement=(
+        "After a step of its reference the torque overshoots by at most {overshoot}, and reaches 90 % of the "
+        "step within the longest time that is allowed."
+    ),
     limit="overshoot {overshoot}, {rise}",
     scenarios="steps of 10 % of rated torque and more on the nominal drive, that take 80 % of the voltage at most",
     formula="the lesser of 1 - overshoot / {overshoot} and 1 - time to 90 % / the longest one",

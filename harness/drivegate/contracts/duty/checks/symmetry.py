@@ -37,7 +37,10 @@ def _differences(record: DutyRecord, window: DutyWindow, forward: DutyWindow) ->
 SYM_1 = Check(
     id="SYM-1",
     families=("torque step", "weakening"),
-    requirement="A run backward gives the mirror image of the run forward.",
+    requirement=(
+        "A run backward gives the mirror image of the run forward: mean torques differ by at most 2 % of "
+        "rated torque, mean currents by 2 % of the current limit."
+    ),
     level="advisory",
     limit="2 % of rated torque, and of the current limit",
     scenarios="steady torques backward on the nominal drive, run with speed, torque and initial angle negated as well",

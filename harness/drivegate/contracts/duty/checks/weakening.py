@@ -171,7 +171,10 @@ def _release(record: DutyRecord, step: TorqueStep) -> Margin:
 FWK_1 = Check(
     id="FWK-1",
     families=("weakening",),
-    requirement="Above base speed the torque reaches nearly the greatest that current and voltage allow.",
+    requirement=(
+        "Above base speed the mean torque is at least {weakening} of the greatest that the current limit and "
+        "{weakening_voltage} of the voltage allow."
+    ),
     limit="at least {weakening} of the greatest torque with {weakening_voltage} of the voltage",
     scenarios="steady stretches above {base} on the nominal drive that ask for more than {weakening} of that torque",
     formula=(
@@ -185,7 +188,10 @@ FWK_1 = Check(
 FWK_2 = Check(
     id="FWK-2",
     families=STEADY_FAMILIES,
-    requirement="Where 10 % of the voltage is free the d current is that of least current, of least loss, or between.",
+    requirement=(
+        "Where 10 % of the voltage is free the d current is within {direct_error} of that of least current, "
+        "of least loss, or between them."
+    ),
     limit="± {direct_error}",
     scenarios="steady stretches of the nominal drive that use less than 90 % of the undistorted voltage",
     formula="1 - distance of the d current from the oracle's / {direct_error}",
@@ -196,7 +202,10 @@ FWK_2 = Check(
 FWK_3 = Check(
     id="FWK-3",
     families=("torque step", "weakening"),
-    requirement="A torque reference that goes to zero above base speed neither brakes nor drives the current too high.",
+    requirement=(
+        "After a torque reference goes to zero above base speed, the drive brakes with at most {braking} of "
+        "the step or of rated torque, and no phase current exceeds {peak}."
+    ),
     limit="braking {braking} of the step or of rated torque, whichever is more; current {peak}",
     scenarios="steps of the torque reference to zero above {base}",
     formula="the lesser of 1 - braking torque / {braking} of that torque and 1 - greatest phase current / {peak}",
