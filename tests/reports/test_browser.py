@@ -101,10 +101,13 @@ def test_print_cuts_no_table(opened: Open, name: str) -> None:
     assert page.evaluate("document.documentElement.scrollWidth") <= A4_WIDTH
 
 
-@EACH
-def test_axe_finds_no_fault(opened: Open, name: str) -> None:
+@pytest.mark.parametrize(
+    ("name", "scheme"),
+    [*((name, "light") for name in PAGE_NAMES), ("conformance", "dark"), ("ratios", "dark")],
+)
+def test_axe_finds_no_fault(opened: Open, name: str, scheme: str) -> None:
     # The content policy lets no other script in, and axe is one.
-    page = opened(name, bypass_csp=True)
+    page = opened(name, bypass_csp=True, color_scheme=scheme)
     page.evaluate((files("axe_playwright_python") / "axe.min.js").read_text(encoding="utf-8"))
     # Without the lists of all that is in order.
     found = page.evaluate("axe.run({ resultTypes: ['violations'] })")["violations"]
@@ -158,3 +161,24 @@ def test_without_script_the_page_reads_the_same(opened: Open, name: str) -> None
     assert plain.locator("button, input").count() == 0, "a control that does nothing"
     for table in ("tbody tr", "figure", "article"):
         assert plain.locator(table).count() == scripted.locator(table).count()
+
+
+def test_a_command_is_copied_and_a_section_linked(opened: Open) -> None:
+    page = opened("conformance")
+    page.evaluate("() => { navigator.clipboard.writeText = async (text) => { window.copied = text; }; }")
+    command = page.locator("code.command").first
+    command.locator("xpath=following-sibling::button[1]").click()
+    assert page.evaluate("window.copied") == command.inner_text()
+    assert page.locator(".copy-state").first.inner_text().strip() == "copied"
+    sign = page.locator("a.sign").nth(1)
+    sign.click()
+    assert page.evaluate("location.hash") == sign.get_attribute("href")
+    page.emulate_media(media="print")
+    assert not sign.is_visible()
+
+
+def test_failures_come_first(opened: Open) -> None:
+    page = opened("conformance")
+    levels = page.locator("table[data-name=checks] tbody tr td:nth-child(2)").all_inner_texts()
+    failing = [text.startswith("fail") for text in levels]
+    assert failing == sorted(failing, reverse=True), levels

@@ -111,7 +111,7 @@ DEFAULT_OUTPUT = "drivegate-report"
     is_flag=True,
     help="Check again whenever a source changes: first what failed, then the rest; needs drivegate[watch].",
 )
-@click.option("-q", "--quiet", is_flag=True, help="Print the last line alone, and no progress.")
+@click.option("-q", "--quiet", is_flag=True, help="Print failed checks and the last line alone.")
 @json_flag(exposed=True)
 def command(
     candidates: tuple[str, ...],
@@ -225,10 +225,14 @@ def _is_refused(all_checked: list[Checked]) -> bool:
 
 def _show(all_checked: list[Checked], output: Path, command_again: str, *, quiet: bool) -> None:
     from drivegate.output.console import console_for
-    from drivegate.studies.check.display import show_checked, show_last_line
+    from drivegate.studies.check.display import show_checked, show_failures, show_last_line
 
     console = console_for(sys.stdout)
     for checked in all_checked:
-        if checked.document is not None and not quiet:
+        if checked.document is None:
+            continue
+        if quiet:
+            show_failures(console, checked)
+        else:
             show_checked(console, checked, command_again if len(all_checked) == 1 else None)
     show_last_line(console, all_checked, output)

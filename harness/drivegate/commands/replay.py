@@ -34,7 +34,7 @@ def command(file: Path, candidate: str | None, plot: Path | None) -> Outcome:
     Of a FOLDER, such as drivegate-report, every counterexample is run again, and shown on one line.
 
     The exit code is 1 when one still fails, or is not reproduced by the very candidate that was at fault; it is 0 when
-    all are fixed or do not apply to the candidate.
+    all are fixed or do not apply to the candidate. Of a folder, advisory checks do not count.
     """
     if file.is_dir():
         if plot is not None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Final
 
 from drivegate.results.result import NOT_WITNESSED
 from drivegate_cases.documents.wording import counted, one_line
@@ -13,18 +13,17 @@ _IN_PART = "judged in part only"
 
 
 def by_urgency(checks: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Order checks for reading: what fails first, what is met or does not apply last."""
+    """Order checks for reading: what fails first, what is met or does not apply last, required before advisory."""
     return sorted(checks, key=_urgency)
 
 
-def _urgency(check: Mapping[str, Any]) -> int:
-    if check["verdict"] in ("pass", "not applicable"):
-        return 3
-    if check["verdict"] == "contested":
-        return -1
-    if check["verdict"] in ("waived", NOT_WITNESSED, "inconclusive"):
-        return 2
-    return 0 if check["level"] == "required" else 1
+_LATER: Final = ("contested", NOT_WITNESSED, "inconclusive", "waived", "pass", "not applicable")
+"""Verdicts after those that fail, in their order."""
+
+
+def _urgency(check: Mapping[str, Any]) -> tuple[int, bool]:
+    verdict = check["verdict"]
+    return 1 + _LATER.index(verdict) if verdict in _LATER else 0, check["level"] != "required"
 
 
 def unjudged_in_words(document: Mapping[str, Any]) -> str:

@@ -10,7 +10,7 @@ from typing import Any, Final
 
 from drivegate.isolation.layers import layers_in_words
 from drivegate.output.causes import causes_of, first_to_mend, likely_causes_of
-from drivegate.output.explanations import unjudged_in_words
+from drivegate.output.explanations import by_urgency, unjudged_in_words
 from drivegate.output.rerun import PLACES, check_command, replay_command
 from drivegate.output.wording import drive_in_words
 from drivegate.results.result import (
@@ -30,6 +30,8 @@ def printable(section: Mapping[str, Any]) -> dict[str, Any]:
     return {
         key: clean(item, LONGEST_BLOCK if key == "traceback" else LONGEST_TEXT)
         if isinstance(item, str)
+        else [clean(name) for name in item]
+        if key == "evidence_for"
         else item
         for key, item in section.items()
     }
@@ -42,7 +44,7 @@ def page_values(document: Mapping[str, Any]) -> dict[str, Any]:
     if DAY_VARIABLE in os.environ:
         # Where the date is settled, it alone is shown, so that equal results give equal pages.
         times = {"day": present_day().isoformat()}
-    checks = [printable(_with_timed_numbers(check, times)) for check in document["checks"]]
+    checks = by_urgency([printable(_with_timed_numbers(check, times)) for check in document["checks"]])
     counted = counted_levels(document.get("fail_on"))
     failing = [check["id"] for check in checks if check["verdict"] == "fail" and check["level"] in counted]
     broken = [check for check in checks if check["counterexample"] is not None]

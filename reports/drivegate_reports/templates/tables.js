@@ -1,4 +1,4 @@
-// Tables that people sort and filter. A page reads the same without this.
+// Tables that people sort and filter, and commands that they copy. A page reads the same without this.
 (() => {
   "use strict";
   // A link into what is folded opens it.
@@ -62,6 +62,37 @@
       count.textContent = words.length ? `${left} of ${rows.length}` : "";
     });
   };
+  const copied = async (text) => {
+    try {
+      await navigator.clipboard.writeText(text);
+      return true;
+    } catch {
+      // A page that was opened as a file may have no clipboard.
+      const field = document.createElement("textarea");
+      field.value = text;
+      document.body.append(field);
+      field.select();
+      const done = document.execCommand("copy");
+      field.remove();
+      return done;
+    }
+  };
+  const copyable = (source) => {
+    const button = document.createElement("button");
+    button.type = "button";
+    button.className = "copy";
+    button.textContent = "Copy";
+    button.setAttribute("aria-label", source.tagName === "PRE" ? `Copy: ${source.getAttribute("aria-label") ?? "text"}` : "Copy the command");
+    const state = document.createElement("span");
+    state.className = "small copy-state";
+    state.setAttribute("role", "status");
+    source.after(button, state);
+    button.addEventListener("click", async () => {
+      state.textContent = (await copied(source.textContent)) ? " copied" : " not copied: select the text";
+      setTimeout(() => (state.textContent = ""), 2000);
+    });
+  };
+  for (const source of document.querySelectorAll("code.command, pre[aria-label]")) copyable(source);
   for (const table of document.querySelectorAll("table[data-name]")) {
     sortable(table);
     if (table.tBodies[0].rows.length > 5 && table.dataset.filter !== "no") filterable(table, table.closest(".scroll") ?? table);

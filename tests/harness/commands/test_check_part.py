@@ -31,12 +31,17 @@ def test_after_a_pass_nothing_is_left_out(command, engine):
     assert engine.options.focus == Focus()
 
 
-def test_quiet_is_one_line_with_verdict_time_and_report(command, failing):
+def test_quiet_is_a_line_for_each_failure_and_one_with_verdict_time_and_report(command, failing):
     ended = command("check", "reference", "--quiet")
     assert (ended.code, "running" in ended.err) == (1, False), "progress is not quiet"
-    assert ended.out == (
-        "reference: exception, 2 runs, 0 set aside as infeasible, 1 s, report: drivegate-report/report.html\n"
+    *failed, last = ended.out.splitlines()
+    assert last == (
+        "reference: exception, 2 runs, 0 set aside as infeasible, 1 s, report: drivegate-report/report.html"
     )
+    assert [line.split()[0].rstrip(":") for line in failed] == ["exception", "CNV-1", "CUR-1"], (
+        "required ones come first"
+    )
+    assert failed[1].startswith("CNV-1 fail (required), margin "), failed[1]
 
 
 def test_the_last_line_is_about_all_candidates_also_one_that_was_refused(command, engine):

@@ -1,11 +1,16 @@
 """`drivegate replay`: a counterexample is run again, by whom the user says, and judged."""
 
 import json
+import sys
+from pathlib import Path
 
 import pytest
 
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.output.console import console_for
 from drivegate.results.provenance import provenance
+from drivegate.studies.replay.display import next_step_of_all, show_all_replays
+from drivegate.studies.replay.folder import document_of_all
 from drivegate_cases.scenario.scenario import load_scenario
 
 SCENARIO = load_scenario("lock-up").replaced(duration_s=12.0)
@@ -65,7 +70,7 @@ def test_the_reference_is_reported_to_be_right(command, file):
     assert f"cp {file()} corpus/ && drivegate check reference --corpus corpus" in ended.out
 
 
-def test_a_check_of_the_whole_run_is_judged_on_the_whole_run(command, file, controllers):
+def test_of_a_check_of_the_whole_run_the_moment_that_decides_is_stated(command, file, controllers):
     scenario = SCENARIO.replaced(duration_s=1.0).to_mapping()
     words = (
         "replay",
@@ -74,7 +79,8 @@ def test_a_check_of_the_whole_run_is_judged_on_the_whole_run(command, file, cont
         f"{controllers}:Steady",
         "--json",
     )
-    assert command(*words).document["window_s"] == [0.0, 1.0]
+    start, end = command(*words).document["window_s"]
+    assert end - start < 0.2, "what is shown is the greatest current of the whole run"
 
 
 def test_a_repetition_is_repeated(command, file):
@@ -298,3 +304,30 @@ def test_a_report_without_counterexamples_names_what_would_be_right(refused, rep
 def test_a_folder_does_not_say_what_is_executed(refused, report):
     folder = report(CMD_1="reference", DET_1="mine.py:Mine")
     assert "say which one to run with --candidate" in refused("replay", folder)
+
+
+def _ended(check, level, verdict):
+    return {
+        "check": check,
+        "level": level,
+        "verdict": verdict,
+        "file": f"{check}.json",
+        "fault": None,
+        "exit_code": int(verdict == "still fails"),
+        "candidate": {"name": "mine"},
+        "reason": "",
+        "now": {"margin": -0.5, "measured": "x"},
+        "then": {"margin": -1.0},
+    }
+
+
+def test_of_a_folder_required_failures_come_first_and_alone_count(capsys):
+    advised = [_ended("EFF-1", "advisory", "still fails"), _ended("ACC-1", "required", "fixed")]
+    assert document_of_all(Path("report"), advised)["exit_code"] == 0
+    document = document_of_all(Path("report"), [*advised, _ended("STP-1", "required", "still fails")])
+    assert document["exit_code"] == 1
+    show_all_replays(console_for(sys.stdout), document, "mend it")
+    *lines, total, _ = capsys.readouterr().out.splitlines()
+    assert [line.split()[2] for line in lines[:2]] == ["STP-1", "EFF-1"]
+    assert total == "3 counterexamples: 2 still fail (1 of them advisory, which do not count), 1 fixed"
+    assert "STP-1.json" in next_step_of_all(document, None)

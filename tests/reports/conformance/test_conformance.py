@@ -106,7 +106,7 @@ def test_the_page_has_all_its_sections(passing_page: str) -> None:
         "Traceability",
         "Provenance",
     ):
-        assert f">{heading}</h2>" in passing_page, f"the section '{heading}' is missing"
+        assert f">{heading}</span>" in passing_page, f"the section '{heading}' is missing"
     for said in (
         "golden section",
         "Every required check is met",

@@ -171,7 +171,7 @@ def test_a_failure_that_is_not_witnessed_yet_has_a_section_of_its_own(failing: d
     assert words.tone_of(values["result"]) == "caution"
     assert not values["failing"]
     text = page(failing)
-    assert '<h2 id="not-yet-witnessed">Not yet witnessed</h2>' in text
+    assert '<h2><span id="not-yet-witnessed">Not yet witnessed</span>' in text
     assert "ended before known good controllers were run in the same scenario" in text
 
 

@@ -25,6 +25,8 @@ from drivegate.results.result import NOT_WITNESSED, counted_levels, witness_in_w
 from drivegate.scenarios.facts import facts_in_short
 from drivegate.studies.check.checked import Checked
 
+QUIET_VERDICTS: Final = ("pass", "not applicable", "waived", "inconclusive")
+"""Verdicts of checks that a quiet run does not print."""
 _UNCOUNTED: Final = {
     "contested": "no known good controller meets them in the same scenarios either",
     NOT_WITNESSED: "the check ended before known good controllers were run there",
@@ -42,7 +44,8 @@ def show_checked(console: Console, checked: Checked, again: str | None = None) -
         _show_fault(console, fault, count)
     if left := unjudged_in_words(document):
         print_line(console, f"  {left}", "bold")
-    failed = [check for check in document["checks"] if check["counterexample"] is not None]
+    checks = by_urgency(document["checks"])
+    failed = [check for check in checks if check["counterexample"] is not None]
     if failed:
         for cause in causes_of(document):
             print_line(console, cause, "bold red")
@@ -52,7 +55,7 @@ def show_checked(console: Console, checked: Checked, again: str | None = None) -
     print_line(console, f"on the drive {drive_in_words(document['drive'])}", "dim")
     listed = table("check", "level", "verdict", "margin", "message", right=("margin",))
     counted = counted_levels(document.get("fail_on"))
-    for check in by_urgency(document["checks"]):
+    for check in checks:
         verdict = verdict_text(check["verdict"], counts=check["level"] in counted)
         margin = printed_margin(document, check)
         listed.add_row(plain(check["id"]), plain(check["level"]), verdict, margin, plain(check["message"]))
@@ -122,6 +125,25 @@ def _next_step(checked: Checked, folder: Path, again: str | None) -> str:
     if document.get("focus") is not None or document.get("incomplete"):
         return f"the whole check: {again or plain}"
     return "open the report; drivegate checks lists what was required"
+
+
+def show_failures(console: Console, checked: Checked) -> None:
+    """Print a line for each check that fails, and for each kind of fault."""
+    document = checked.document
+    assert document is not None, "only a candidate with a result is shown"
+    counted = counted_levels(document.get("fail_on"))
+    for fault, count in distinct_faults(document["faults"]):
+        print_line(console, f"{fault['kind']}{in_runs(count)}: {fault['message']}", "bold red")
+    for check in by_urgency(document["checks"]):
+        if check["verdict"] in QUIET_VERDICTS:
+            continue
+        line = plain(f"{check['id']} ")
+        line.append_text(verdict_text(check["verdict"], counts=check["level"] in counted))
+        margin = printed_margin(document, check)
+        line.append_text(
+            plain(f" ({check['level']}), margin {margin}: {check['measured'] or check['message']}")
+        )
+        console.print(line)
 
 
 def show_last_line(console: Console, all_checked: Sequence[Checked], output: Path) -> None:

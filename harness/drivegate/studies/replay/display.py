@@ -10,12 +10,19 @@ from rich.console import Console
 
 from drivegate.checks.margin import margin_in_words
 from drivegate.contracts.catalogue import contract_of
-from drivegate.output.console import plain, print_ending, print_line
+from drivegate.output.console import ADVISED, STYLES, plain, print_ending, print_line
 from drivegate.output.figures import figure_file, side_legend
 from drivegate.output.result_file import COUNTEREXAMPLES
 from drivegate.output.trace_files import write_plot
 from drivegate.results.counterexample import Counterexample
-from drivegate.studies.replay.replay import FIXED, NOT_REPRODUCED, STILL_FAILS, Replay, marked_angle
+from drivegate.studies.replay.replay import (
+    FIXED,
+    NOT_REPRODUCED,
+    STILL_FAILS,
+    VERDICTS,
+    Replay,
+    marked_angle,
+)
 from drivegate.studies.simulate import trace_frame
 from drivegate_cases.documents.wording import counted, one_line
 from drivegate_cases.scenario.script import Script
@@ -87,7 +94,8 @@ def _margin_text(measured: dict[str, Any]) -> str:
 def next_step_of_all(document: dict[str, Any], candidate: str | None) -> str:
     """State what to do when one of a folder's counterexamples still fails, or none does."""
     replays = document["replays"]
-    failing = next((replay for replay in replays if replay["verdict"] == STILL_FAILS), None)
+    fails = [replay for replay in sorted(replays, key=_urgency) if replay["verdict"] == STILL_FAILS]
+    failing = fails[0] if fails else None
     parted = next((replay for replay in replays if replay["verdict"] == NOT_REPRODUCED), None)
     if failing is None and parted is not None:
         return next_step(parted, Path(parted["file"]), candidate)
@@ -108,24 +116,32 @@ def next_step_of_all(document: dict[str, Any], candidate: str | None) -> str:
 
 def show_all_replays(console: Console, document: dict[str, Any], hint: str) -> None:
     """Print one line for each counterexample of a folder, and how many still fail."""
-    replays = document["replays"]
+    replays = sorted(document["replays"], key=_urgency)
     widths = [max(len(replay[key]) for replay in replays) for key in ("verdict", "check")]
     for replay in replays:
-        style = {STILL_FAILS: "bold red", NOT_REPRODUCED: "bold red", FIXED: "bold green"}.get(
-            replay["verdict"], ""
-        )
+        fails = STYLES[ADVISED] if replay["level"] == "advisory" else "bold red"
+        style = {STILL_FAILS: fails, NOT_REPRODUCED: fails, FIXED: "bold green"}.get(replay["verdict"], "")
         line = plain(replay["verdict"].upper().ljust(widths[0]), style)
         line.append_text(
             plain(f"  {replay['check'].ljust(widths[1])}  {_in_short(replay)}  {replay['file']}")
         )
         console.print(line)
-    failing = document["counts"][STILL_FAILS]
-    words = {STILL_FAILS: STILL_FAILS if failing == 1 else "still fail"}
+    failing = [replay for replay in replays if replay["verdict"] == STILL_FAILS]
+    advised = sum(replay["level"] == "advisory" for replay in failing)
+    words = {STILL_FAILS: STILL_FAILS if len(failing) == 1 else "still fail"}
+    more = {STILL_FAILS: f" ({advised} of them advisory, which do not count)" if advised else ""}
     counts = [
-        f"{count} {words.get(verdict, verdict)}" for verdict, count in document["counts"].items() if count
+        f"{count} {words.get(verdict, verdict)}{more.get(verdict, '')}"
+        for verdict, count in document["counts"].items()
+        if count
     ]
     print_line(console, f"{counted(len(replays), 'counterexample')}: {', '.join(counts)}", "bold")
     print_line(console, f"next: {hint}", "dim")
+
+
+def _urgency(replay: dict[str, Any]) -> tuple[int, bool]:
+    """Order by the verdict, and required checks before those that advise."""
+    return VERDICTS.index(replay["verdict"]), replay["level"] != "required"
 
 
 def _in_short(replay: dict[str, Any]) -> str:
@@ -145,8 +161,8 @@ def draw(stored: Counterexample, ended: Replay, plot: Path, title: str) -> None:
     if isinstance(stored.scenario, Script):
         _draw_script(stored.scenario, ended, plot, title)
     elif ended.run is not None:
-        frame = trace_frame(stored.scenario, ended.run)
-        panels = contract_of(stored.scenario.drive).panels
+        frame = trace_frame(stored.scenario, ended.run, ended.steps)
+        panels = contract_of(stored.scenario.drive).panels_of(stored.scenario)
         write_plot(frame, plot, title, panels, moment=ended.moment, edge=marked_angle(stored, ended))
 
 

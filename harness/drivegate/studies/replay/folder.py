@@ -89,11 +89,13 @@ def replayed_all(all_kept: tuple[Kept, ...], display: Display) -> list[dict[str,
 
 def document_of_all(folder: Path, documents: list[dict[str, Any]]) -> dict[str, Any]:
     verdicts = [document["verdict"] for document in documents]
+    required = [document for document in documents if document["level"] == "required"]
     return {
         "schema": SCHEMA,
         "kind": "replays",
         "folder": str(folder),
-        "exit_code": max(document["exit_code"] for document in documents),
+        # As of a check, failures that only advise do not count.
+        "exit_code": max((document["exit_code"] for document in required), default=0),
         "counts": {verdict: verdicts.count(verdict) for verdict in VERDICTS},
         "replays": documents,
     }

@@ -7,6 +7,8 @@ from pathlib import Path
 from shlex import quote
 from typing import Any, Final
 
+from numpy.typing import NDArray
+
 import drivegate_models
 from drivegate import version
 from drivegate.candidates.builtin.candidates import is_builtin_name
@@ -68,6 +70,8 @@ class Replay:
     """The stretch of the run that decides, and what a figure marks there; None of a script."""
     rows: tuple[int, int] | None = None
     """First and last row of a script that the check was judged on, counted from 1; None of a scenario."""
+    steps: NDArray[Any] | None = None
+    """What the controller sensed and answered, as in `Record.steps`; None of a script."""
 
     @property
     def window(self) -> tuple[float, float] | None:
@@ -149,12 +153,12 @@ def _scenario_again(loaded: JudgedCandidate, scenario: Scenario, check: Check) -
     controller = loaded.controller()
     every = -(-scenario.control_periods // MOST_ROWS)
     kept = room_for_commands(scenario) if check.id == REPEATED else None
-    record = recorded(loaded, scenario, controller, trace_every=every, kept=kept)
+    record = recorded(loaded, scenario, controller, trace_every=every, kept=kept, keeps_steps=True)
     if kept is not None:
         record = with_repetitions(loaded, record, kept, controller)
     applies = check.reason_not_applicable(record.declaration, scenario.drive) is None
     margin = check.evaluate(record) if applies else None
-    return Replay(margin, record.run, deciding_moment(check, record, margin))
+    return Replay(margin, record.run, deciding_moment(check, record, margin), steps=record.steps)
 
 
 def _script_again(loaded: JudgedCandidate, script: Script) -> Replay:
@@ -246,6 +250,7 @@ def document_of(stored: Counterexample, candidate: Candidate, ended: Replay | Fa
         "verdict": verdict,
         "exit_code": failed_code if verdict in (STILL_FAILS, NOT_REPRODUCED) else 0,
         "check": check.id,
+        "level": check.level,
         "requirement": check.requirement,
         "limit": check.limit,
         "candidate": {"name": candidate.name, "kind": candidate.kind, "hash": candidate.content_hash},

@@ -61,7 +61,7 @@ def test_what_is_out_of_reach_is_left_out() -> None:
 
 
 def test_the_page_says_what_the_drive_can_do_and_what_is_required(recorded_page: str) -> None:
-    assert '<h2 id="drive">What this drive can do</h2>' in recorded_page
+    assert '<h2><span id="drive">What this drive can do</span>' in recorded_page
     assert 'id="drive-envelope"' in recorded_page
     for words in (
         "Line of initial angles: 0° below 500 rpm, then 32.9° + 0.02° per rpm above",
