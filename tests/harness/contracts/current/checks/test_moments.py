@@ -74,7 +74,6 @@ SHORT = {"duration_s": 0.4}
 FAILING: list[tuple[str, str, dict[str, Any], Callable[[Any, Any], None] | None]] = [
     ("CNV-1", "speed_tolerance_rpm", {}, None),
     ("CNV-1", "angle_tolerance_deg", {}, None),
-    ("CNV-1", "power_tolerance_percent", {}, None),
     ("CNV-3", "power_tolerance_percent", {"load": HEAVIER, "duration_s": 19.0}, None),
     ("ROB-1", "angle_tolerance_deg", {"scales": {"resistance": 1.5}}, None),
     ("ROB-2", "angle_tolerance_deg", {"sensors": "mcs96"}, None),
