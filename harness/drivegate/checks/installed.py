@@ -38,7 +38,7 @@ class _Guarded:
 
     def __call__(self, record: Any) -> Margin | None:
         try:
-            margin = self.evaluate(record)
+            margin: object = self.evaluate(record)
         except NotRun:
             raise
         except Exception as error:
@@ -47,14 +47,12 @@ class _Guarded:
                 f"the check {self.id} of the entry point '{self.point}' failed ({what}); mend the package, or "
                 "uninstall it"
             ) from error
-        # A stranger's function may return anything.
-        returned: object = margin
-        if returned is not None and not (isinstance(returned, Margin) and returned.check == self.id):
-            raise InputError(
-                f"the check {self.id} of the entry point '{self.point}' returned {bounded_line(repr(margin))}, but "
-                f'must return None or a Margin("{self.id}", …)'
-            )
-        return margin
+        if margin is None or (isinstance(margin, Margin) and margin.check == self.id):
+            return margin
+        raise InputError(
+            f"the check {self.id} of the entry point '{self.point}' returned {bounded_line(repr(margin))}, but must "
+            f'return None or a Margin("{self.id}", …)'
+        )
 
 
 @cache

@@ -213,6 +213,10 @@ class Contract(ABC):
     def signals(self, run: Any) -> Columns:
         """Return the columns of a run's trace in people's units, by name."""
 
+    def signal(self, run: Any, name: str) -> NDArray[np.float64]:
+        """Return one column of a run's trace, one of `signal_names`."""
+        return self.signals(run)[name]
+
     def recorded_signals(self, run: Any) -> Columns:
         """Return the columns of a run's trace that a result keeps."""
         return self.signals(run)

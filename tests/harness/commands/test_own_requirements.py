@@ -110,7 +110,8 @@ def test_rows_are_checked_reported_waived_and_replayed(
 
     waivers = tmp_path / "waivers.toml"
     waivers.write_text(
-        'schema = 1\n[[waiver]]\ncheck = "REQ-back"\ncandidate = "foc"\nreason = "it is known"\n'
+        'schema = 1\n[[waiver]]\ncheck = "REQ-back"\ncandidate = "foc"\ndrive = "pm-ac-interior"\n'
+        'reason = "it is known"\n'
         'owner = "Ada"\nexpires = 2999-12-31\nmargin = -1e6\n',
         encoding="utf-8",
     )

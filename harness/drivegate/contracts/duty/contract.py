@@ -15,7 +15,7 @@ from drivegate.contracts.duty.checks.catalogue import DUTY_CHECKS
 from drivegate.contracts.duty.columns import DutyColumns
 from drivegate.contracts.duty.current_reference import STEPPED, is_current_in_reach, without_weakening
 from drivegate.contracts.duty.document import duty_document
-from drivegate.contracts.duty.figures import observe, signals, summary
+from drivegate.contracts.duty.figures import observe, signal, signals, summary
 from drivegate.contracts.duty.informed import InformedController
 from drivegate.contracts.duty.likely_causes import causes_of_check, likely_causes_in_words
 from drivegate.contracts.duty.numbers import numbers
@@ -102,6 +102,7 @@ class _DutyContract(DutyColumns):
     plant_state = staticmethod(plant_state)
     signals = staticmethod(signals)
     sensed_signals = staticmethod(sensed_signals)
+    signal = staticmethod(signal)
     likely_causes = staticmethod(likely_causes_in_words)
     causes_of = staticmethod(causes_of_check)
     account = staticmethod(account)

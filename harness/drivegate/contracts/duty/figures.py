@@ -18,8 +18,15 @@ from drivegate_models.units import RPM
 
 def signals(run: DutyClosedLoopRun) -> dict[str, NDArray[Any]]:
     """Return the columns of a run, one row for each control period."""
-    columns = {name: factor * run.column(source) for name, (source, factor) in COLUMNS.items()}
-    return {**columns, VOLTAGE: run.voltages}
+    return {name: signal(run, name) for name in (*COLUMNS, VOLTAGE)}
+
+
+def signal(run: DutyClosedLoopRun, name: str) -> NDArray[np.float64]:
+    """Return one column of a run, shape (n,)."""
+    if name == VOLTAGE:
+        return run.voltages
+    source, factor = COLUMNS[name]
+    return factor * run.column(source)
 
 
 def observe(record: DutyRecord) -> dict[str, float]:

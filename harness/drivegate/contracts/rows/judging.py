@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 from drivegate.checks.check import Record
 from drivegate.checks.margin import Margin, Mark, Moment, Point, normalised
@@ -34,10 +35,22 @@ class Judged:
     note: str = ""
 
 
+class _Signals(dict[str, Values]):
+    """The signals of a run, each made when it is first asked for."""
+
+    def __init__(self, contract: Contract, run: Any) -> None:
+        super().__init__()
+        self._contract, self._run = contract, run
+
+    def __missing__(self, name: str) -> Values:
+        self[name] = self._contract.signal(self._run, name)
+        return self[name]
+
+
 def signals_of(contract: Contract, record: Record) -> Columns:
     """Return the signals of a run, which all rows share."""
     if "signals" not in record.derived:
-        record.derived["signals"] = contract.signals(record.run)
+        record.derived["signals"] = _Signals(contract, record.run)
     columns: Columns = record.derived["signals"]
     return columns
 

@@ -103,7 +103,7 @@ def _after(event: Occurrence, row: Row, scenario: Scenario, later: tuple[float, 
 def judged_spans(row: Row, contract: Contract, scenario: Scenario, columns: Columns) -> Iterator[Span]:
     """Go through the stretches in which a row is judged; nothing is judged after a failure but by its event."""
     periods = len(columns["time_s"])
-    state = in_state(row.when, columns)
+    state = in_state(row.when, contract, columns)
     if row.when.event is not None:
         for span in event_spans(row, contract, scenario):
             at = min(first_period_from(span.origin_s, scenario.control_period_s), periods - 1)
@@ -126,14 +126,14 @@ def judged_spans(row: Row, contract: Contract, scenario: Scenario, columns: Colu
             yield Span(entered * scenario.control_period_s, entered + first, until, whole)
 
 
-def in_state(when: When, columns: Columns) -> NDArray[np.bool_] | None:
+def in_state(when: When, contract: Contract, columns: Columns) -> NDArray[np.bool_] | None:
     """Return in which control periods a state holds, shape (n,); None for no state."""
     if not when.has_state:
         return None
     inside = np.ones(len(columns["time_s"]), dtype=np.bool_)
     for name, (low, high) in when.ranges().items():
         # A contract whose supply has two halves shows one of them.
-        values = columns[name] if name in columns else 2.0 * columns["half_supply_v"]
+        values = columns[name] if name in contract.signal_names else 2.0 * columns["half_supply_v"]
         # A reference of 750 rpm is in the range [750, 750] whatever its conversion to rad/s rounds.
         slack = _ROUNDING * max(abs(low), abs(high), 1.0)
         inside &= (values >= low - slack) & (values <= high + slack)

@@ -26,7 +26,10 @@ INTERIOR = load_drive("pm-ac-interior").replaced(settling_s=0.1)
 assert isinstance(INTERIOR, PmAcDocument)
 DUTY = contract_named("duty")
 CONTRACT: Any = SimpleNamespace(
-    signals=lambda run: run, settled_until=DUTY.settled_until, recorded_names=DUTY.recorded_names
+    signal=lambda run, name: run[name],
+    signal_names=DUTY.signal_names,
+    settled_until=DUTY.settled_until,
+    recorded_names=DUTY.recorded_names,
 )
 """A contract whose runs are their signals."""
 
