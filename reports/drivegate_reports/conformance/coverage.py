@@ -6,11 +6,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
-from drivegate.contracts.catalogue import contract_of, on_drive
+from drivegate.candidates.declaration import NOTHING_DECLARED, Declaration
+from drivegate.contracts.catalogue import checks_of, contract_of, on_drive
 from drivegate.contracts.traceability import SPECIAL, facts_of, families_of
 from drivegate.drives.kinds import DEFAULT_DRIVE
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
+from drivegate_cases.requirements.file import OwnRequirements, RequirementsFile
+from drivegate_models.errors import InputError
 from drivegate_reports.page.page import clean
 
 FEW_RUNS: Final = 3
@@ -38,12 +41,25 @@ def drive_of(document: Mapping[str, Any]) -> DriveDocument:
     return parse_document(values, DriveDocument, "the result's drive")
 
 
-def evidence_of(check: str, drive: DriveDocument) -> Evidence | None:
-    listed = next((one for one in contract_of(drive).checks if one.id == check), None)
+def own_rows_of(document: Mapping[str, Any]) -> Declaration:
+    """Read the user's rows that a result was judged by; one that cannot be read is left out with all others."""
+    tables = [check["row"] for check in document["checks"] if check.get("row") is not None]
+    if not tables:
+        return NOTHING_DECLARED
+    try:
+        file = parse_document({"schema": 1, "requirement": tables}, RequirementsFile, "the result's rows")
+    except InputError:
+        return NOTHING_DECLARED
+    return Declaration(requirements=OwnRequirements(file.requirement))
+
+
+def evidence_of(check: str, drive: DriveDocument, own: Declaration = NOTHING_DECLARED) -> Evidence | None:
+    """Find what a check is based on; `own` has the user's rows."""
+    listed = next((one for one in checks_of(drive, own) if one.id == check), None)
     if listed is None:
         return None
     known = on_drive(listed, drive)
-    families = families_of(check, drive.contract)
+    families = families_of(check, drive.contract, own)
     return Evidence(tuple(fact.id for fact in facts_of(known)), known.scenarios, families)
 
 

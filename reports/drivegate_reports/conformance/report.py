@@ -43,13 +43,13 @@ def prepare(drive: DriveDocument) -> None:
 def page(document: Mapping[str, Any]) -> str:
     from drivegate_reports.conformance import words
     from drivegate_reports.conformance.behaviour import shown_behaviour
-    from drivegate_reports.conformance.coverage import coverage_gaps, drive_of, evidence_of
+    from drivegate_reports.conformance.coverage import coverage_gaps, drive_of, evidence_of, own_rows_of
     from drivegate_reports.conformance.drive import shown_drive, stated_values
     from drivegate_reports.conformance.runs import margin_figure, shown_runs
     from drivegate_reports.conformance.view import page_values
     from drivegate_reports.page.page import page_text
 
-    values, drive = page_values(document), drive_of(document)
+    values, drive, own = page_values(document), drive_of(document), own_rows_of(document)
     publication = _publication_of(drive)
     uncovered = () if publication is None else publication.uncovered_facts()
     return page_text(
@@ -61,7 +61,7 @@ def page(document: Mapping[str, Any]) -> str:
         behaviour=shown_behaviour(document, drive),
         runs=shown_runs(document),
         margins=margin_figure(document),
-        evidence={check: evidence_of(check, drive) for check in values["check_of"]},
+        evidence={check: evidence_of(check, drive, own) for check in values["check_of"]},
         gaps=(*coverage_gaps(document), *uncovered),
         paper=None if publication is None else publication.sections(),
         stated_values=stated_values(drive) if publication is None else (),

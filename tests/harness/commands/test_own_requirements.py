@@ -99,6 +99,7 @@ def test_rows_are_checked_reported_waived_and_replayed(
     report = tmp_path / "drivegate-report"
     page = (report / "report.html").read_text(encoding="utf-8")
     assert "After a load step the speed is back within 1 rpm in 1 ms." in page
+    assert "every step of load, from 0.001 s after it begins" in page, "from requirement to evidence"
     cases = ElementTree.parse(report / "junit.xml").iter("testcase")
     names = {case.get("name"): [child.tag for child in case] for case in cases}
     assert names["REQ-back"] == ["failure"]
