@@ -158,10 +158,10 @@ def _of_checks(
         if found[check] or advised[check]:
             margins = np.concatenate(found[check]) if found[check] else np.empty(0)
             at = np.concatenate(places[check]) if places[check] else np.empty(0, np.int64)
-            failed, made_there = (
+            happened, made_there = (
                 np.bincount(some, minlength=len(plan.places)).tolist() for some in (at[margins < 0.0], at)
             )
-            violated = _shares(failed, made_there, confidence)
+            violated = _shares(happened, made_there, confidence)
             quantiles, curve = quantiles_of(margins), curve_of(margins)
             margin, run = worst.get(check, (None, None))
             made.append(CheckStatistics(check, violated, advised[check], quantiles, run, margin, curve))
