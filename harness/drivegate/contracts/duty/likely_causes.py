@@ -179,7 +179,7 @@ LIKELY_CAUSES: Final = (
     ),
     _cause(
         "the speed reaches the regulators late, through a filter or a difference over many steps",
-        "DEC-1 ROB-4 ROB-4:overshoot ROB-5 STP-1 STP-1:overshoot",
+        "DEC-1 ROB-4 ROB-4:overshoot",
         "ROB-4:overshoot: the speed overshoots after a step; DEC-1: a step of the torque moves the d current",
         "",
     ),
