@@ -32,7 +32,8 @@ CHEAP = ("new", "diff", "drive")
 def fresh(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder in which the cheap commands have been run, one after the other, as README has them."""
     folder = tmp_path_factory.mktemp("fresh")
-    (folder / "examples").symlink_to(ROOT / "examples")
+    for name in ("examples", "docs"):
+        (folder / name).symlink_to(ROOT / name)
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     for line in LINES:
         if line.startswith(tuple(f"drivegate {name} " for name in CHEAP)):
