@@ -14,7 +14,7 @@ from drivegate_cases.documents.document import Document, Section, parse_document
 from drivegate_cases.documents.wording import shown_path
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.requirements.ranges import draws_of, has_ranges
-from drivegate_cases.requirements.row import Row
+from drivegate_cases.requirements.row import LONGEST_RUN_S, Row
 from drivegate_cases.scenario.control_periods import on_whole_periods
 from drivegate_cases.scenario.scenario import LONGEST_CONTROL_PERIOD_S, Scenario
 from drivegate_models.errors import InputError
@@ -97,7 +97,8 @@ class OwnRequirements:
         for number, stated in tables:
             table = {"schema": Scenario.schema_current, **stated, "drive": drive.to_mapping()}
             period, duration = drive.control_period_s or LONGEST_CONTROL_PERIOD_S, table.get("duration_s")
-            if isinstance(duration, float | int) and duration > 0.0 and "control_period_s" not in table:
+            is_time = isinstance(duration, float | int) and 0.0 < duration <= LONGEST_RUN_S
+            if is_time and "control_period_s" not in table:
                 # Nobody who writes the file knows the control period of every drive.
                 table["duration_s"] = on_whole_periods(float(duration), period)
             yield parse_document(table, Scenario, f"{self.where}, scenario {number}")

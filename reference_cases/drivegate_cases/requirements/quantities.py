@@ -12,7 +12,6 @@ from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import mechanical_time
 
 if TYPE_CHECKING:
-    # Reading a file of rows needs no arrays, which take longer to import than all the rest.
     import numpy as np
     from numpy.typing import NDArray
 
@@ -86,9 +85,9 @@ def _rate(name: str) -> Compute:
     """Make what returns the change of a signal from one control period to the next, over the time (1/s)."""
 
     def rate(columns: Columns, _drive: DriveDocument) -> NDArray[np.float64]:
-        import numpy as np
-
-        change = np.diff(columns[name], prepend=columns[name][:1])
+        change = columns[name].copy()
+        change[1:] -= columns[name][:-1]
+        change[:1] = 0.0
         time = columns["time_s"]
         return change / (float(time[1] - time[0]) if len(time) > 1 else 1.0)
 
@@ -109,10 +108,11 @@ def _torque_deviation(columns: Columns, _drive: DriveDocument) -> NDArray[np.flo
 
 
 def _amplitude(columns: Columns, _drive: DriveDocument) -> NDArray[np.float64]:
-    direct, quadrature = columns["direct_current_a"], columns["quadrature_current_a"]
-    # No hypot, whose last bits differ between processors.
+    # Rows are read where nothing needs arrays yet.
     import numpy as np
 
+    direct, quadrature = columns["direct_current_a"], columns["quadrature_current_a"]
+    # No hypot, whose last bits differ between processors.
     amplitude: NDArray[np.float64] = np.sqrt(direct * direct + quadrature * quadrature)
     return amplitude
 

@@ -13,6 +13,8 @@ Choose: TypeAlias = Callable[[float, float], float]
 """From the ends of a range to a value in it."""
 _ENDS: Final = 2
 _DIGITS: Final = 4
+_GREATEST: Final = 1e12
+"""Magnitude beyond which no key of a scenario has a value."""
 _LISTS_OF_NUMBERS: Final = frozenset({"restarts_s"})
 """Keys that are lists of numbers, so that two of them are no range."""
 
@@ -70,7 +72,7 @@ def _is_range(value: Any) -> bool:
 
 
 def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= _GREATEST
 
 
 def _value(value: Any, choose: Choose) -> Any:

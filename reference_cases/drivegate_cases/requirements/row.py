@@ -11,7 +11,7 @@ from drivegate_cases.documents.wording import nearest
 from drivegate_cases.requirements.quantities import QUANTITIES
 from drivegate_cases.requirements.vocabulary import EVENTS, TIME_UNITS, EventName, StatisticName
 
-_LONGEST_RUN_S: Final = 86400.0
+LONGEST_RUN_S: Final = 86400.0
 _MOST_TIMES: Final = 1e9
 _ENDS: Final = 2
 _UNSIGNED: Final = ("absolute", "peak", "rms", "peak to peak", "time until", "sign changes")
@@ -206,8 +206,8 @@ class Row(Section):
                 f"{self.id} can never be met: the statistic '{self.statistic}' is never below 0, but its limit is "
                 f"{high:g}"
             )
-        if self.statistic == "time until" and high is not None and high > _LONGEST_RUN_S:
-            raise ValueError(f"{self.id} allows {high:g} s, but a run lasts {_LONGEST_RUN_S:g} s at most")
+        if self.statistic == "time until" and high is not None and high > LONGEST_RUN_S:
+            raise ValueError(f"{self.id} allows {high:g} s, but a run lasts {LONGEST_RUN_S:g} s at most")
 
     @property
     def limits(self) -> tuple[float | None, float | None]:

@@ -13,8 +13,10 @@ from typing import Any, Final
 
 import pytest
 
+from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.manifest import Manifest
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.gate.own_requirements import require_fitting
 from drivegate.output.failure import ExitCode, Failure, failure_of
 from drivegate.output.report_writers import LoadWriter
 from drivegate.output.result_file import counterexamples
@@ -29,6 +31,7 @@ from drivegate.studies.verify import verification
 from drivegate_cases.documents.document import read_document
 from drivegate_cases.documents.wording import LONGEST_MESSAGE
 from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.requirements.file import read_requirements
 from drivegate_cases.scenario.drive_cycle import load_drive_cycle
 from drivegate_cases.scenario.operating_point import load_operating_point, load_power_sweep
 from drivegate_cases.scenario.scenario import load_scenario
@@ -172,6 +175,33 @@ def fuzz(document: Tree, work: Callable[[Path], object], folder: Path, *, hashed
     assert ExitCode.REFUSED in codes
 
 
+OWN: Final[Tree] = {
+    "schema": 1,
+    "requirement": [
+        {
+            "id": "REQ-1",
+            "text": "It is back in time.",
+            "when": {"event": "step of load", "speed_rpm": [1.0, 2.0], "direction": "forward"},
+            "between_periods": [1.0, 9.0],
+            "for_s": 0.1,
+            "quantity": "speed_deviation_rpm",
+            "statistic": "time until",
+            "until": [-1.0, 1.0],
+            "at_most": 3.0,
+        }
+    ],
+    "scenario": [
+        {
+            "name": "step",
+            "duration_s": [0.5, 0.6],
+            "restarts_s": [0.1, [0.2, 0.3]],
+            "speed_rpm": [[0.0, [500.0, 1500.0]]],
+            "load": {"kind": "constant_torque", "torque_nm": 0.1, "factor": [[0.0, 0.0]]},
+        }
+    ],
+}
+
+
 KINDS: Final[dict[str, tuple[Callable[[], Tree], Callable[[Path], object]]]] = {
     "drive": (lambda: load_drive("paper-5-phase").to_mapping(), load_drive),
     "drive of duty ratios": (lambda: load_drive("pm-ac-interior").to_mapping(), load_drive),
@@ -181,6 +211,12 @@ KINDS: Final[dict[str, tuple[Callable[[], Tree], Callable[[Path], object]]]] = {
     "cycle": (lambda: load_drive_cycle("ece-15").to_mapping(), load_drive_cycle),
     "waivers": (lambda: {"schema": 1, "waiver": [WAIVER]}, lambda path: read_waivers(path, ("foc",))),
     "campaign": (lambda: CAMPAIGN, read_campaign),
+    "requirements": (
+        lambda: OWN,
+        lambda path: require_fitting(
+            Declaration(requirements=read_requirements(path)), load_drive("pm-ac-interior")
+        ),
+    ),
     "manifest": (lambda: MANIFEST, lambda path: read_document(path, Manifest)),
 }
 
