@@ -27,6 +27,9 @@ _NOT_HASHED = ("commit", "target", "content_hash")
 
 def versions() -> dict[str, Any]:
     """Return the versions of everything that a result follows from; equal ones give equal results."""
+    # It brings arrays, which a file that is refused at once does not need.
+    from drivegate.checks.installed import installed_versions
+
     known = {
         "drivegate": __version__,
         "sources": _sources(),

@@ -97,8 +97,11 @@ class OwnRequirements:
         for number, stated in tables:
             table = {"schema": Scenario.schema_current, **stated, "drive": drive.to_mapping()}
             period, duration = drive.control_period_s or LONGEST_CONTROL_PERIOD_S, table.get("duration_s")
-            is_time = isinstance(duration, float | int) and 0.0 < duration <= LONGEST_RUN_S
-            if is_time and "control_period_s" not in table:
+            if (
+                isinstance(duration, float | int)
+                and 0.0 < duration <= LONGEST_RUN_S
+                and "control_period_s" not in table
+            ):
                 # Nobody who writes the file knows the control period of every drive.
                 table["duration_s"] = on_whole_periods(float(duration), period)
             yield parse_document(table, Scenario, f"{self.where}, scenario {number}")
