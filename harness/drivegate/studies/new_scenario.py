@@ -39,12 +39,13 @@ def scenario_toml(name: str, drive: DriveDocument, named: str) -> str:
         "drive": named,
         "duration_s": on_whole_periods(_short(3.0 * hold), period),
     }
-    rating, is_duty = drive.rating, drive.contract == "duty"
-    values["speed_rpm"] = _short((0.5 if is_duty else 1.2) * rating.base_speed_rpm)
+    # A drive that may be on a dynamometer gets a torque reference.
+    rating, is_held = drive.rating, "dynamometer" not in drive.excluded_loads
+    values["speed_rpm"] = _short((0.5 if is_held else 1.2) * rating.base_speed_rpm)
     torque = _short(0.5 * rating.rated_torque_nm)
-    model: type[Section] = DynamometerLoad if is_duty else ConstantTorqueLoad
-    load: dict[str, Any] = {"kind": "dynamometer" if is_duty else "constant_torque"}
-    if is_duty:
+    model: type[Section] = DynamometerLoad if is_held else ConstantTorqueLoad
+    load: dict[str, Any] = {"kind": "dynamometer" if is_held else "constant_torque"}
+    if is_held:
         steps = [[0.0, 0.0], [hold, torque], [_short(2.0 * hold), _short(0.5 * torque)]]
         load["torque_reference_nm"] = {"steps": steps}
     else:
