@@ -405,7 +405,8 @@ def _fixed_margins(run: JudgedRun) -> FixedSection:
 def _listed(run: JudgedRun) -> RunSection:
     return RunSection.model_construct(
         name=str(run.scenario["name"]),
-        seed=int(run.scenario["seed"]),
+        # Nothing is random in a script.
+        seed=int(run.scenario.get("seed", 0)),
         hash=hash_of_scenario(run.scenario),
         margins=_settled_margins(run),
     )

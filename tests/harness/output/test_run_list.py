@@ -45,6 +45,11 @@ def test_each_run_is_listed_with_seed_hash_and_margins() -> None:
     assert first["scenario_hash"] != hash_of_scenario(run.replaced(seed=8).to_mapping())
 
 
+def test_a_script_is_listed_too() -> None:
+    script = JudgedRun({"kind": "script", "name": "hardly any change", "rows": []}, ())
+    assert (_listed(script).name, _listed(script).seed) == ("hardly any change", 0)
+
+
 def test_a_result_of_earlier_versions_has_an_empty_list() -> None:
     assert runs_csv({"checks": [{"id": "ACC-1"}]}).splitlines() == [
         "run,scenario,seed,scenario_hash,least_check,least_margin"
