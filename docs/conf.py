@@ -12,8 +12,14 @@ author = "drivegate contributors"
 copyright = f"2026, {author}"
 version = release = __version__
 
-extensions = ["myst_parser", "numpydoc", "sphinx.ext.autodoc", "sphinx.ext.mathjax"]
+extensions = ["myst_nb", "numpydoc", "sphinx.ext.autodoc", "sphinx.ext.mathjax"]
 exclude_patterns = ["_build"]
+
+# Notebooks are stored without outputs; each build runs them.
+nb_execution_mode = "force"
+nb_execution_in_temp = True
+nb_execution_timeout = 900
+nb_execution_raise_on_error = True
 
 myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 3
@@ -34,7 +40,7 @@ def complete(_app: Sphinx, page: str, source: list[str]) -> None:
         source[0] = (Path(__file__).parents[1] / "CHANGELOG.md").read_text(encoding="utf-8")
     listed: set[str] = set()
     for heading, part in PAGES.findall(source[0]):
-        linked = [link for link in re.findall(r"\]\((\S+)\.md\)", part) if link not in listed]
+        linked = [link for link in re.findall(r"\]\((\S+)\.(?:md|ipynb)\)", part) if link not in listed]
         listed.update(linked)
         if linked:
             caption = f":caption: {heading}\n" if heading else ""
