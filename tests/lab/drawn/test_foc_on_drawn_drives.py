@@ -75,6 +75,18 @@ def test_ripple_of_the_dead_time_is_no_movement_of_the_current_along_the_magnet(
     assert margin.value > 0.5, margin.measured
 
 
+@pytest.mark.parametrize("torque", [-0.5093, -0.6])
+def test_a_step_from_zero_is_late_by_what_dead_time_loses(torque: float) -> None:
+    drive = load_drive("pm-ac-servo")
+    assert isinstance(drive, PmAcDocument)
+    scenario = torque_scenario(drive, 200.0, (0.0, torque))
+    for name, is_met in (("foc", True), ("faulty:slow-currents", False)):
+        loaded = own_candidate(resolve_candidate(name))
+        margin = CHECKS["STP-1"].evaluate(recorded(loaded, scenario, loaded.controller()))
+        assert margin is not None
+        assert margin.met is is_met, f"{name}: {margin.measured}"
+
+
 def assert_met(drive: DriveDocument, check_id: str, label: str) -> None:
     """Assert that `foc` meets a check in the fixed runs of a drive whose names contain the label."""
     loaded = own_candidate(resolve_candidate("foc"))

@@ -21,6 +21,8 @@ _DETOUR: Final = 1.8
 that way (1)."""
 _MOST_FACTOR: Final = 10.0
 """Time of a step that a declaration may ask for over that of the drive's requirements (1)."""
+_OF_ONE_LEG: Final = 2.0 / 3.0
+"""Phase voltage over that of one leg (1)."""
 _PHASE_LEFT: Final = 0.5 * pi
 """Phase that a loop of one integrator has left for its delay (rad)."""
 
@@ -49,12 +51,31 @@ def limited_rise_s(drive: PmAcDocument, remaining: float, voltage_time: float, s
     """
     rise = drive.requirements.rise_periods * drive.control_period_s
     together = float(rise + voltage_time)
-    approach = rise - _delay_s(drive)
-    if approach <= 0.0:
+    bandwidth = _required_bandwidth(drive)
+    if bandwidth is None:
         return together
-    bandwidth = _logarithm(1.0 / REMAINING) / approach
     limited = declared_rise_s(drive, bandwidth, min(remaining, REMAINING), _DETOUR * straight_time)
     return min(together, limited)
+
+
+def _required_bandwidth(drive: PmAcDocument) -> float | None:
+    """Return the bandwidth of a loop of first order with the drive's own rise time (rad/s); None if it is all delay."""
+    approach = drive.requirements.rise_periods * drive.control_period_s - _delay_s(drive)
+    return _logarithm(1.0 / REMAINING) / approach if approach > 0.0 else None
+
+
+def lost_share(drive: PmAcDocument, bandwidth: float | None, flux: float) -> float:
+    """Return the share of a step that its end is short of while dead time and drops are not learnt (1).
+
+    The sign of a current near zero is unknown, and with it what its leg loses. A loop is off by what moves the flux
+    linkage by as much voltage. `bandwidth`: of the loop (rad/s), None for that of the drive's requirement; `flux`:
+    change of the flux linkage (V s).
+    """
+    inverter = drive.inverter
+    lost = inverter.dead_time_s * inverter.carrier_frequency_hz * inverter.link_voltage_v
+    lost += 0.5 * (inverter.switch_drop_v + inverter.diode_drop_v)
+    bandwidth = bandwidth or _required_bandwidth(drive)
+    return 0.0 if bandwidth is None else _OF_ONE_LEG * lost / (bandwidth * flux)
 
 
 def _logarithm(number: float) -> float:

@@ -213,7 +213,7 @@ LIKELY_CAUSES: Final = (
 """All of them."""
 _SHOWN: Final = (
     ("STP-1", re.compile(r"overshoot"), "overshoot"),
-    ("STP-1", re.compile(r".* to 90 %|90 % is not"), "late"),
+    ("STP-1", re.compile(r".* to [\d.]+ %|[\d.]+ % is not"), "late"),
     ("ACC-1", re.compile(r"torque"), "torque"),
     ("ACC-1", re.compile(r"speed"), "speed"),
     ("FWK-3", re.compile(r"braking"), "braking"),

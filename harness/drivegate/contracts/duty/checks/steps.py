@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, Mark, Moment, Point, at_most
 from drivegate.contracts.duty.checks.judged import is_within_reach, least_free, undistorted
-from drivegate.contracts.duty.current_bandwidth import REMAINING, declared_rise_s, limited_rise_s
+from drivegate.contracts.duty.current_bandwidth import REMAINING, declared_rise_s, limited_rise_s, lost_share
 from drivegate.contracts.duty.current_reference import voltage_along_none
 from drivegate.contracts.duty.record import DutyRecord
 from drivegate_models.pm_ac.fundamental import SteadyState, steady_state
@@ -28,7 +28,7 @@ SHOWN_BEFORE = 10
 _CELLS = 16
 """Parts into which the way of the currents is divided."""
 REACHED = 0.9
-"""Share of a step by which its time is measured (1)."""
+"""Share of a step by which its time is measured, without dead time and drops (1)."""
 
 
 @dataclass(frozen=True)
@@ -71,6 +71,10 @@ class StepResponse:
     """Time to 90 % of the step (s); infinite where that is not reached."""
     allowed_s: float
     """Longest time that is allowed (s)."""
+    reached: float
+    """Share of the step that is to be reached by then (1)."""
+    reached_s: float
+    """Time to that share (s); infinite where that is not reached."""
     margin: Margin
 
 
@@ -100,11 +104,15 @@ def _moment(record: DutyRecord, response: StepResponse) -> Moment:
     step, limits, period = response.step, record.limits, record.scenario.control_period_s
     followed, before, after = _followed(record, step)
     size = after - before
-    is_late = at_most(response.rise_s, response.allowed_s) < at_most(response.overshoot, limits.overshoot)
-    reached = Mark(words="90 %", value=before + REACHED * size)
+    is_late = at_most(response.reached_s, response.allowed_s) < at_most(response.overshoot, limits.overshoot)
+    reached = Mark(words=f"{100.0 * response.reached:.3g} %", value=before + response.reached * size)
     highest = Mark(words=f"{100.0 * limits.overshoot:.3g} % allowed", value=after + limits.overshoot * size)
-    if is_late and isfinite(response.rise_s):
-        time, value, words = step.time_s + response.rise_s, reached.value, f"{1e3 * response.rise_s:.3g} ms"
+    if is_late and isfinite(response.reached_s):
+        time, value, words = (
+            step.time_s + response.reached_s,
+            reached.value,
+            f"{1e3 * response.reached_s:.3g} ms",
+        )
     else:
         place = int(np.argmax(followed / size))
         time, value = step.time_s + (place + 0.5) * period, float(followed[place])
@@ -151,15 +159,16 @@ def _response(record: DutyRecord, step: TorqueStep) -> StepResponse:
     followed, before, after = _followed(record, step)
     size = after - before
     overshoot = overshoot_of(followed, after, size)
-    reached = np.flatnonzero((followed - before) / size >= REACHED)
-    period = record.scenario.control_period_s
-    time = float(reached[0] + 1) * period if reached.size else float("inf")
+    share = _reached_share(record, step)
+    done, period = (followed - before) / size, record.scenario.control_period_s
+    time = _time_to(share, done, period)
     allowed = allowed_rise_s(record, step)
     unit = "A of q current" if record.follows_current else "N·m"
     place = f"from {before:.4g} to {after:.4g} {unit} at {step.speed_rpm:.5g} rpm"
     bandwidth = record.declaration.current_bandwidth
     declared = "" if bandwidth is None else f" by the declared {bandwidth:g} rad/s"
-    rise = f"{1e3 * time:.4g} ms to 90 %" if isfinite(time) else "90 % is not reached"
+    percent = f"{100.0 * share:.3g} %"
+    rise = f"{1e3 * time:.4g} ms to {percent}" if isfinite(time) else f"{percent} is not reached"
     margin = min(
         Margin(
             "STP-1",
@@ -171,7 +180,13 @@ def _response(record: DutyRecord, step: TorqueStep) -> StepResponse:
         ),
         key=lambda margin: margin.value,
     )
-    return StepResponse(step, overshoot, time, allowed, margin)
+    return StepResponse(step, overshoot, _time_to(REACHED, done, period), allowed, share, time, margin)
+
+
+def _time_to(share: float, done: NDArray[np.float64], period: float) -> float:
+    """Return the time (s) to a share of a step that is done (1); infinite where that is not reached."""
+    reached = np.flatnonzero(done >= share)
+    return float(reached[0] + 1) * period if reached.size else float("inf")
 
 
 def _followed(record: DutyRecord, step: TorqueStep) -> tuple[NDArray[np.float64], float, float]:
@@ -189,6 +204,22 @@ def allowed_rise_s(record: DutyRecord, step: TorqueStep) -> float:
     if bandwidth is None:
         return limited_rise_s(record.document, remaining, voltage_time, straight_time_s(record, step))
     return declared_rise_s(record.document, bandwidth, remaining, voltage_time)
+
+
+def _reached_share(record: DutyRecord, step: TorqueStep) -> float:
+    """Return the share of a step by which its time is measured: less where legs lose an unknown voltage."""
+    lost = lost_share(record.document, record.declaration.current_bandwidth, _moved_flux(record, step))
+    return max(REACHED - lost, 0.0)
+
+
+def _moved_flux(record: DutyRecord, step: TorqueStep) -> float:
+    """Return the change of the flux linkage from one end of a step to the other (V s)."""
+    drive = record.plant
+    first, last = (least_state(record, step, torque) for torque in (step.before, step.after))
+    return hypot(
+        drive.direct_inductance * (last.direct - first.direct),
+        drive.quadrature_inductance * (last.quadrature - first.quadrature),
+    )
 
 
 def _remaining_currents(record: DutyRecord, step: TorqueStep) -> float:
@@ -212,12 +243,7 @@ def _remaining_currents(record: DutyRecord, step: TorqueStep) -> float:
 
 def voltage_time_s(record: DutyRecord, step: TorqueStep) -> float:
     """Return the time in which the voltage that both ends leave moves the currents from one to the other."""
-    drive = record.plant
-    first, last = (least_state(record, step, torque) for torque in (step.before, step.after))
-    flux = hypot(
-        drive.direct_inductance * (last.direct - first.direct),
-        drive.quadrature_inductance * (last.quadrature - first.quadrature),
-    )
+    drive, flux = record.plant, _moved_flux(record, step)
     return flux / (undistorted(drive, drive.link_voltage) - _used_voltage(record, step))
 
 
