@@ -75,12 +75,20 @@ def test_ripple_of_the_dead_time_is_no_movement_of_the_current_along_the_magnet(
     assert margin.value > 0.5, margin.measured
 
 
-@pytest.mark.parametrize("torque", [-0.5093, -0.6])
-def test_a_step_from_zero_is_late_by_what_dead_time_loses(torque: float) -> None:
+@pytest.mark.parametrize(
+    ("speed_rpm", "torques", "faulty"),
+    [
+        pytest.param(200.0, (0.0, -0.5093), "slow-currents", id="late"),
+        pytest.param(4550.0, (-0.042, -0.3358), "nervous-currents", id="overshoot"),
+    ],
+)
+def test_a_small_step_is_off_by_what_dead_time_takes(
+    speed_rpm: float, torques: tuple[float, float], faulty: str
+) -> None:
     drive = load_drive("pm-ac-servo")
     assert isinstance(drive, PmAcDocument)
-    scenario = torque_scenario(drive, 200.0, (0.0, torque))
-    for name, is_met in (("foc", True), ("faulty:slow-currents", False)):
+    scenario = torque_scenario(drive, speed_rpm, torques)
+    for name, is_met in (("foc", True), (f"faulty:{faulty}", False)):
         loaded = own_candidate(resolve_candidate(name))
         margin = CHECKS["STP-1"].evaluate(recorded(loaded, scenario, loaded.controller()))
         assert margin is not None

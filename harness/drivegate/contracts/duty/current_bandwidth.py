@@ -65,7 +65,7 @@ def _required_bandwidth(drive: PmAcDocument) -> float | None:
 
 
 def lost_share(drive: PmAcDocument, bandwidth: float | None, flux: float) -> float:
-    """Return the share of a step that its end is short of while dead time and drops are not learnt (1).
+    """Return the share of a step by which its end is off while dead time and drops are not learnt (1).
 
     The sign of a current near zero is unknown, and with it what its leg loses. A loop is off by what moves the flux
     linkage by as much voltage. `bandwidth`: of the loop (rad/s), None for that of the drive's requirement; `flux`:

@@ -71,6 +71,8 @@ class StepResponse:
     """Time to 90 % of the step (s); infinite where that is not reached."""
     allowed_s: float
     """Longest time that is allowed (s)."""
+    allowed_overshoot: float
+    """Greatest overshoot that is allowed (1)."""
     reached: float
     """Share of the step that is to be reached by then (1)."""
     reached_s: float
@@ -101,12 +103,15 @@ def step_moment(record: DutyRecord) -> Moment | None:
 
 
 def _moment(record: DutyRecord, response: StepResponse) -> Moment:
-    step, limits, period = response.step, record.limits, record.scenario.control_period_s
+    step, period = response.step, record.scenario.control_period_s
     followed, before, after = _followed(record, step)
     size = after - before
-    is_late = at_most(response.reached_s, response.allowed_s) < at_most(response.overshoot, limits.overshoot)
+    is_late = at_most(response.reached_s, response.allowed_s) < at_most(
+        response.overshoot, response.allowed_overshoot
+    )
     reached = Mark(words=f"{100.0 * response.reached:.3g} %", value=before + response.reached * size)
-    highest = Mark(words=f"{100.0 * limits.overshoot:.3g} % allowed", value=after + limits.overshoot * size)
+    words = f"{100.0 * response.allowed_overshoot:.3g} % allowed"
+    highest = Mark(words=words, value=after + response.allowed_overshoot * size)
     if is_late and isfinite(response.reached_s):
         time, value, words = (
             step.time_s + response.reached_s,
@@ -159,7 +164,8 @@ def _response(record: DutyRecord, step: TorqueStep) -> StepResponse:
     followed, before, after = _followed(record, step)
     size = after - before
     overshoot = overshoot_of(followed, after, size)
-    share = _reached_share(record, step)
+    lost = lost_share(record.document, record.declaration.current_bandwidth, _moved_flux(record, step))
+    share, highest = max(REACHED - lost, 0.0), record.limits.overshoot + lost
     done, period = (followed - before) / size, record.scenario.control_period_s
     time = _time_to(share, done, period)
     allowed = allowed_rise_s(record, step)
@@ -169,18 +175,21 @@ def _response(record: DutyRecord, step: TorqueStep) -> StepResponse:
     declared = "" if bandwidth is None else f" by the declared {bandwidth:g} rad/s"
     percent = f"{100.0 * share:.3g} %"
     rise = f"{1e3 * time:.4g} ms to {percent}" if isfinite(time) else f"{percent} is not reached"
+    beyond = f", {100.0 * highest:.3g} % are allowed," if lost > 0.0 else ""
     margin = min(
         Margin(
             "STP-1",
-            at_most(overshoot, record.limits.overshoot),
-            f"overshoot {100.0 * overshoot:.3g} % {place}",
+            at_most(overshoot, highest),
+            f"overshoot {100.0 * overshoot:.3g} %{beyond} {place}",
         ),
         Margin(
             "STP-1", at_most(time, allowed), f"{rise}, {1e3 * allowed:.4g} ms are allowed{declared}, {place}"
         ),
         key=lambda margin: margin.value,
     )
-    return StepResponse(step, overshoot, _time_to(REACHED, done, period), allowed, share, time, margin)
+    return StepResponse(
+        step, overshoot, _time_to(REACHED, done, period), allowed, highest, share, time, margin
+    )
 
 
 def _time_to(share: float, done: NDArray[np.float64], period: float) -> float:
@@ -204,12 +213,6 @@ def allowed_rise_s(record: DutyRecord, step: TorqueStep) -> float:
     if bandwidth is None:
         return limited_rise_s(record.document, remaining, voltage_time, straight_time_s(record, step))
     return declared_rise_s(record.document, bandwidth, remaining, voltage_time)
-
-
-def _reached_share(record: DutyRecord, step: TorqueStep) -> float:
-    """Return the share of a step by which its time is measured: less where legs lose an unknown voltage."""
-    lost = lost_share(record.document, record.declaration.current_bandwidth, _moved_flux(record, step))
-    return max(REACHED - lost, 0.0)
 
 
 def _moved_flux(record: DutyRecord, step: TorqueStep) -> float:
