@@ -38,7 +38,6 @@ def versions() -> dict[str, Any]:
         "packages": {name: importlib.metadata.version(name) for name in _PACKAGES},
     }
     # This imports what judges runs.
-    from drivegate.checks.installed import installed_versions
 
     installed = installed_versions()
     return known | {"checks": installed} if installed else known

@@ -2,6 +2,7 @@
 
 import gc
 import io
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -164,7 +165,8 @@ def test_the_example_as_an_fmu_gives_the_trace_of_the_same_source_bit_for_bit(ve
         for file in (source, fmu)
     ]
     assert np.ptp(traces[0]["advance_deg"]) > 5.0, "a trace in which nothing happens proves nothing"
-    np.testing.assert_array_equal(*traces)
+    # What was not sensed is not a number, which is equal to none.
+    assert traces[0].tobytes() == traces[1].tobytes()
 
 
 @pytest.mark.parametrize("version", VERSIONS)
@@ -274,14 +276,14 @@ def test_the_page_names_every_variable():
 
 
 def test_a_manifest_names_an_fmu_and_declares_for_it(workshop, tmp_path):
-    fmu = workshop(2, power=True)
+    fmu = shutil.copy(workshop(2, power=True), tmp_path / "own.fmu")
     manifest = tmp_path / "candidate.toml"
-    text = f'schema = 1\nname = "mine"\nkind = "fmu"\nentry = "{fmu}"\nestimates_power = true\n'
+    text = 'schema = 1\nname = "mine"\nkind = "fmu"\nentry = "own.fmu"\nestimates_power = true\n'
     manifest.write_text(text, encoding="utf-8")
     candidate = resolve_candidate(str(manifest))
     assert (candidate.name, candidate.kind, candidate.declaration.estimates_power) == ("mine", "fmu", True)
     assert candidate.content_hash == resolve_candidate(str(fmu)).content_hash
-    manifest.write_text(text.replace(str(fmu), "mine.zip"), encoding="utf-8")
+    manifest.write_text(text.replace("own.fmu", "mine.zip"), encoding="utf-8")
     with pytest.raises(InputError, match=r"the key 'entry' is 'mine.zip', .* must be a file \*.fmu"):
         resolve_candidate(str(manifest))
 

@@ -116,7 +116,7 @@ def _ideal_moment(is_judged: Callable[[SteadyWindow], bool]) -> StateMoment:
         judged = [(window, _ideal_margin("", record, window)) for window in windows]
         window = decisive(judged)
         point = None if window is None else _ideal_point(record, window)
-        if window is None or point is None or not point.static:
+        if window is None or point is None or not point.static or point.torque <= 0.0:
             return None
         place = min(max(window.values.angle, 0.0), math.pi / 2.0)
         ideal = record.drive._replace(hysteresis_band=0.0)
