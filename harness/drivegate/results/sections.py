@@ -20,7 +20,13 @@ class StepSection(Section):
     before_nm: Finite = Field(description="reference before it")
     after_nm: Finite = Field(description="reference from time 0 on")
     overshoot_percent: Finite = Field(description="greatest torque beyond the reference, over the step")
-    rise_ms: Number = Field(description="time to 90 % of the step; null where that was not reached")
+    rise_ms: Number = Field(
+        description="time to `reached_percent` of the step; null where that was not reached"
+    )
+    reached_percent: Finite = Field(
+        default=90.0,
+        description="share of the step by which its time is measured, less by what dead time loses",
+    )
     allowed_ms: Finite = Field(description="longest time that is allowed")
     overshoot_limit_percent: Finite = Field(description="greatest overshoot that is allowed")
     time_ms: Curve = Field(description="end of each control period")

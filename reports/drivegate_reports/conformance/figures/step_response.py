@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from drivegate.contracts.duty.checks.steps import REACHED
 from drivegate.results.sections import StepSection
 from drivegate_cases.documents.wording import figure
 from drivegate_reports.page.style import (
@@ -28,7 +27,12 @@ _WITH_LABELS: Final = 1.25
 
 
 def alternative(step: StepSection) -> str:
-    risen = "90 % is not reached" if step.rise_ms is None else f"90 % is reached after {step.rise_ms:.4g} ms"
+    share = f"{step.reached_percent:.3g} %"
+    risen = (
+        f"{share} is not reached"
+        if step.rise_ms is None
+        else f"{share} is reached after {step.rise_ms:.4g} ms"
+    )
     return (
         f"Two panels over {step.time_ms[-1]:.3g} ms. The torque goes from {step.before_nm:.4g} to "
         f"{step.after_nm:.4g} N·m: {risen}, and it overshoots by {figure(step.overshoot_percent)} % of the step. "
@@ -40,8 +44,8 @@ def alternative(step: StepSection) -> str:
 def caption(step: StepSection) -> str:
     return (
         f"The step with the least margin, at {step.speed_rpm:g} rpm: means over control periods, currents at their "
-        f"ends. Allowed are {step.allowed_ms:.3g} ms to 90 % and an overshoot of {step.overshoot_limit_percent:.3g} %, "
-        "the shaded band."
+        f"ends. Allowed are {step.allowed_ms:.3g} ms to {step.reached_percent:.3g} % and an overshoot of "
+        f"{step.overshoot_limit_percent:.3g} %, the shaded band."
     )
 
 
@@ -73,13 +77,12 @@ def _draw_torque(panel: Axes, step: StepSection) -> None:
         ends.append((f"overshoot {figure(step.overshoot_percent)} %", furthest, VERMILION))
         panel.axhline(furthest, color=VERMILION, linewidth=0.8, xmax=1.0 / _WITH_LABELS)
     if step.rise_ms is not None:
-        risen = step.before_nm + REACHED * size
+        risen = step.before_nm + 0.01 * step.reached_percent * size
         panel.plot([step.rise_ms], [risen], "o", color=VERMILION, markersize=4)
         low, high = panel.get_ylim()
         below = risen - 0.1 * (high - low) * (1.0 if size > 0.0 else -1.0)
-        label(
-            panel, step.rise_ms + 0.02 * end, below, f"90 % in {step.rise_ms:.4g} ms", VERMILION, va="center"
-        )
+        words = f"{step.reached_percent:.3g} % in {step.rise_ms:.4g} ms"
+        label(panel, step.rise_ms + 0.02 * end, below, words, VERMILION, va="center")
     panel.set_ylabel("torque (N·m)")
     label_ends(panel, 1.012 * end, *ends)
 
