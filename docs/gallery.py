@@ -88,8 +88,9 @@ class Fault:
         copytree(TEMPLATE, folder, dirs_exist_ok=True)
         (folder / MODEL).write_text(self.model(), encoding="utf-8")
         manifest = folder / "candidate.toml"
-        text = manifest.read_text(encoding="utf-8").replace("@name@", self.check.lower() or "sound")
-        manifest.write_text(text, encoding="utf-8")
+        # Its files of waivers and the like are those of all templates, and none of them is needed here.
+        text, _, _ = manifest.read_text(encoding="utf-8").partition("\n[check]")
+        manifest.write_text(text.replace("@name@", self.check.lower() or "sound"), encoding="utf-8")
         return manifest
 
 

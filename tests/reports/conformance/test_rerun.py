@@ -55,7 +55,8 @@ def report(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def commands_of(folder: Path) -> set[str]:
     shown = re.findall(
-        r"<code>((?:cd|drivegate) .*?)</code>", (folder / "report.html").read_text(encoding="utf-8")
+        r'<code class="command">((?:cd|drivegate) .*?)</code>',
+        (folder / "report.html").read_text(encoding="utf-8"),
     )
     summary = (folder / "summary.md").read_text(encoding="utf-8")
     return {*map(unescape, shown), *re.findall(r"^    (.*drivegate replay .*)$", summary, re.MULTILINE)}
