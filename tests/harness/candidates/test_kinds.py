@@ -22,7 +22,7 @@ def test_the_folder_of_a_kind_has_what_its_row_promises(kind: Kind) -> None:
     assert [*inspect.signature(resolution.from_manifest).parameters] == [
         "manifest",
         "specification",
-        "folder",
+        "reach",
     ]
     assert [*inspect.signature(loading.load_controller).parameters] == ["candidate"]
     assert hasattr(loading, "compile_own_code") == kind.compiles_own_code
