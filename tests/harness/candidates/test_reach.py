@@ -36,7 +36,8 @@ class Key:
 
 KEYS = {
     "python": Key('kind = "python"\nentry = "{}:Mine"', "mine.py"),
-    "package": Key('kind = "python"\nentry = "{}:Mine"', "mine"),
+    # No other test has a module of this name, which might be imported already.
+    "package": Key('kind = "python"\nentry = "{}:Mine"', "mine_apart"),
     "c": Key('kind = "c"\nentry = "{}"', "mine.c"),
     "so": Key('kind = "so"\nentry = "{}"', "mine.so"),
     "so that is built": Key('kind = "so"\nentry = "{}"\nsources = ["own.c"]\nbuild = ["true"]', "mine.so"),
@@ -84,7 +85,7 @@ def outside(tmp_path: Path) -> Path:
 
 
 def made(target: Path) -> None:
-    if target.name in ("headers", "mine"):
+    if target.name in ("headers", "mine_apart"):
         target.mkdir(exist_ok=True)
         (target / "__init__.py").write_text("secret", encoding="utf-8")
     else:
@@ -198,9 +199,9 @@ def test_a_fifo_keeps_nobody_waiting(key: str, own: Path) -> None:
 
 
 def test_a_fifo_in_a_package_keeps_nobody_waiting(own: Path) -> None:
-    made(own / "mine")
-    os.mkfifo(own / "mine" / "other.py")
-    assert "is not a regular file" in refusal(own, "package", "mine")
+    made(own / "mine_apart")
+    os.mkfifo(own / "mine_apart" / "other.py")
+    assert "is not a regular file" in refusal(own, "package", "mine_apart")
 
 
 @pytest.mark.parametrize("key", ["python", "c", "so", "fmu", "word", "second word", "sources", "drive"])

@@ -45,7 +45,7 @@ def test_its_counterexample_is_replayed_and_simulated(checked: drivegate.CheckRe
     stored = checked.counterexample("FWK-2")
     again = drivegate.replay(stored)
     assert again.verdict == "still fails"
-    assert again.margin == pytest.approx(checked.checks.loc["FWK-2", "margin"])
+    assert again.margin == stored.margin
     assert drivegate.replay(stored, "foc").verdict == "fixed"
     run = drivegate.simulate("faulty:stuck-weakening", stored.scenario)
     assert run.fault is None

@@ -445,6 +445,7 @@ def test_the_items_of_the_reference_come_out_as_the_gate_has_them_for_real(
     assert result.parseoutcomes()["skipped"] == len(CHECKS) - len(expected)
 
 
+@pytest.mark.nightly
 def test_the_initial_angle_alone_misses_the_optimum_for_real(
     pytester: pytest.Pytester, few_runs: None
 ) -> None:
