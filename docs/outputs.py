@@ -100,7 +100,8 @@ def _fault_line(line: str, folder: Path) -> str:
     assert known is not None, line
     printed = printed_by(fault_command(known[1], known[2]), folder)
     measured = next(line for line in printed if line.startswith("  measured "))
-    return f"{line[: known.start(3)]}{measured.removeprefix('  measured ')}"
+    value, _, _ = measured.removeprefix("  measured ").partition("; limit ")
+    return f"{line[: known.start(3)]}{value}"
 
 
 def renewed(text: str, names: Sequence[str], made: Callable[[str, Sequence[str]], list[str]]) -> str:
