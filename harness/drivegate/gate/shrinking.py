@@ -26,6 +26,8 @@ from drivegate.scenarios.title import titled
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.scenario.scenario import Scenario
 
+_ROUNDING: Final = 1e-9
+"""Share of a margin by which rounding may make a simpler failure worse (1)."""
 _BUDGET: Final = {"quick": 15, "default": 40, "nightly": 200}
 """Runs that may be spent on making one counterexample simpler, by effort."""
 _FURTHER: Final = 2
@@ -129,7 +131,12 @@ class _Trials:
             # Another failure than the one looked for.
             return None
         margin = self._check.evaluate(record)
-        if margin is None or margin.met or margin.advisory or margin.value < self.worst:
+        if (
+            margin is None
+            or margin.met
+            or margin.advisory
+            or margin.value < self.worst - _ROUNDING * abs(self.worst)
+        ):
             return None
         if self.witness is not None and self.witness_in(scenario) is None:
             return None

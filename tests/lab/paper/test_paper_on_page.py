@@ -26,7 +26,7 @@ def test_the_same_document_gives_the_same_bytes(recorded: dict[str, Any], record
 
 def test_the_page_on_the_drive_of_the_paper_has_all_that_is_published_of_it(recorded_page: str) -> None:
     for heading in ("Published against ours", "Findings", "Assumptions"):
-        assert f">{heading}</h2>" in recorded_page, f"the section '{heading}' is missing"
+        assert f">{heading}</span>" in recorded_page, f"the section '{heading}' is missing"
     for entry in (*facts(), *open_assumptions()):
         assert entry.id in recorded_page, f"{entry.id} is missing"
     for finding in findings():
