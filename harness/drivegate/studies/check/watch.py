@@ -51,4 +51,6 @@ def changes_around(specification: str, output: Path) -> Iterator[object]:
     folders = {candidate.folder, *(file.parent for file in candidate.sources)}
     report = output.resolve()
     kept = DefaultFilter(ignore_paths=[report, *report.parent.glob(f".{report.name}*")])
-    return watch(*folders, watch_filter=kept, raise_interrupt=True)
+    # Where the package is missing, its types are too.
+    changes: Iterator[object] = watch(*folders, watch_filter=kept, raise_interrupt=True)
+    return changes
