@@ -20,7 +20,7 @@ from hypothesis import strategies as st
 from drivegate.gate.plan import EXAMPLES
 from drivegate.gate.shard import SAFE
 from drivegate.gate.steps import Search
-from drivegate.scenarios.choices import ChoiceSource, Enough, drawing_from
+from drivegate.scenarios.choices import ChoiceSource, Enough, draw_from
 from drivegate.scenarios.isolation import from_the_seed_alone
 from weakened_faults import GRID, Point, on_grid
 
@@ -157,15 +157,8 @@ def shard(trial: Trial, dimensions: int, number: int) -> None:
         margin = trial(point)
         search.judged(source.made, None if known else {"": margin} if margin < SAFE else {})
 
-    with from_the_seed_alone(), drawing_from(source) as backend, suppress(Enough):
-        settings(
-            max_examples=20 * trial.allowance,
-            backend=backend,
-            database=None,
-            deadline=None,
-            phases=(Phase.generate,),
-            suppress_health_check=list(HealthCheck),
-        )(explore)()
+    with suppress(Enough):
+        draw_from(source, explore, 20 * trial.allowance)
 
 
 def covariance(trial: Trial, dimensions: int, number: int) -> None:

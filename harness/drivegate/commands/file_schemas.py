@@ -135,10 +135,3 @@ def _allow_names(properties: Schema) -> None:
             "anyOf": [{"type": "string"}, {"type": "object"}],
             **{key: stated[key] for key in ("description", "default") if key in stated},
         }
-    if "sensors" in properties:
-        tables = properties["sensors"]
-        kinds = list(tables["discriminator"]["mapping"])
-        properties["sensors"] = {
-            "anyOf": [{"enum": kinds}, {"oneOf": tables["oneOf"]}],
-            "description": tables["description"],
-        }

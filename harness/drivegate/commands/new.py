@@ -22,10 +22,11 @@ SCHEMA = 1
 DRIVE = "drive"
 REQUIREMENTS = "requirements"
 SCENARIO = "scenario"
-"""The kinds that are no candidates."""
+FILES = {DRIVE: "a drive", SCENARIO: "a scenario", REQUIREMENTS: "requirements"}
+"""The kinds that are no candidates but single files, in words."""
 CHOICES = (
     *("python", "numba", "c", "rust", "cortex-m", "exec", "embedded-coder"),
-    *(DRIVE, SCENARIO, REQUIREMENTS),
+    *FILES,
 )
 
 
@@ -75,14 +76,16 @@ def command(
     drive that takes a current reference and an advance angle, such as paper-5-phase, the controller is a speed
     regulator with a line of angles; what it fails is waived for 90 days and is the exercise.
     """
-    if kind == REQUIREMENTS:
-        return _new_requirements(Path(name), output, drive)
+    if kind in FILES and output is not None:
+        raise click.UsageError(f"--output goes with a candidate only; NAME is the file of {FILES[kind]}")
     if kind == DRIVE:
-        return _new_drive(Path(name), output, drive, from_datasheet)
+        return _new_drive(Path(name), drive, from_datasheet)
     if from_datasheet:
         raise click.UsageError("--from-datasheet goes with the kind drive only")
     if kind == SCENARIO:
-        return _new_scenario(Path(name), output, drive)
+        return _new_scenario(Path(name), drive)
+    if kind == REQUIREMENTS:
+        return _new_requirements(Path(name), drive)
 
     from drivegate.commands.file_schemas import schema_contents
     from drivegate.results.waivers import present_day
@@ -108,17 +111,15 @@ def command(
     return Outcome(document, lambda console: _show(console, document))
 
 
-def _new_requirements(file: Path, output: Path | None, drive: str | None) -> Outcome:
-    if output is not None:
-        raise click.UsageError("--output goes with a candidate only; NAME is the file of requirements")
+def _new_requirements(file: Path, drive: str | None) -> Outcome:
     from drivegate.commands.file_schemas import schema_line, write_missing
     from drivegate.drives.kinds import DEFAULT_DRIVES
-    from drivegate.studies.new import refuse_drive_file
+    from drivegate.output.new_file import refuse_new_file
     from drivegate.studies.new_requirements import requirements_toml
     from drivegate_cases.documents.atomic_write import write_atomically
     from drivegate_cases.drive.drive_document import load_drive
 
-    refuse_drive_file(file)
+    refuse_new_file(file, "a requirements")
     chosen = named_drive(drive) or load_drive(DEFAULT_DRIVES["duty"])
     write_atomically(file, f"{schema_line(REQUIREMENTS)}\n{requirements_toml(chosen)}")
     write_missing(REQUIREMENTS, file.parent)
@@ -137,18 +138,18 @@ def _new_requirements(file: Path, output: Path | None, drive: str | None) -> Out
     return Outcome(document, lambda console: _show(console, document))
 
 
-def _new_drive(file: Path, output: Path | None, start: str | None, from_datasheet: bool) -> Outcome:
-    if output is not None:
-        raise click.UsageError("--output goes with a candidate only; NAME is the file of a drive")
+def _new_drive(file: Path, start: str | None, from_datasheet: bool) -> Outcome:
     if from_datasheet and start is not None:
         raise click.UsageError("--drive and --from-datasheet do not go together")
 
     from drivegate.commands.file_schemas import write_missing
     from drivegate.drives.kinds import drive_for
+    from drivegate.output.new_file import refuse_new_file
     from drivegate.studies.data_sheet_drive import QUESTIONS, data_sheet_drive
-    from drivegate.studies.new import drive_to_edit, refuse_drive_file, write_drive
+    from drivegate.studies.new import drive_to_edit, write_drive
 
-    refuse_drive_file(file)
+    # Refused ahead of all questions.
+    refuse_new_file(file, "a drive's")
     if from_datasheet:
         answers = {key: _answer(question) for key, question in QUESTIONS.items()}
         written = looked_at(data_sheet_drive(file.stem, answers))
@@ -174,10 +175,7 @@ def _new_drive(file: Path, output: Path | None, start: str | None, from_datashee
     return Outcome(document, lambda console: _show(console, document))
 
 
-def _new_scenario(file: Path, output: Path | None, drive: str | None) -> Outcome:
-    if output is not None:
-        raise click.UsageError("--output goes with a candidate only; NAME is the file of a scenario")
-
+def _new_scenario(file: Path, drive: str | None) -> Outcome:
     from drivegate.contracts.catalogue import contract_of
     from drivegate.drives.kinds import DEFAULT_DRIVES
     from drivegate.studies.new_scenario import write_scenario

@@ -19,7 +19,6 @@ _OF_ONE_CALL: Final = frozenset(
 )
 """Arguments that say which part of a check is run, or how it is printed; no later call needs them."""
 _AGAIN: Final = "drivegate.again"
-_STATED: Final = "drivegate.stated"
 
 
 class CheckCommand(click.Command):
@@ -35,7 +34,6 @@ class CheckCommand(click.Command):
                 args = [*args, _own_manifest()]
             stated = stated_by([*named, MANIFEST][0], given.get("roots") or ()) if len(named) <= 1 else {}
             ctx.default_map = {**(ctx.default_map or {}), **stated}
-            ctx.meta[_STATED] = stated
             ctx.meta[_AGAIN] = join(["drivegate", "check", *named, *self._words(ctx, given)])
         return super().parse_args(ctx, args)
 

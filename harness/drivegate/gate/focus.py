@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
+from drivegate_cases.documents.wording import nearest, one_line
 from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
@@ -65,6 +66,18 @@ class Focus:
 
 
 WHOLE: Final = Focus()
+
+
+def named_checks(words: Iterable[str], known: Sequence[str]) -> tuple[str, ...]:
+    """Read names of checks and families, in capital letters, and refuse those that no contract has."""
+    named = tuple(word.strip().upper() for listed in words for word in listed.split(",") if word.strip())
+    for name in named:
+        if not any(is_called(check, name) for check in known):
+            raise InputError(
+                f"there is no check '{one_line(name)}', the nearest is '{nearest(name, known)}'; drivegate checks "
+                "lists them"
+            )
+    return named
 
 
 def is_called(check: str, name: str) -> bool:

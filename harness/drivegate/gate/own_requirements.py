@@ -63,9 +63,10 @@ def require_fitting(declaration: Declaration, drive: DriveDocument) -> None:
     for row in own.rows:
         for problem in _problems(row, contract_of(drive), drive):
             raise InputError(f"{own.where}: {row.id} {problem}")
+    known = all_checks()
     for evidence in own.evidence:
         for check in evidence.checks:
-            if check not in (known := all_checks()):
+            if check not in known:
                 raise InputError(
                     f"{own.where}: the evidence {one_line(evidence.id)} names the check '{one_line(check)}', but must "
                     f"name one that there is, the nearest is '{nearest(check, known)}'"

@@ -153,12 +153,11 @@ class _Collector:
 
 def run_drawn(loaded: JudgedCandidate, plan: DrawnRuns) -> ShardOutcome:
     """Draw scenarios, and step toward the limits of all checks, so that all of them see the same runs."""
-    from hypothesis import HealthCheck, Phase, given, seed, settings
+    from hypothesis import given, seed
     from hypothesis.errors import Unsatisfiable
 
     from drivegate.gate.steps import Search
-    from drivegate.scenarios.choices import ChoiceSource, Enough, drawing_from
-    from drivegate.scenarios.isolation import from_the_seed_alone
+    from drivegate.scenarios.choices import ChoiceSource, Enough, draw_from
 
     declaration = loaded.candidate.declaration
     drawn = contract_of(plan.drive).drawn_scenarios(plan.drive, declaration, plan.seed)
@@ -179,15 +178,8 @@ def run_drawn(loaded: JudgedCandidate, plan: DrawnRuns) -> ShardOutcome:
         if collector.is_finished:
             raise Enough
 
-    with from_the_seed_alone(), drawing_from(source) as backend, suppress(Enough, Unsatisfiable):
-        settings(
-            max_examples=2 * _ASKED * plan.examples,
-            backend=backend,
-            database=None,
-            deadline=None,
-            phases=(Phase.generate,),
-            suppress_health_check=list(HealthCheck),
-        )(explore)()
+    with suppress(Enough, Unsatisfiable):
+        draw_from(source, explore, 2 * _ASKED * plan.examples)
     if collector.fault is not None:
         raise collector.fault
     return ShardOutcome(tuple(collector.runs), tuple(collector.infeasible))

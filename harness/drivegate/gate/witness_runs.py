@@ -37,7 +37,7 @@ def witnesses_on(check: str, drive: DriveDocument) -> tuple[Witness, ...]:
     return tuple(witness for witness in witnesses_for(drive) if witness.is_heard_on(check))
 
 
-def best_margin(witness: Witness, scenario: Scenario, declaration: Declaration, check: str) -> Margin | None:
+def _best_margin(witness: Witness, scenario: Scenario, declaration: Declaration, check: str) -> Margin | None:
     """Judge a witness by the declaration, or by the drive alone: it need not keep another one's promise."""
     judged_by = dict.fromkeys((declaration, replace(declaration, current_bandwidth=None)))
     records = (_record(witness, scenario, each) for each in judged_by)
@@ -74,14 +74,25 @@ def judged_witness(witness: Witness, scenario: Scenario, declaration: Declaratio
     return JudgedCandidate(candidate, lambda: PythonController(made_for(scenario)))
 
 
-def witness_that_meets(
+def met_by(
     check: str, scenario: Scenario, declaration: Declaration, first: Sequence[Witness] = ()
-) -> Witness | None:
-    """Return a witness that meets a check in a scenario, those that are likely to first; None where none does."""
+) -> tuple[Witness, Margin] | None:
+    """Return a witness that meets a check in a scenario, and its margin, those that are likely to first.
+
+    None where none does.
+    """
     if check in UNWITNESSED:
         return None
     for witness in dict.fromkeys((*first, *witnesses_on(check, scenario.drive))):
-        margin = best_margin(witness, scenario, declaration, check)
+        margin = _best_margin(witness, scenario, declaration, check)
         if margin is not None and margin.met:
-            return witness
+            return witness, margin
     return None
+
+
+def witness_that_meets(
+    check: str, scenario: Scenario, declaration: Declaration, first: Sequence[Witness] = ()
+) -> Witness | None:
+    """Return a witness that meets a check in a scenario, as `met_by` finds it."""
+    found = met_by(check, scenario, declaration, first)
+    return None if found is None else found[0]

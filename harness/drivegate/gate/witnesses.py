@@ -12,7 +12,7 @@ from drivegate.checks.margin import Margin
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.contracts.contract import Witness
 from drivegate.gate.shrinking import shown_by
-from drivegate.gate.witness_runs import UNWITNESSED, best_margin, witnesses_for, witnesses_on
+from drivegate.gate.witness_runs import UNWITNESSED, met_by, witnesses_for, witnesses_on
 from drivegate.results.document import CheckSection, WitnessedSection
 from drivegate.results.result import NOT_WITNESSED, witness_in_words
 from drivegate.results.verdict import considered
@@ -98,16 +98,15 @@ def hear_witnesses(loaded: JudgedCandidate, accusation: Accusation) -> Acquittal
     for place, (mapping, _) in enumerate(accusation.failures):
         scenario = parse_document(mapping, Scenario, "the scenario")
         heard = witnesses_on(accusation.check, scenario.drive)
-        for witness in heard:
-            margin = best_margin(witness, scenario, declaration, accusation.check)
-            if margin is not None and margin.met:
-                witnessed = WitnessedSection.model_construct(
-                    name=witness.candidate,
-                    margin=margin.value,
-                    measured=margin.measured,
-                    knows_plant=witness.knows_plant,
-                )
-                return Defence(witnessed, place)
+        if (found := met_by(accusation.check, scenario, declaration)) is not None:
+            witness, margin = found
+            witnessed = WitnessedSection.model_construct(
+                name=witness.candidate,
+                margin=margin.value,
+                measured=margin.measured,
+                knows_plant=witness.knows_plant,
+            )
+            return Defence(witnessed, place)
     return Acquittal(tuple(witness.candidate for witness in heard))
 
 

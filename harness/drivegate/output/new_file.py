@@ -1,4 +1,4 @@
-"""Refusing the name of a file that is to be written anew."""
+"""Refusing the name of a file of a user's that is to be written."""
 
 from __future__ import annotations
 

@@ -14,7 +14,10 @@ from random import Random
 from typing import Any, Final, NamedTuple, TypeAlias
 from unittest import mock
 
+from hypothesis import HealthCheck, Phase, settings
 from hypothesis.internal.conjecture import providers
+
+from drivegate.scenarios.isolation import from_the_seed_alone
 
 STRATA: Final = 16
 """Parts of a range of which each gives one value, in random order, before any gives another."""
@@ -37,7 +40,7 @@ class Choice(NamedTuple):
 
     @property
     def is_number(self) -> bool:
-        """Whether its neighbours are likely to be alike; few whole numbers count alternatives."""
+        """Whether its neighbours are likely to be similar; few whole numbers count alternatives."""
         return not self.is_whole or self.greatest - self.least >= STRATA
 
     def at(self, value: float) -> Choice:
@@ -114,8 +117,24 @@ class ChoiceSource:
         return choice.value
 
 
+def draw_from(source: ChoiceSource, explore: Callable[[], None], most: int) -> None:
+    """Have Hypothesis call a test of its own with what it makes from a source, so many times at most.
+
+    The test may raise `Enough`, which is passed on.
+    """
+    with from_the_seed_alone(), _backend_of(source) as backend:
+        settings(
+            max_examples=most,
+            backend=backend,
+            database=None,
+            deadline=None,
+            phases=(Phase.generate,),
+            suppress_health_check=list(HealthCheck),
+        )(explore)()
+
+
 @contextmanager
-def drawing_from(source: ChoiceSource) -> Iterator[str]:
+def _backend_of(source: ChoiceSource) -> Iterator[str]:
     """Let Hypothesis take its choices from a source; gives the name of the backend for its settings."""
 
     class Backend(providers.PrimitiveProvider):

@@ -8,22 +8,15 @@ from typing import Any
 from drivegate.contracts.catalogue import all_checks, all_contracts, contract_of
 from drivegate.contracts.traceability import traced_checks
 from drivegate.drives.kinds import DEFAULT_DRIVES
-from drivegate.gate.focus import is_called
-from drivegate_cases.documents.wording import nearest, one_line
+from drivegate.gate.focus import is_called, named_checks
+from drivegate_cases.documents.wording import one_line
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_models.errors import InputError
 
 
 def explained_checks(names: Sequence[str], drive: DriveDocument | None) -> list[dict[str, Any]]:
     """Explain checks or families of them, on a drive; without one, on the default drive of each contract."""
-    known = list(all_checks())
-    wanted = [name.strip().upper() for listed in names for name in listed.split(",") if name.strip()]
-    for name in wanted:
-        if not any(is_called(check, name) for check in known):
-            raise InputError(
-                f"there is no check '{one_line(name)}', the nearest is '{nearest(name, known)}'; drivegate checks "
-                "lists them"
-            )
+    wanted = named_checks(names, list(all_checks()))
     drives = [load_drive(DEFAULT_DRIVES[contract.name]) for contract in all_contracts()]
     rows = [row for each in ([drive] if drive else drives) for row in _explained(each, wanted)]
     if not rows:

@@ -262,13 +262,8 @@ def _digest(data: bytes) -> str:
 
 def write_drive(file: Path, drive: DriveDocument) -> None:
     """Write a drive's file; nothing is ever overwritten."""
-    refuse_drive_file(file)
+    refuse_new_file(file, "a drive's")
     write_atomically(file, drive_toml(drive))
-
-
-def refuse_drive_file(file: Path) -> None:
-    """Refuse a file that exists, or whose name is none of a drive's, or of requirements."""
-    refuse_new_file(file, "such")
 
 
 def drive_to_edit(name: str, start: DriveDocument) -> DriveDocument:

@@ -63,14 +63,9 @@ at_most = {ripple}
 """
 
 
-def _may_be_held(drive: DriveDocument) -> bool:
-    """Return True for a drive on a dynamometer, whose controllers follow a torque, and whose d and q currents show."""
-    return "dynamometer" not in drive.excluded_loads
-
-
 def _standstill(drive: DriveDocument) -> str:
-    quantity = "current_a" if _may_be_held(drive) else "current_sum_a"
-    phases = 1 if _may_be_held(drive) else drive.machine.phases
+    quantity = "current_a" if drive.may_be_held else "current_sum_a"
+    phases = 1 if drive.may_be_held else drive.machine.phases
     limit = figure(significant(0.1 * phases * drive.rating.current_limit_a, 2))
     speed = figure(limits_of(drive).speed_tolerance_rpm)
     return f"""\
@@ -89,7 +84,7 @@ at_most = {limit}
 
 def _release(drive: DriveDocument) -> str:
     torque = figure(significant(0.1 * drive.rating.rated_torque_nm, 2))
-    if _may_be_held(drive):
+    if drive.may_be_held:
         time = figure(significant(float(limits_of(drive).held_settling_s), 2))
         return f"""\
 # Torque after release: the row waits for steps of the torque reference to 0 alone.

@@ -40,7 +40,7 @@ def scenario_toml(name: str, drive: DriveDocument, named: str) -> str:
         "duration_s": on_whole_periods(_short(3.0 * hold), period),
     }
     # A drive that may be on a dynamometer gets a torque reference.
-    rating, is_held = drive.rating, "dynamometer" not in drive.excluded_loads
+    rating, is_held = drive.rating, drive.may_be_held
     values["speed_rpm"] = _short((0.5 if is_held else 1.2) * rating.base_speed_rpm)
     torque = _short(0.5 * rating.rated_torque_nm)
     model: type[Section] = DynamometerLoad if is_held else ConstantTorqueLoad

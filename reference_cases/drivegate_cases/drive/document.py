@@ -229,6 +229,11 @@ class DriveDocument(Document):
         )
 
     @property
+    def may_be_held(self) -> bool:
+        """Whether a dynamometer may hold its shaft, so that a controller follows a torque."""
+        return "dynamometer" not in self.excluded_loads
+
+    @property
     def values_hash(self) -> str:
         """SHA-256 of all values, in hexadecimal: equal for two drives that differ in name and provenance alone."""
         values = self.model_dump(mode="json", include={"kind", *self.tables}, exclude_none=True)

@@ -6,13 +6,12 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 
 import pytest
-from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
 from drivegate.candidates.declaration import NOTHING_DECLARED
 from drivegate.contracts.catalogue import contract_of
-from drivegate.scenarios.choices import STRATA, Choice, Choices, ChoiceSource, Enough, EvenDraws, drawing_from
-from drivegate.scenarios.isolation import from_the_seed_alone
+from drivegate.scenarios.choices import STRATA, Choice, Choices, ChoiceSource, Enough, EvenDraws, draw_from
 from drivegate_cases.drive.drive_document import load_drive
 
 
@@ -33,15 +32,8 @@ def _drawn(
         if len(drawn) == count:
             raise Enough
 
-    with from_the_seed_alone(), drawing_from(source) as backend, pytest.raises(Enough):
-        settings(
-            max_examples=10 * count + 10,
-            backend=backend,
-            database=None,
-            deadline=None,
-            phases=(Phase.generate,),
-            suppress_health_check=list(HealthCheck),
-        )(explore)()
+    with pytest.raises(Enough):
+        draw_from(source, explore, 10 * count + 10)
     return drawn
 
 

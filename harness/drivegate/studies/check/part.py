@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from drivegate.candidates.candidate import Candidate
-from drivegate.gate.focus import Focus, is_called
+from drivegate.gate.focus import Focus, is_called, named_checks
 from drivegate.output.result_file import RESULT_FILE, counterexamples
 from drivegate.results.result import counted_levels
-from drivegate_cases.documents.wording import nearest, one_line, shown_path
+from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
@@ -61,15 +61,12 @@ def focus_of(
 
 def _named(words: Iterable[str], known: Sequence[str]) -> tuple[str, ...]:
     """Read names of checks and families, and refuse those that no contract has."""
-    named = tuple(word.strip().upper() for listed in words for word in listed.split(",") if word.strip())
+    try:
+        named = named_checks(words, known)
+    except InputError as error:
+        raise InputError(f"--only: {error}") from error
     if words and not named:
         raise InputError("--only names no check; name some, such as --only CNV-2,CNV-3")
-    for name in named:
-        if not any(is_called(check, name) for check in known):
-            raise InputError(
-                f"--only: there is no check '{one_line(name)}', the nearest is '{nearest(name, known)}'; "
-                "drivegate checks lists them"
-            )
     return named
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -32,11 +31,9 @@ def watch(check: Callable[[bool], int], changes: Iterator[object], version: Call
 def version_of(specification: str) -> str:
     """Return what changes with a candidate's sources; while it cannot be resolved, the reason."""
     try:
-        candidate = resolve_candidate(specification)
+        return resolve_candidate(specification).content_hash
     except InputError as error:
         return str(error)
-    hashes = [hashlib.sha256(file.read_bytes()).hexdigest() for file in candidate.sources if file.is_file()]
-    return "\n".join([candidate.content_hash, *hashes])
 
 
 def changes_around(specification: str, output: Path) -> Iterator[object]:

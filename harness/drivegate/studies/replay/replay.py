@@ -106,9 +106,9 @@ def _is_included(candidate: Candidate) -> bool:
     return bool(candidate.sources) and all(inside)
 
 
-def with_row(candidate: Candidate, stored: Counterexample) -> Candidate:
-    """Return a candidate with the user's row that a counterexample breaks, as it was then."""
-    return candidate if stored.row is None else with_requirements(candidate, OwnRequirements((stored.row,)))
+def _own(stored: Counterexample) -> OwnRequirements | None:
+    """Return the user's row that a counterexample breaks, as it was then; None where it breaks a check."""
+    return None if stored.row is None else OwnRequirements((stored.row,))
 
 
 def replayed(stored: Counterexample, candidate: Candidate) -> Replay | Fault:
@@ -119,7 +119,7 @@ def replayed(stored: Counterexample, candidate: Candidate) -> Replay | Fault:
             f"counterexample's drive takes {ANSWERS[required]}; name a candidate that answers so with --candidate"
         )
     with_compiled_kernels([stored.scenario.drive])
-    candidate = with_row(candidate, stored)
+    candidate = with_requirements(candidate, _own(stored))
     with Judge(candidate, on_slow=report_slow) as judge:
         replay = judge.run(Job(run_replay, stored))
         if isinstance(replay, Fault) or isinstance(stored.scenario, Script) or stored.check != REPEATED:
@@ -174,8 +174,7 @@ def _script_again(loaded: JudgedCandidate, script: Script) -> Replay:
 def check_of(stored: Counterexample) -> Check:
     scenario = stored.scenario
     contract = "current" if isinstance(scenario, Script) else scenario.drive.contract
-    own = None if stored.row is None else OwnRequirements((stored.row,))
-    return check_named(contract, stored.check, Declaration(requirements=own))
+    return check_named(contract, stored.check, Declaration(requirements=_own(stored)))
 
 
 def _trace(stored: Counterexample, ended: Replay | Fault) -> RecordedTrace | None:
