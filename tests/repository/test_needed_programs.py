@@ -78,6 +78,7 @@ def programs(tmp_path: Path, content: str) -> Path:
     return folder
 
 
+@pytest.mark.nightly
 def test_nothing_is_left_out_where_everything_is_there(suite: Path, tmp_path: Path) -> None:
     path = programs(tmp_path, WORKING)
     code, shown = stated(suite, path=path)

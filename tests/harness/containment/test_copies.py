@@ -16,6 +16,7 @@ import psutil
 import pytest
 from tests.harness import worker_jobs
 from tests.harness.beside_templates import copies
+from tests.nightly import one_in
 
 from drivegate.candidates.fault import Fault
 from drivegate.candidates.resolution import resolve_candidate
@@ -129,7 +130,7 @@ def look(judge: Callable[..., Judge]) -> Callable[[], tuple[dict[str, Any], list
     return looked
 
 
-@pytest.mark.parametrize("isolation", ["auto", "none"])
+@pytest.mark.parametrize("isolation", one_in(2, ["auto", "none"]))
 def test_a_copy_finds_around_it_what_a_new_process_finds(
     look: Callable[[], Any], own_templates: Templates, monkeypatch: pytest.MonkeyPatch, isolation: str
 ) -> None:
@@ -191,7 +192,7 @@ def test_judges_that_start_together_are_copies(own_templates: Templates) -> None
     assert found[0] == found[1]
 
 
-@pytest.mark.parametrize("kind", ["own", "python"])
+@pytest.mark.parametrize("kind", one_in(2, ["own", "python"]))
 def test_a_judge_that_is_a_copy_has_what_was_prepared_before_it_started(
     own_templates: Templates, tmp_path: Path, kind: str
 ) -> None:
@@ -231,7 +232,7 @@ UNSTEADY = {
 }
 
 
-@pytest.mark.parametrize("source", UNSTEADY)
+@pytest.mark.parametrize("source", one_in(2, UNSTEADY))
 def test_what_copies_share_does_not_pass_for_deterministic(
     judge: Callable[..., Judge], monkeypatch: pytest.MonkeyPatch, source: str
 ) -> None:
@@ -288,7 +289,7 @@ with Judge(resolve_candidate(sys.argv[1])) as judge:
 """
 
 
-@pytest.mark.parametrize("ending", [signal.SIGKILL, signal.SIGTERM])
+@pytest.mark.parametrize("ending", one_in(2, [signal.SIGKILL, signal.SIGTERM]))
 def test_a_template_and_its_copies_end_with_the_harness(tmp_path: Path, ending: int) -> None:
     scratch = tmp_path / "scratch"
     scratch.mkdir()

@@ -225,7 +225,7 @@ main()
 NEXT_TO_NOTHING = (5e-324, 5e-324, 5e-324)
 CHECKED = [
     pytest.param(Drawn("nothing", "step", NEXT_TO_NOTHING, NEXT_TO_NOTHING), "fail", id="nothing at step"),
-    pytest.param(Drawn("loop", "deletion"), "hang", id="loop at deletion"),
+    pytest.param(Drawn("loop", "deletion"), "hang", id="loop at deletion", marks=pytest.mark.nightly),
     pytest.param(
         Drawn("a forged breakdown", "construction"),
         "crash",

@@ -59,6 +59,7 @@ def test_the_first_different_step_is_found(answer: Answer) -> None:
     assert (field["field"], field["unit"], field["difference"]) == ("voltage", "V", pytest.approx(0.125))
 
 
+@pytest.mark.nightly
 def test_controllers_are_ranked_by_the_figures_of_their_contract(answer: Answer) -> None:
     words = ("compare", "toy:weak", "toy:good", "--effort", "quick", "--no-checks", "--workers", "1")
     _, document = answer(*words)
@@ -66,6 +67,7 @@ def test_controllers_are_ranked_by_the_figures_of_their_contract(answer: Answer)
     assert [row["candidate"] for row in document["tables"]["ranking"]] == ["toy:good", "toy:weak"]
 
 
+@pytest.mark.nightly
 def test_a_campaign_keeps_what_the_contract_observes(answer: Answer, tmp_path: Path) -> None:
     code, document = answer("campaign", FOLDER / "toy-campaign.toml", "--output", "out", "--workers", "1")
     assert (code, document["candidates"][0]["verdicts"]) == (0, {"pass": 2})

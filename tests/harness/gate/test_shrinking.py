@@ -188,6 +188,7 @@ def test_a_simpler_failure_is_no_worse_than_the_one_that_is_reported(worst: floa
     assert min(start.margin.value, worst or 0.0) <= found.margin.value < 0.0
 
 
+@pytest.mark.nightly
 def test_shrinking_is_deterministic_and_more_runs_make_no_worse_result() -> None:
     first, again = (shrunk("initial", changing(), "CNV-2", budget=9) for _ in range(2))
     assert first == again

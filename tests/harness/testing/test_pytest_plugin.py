@@ -459,6 +459,7 @@ def test_the_initial_angle_alone_misses_the_optimum_for_real(
     assert json.loads(Path(file).read_text(encoding="utf-8"))["check"] == "CNV-2"
 
 
+@pytest.mark.nightly
 def test_a_controller_that_raises_fails_its_own_item_for_real(
     pytester: pytest.Pytester, few_runs: None
 ) -> None:

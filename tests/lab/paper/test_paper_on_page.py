@@ -18,6 +18,7 @@ from drivegate_reports.conformance.report import page, prepare
 Factory = Callable[..., dict[str, Any]]
 
 
+@pytest.mark.nightly
 def test_the_same_document_gives_the_same_bytes(recorded: dict[str, Any], recorded_page: str) -> None:
     comparisons.cache_clear()
     recomputed_findings.cache_clear()

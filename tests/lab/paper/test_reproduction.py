@@ -69,6 +69,7 @@ def test_every_number_has_source_tolerance_and_verdict(folder: Path, document: d
     assert necessary["numbers"][1]["unit"] == "deg"
 
 
+@pytest.mark.nightly
 def test_it_is_the_same_bytes_every_time(folder: Path, document: dict[str, Any], tmp_path: Path) -> None:
     reproduce(tmp_path)
     files = sorted(path.relative_to(folder) for path in folder.rglob("*") if path.is_file())

@@ -201,6 +201,7 @@ def test_angles_that_are_left_out_cannot_be_the_optimum(
     assert short == least_current_sum(drive, speed, power / speed), "the whole grid has another optimum"
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", ["paper-5-phase", "star-3-phase"])
 def test_order_of_costs_needs_no_finer_references(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
     drive = load_drive(name).plant()

@@ -164,6 +164,7 @@ def test_the_page_is_whole_and_lets_nothing_in(text, document):
     assert len(text.encode()) < 3_000_000
 
 
+@pytest.mark.nightly
 def test_the_same_document_gives_the_same_bytes(document, text, tmp_path):
     path = write(copy.deepcopy(document), tmp_path)
     assert path.read_text(encoding="utf-8") == text

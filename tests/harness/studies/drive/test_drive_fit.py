@@ -74,6 +74,7 @@ def test_constants_come_back_from_what_they_gave_wherever_the_search_begins() ->
         assert not any(by_key(document, "at_bound").values())
 
 
+@pytest.mark.nightly
 def test_the_uncertainty_is_what_repeating_the_measurement_shows() -> None:
     fits = [fit_document(PAPER, measured(PAPER, seed)) for seed in range(25)]
     for key, true in TRUE.items():
