@@ -81,9 +81,11 @@ static rotor references(controller *self, real reference, real speed, real elect
         torque = self->speed_gain * error + self->speed_integral;
         if (torque * speed < 0.0) voltage -= BRAKING_SHARE * limit * fmin(fabs(torque) / (0.2 * self->greatest), 1.0);
     }
-    real direct = direct_for(self, fmin(fabs(torque), self->greatest), electrical, voltage);
+    /* Negative where the torque brakes: the drop of the resistance is then against the back-EMF. */
+    real turning = torque < 0.0 ? -electrical : electrical;
+    real direct = direct_for(self, fmin(fabs(torque), self->greatest), turning, voltage);
     direct = fmax(direct + self->weakening, self->deepest);
-    real most = fmax(possible(self, direct, electrical, voltage), 0.0);
+    real most = fmax(possible(self, direct, turning, voltage), 0.0);
     /* The integral of the speed waits while the limits allow less than it requests. */
     if (!self->regulates_torque && fabs(torque) > most && torque * error > 0.0)
         self->speed_integral -= self->speed_step * error;
@@ -181,7 +183,7 @@ void drivegate_duty_step(void *state, const drivegate_duty_sense *sense, drivega
         return;
     }
     rotor current = rotor_components(sense->phase_currents, angle);
-    rotor wanted = references(self, sense->reference, sense->speed, fabs(electrical), limit);
+    rotor wanted = references(self, sense->reference, sense->speed, electrical, limit);
     rotor error = {wanted.direct - current.direct, wanted.quadrature - current.quadrature};
     rotor voltage = regulate(self, error, current, electrical, limit);
     duty_ratios(command->duty_ratios, voltage, angle + electrical * self->lead, supply);

@@ -59,7 +59,7 @@ class Controller:
             self.preload(sense["phase_voltages"], angle, electrical, supply)
             return {"duty_ratios": [0.5, 0.5, 0.5]}
         direct, quadrature = rotor_components(sense["phase_currents"], angle)
-        wanted = self.references(sense["reference"], sense["speed"], abs(electrical), limit)
+        wanted = self.references(sense["reference"], sense["speed"], electrical, limit)
         error = wanted[0] - direct, wanted[1] - quadrature
         voltage = self.regulate(error, (direct, quadrature), electrical, limit)
         ratios = duty_ratios(voltage, angle + electrical * self.lead, supply)
@@ -106,9 +106,11 @@ class Controller:
             torque = self.speed_gain * error + self.speed_integral
             if torque * speed < 0.0:
                 voltage -= BRAKING_SHARE * limit * min(abs(torque) / (0.2 * self.greatest), 1.0)
-        direct = self.direct_for(min(abs(torque), self.greatest), electrical, voltage)
+        # Negative where the torque brakes: the drop of the resistance is then against the back-EMF.
+        turning = -electrical if torque < 0.0 else electrical
+        direct = self.direct_for(min(abs(torque), self.greatest), turning, voltage)
         direct = max(direct + self.weakening, self.deepest)
-        most = max(self.possible(direct, electrical, voltage), 0.0)
+        most = max(self.possible(direct, turning, voltage), 0.0)
         # The integral of the speed waits while the limits allow less than it requests.
         if not self.regulates_torque and abs(torque) > most and torque * error > 0.0:
             self.speed_integral -= self.speed_step * error

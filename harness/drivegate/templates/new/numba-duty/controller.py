@@ -70,7 +70,7 @@ def step(state, sense, command):
         return
     currents = phase_current(sense, 0), phase_current(sense, 1), phase_current(sense, 2)
     direct, quadrature = rotor_components(currents, angle)
-    wanted = references(state, sense.reference, sense.speed, abs(electrical), limit)
+    wanted = references(state, sense.reference, sense.speed, electrical, limit)
     error = wanted[0] - direct, wanted[1] - quadrature
     voltage = regulate(state, error, (direct, quadrature), electrical, limit)
     ratios = duty_ratios(voltage, angle + electrical * state.lead, supply)
@@ -122,9 +122,11 @@ def references(state, reference, speed, electrical, limit):
         torque = state.speed_gain * error + state.speed_integral
         if torque * speed < 0.0:
             voltage -= BRAKING_SHARE * limit * min(abs(torque) / (0.2 * state.greatest), 1.0)
-    direct = direct_for(state, min(abs(torque), state.greatest), electrical, voltage)
+    # Negative where the torque brakes: the drop of the resistance is then against the back-EMF.
+    turning = -electrical if torque < 0.0 else electrical
+    direct = direct_for(state, min(abs(torque), state.greatest), turning, voltage)
     direct = max(direct + state.weakening, state.deepest)
-    most = max(possible(state, direct, electrical, voltage), 0.0)
+    most = max(possible(state, direct, turning, voltage), 0.0)
     # The integral of the speed waits while the limits allow less than it requests.
     if not state.regulates_torque and abs(torque) > most and torque * error > 0.0:
         state.speed_integral -= state.speed_step * error

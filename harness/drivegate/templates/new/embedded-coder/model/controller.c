@@ -113,7 +113,7 @@ static void preload(real32_T angle, real32_T electrical) {
 void controller_step(void) {
     real32_T angle, electrical, supply, limit, direct, quadrature, torque;
     real32_T direct_error, quadrature_error, direct_wanted, quadrature_wanted, direct_given, quadrature_given, room;
-    real32_T error = 0.0F, allowed, possible, used;
+    real32_T error = 0.0F, allowed, possible, turning, used;
     angle = (real32_T)rtU.ElectricalAngle * ANGLE_PER_COUNT;
     electrical = (real32_T)rtU.ElectricalSpeed * rtP.SpeedPerCount;
     if (!rtU.Enable) {
@@ -133,10 +133,12 @@ void controller_step(void) {
     allowed = VOLTAGE_SHARE * limit;
     if (!rtP.RegulatesTorque && torque * electrical < 0.0F)
         allowed -= BRAKING_SHARE * limit * fminf(1.0F, fabsf(torque) / (0.2F * rtP.GreatestTorque));
-    direct_error = direct_for(fminf(fabsf(torque), rtP.GreatestTorque), fabsf(electrical), allowed) + rtDW.Weakening;
+    /* Negative where the torque brakes: the drop of the resistance is then against the back-EMF. */
+    turning = torque < 0.0F ? -electrical : electrical;
+    direct_error = direct_for(fminf(fabsf(torque), rtP.GreatestTorque), turning, allowed) + rtDW.Weakening;
     direct_error = fmaxf(direct_error, rtP.DeepestDirect);
     room = sqrtf(rtP.CurrentLimit * rtP.CurrentLimit - direct_error * direct_error);
-    possible = fmaxf(greatest_torque(direct_error, fabsf(electrical), allowed), 0.0F);
+    possible = fmaxf(greatest_torque(direct_error, turning, allowed), 0.0F);
     quadrature_error = saturate(saturate(torque, -possible, possible) / torque_per_ampere(direct_error), -room, room);
     /* The integral of the speed waits while the limits leave less than it asks for. */
     if (!rtP.RegulatesTorque && fabsf(torque) > possible && torque * error > 0.0F)

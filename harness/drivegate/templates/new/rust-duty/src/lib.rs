@@ -153,7 +153,7 @@ impl Controller {
             return;
         }
         let current = rotor_components(phase_currents, angle);
-        let wanted = self.references(sense.reference, sense.speed, electrical.abs(), limit);
+        let wanted = self.references(sense.reference, sense.speed, electrical, limit);
         let error = Rotor {
             direct: wanted.direct - current.direct,
             quadrature: wanted.quadrature - current.quadrature,
@@ -205,9 +205,11 @@ impl Controller {
                 voltage -= BRAKING_SHARE * limit * (torque.abs() / (0.2 * self.greatest)).min(1.0);
             }
         }
-        let direct = self.direct_for(torque.abs().min(self.greatest), electrical, voltage);
+        // Negative where the torque brakes: the drop of the resistance is then against the back-EMF.
+        let turning = if torque < 0.0 { -electrical } else { electrical };
+        let direct = self.direct_for(torque.abs().min(self.greatest), turning, voltage);
         let direct = (direct + self.weakening).max(self.deepest);
-        let most = self.possible(direct, electrical, voltage).max(0.0);
+        let most = self.possible(direct, turning, voltage).max(0.0);
         // The integral of the speed waits while the limits allow less than it requests.
         if !self.regulates_torque && torque.abs() > most && torque * error > 0.0 {
             self.speed_integral -= self.speed_step * error;
