@@ -15,6 +15,7 @@ from drivegate.checks.margin import Margin
 from drivegate.containment.judge import own_candidate
 from drivegate.contracts.catalogue import contract_named
 from drivegate.contracts.contract import Witness
+from drivegate.contracts.duty.scenarios.building import torque_scenario
 from drivegate.drives.kinds import DRIVE_KINDS
 from drivegate.gate import witness_runs
 from drivegate.gate.witnesses import (
@@ -31,6 +32,7 @@ from drivegate.results.result import witness_in_words
 from drivegate.results.verdict import candidate_verdict
 from drivegate.results.waivers import Waiver, under_waivers
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.scenario import load_scenario
 
 PAPER = load_drive("paper-5-phase")
@@ -206,6 +208,17 @@ def test_the_informed_witness_of_duty_ratios_weakens_and_brakes_as_required(
         assert isinstance(ending, Defence), check
     silent = hear_witnesses(accused, Accusation("SAF-1", ((weakened.to_mapping(), MARGIN),)))
     assert silent == Acquittal(())
+
+
+def test_who_leaves_no_voltage_free_is_a_witness_against_needless_weakening() -> None:
+    drive = load_drive("pm-ac-interior")
+    assert isinstance(drive, PmAcDocument)
+    scenario = torque_scenario(drive, -5000.0, (1.0,)).to_mapping()
+    ending = hear_witnesses(
+        own_candidate(resolve_candidate("foc")), Accusation("FWK-2", ((scenario, MARGIN),))
+    )
+    assert isinstance(ending, Defence), "foc weakens no more than the voltage requires"
+    assert ending.witnessed.measured.startswith("less than 10 % of the voltage is free"), ending
 
 
 @pytest.mark.parametrize("kind", DRIVE_KINDS.values(), ids=lambda kind: kind.name)

@@ -125,7 +125,7 @@ RUNS = {
         "OVC-2",
         "EST-1",
     ),
-    "weakened": ("PWR-1", "DUT-1", "ACC-1", "FWK-1", "FWK-3", "OVC-1", "OVC-2", "EST-1"),
+    "weakened": ("PWR-1", "DUT-1", "ACC-1", "FWK-1", "FWK-2", "FWK-3", "OVC-1", "OVC-2", "EST-1"),
     "start": (
         "PWR-1",
         "DUT-1",
