@@ -15,10 +15,12 @@ enum {
     ENCODER_COUNT,
     TRIP,
     ENABLE,
+    SOURCE_CURRENT,
     NEXT_PERIOD = 11,
     TORQUE,
     INPUT_POWER,
     FAULT,
+    BRAKE_DUTY,
     KIND = 21,
     REFERENCE_KIND,
     POLE_PAIRS,
@@ -41,6 +43,13 @@ enum {
     SWITCH_DROP,
     DIODE_DROP,
     POSITION_ERROR,
+    LINK_CAPACITANCE,
+    SOURCE_RESISTANCE,
+    LINK_LIMIT,
+    CHARGE_LIMIT,
+    DISCHARGE_LIMIT,
+    CHOPPER_VOLTAGE,
+    CHOPPER_RESISTANCE,
     PHASE_CURRENTS = 101, /* the first of each three; the others follow */
     DUTY_RATIOS = 111,
     LEGS = 121,
@@ -55,6 +64,7 @@ static void clear_command(signals *self) {
         self->command.legs[leg] = DRIVEGATE_LEG_PWM;
     }
     self->command.torque = self->command.angle = self->command.speed = self->command.input_power = NAN;
+    self->command.brake_duty = NAN;
 }
 
 void signals_reset(signals *self) {
@@ -84,10 +94,12 @@ double *signals_real(signals *self, unsigned reference) {
     case ENCODER_COUNT: return &self->encoder_count;
     case TRIP: return &self->trip;
     case ENABLE: return &self->enable;
+    case SOURCE_CURRENT: return &self->sense.source_current;
     case NEXT_PERIOD: return &self->command.next_period;
     case TORQUE: return &self->command.torque;
     case INPUT_POWER: return &self->command.input_power;
     case FAULT: return &self->fault;
+    case BRAKE_DUTY: return &self->command.brake_duty;
     case NOMINAL_SUPPLY_VOLTAGE: return &nameplate->supply_voltage;
     case BASE_SPEED: return &nameplate->base_speed;
     case HIGHEST_SPEED: return &nameplate->highest_speed;
@@ -104,6 +116,13 @@ double *signals_real(signals *self, unsigned reference) {
     case SWITCH_DROP: return &nameplate->switch_drop;
     case DIODE_DROP: return &nameplate->diode_drop;
     case POSITION_ERROR: return &nameplate->position_error;
+    case LINK_CAPACITANCE: return &nameplate->link_capacitance;
+    case SOURCE_RESISTANCE: return &nameplate->source_resistance;
+    case LINK_LIMIT: return &nameplate->link_limit;
+    case CHARGE_LIMIT: return &nameplate->charge_limit;
+    case DISCHARGE_LIMIT: return &nameplate->discharge_limit;
+    case CHOPPER_VOLTAGE: return &nameplate->chopper_voltage;
+    case CHOPPER_RESISTANCE: return &nameplate->chopper_resistance;
     default: return NULL;
     }
 }

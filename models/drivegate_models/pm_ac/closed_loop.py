@@ -24,8 +24,9 @@ from drivegate_models.pm_ac.loop_inputs import DutyLoopInputs
 from drivegate_models.pm_ac.loop_kernel import NEVER, DutyRoom, DutyTiming, release_before_start, run_periods
 from drivegate_models.pm_ac.loop_records import DutyRecords, make_records
 from drivegate_models.pm_ac.plant.advance import PmAcPhases, make_phases
+from drivegate_models.pm_ac.plant.dc_link import is_ideal
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
-from drivegate_models.pm_ac.rectifying import rectifies, settle_rectifying
+from drivegate_models.pm_ac.rectifying import charge_by_rectifying, rectifies, settle_rectifying
 from drivegate_models.pm_ac.sensing import delayed_glitches, ideal_duty_sensors, low_side_ratio
 from drivegate_models.pm_ac.turning import no_turning
 
@@ -73,6 +74,7 @@ def prepared_duty_loop(
         np.zeros(ledger.ENTRIES),
         np.zeros((2, 3)),
         np.full((2, 3), LEG_OFF, np.int64),
+        np.full(2, np.nan),
         np.full(3, low_side_ratio(0.0, LEG_OFF)),
         np.zeros(3),
     )
@@ -129,6 +131,8 @@ def _settle_before_start(
     # There is nothing to settle then, and the loop need not wait for that kernel's compilation.
     if not rectifies(drive, flux_factor * speed, link):
         return True
+    if not is_ideal(drive.dc_link):
+        charge_by_rectifying(drive, phases.dc_link, flux_factor * speed)
     status = settle_rectifying(
         drive,
         phases,

@@ -51,12 +51,21 @@ def step_controller(exchange: Exchange, step: int) -> None:
 
 
 @inlined
-def copy_command(exchange: Exchange, ratios: NDArray[np.float64], legs: NDArray[np.int64], place: int) -> int:
+def copy_command(
+    exchange: Exchange,
+    ratios: NDArray[np.float64],
+    legs: NDArray[np.int64],
+    brakes: NDArray[np.float64],
+    place: int,
+) -> int:
     """Copy the command of a step, and return its status.
 
-    `exchange`: its `command` is read. `ratios`, `legs`, shape (2, 3): duty ratios (1) and states of the legs, now and
-    after the delay; one row is overwritten. `place`: row of the command: 0 without a delay, otherwise 1. Result:
-    status of `duty_command.duty_command_status`.
+    - `exchange`: its `command` is read.
+    - `ratios`, `legs`, shape (2, 3): duty ratios (1) and states of the legs, now and after the delay; one row is
+      overwritten.
+    - `brakes`, shape (2,): the same of the chopper's duty ratio (1).
+    - `place`: row of the command: 0 without a delay, otherwise 1.
+    - Result: status of `duty_command.duty_command_status`.
     """
     command = exchange.command[0]
     status = duty_command_status(command)
@@ -66,4 +75,5 @@ def copy_command(exchange: Exchange, ratios: NDArray[np.float64], legs: NDArray[
     ratios[place, 0] = command.first_duty
     ratios[place, 1] = command.second_duty
     ratios[place, 2] = command.third_duty
+    brakes[place] = command.brake_duty
     return status

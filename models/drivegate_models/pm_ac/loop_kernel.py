@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from math import inf, pi
+from math import inf, nan, pi
 from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import inlined, unallocating
-from drivegate_models.contract.duty.signals import LEG_OFF
+from drivegate_models.contract.duty.signals import LEG_OFF, OVERCURRENT, OVERVOLTAGE, TRIP_CURRENT
 from drivegate_models.loop.exchange import COMPLETED, STOPPED, Exchange
 from drivegate_models.loop.loop_kernel import PLANT_FAULT
 from drivegate_models.loop.restarting import Restarts, restart_if_due, waits_again
@@ -30,8 +30,11 @@ from drivegate_models.pm_ac.failure import (
     show_failed,
 )
 from drivegate_models.pm_ac.loop_records import DutyRecords, write_period
+from drivegate_models.pm_ac.plant import dc_link
 from drivegate_models.pm_ac.plant.advance import PmAcPhases, advance_period, release_legs, stored_energy
+from drivegate_models.pm_ac.plant.dc_link import VOLTAGE, LinkState, capacitor_energy, charge_link, is_ideal
 from drivegate_models.pm_ac.plant.drive import PmAcDrive, alignment_of, drifted
+from drivegate_models.pm_ac.plant.linked_advance import advance_linked_period
 from drivegate_models.pm_ac.sensing import (
     EXACT,
     DutySensors,
@@ -49,6 +52,8 @@ NEVER: Final = 2**62
 """Number of a control period that no run has."""
 _LEAST_SHARE: Final = 1e-6
 """Minimum throughput of a period in its balance, relative to the energy of link voltage times current limit (1)."""
+_LEAST_STORED_SHARE: Final = 1e-4
+"""The same for a link, relative to the energy of its capacitor, whose change is a small difference (1)."""
 
 
 class DutyTiming(NamedTuple):
@@ -86,6 +91,8 @@ class DutyRoom(NamedTuple):
     """Duty ratios that act now, and after the delay, shape (2, 3); zeros before the first command."""
     legs: NDArray[np.int64]
     """States of the legs now, and after the delay, shape (2, 3); `LEG_OFF` before the first command."""
+    brakes: NDArray[np.float64]
+    """Duty ratio of the chopper now, and after the delay, shape (2,); NaN for its own thresholds."""
     last: NDArray[np.float64]
     """Duty ratios of the period just ended, shape (3,), as returned by `low_side_ratio`."""
     no_currents: NDArray[np.float64]
@@ -117,6 +124,50 @@ def _balance(
     share = abs(missing) / counted
     # NaN must not count as balanced.
     return share if share == share else inf
+
+
+@inlined
+def _link_balance(drive: PmAcDrive, link: LinkState, stored: float, rated: float, length: float) -> float:
+    """Return the energy that is missing in the link in a period, relative to its throughput (1).
+
+    `stored`: energy of the capacitor at the start (J). `rated`: energy of link voltage times current limit (J). The
+    current of the source is rounded like the voltage that drives it.
+    """
+    totals = link.totals
+    constants = drive.dc_link
+    now = capacitor_energy(constants, link)
+    used = (
+        totals[dc_link.RESISTED] + totals[dc_link.BURNT] + totals[dc_link.SUPPLIED] + totals[dc_link.BRIDGE]
+    )
+    missing = totals[dc_link.DRAWN] - used - (now - stored)
+    short = drive.link_voltage * drive.link_voltage / constants.source_resistance * length
+    least = _LEAST_SHARE * (rated + short) + _LEAST_STORED_SHARE * (now + stored)
+    counted = max(totals[dc_link.THROUGHPUT], least)
+    share = abs(missing) / counted
+    return share if share == share else inf
+
+
+@inlined
+def _begin_link_ledger(link: LinkState) -> None:
+    """Begin the ledger of the link for a control period."""
+    for entry in range(dc_link.ENTRIES):
+        link.totals[entry] = 0.0
+    link.totals[dc_link.HIGHEST] = link.totals[dc_link.LOWEST] = link.state[VOLTAGE]
+
+
+@inlined
+def _sense_link(
+    exchange: Exchange, drive: PmAcDrive, link: LinkState, period: NDArray[np.float64], length: float
+) -> None:
+    """Write what the link shows of the period just ended into the Sense, and what its losses take in the next one."""
+    totals = link.totals
+    exchange.sense[0].supply_current = totals[dc_link.BRIDGE_CHARGE] / length
+    exchange.sense[0].source_current = totals[dc_link.SOURCE_CHARGE] / length
+    trip = OVERVOLTAGE if totals[dc_link.HIGHEST] > drive.dc_link.limit else 0
+    if period[ledger.PEAK] > TRIP_CURRENT * drive.current_limit:
+        trip += OVERCURRENT
+    exchange.sense[0].trip = trip
+    link.state[dc_link.PENDING] = (period[ledger.CORE_SOURCE] + period[ledger.SWITCHING]) / length
 
 
 @inlined
@@ -153,10 +204,12 @@ def _turn_off(exchange: Exchange, kept: int, room: DutyRoom) -> None:
         for leg in range(3):
             room.legs[row, leg] = LEG_OFF
             room.ratios[row, leg] = 0.0
+        room.brakes[row] = nan
     command = exchange.kept[kept]
     command.first_leg = command.second_leg = command.third_leg = LEG_OFF
     command.first_duty = command.second_duty = command.third_duty = 0.0
     command.next_period = 0.0
+    command.brake_duty = nan
 
 
 @inlined
@@ -186,7 +239,7 @@ def _command(
         _turn_off(exchange, before + step, room)
     if step < 0 or waits:
         return STOPPED if exchange.command[0].struct_size < 0 else COMPLETED, restarted
-    return copy_command(exchange, room.ratios, room.legs, delay), restarted
+    return copy_command(exchange, room.ratios, room.legs, room.brakes, delay), restarted
 
 
 @unallocating
@@ -202,6 +255,8 @@ def release_before_start(
     speed = begin.speed if load.kind == LOCKED else timing.initial_speed
     link = 2.0 * begin.supply
     plant = drifted(drive, begin.resistance, begin.emf_constant)
+    if not is_ideal(drive.dc_link):
+        charge_link(phases.dc_link, link)
     release_legs(plant, phases, timing.initial_angle, speed, link)
     return speed, link, (begin.resistance, begin.emf_constant)
 
@@ -241,6 +296,7 @@ def run_periods(
     change = 0.0
     restarted = 0
     stored = stored_energy(drive, phases)
+    has_ideal_link = is_ideal(drive.dc_link)
     observed = records.run
     before = timing.resting + timing.waiting
     for k in range(-before, timing.steps):
@@ -261,7 +317,8 @@ def run_periods(
                 stop_shaft(records.shaft)
         torque_reference = follow(torque, room.course_positions, len(schedule), now)
         reference = torque_reference if timing.regulates_torque else conditions.speed
-        link = 2.0 * conditions.supply
+        source = 2.0 * conditions.supply
+        link = source if has_ideal_link else phases.dc_link.state[VOLTAGE]
         shaft_angle = shown_angle((angle + 2.0 * pi * turns) / drive.pole_pairs)
         if turning.periods > 0 and k == -timing.waiting:
             begin_turning = (angle, timing.clock_start + (before + k) * length)
@@ -301,11 +358,32 @@ def run_periods(
             period[entry] = 0.0
         held = held_speed(speed, change)
         carrier = length / drive.modulator.control_every
+        charged = 0.0
+        if not has_ideal_link:
+            charged = capacitor_energy(drive.dc_link, phases.dc_link)
+            _begin_link_ledger(phases.dc_link)
         for part in range(drive.modulator.control_every):
+            begin_angle = angle + part * (drive.pole_pairs * held * carrier)
+            if not has_ideal_link:
+                if advance_linked_period(
+                    plant,
+                    phases,
+                    begin_angle,
+                    held,
+                    source,
+                    room.ratios[0],
+                    room.legs[0],
+                    room.brakes[0],
+                    alignment_of(drive.modulator.updates, k),
+                    carrier,
+                    period,
+                ):
+                    return PLANT_FAULT, before + k
+                continue
             if advance_period(
                 plant,
                 phases,
-                angle + part * (drive.pole_pairs * held * carrier),
+                begin_angle,
                 held,
                 link,
                 room.ratios[0],
@@ -323,13 +401,26 @@ def run_periods(
         exchange.sense[0].supply_current = (
             ledger.source_energy(period) / (link * length) if link > 0.0 else 0.0
         )
+        exchange.sense[0].source_current = exchange.sense[0].supply_current
+        seen_link = link, link, exchange.sense[0].supply_current, 0.0
+        if not has_ideal_link:
+            balance = _link_balance(drive, phases.dc_link, charged, rated, length)
+            observed[0].worst_balance = max(observed[0].worst_balance, balance)
+            _sense_link(exchange, drive, phases.dc_link, period, length)
+            account = phases.dc_link.totals
+            seen_link = (
+                account[dc_link.FLUX] / length,
+                account[dc_link.HIGHEST],
+                account[dc_link.SOURCE_CHARGE] / length,
+                account[dc_link.BURNT] / length,
+            )
         opposing = opposing_torque(load, conditions.load, abs(held))
         weight = weight_torque(load, conditions.load)
         if k >= 0:
             ledger.add_period(records.totals, period)
             begin = (now, conditions.speed, speed, angle, link, torque_reference)
             load_now = weight + (opposing if held >= 0.0 else -opposing)
-            write_period(records.trace[k], period, length, phases.rotor_currents, begin, load_now)
+            write_period(records.trace[k], period, length, phases.rotor_currents, begin, load_now, seen_link)
         turned = angle + drive.pole_pairs * held * length
         turns = (turns + whole_turns(turned)) % drive.pole_pairs
         angle = within_a_turn(turned)
@@ -348,6 +439,7 @@ def run_periods(
             for leg in range(3):
                 room.ratios[0, leg] = room.ratios[1, leg]
                 room.legs[0, leg] = room.legs[1, leg]
+            room.brakes[0] = room.brakes[1]
     observed[0].steps = before + timing.steps
     observed[0].speed_final = speed
     return COMPLETED, before + timing.steps

@@ -23,10 +23,15 @@ TRACE: Final = (
     "angle",
     "link",
     "torque_reference",
+    "link_mean",
+    "link_highest",
+    "source_current",
+    "chopper_power",
 )
 """Columns of a run's trace: means over a control period, d-q currents at its end, and maximum current in it.
 
-Speed, electrical angle, link voltage and references are those at its start.
+Speed, electrical angle, link voltage and references are those at its start. The last four are mean and maximum of the
+link's voltage, and means of the source's current and of the chopper's power.
 """
 
 
@@ -64,6 +69,7 @@ def write_period(
     rotor_currents: NDArray[np.float64],
     begin: tuple[float, ...],
     load: float,
+    link: tuple[float, float, float, float],
 ) -> None:
     """Write a row of the trace.
 
@@ -74,6 +80,7 @@ def write_period(
     - `begin`: time (s), speed reference and speed (rad/s), electrical angle (rad), link voltage (V) and torque
       reference (N m) at its start.
     - `load`: torque of the load in the period, positive against forward rotation (N m).
+    - `link`: mean and maximum of the link's voltage (V), means of the source's current (A) and the chopper's power (W).
     """
     row[0] = begin[0]
     row[1] = begin[1]
@@ -88,3 +95,7 @@ def write_period(
     row[9] = begin[3]
     row[10] = begin[4]
     row[11] = begin[5]
+    row[12] = link[0]
+    row[13] = link[1]
+    row[14] = link[2]
+    row[15] = link[3]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import ceil, pi, sqrt
+from math import ceil, nan, pi, sqrt
 from typing import Final
 
 import numpy as np
@@ -14,7 +14,9 @@ from drivegate_models.machine import ledger
 from drivegate_models.machine.advance_status import COMPLETED
 from drivegate_models.machine.rotor_frame import PER_ROOT_THREE
 from drivegate_models.pm_ac.plant.advance import PmAcPhases, follow_period
+from drivegate_models.pm_ac.plant.dc_link import BATTERY, VOLTAGE, LinkState, is_ideal
 from drivegate_models.pm_ac.plant.drive import CENTRED, PmAcDrive, drifted
+from drivegate_models.pm_ac.plant.linked_advance import advance_linked_period
 
 MOST_TURNS: Final = 200
 """Maximum number of electrical turns until the currents are periodic."""
@@ -36,6 +38,21 @@ def rectifies(drive: PmAcDrive, speed: float, link: float) -> bool:
     return emf > (link + 2.0 * drive.diode_drop) * PER_ROOT_THREE
 
 
+@inlined
+def charge_by_rectifying(drive: PmAcDrive, link: LinkState, speed: float) -> None:
+    """Charge the link of a source that takes nothing back to the peak of the line-to-line EMF, less two diodes' drops.
+
+    `speed`: shaft speed, of either sign (rad/s). A chopper limits that to its upper threshold.
+    """
+    constants = drive.dc_link
+    if constants.source == BATTERY:
+        return
+    peak = drive.pole_pairs * abs(speed) * drive.magnet_flux / PER_ROOT_THREE - 2.0 * drive.diode_drop
+    if constants.chopper_conductance > 0.0:
+        peak = min(peak, constants.chopper_on)
+    link.state[VOLTAGE] = max(link.state[VOLTAGE], peak)
+
+
 @unallocating
 def settle_rectifying(
     drive: PmAcDrive,
@@ -55,7 +72,7 @@ def settle_rectifying(
 
     - `angle`: electrical angle at the start and the end of every turn (rad).
     - `speed`: shaft speed, of either sign (rad/s).
-    - `link`: voltage of the dc link (V).
+    - `link`: voltage of the dc link, or of its source unless the link is ideal (V).
     - `factors`: on the winding resistance and on the magnet's flux (1).
     - `longest`: maximum length of a part that is computed at once (s).
     - `ratios`, shape (3,): duty ratios, all zero.
@@ -66,6 +83,7 @@ def settle_rectifying(
     plant = drifted(drive, factors[0], factors[1])
     if not rectifies(plant, speed, link):
         return COMPLETED
+    has_ideal_link = is_ideal(drive.dc_link)
     turn = 2.0 * pi / (drive.pole_pairs * abs(speed))
     parts = max(ceil(turn / longest), _FEWEST_PARTS)
     part_angle = 2.0 * pi / parts if speed > 0.0 else -2.0 * pi / parts
@@ -75,9 +93,14 @@ def settle_rectifying(
             totals[entry] = 0.0
         for part in range(parts):
             begin = within_a_turn(angle + part * part_angle)
-            status = follow_period(
-                plant, phases, begin, speed, link, ratios, legs, CENTRED, turn / parts, totals
-            )
+            if has_ideal_link:
+                status = follow_period(
+                    plant, phases, begin, speed, link, ratios, legs, CENTRED, turn / parts, totals
+                )
+            else:
+                status = advance_linked_period(
+                    plant, phases, begin, speed, link, ratios, legs, nan, CENTRED, turn / parts, totals
+                )
             if status != COMPLETED:
                 return int(status)
         direct -= phases.rotor_currents[0]

@@ -27,6 +27,15 @@ def stated(name: str) -> PmAcDocument:
     return drive
 
 
+LINKED = ["pm-ac-hub", "pm-ac-servo-48v", "pm-ac-chopper"]
+"""Drives whose link is not ideal; each states all that the nameplate has of it."""
+
+
+def _of_link(drive: PmAcDocument, key: str) -> float:
+    """Return a stated value of the link, 0 where there is none."""
+    return float(getattr(drive.link, key, None) or 0.0)
+
+
 OF_DUTY_RATIOS: Final[dict[str, Callable[[PmAcDocument], float]]] = {
     "struct_size": lambda _drive: DUTY_NAMEPLATE.itemsize,
     "kind": lambda _drive: PM_AC,
@@ -53,11 +62,20 @@ OF_DUTY_RATIOS: Final[dict[str, Callable[[PmAcDocument], float]]] = {
     "switch_drop": lambda drive: drive.inverter.switch_drop_v,
     "diode_drop": lambda drive: drive.inverter.diode_drop_v,
     "position_error": lambda drive: {"exact": 12.0, "encoder": 0.0, "hall": 2.5}[drive.position] * DEGREE,
+    "link_capacitance": lambda drive: _of_link(drive, "capacitance_f"),
+    "source_resistance": lambda drive: _of_link(drive, "source_resistance_ohm"),
+    "link_limit": lambda drive: _of_link(drive, "link_limit_v"),
+    "charge_limit": lambda drive: _of_link(drive, "charge_limit_a"),
+    "discharge_limit": lambda drive: _of_link(drive, "discharge_limit_a"),
+    "chopper_voltage": lambda drive: _of_link(drive, "chopper_on_v"),
+    "chopper_resistance": lambda drive: _of_link(drive, "chopper_resistance_ohm"),
 }
 """What each field of a nameplate of duty ratios is of a drive's file."""
 
 
-@pytest.mark.parametrize("name", ["pm-ac-surface", "pm-ac-interior", "pm-ac-2kw", "pm-ac-msl", "pm-ac-servo"])
+@pytest.mark.parametrize(
+    "name", ["pm-ac-surface", "pm-ac-interior", "pm-ac-2kw", "pm-ac-msl", "pm-ac-servo", *LINKED]
+)
 @pytest.mark.parametrize("field", DUTY_NAMEPLATE.names)
 def test_a_field_of_the_nameplate_of_duty_ratios_is_what_the_drive_states(field: str, name: str) -> None:
     assert field in OF_DUTY_RATIOS, f"nothing is asserted of the field '{field}'"

@@ -19,6 +19,8 @@ from drivegate_models.contract.duty.signals import (
     LEG_PWM,
 )
 from drivegate_models.loop.schedule import Course
+from drivegate_models.pm_ac.loop_records import TRACE
+from drivegate_models.pm_ac.plant.dc_link import BATTERY, DcLink
 
 STEPS: Final = 200
 RATIOS: Final = ("first_duty", "second_duty", "third_duty")
@@ -77,6 +79,23 @@ def is_its_code(field: str) -> None:
     changes_nothing(field)
 
 
+def turns_the_chopper_on(field: str) -> None:
+    assert np.isnan(at_rest().run.commands[field]).all(), "it is NaN where it is left out"
+    link = DcLink(1e-3, 0.5, BATTERY, 1e3, 0.0, 0.0, 900.0, 800.0, 0.1)
+
+    def answer(_sense: Any, command: Any) -> None:
+        for name, value in (dict.fromkeys(RATIOS, 0.5) | {field: 0.25}).items():
+            command[name] = value
+
+    drive = drive_of(3)._replace(dc_link=link)
+    shown = recorded(drive, 0.0, STEPS, answer)
+    power = shown.run.trace[:, TRACE.index("chopper_power")]
+    voltage = shown.run.trace[:, TRACE.index("link_mean")]
+    assert not power[: drive.modulator.update_delay].any(), "it acts with the duty ratios"
+    late = slice(drive.modulator.update_delay + 1, None)
+    assert power[late] == pytest.approx(0.25 * 0.1 * voltage[late] ** 2, rel=1e-2)
+
+
 def stays_its_size(field: str) -> None:
     assert (at_rest().run.commands[field] == DUTY_COMMAND.itemsize).all()
 
@@ -88,6 +107,7 @@ ANSWERED: Final[dict[str, Callable[[str], None]]] = {
     "next_period": changes_nothing,
     **dict.fromkeys(ESTIMATES, is_an_estimate),
     "fault": is_its_code,
+    "brake_duty": turns_the_chopper_on,
 }
 """What is asserted of each field of a command."""
 

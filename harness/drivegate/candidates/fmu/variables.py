@@ -74,7 +74,7 @@ DUTY: Final = Ports(
     more_inputs=tuple(name for name in DutySense._fields if name not in ("reference", *_arrays(DutySense))),
     input_arrays=_arrays(DutySense),
     # The estimates of angle and speed have the names of inputs.
-    more_outputs=("next_period", "torque", "input_power", "fault"),
+    more_outputs=("next_period", "torque", "input_power", "fault", "brake_duty"),
     arrays=(DUTY_RATIOS,),
     more_arrays=("legs",),
     parameters=_port_parameters(DutyNameplate._fields, "supply_voltage"),

@@ -25,7 +25,7 @@ _OTHERS: Final = itemgetter(
     )
 )
 _CURRENTS: Final = Struct("=3d")
-_OUTPUTS: Final = Struct("=3d3q5dq")
+_OUTPUTS: Final = Struct("=3d3q5dqd")
 _OUTPUTS_OFFSET: Final = DUTY_COMMAND.itemsize - _OUTPUTS.size
 _NUMBERS: Final = DutyCommand._fields[2:7]
 _LARGEST: Final = 2**63
@@ -92,8 +92,14 @@ def _legs(answer: DutyCommand) -> tuple[int, int, int]:
     return first, second, third
 
 
-def _rest(answer: DutyCommand) -> tuple[float, float, float, float, float, int]:
-    _, _, period, torque, angle, speed, power, fault = answer
+def _rest(answer: DutyCommand) -> tuple[float, float, float, float, float, int, float]:
+    _, _, period, torque, angle, speed, power, fault, brake = answer
+    if type(brake) is not float:
+        brake = real_number("brake_duty", brake)
+    if isinf(brake):
+        raise InvalidOutput(
+            f"brake_duty is {brake}, but must be from 0 to 1, or NaN for the chopper's own thresholds"
+        )
     if not (type(period) is type(torque) is type(angle) is type(speed) is type(power) is float):
         period, torque, angle, speed, power = map(
             real_number, _NUMBERS, (period, torque, angle, speed, power)
@@ -108,4 +114,4 @@ def _rest(answer: DutyCommand) -> tuple[float, float, float, float, float, int]:
         fault = _integer("fault", fault)
     if not -_LARGEST <= fault < _LARGEST:
         raise InvalidOutput(f"fault is {fault}, but must be an integer of 64 bits, the controller's own code")
-    return period, torque, angle, speed, power, fault
+    return period, torque, angle, speed, power, fault, brake

@@ -31,6 +31,7 @@ DUTY_COMMAND: Final = np.dtype(
         ("speed", np.float64),
         ("input_power", np.float64),
         ("fault", np.int64),
+        ("brake_duty", np.float64),
     ],
     align=True,
 )
@@ -62,8 +63,9 @@ def duty_command_record() -> NDArray[Any]:
     record["struct_size"] = DUTY_COMMAND.itemsize
     for name in ("first_leg", "second_leg", "third_leg"):
         record[name] = LEG_PWM
-    for name in ("first_duty", "second_duty", "third_duty", "torque", "angle", "speed", "input_power"):
-        record[name] = np.nan
+    for name in DUTY_COMMAND.names or ():
+        if DUTY_COMMAND[name] == np.float64 and name != "next_period":
+            record[name] = np.nan
     return record
 
 

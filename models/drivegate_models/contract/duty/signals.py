@@ -12,6 +12,13 @@ TORQUE_REFERENCE: Final = 1
 CURRENT_REFERENCE: Final = 2
 """The reference is a q-axis current (A), and the d-axis current is the controller's choice."""
 
+OVERVOLTAGE: Final = 1
+"""Flag of `DutySense.trip`: in the period just ended the link exceeded its limit."""
+OVERCURRENT: Final = 2
+"""Flag of `DutySense.trip`: in the period just ended a phase current exceeded `TRIP_CURRENT` times the limit."""
+TRIP_CURRENT: Final = 1.5
+"""Phase current of `OVERCURRENT`, over the current limit (1)."""
+
 LEG_OFF: Final = 0
 """Both switches of a leg are off."""
 LEG_PWM: Final = 1
@@ -34,8 +41,8 @@ class DutySense(NamedTuple):
     supply_voltage: float
     """Measured voltage of the whole dc link at this instant (V)."""
     supply_current: float
-    """Mean current from the link in the period just ended (A). It is negative while the drive brakes, and 0 in the
-    first step."""
+    """Mean current from the link into the bridge in the period just ended (A). It is negative while the drive brakes,
+    and 0 in the first step. With a capacitor in the link, it is not the current of the source."""
     angle: float
     """Angle of the shaft at this instant, in [0, 2 pi) (rad). The electrical angle is `pole_pairs` times this angle.
     With Hall switches it is derived from electrical cycles counted from the start."""
@@ -48,7 +55,8 @@ class DutySense(NamedTuple):
     """Count of the encoder's edges, from 0 to one less than the edges per turn. `angle` is the middle between the edges
     of this count and the next. It is -1 without an encoder."""
     trip: int = 0
-    """Flags of the drive's own protection; 0 for none. It is always 0 at present."""
+    """Flags of the drive's own comparators, `OVERVOLTAGE` and `OVERCURRENT`; 0 for none. They report and leave the
+    legs to the controller. It is always 0 on an ideal link."""
     phase_voltages: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Voltages of the three terminals relative to the negative rail (V), as unfiltered resistive dividers show them.
 
@@ -60,6 +68,9 @@ class DutySense(NamedTuple):
     enable: int = 1
     """1 if the answer to this Sense acts on the bridge, 0 while the bridge is off before the run and after a restart.
     It is always 1 for a candidate whose manifest does not have `reads_enable = true`."""
+    source_current: float = 0.0
+    """Mean current from the source into the link in the period just ended (A); negative while the source takes energy
+    back. On an ideal link it is `supply_current`."""
 
 
 class DutyCommand(NamedTuple):
@@ -81,6 +92,9 @@ class DutyCommand(NamedTuple):
     """The controller's estimate of its input power (W); NaN for none."""
     fault: int = 0
     """The controller's own fault code; 0 for none."""
+    brake_duty: float = nan
+    """Share of the period with the brake chopper on (1), which acts with the duty ratios; NaN to let the chopper follow
+    its own thresholds."""
 
 
 class DutyNameplate(NamedTuple):
@@ -133,3 +147,17 @@ class DutyNameplate(NamedTuple):
     position_error: float = 0.0
     """Greatest error by which the shown electrical angle swings within a turn (rad): of the tracks of a sensor without
     edges, which also shows in the speed, or of the places of Hall switches; 0 for an encoder."""
+    link_capacitance: float = 0.0
+    """Capacitance of the dc link (F); 0 for an ideal link, of which the following fields are 0 and state no limit."""
+    source_resistance: float = 0.0
+    """Resistance between source and link (ohm)."""
+    link_limit: float = 0.0
+    """Greatest permitted voltage of the link (V)."""
+    charge_limit: float = 0.0
+    """Greatest mean current that the source takes back (A); 0 for a source that takes nothing back."""
+    discharge_limit: float = 0.0
+    """Greatest mean current of the source (A)."""
+    chopper_voltage: float = 0.0
+    """Voltage of the link from which the brake chopper turns on by itself (V); 0 without a chopper."""
+    chopper_resistance: float = 0.0
+    """Resistance of the brake chopper (ohm); 0 without a chopper."""

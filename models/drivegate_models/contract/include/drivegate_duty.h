@@ -51,6 +51,10 @@ extern "C" {
 #define DRIVEGATE_TORQUE_REFERENCE 1 /* torque, N m */
 #define DRIVEGATE_CURRENT_REFERENCE 2 /* q current, A; the d current is the controller's choice */
 
+/* Flags of trip. */
+#define DRIVEGATE_OVERVOLTAGE 1 /* the link has exceeded link_limit in the period just ended */
+#define DRIVEGATE_OVERCURRENT 2 /* a phase current has exceeded 1.5 times current_limit in it */
+
 /* States of a leg. */
 #define DRIVEGATE_LEG_OFF 0  /* both switches off */
 #define DRIVEGATE_LEG_PWM 1  /* as its duty ratio says */
@@ -87,6 +91,13 @@ typedef struct drivegate_duty_nameplate {
     double position_error;         /* greatest error by which the shown electrical angle swings within a turn, rad: of
                                     * the tracks of a sensor without edges, which also shows in the speed, or of the
                                     * places of Hall switches; 0 for an encoder */
+    double link_capacitance;       /* capacitance of the dc link, F; 0: an ideal link, of which the rest is 0 */
+    double source_resistance;      /* resistance between source and link, ohm */
+    double link_limit;             /* greatest permitted voltage of the link, V */
+    double charge_limit;           /* greatest mean current that the source takes back, A; 0: it takes nothing back */
+    double discharge_limit;        /* greatest mean current of the source, A */
+    double chopper_voltage;        /* voltage from which the brake chopper turns on by itself, V; 0 without one */
+    double chopper_resistance;     /* resistance of the brake chopper, ohm; 0 without one */
 } drivegate_duty_nameplate;
 
 /* What the controller senses at the start of a control period. */
@@ -98,7 +109,8 @@ typedef struct drivegate_duty_sense {
                                    * valid during the step only */
     DRIVEGATE_POINTER_PADDING(phase_currents)
     double supply_voltage;        /* measured voltage of the whole dc link at this instant, V */
-    double supply_current;        /* mean current taken from the link in the period just ended, A; < 0 in braking */
+    double supply_current;        /* mean current of the bridge from the link in the period just ended, A; < 0 in
+                                   * braking; the source's own is source_current */
     double angle;                 /* angle of the shaft at this instant, 0 <= angle < 2 pi, rad; Hall switches show it
                                    * by counted electrical cycles, from the cycle of the start */
     double speed;                 /* speed of the shaft at this instant, rad/s; < 0 backward */
@@ -106,13 +118,16 @@ typedef struct drivegate_duty_sense {
                                    * 1, 3, 2, 6, 4, 5 forward, in sectors of 60 electrical degrees that begin at 30 */
     int64_t encoder_count;        /* count of the encoder's edges, from 0 to one less than a turn has; angle is the
                                    * middle between the edges of this count and the next; -1 without an encoder */
-    int64_t trip;                 /* flags of the drive's own protection; 0 for none, as always so far */
+    int64_t trip;                 /* DRIVEGATE_OVERVOLTAGE and DRIVEGATE_OVERCURRENT; the legs stay the controller's;
+                                   * 0 for none, as always on an ideal link */
     double phase_voltages[3];     /* voltages of the three terminals from the negative rail, as dividers show them when
                                    * the currents are sampled, before the legs switch, V; with all legs off and no
                                    * current they differ by line-to-line EMFs, and a diode's drop below 0 is the lowest */
     int64_t enable;               /* 1 if the answer acts on the bridge, 0 while the bridge is off before the run and
                                    * after a restart, which only a candidate sees whose manifest has
                                    * reads_enable = true */
+    double source_current;        /* mean current of the source in the period just ended, A; < 0 while it takes energy
+                                   * back; on an ideal link it is supply_current */
 } drivegate_duty_sense;
 
 /* What the controller answers. Before the step the duty ratios and estimates are NaN, the legs DRIVEGATE_LEG_PWM and
@@ -128,11 +143,13 @@ typedef struct drivegate_duty_command {
     double speed;          /* of its speed, rad/s, */
     double input_power;    /* and of the power from the link, W */
     int64_t fault;         /* the controller's own code of a fault; 0 for none */
+    double brake_duty;     /* share of the period with the brake chopper on, from 0 to 1, which acts with the duty
+                            * ratios; leave NaN for the chopper's own thresholds */
 } drivegate_duty_command;
 
-DRIVEGATE_ASSERT(sizeof(drivegate_duty_nameplate) == 184, "drivegate_duty_nameplate must not be padded");
-DRIVEGATE_ASSERT(sizeof(drivegate_duty_sense) == 120, "drivegate_duty_sense must not be padded");
-DRIVEGATE_ASSERT(sizeof(drivegate_duty_command) == 104, "drivegate_duty_command must not be padded");
+DRIVEGATE_ASSERT(sizeof(drivegate_duty_nameplate) == 240, "drivegate_duty_nameplate must not be padded");
+DRIVEGATE_ASSERT(sizeof(drivegate_duty_sense) == 128, "drivegate_duty_sense must not be padded");
+DRIVEGATE_ASSERT(sizeof(drivegate_duty_command) == 112, "drivegate_duty_command must not be padded");
 
 /* Prepare for a run and forget all earlier ones. Return 0 for success, anything else to refuse the run. */
 DRIVEGATE_EXPORT int drivegate_duty_reset(void *state, const drivegate_duty_nameplate *nameplate);

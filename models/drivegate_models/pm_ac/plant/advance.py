@@ -13,6 +13,7 @@ from drivegate_models.machine.advance_status import COMPLETED, TOO_MANY_EVENTS
 from drivegate_models.machine.rotor_frame import RotorFrame, phase_current
 from drivegate_models.machine.sine import cosine_sine
 from drivegate_models.pm_ac.plant.circuit import Circuit, circuit_of, rotor_voltages
+from drivegate_models.pm_ac.plant.dc_link import LinkState, make_link_state
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
 from drivegate_models.pm_ac.plant.edges import begin_schedule, distant_edge, next_edge, pass_edges
 from drivegate_models.pm_ac.plant.events import (
@@ -34,6 +35,7 @@ from drivegate_models.pm_ac.plant.quiet import pass_quietly
 from drivegate_models.pm_ac.plant.quiet_period import LONGEST_PERIOD, pass_period
 from drivegate_models.pm_ac.plant.rows import make_rows
 from drivegate_models.pm_ac.plant.series import (
+    TERMS,
     Series,
     at_end,
     free_series,
@@ -58,12 +60,12 @@ EVENT_LIMIT: Final = 100_000
 """Maximum number of segments in one advance."""
 
 # An event earlier than this share of the segment is searched again in a segment that ends soon after it.
-_SHORT_SHARE = 1e-2
-_SOON_AFTER = 4.0
-_LEAST_SHARE = 1e-14
+SHORT_SHARE: Final = 1e-2
+SOON_AFTER: Final = 4.0
+LEAST_SHARE: Final = 1e-14
 # Number of terms in the series of a rotation over the longest segment.
 _TURNING_TERMS = 14
-_NO_LEG = -1
+NO_LEG: Final = -1
 
 
 class PmAcPhases(NamedTuple):
@@ -87,9 +89,11 @@ class PmAcPhases(NamedTuple):
     """Work space for the legs in a quiet period."""
     rows: NDArray[np.float64]
     """Work space for the segments of a quiet period, as in `plant.rows`."""
+    dc_link: LinkState
+    """State of the link, unless it is ideal."""
 
 
-class _Connected(NamedTuple):
+class Connected(NamedTuple):
     """Quantities for the core loss, from the part of an advance in which current can flow."""
 
     along: float
@@ -115,6 +119,7 @@ def make_phases(*, follows_torque: bool = False) -> PmAcPhases:
         make_series(),
         make_upcoming(),
         make_rows(),
+        make_link_state(TERMS),
     )
 
 
@@ -139,7 +144,7 @@ def stored_energy(drive: PmAcDrive, phases: PmAcPhases) -> float:
 
 
 @inlined
-def _stator_flux(circuit: Circuit, frame: RotorFrame) -> tuple[float, float]:
+def stator_flux(circuit: Circuit, frame: RotorFrame) -> tuple[float, float]:
     """Return the flux linkage along and across the first phase's axis (V s)."""
     direct = circuit.direct * frame.direct + circuit.flux
     quadrature = circuit.quadrature * frame.quadrature
@@ -150,19 +155,19 @@ def _stator_flux(circuit: Circuit, frame: RotorFrame) -> tuple[float, float]:
 
 
 @inlined
-def _after_event(legs: Legs, event: Event, frame: RotorFrame) -> tuple[RotorFrame, int, int]:
+def after_event(legs: Legs, event: Event, frame: RotorFrame) -> tuple[RotorFrame, int, int]:
     """Set the signs after an event; return the currents, the leg with a known sign, and the excluded sign."""
     if event.kind == RELEASE:
         legs.signs[event.leg] = event.sign
         return frame, event.leg, 0
     if event.kind == ZERO:
         legs.signs[event.leg] = 0
-        return frame, _NO_LEG, event.sign
+        return frame, NO_LEG, event.sign
     if event.kind in (LAST_ZERO, ONSET):
         for leg in range(3):
             legs.signs[leg] = 0
-        return RotorFrame(0.0, 0.0, frame.cosine, frame.sine), _NO_LEG, 0
-    return frame, _NO_LEG, 0
+        return RotorFrame(0.0, 0.0, frame.cosine, frame.sine), NO_LEG, 0
+    return frame, NO_LEG, 0
 
 
 @inlined
@@ -204,9 +209,9 @@ def _segment(
     event, count, after = _first_event(
         circuit, phases, frame, held, begin_angle + electrical * length, length
     )
-    while _LEAST_SHARE < event.share < _SHORT_SHARE:
+    while LEAST_SHARE < event.share < SHORT_SHARE:
         # The event is so early that the scale of the whole segment differs from that of its currents.
-        length *= _SOON_AFTER * event.share
+        length *= SOON_AFTER * event.share
         event, count, after = _first_event(
             circuit, phases, frame, held, begin_angle + electrical * length, length
         )
@@ -235,8 +240,8 @@ def _segment(
 
 
 @inlined
-def _add_core_loss(
-    drive: PmAcDrive, circuit: Circuit, connected: _Connected, duration: float, totals: NDArray[np.float64]
+def add_core_loss(
+    drive: PmAcDrive, circuit: Circuit, connected: Connected, duration: float, totals: NDArray[np.float64]
 ) -> None:
     """Add the core loss by the mean flux voltage; without any current the shaft supplies it."""
     if drive.core_loss_conductance == 0.0:
@@ -253,7 +258,7 @@ def _add_core_loss(
 
 
 @inlined
-def _finish(phases: PmAcPhases, frame: RotorFrame) -> None:
+def finish(phases: PmAcPhases, frame: RotorFrame) -> None:
     """Store the state at the end of an advance."""
     phases.rotor_currents[0] = frame.direct
     phases.rotor_currents[1] = frame.quadrature
@@ -262,7 +267,7 @@ def _finish(phases: PmAcPhases, frame: RotorFrame) -> None:
 
 
 @inlined
-def _begin_observation(phases: PmAcPhases) -> None:
+def begin_observation(phases: PmAcPhases) -> None:
     """Reset the observations of the last advance."""
     for leg in range(3):
         phases.magnitudes[leg] = 0.0
@@ -302,10 +307,10 @@ def advance_period(
     cosine, sine = cosine_sine(angle)
     frame = RotorFrame(phases.rotor_currents[0], phases.rotor_currents[1], cosine, sine)
     circuit = circuit_of(drive, speed, link, frame.direct, frame.quadrature, duration)
-    _begin_observation(phases)
+    begin_observation(phases)
     schedule_gates(drive.modulator, gates, ratios, legs_mode, alignment, duration)
     totals[ledger.SWITCHING] += begin_schedule(circuit, legs, gates, frame, duration)
-    along, across = _stator_flux(circuit, frame)
+    along, across = stator_flux(circuit, frame)
     rates = rates_of(circuit)
     # The extremes of the torque are computed from its series, which a quiet segment does not have.
     quiet_length = 0.0
@@ -315,7 +320,7 @@ def advance_period(
     status = COMPLETED
     time = 0.0
     segments = 0
-    settled = settle(circuit, legs, frame, _NO_LEG, 0)
+    settled = settle(circuit, legs, frame, NO_LEG, 0)
     if settled.held == FREE and quiet_length > 0.0 and circuit.rate * duration <= LONGEST_PERIOD:
         segments, after = pass_period(
             drive.pole_pairs,
@@ -334,7 +339,7 @@ def advance_period(
         if segments > 0:
             time = duration
             totals[ledger.SWITCHING] += pass_edges(circuit, legs, gates, time)
-            settled = settle(circuit, legs, after, _NO_LEG, 0)
+            settled = settle(circuit, legs, after, NO_LEG, 0)
     while time < duration:
         segments += 1
         if segments > EVENT_LIMIT:
@@ -344,7 +349,7 @@ def advance_period(
         frame = settled.frame
         limit = time
         after = frame
-        fixed = _NO_LEG
+        fixed = NO_LEG
         excluded = 0
         is_whole = False
         if held == FREE and quiet_length > 0.0:
@@ -360,23 +365,23 @@ def advance_period(
             is_whole = event.kind == NOTHING and limit - time <= longest and passed == length
             time += passed
             if held == EMPTY:
-                before = _stator_flux(circuit, frame)
-                behind = _stator_flux(circuit, after)
+                before = stator_flux(circuit, frame)
+                behind = stator_flux(circuit, after)
                 along += behind[0] - before[0]
                 across += behind[1] - before[1]
                 idle += passed
                 if phases.torque_bounds.size > 0:
                     phases.torque_bounds[0] = min(phases.torque_bounds[0], 0.0)
                     phases.torque_bounds[1] = max(phases.torque_bounds[1], 0.0)
-            after, fixed, excluded = _after_event(legs, event, after)
+            after, fixed, excluded = after_event(legs, event, after)
         if is_whole:
             # Use the limit itself, not the sum, so that every edge is passed exactly once.
             time = limit
             totals[ledger.SWITCHING] += pass_edges(circuit, legs, gates, time)
         settled = settle(circuit, legs, after, fixed, excluded)
-    end = _stator_flux(circuit, settled.frame)
-    _add_core_loss(drive, circuit, _Connected(end[0] - along, end[1] - across, idle), duration, totals)
-    _finish(phases, settled.frame)
+    end = stator_flux(circuit, settled.frame)
+    add_core_loss(drive, circuit, Connected(end[0] - along, end[1] - across, idle), duration, totals)
+    finish(phases, settled.frame)
     show_voltages(circuit, legs, settled)
     totals[ledger.EVENTS] += segments
     return status

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final, NamedTuple
 
 from drivegate_models.compilation.kernels import inlined
+from drivegate_models.pm_ac.plant.dc_link import DcLink
 
 CENTRED: Final = 0
 """The upper switch is on around the middle of the period: a symmetric carrier with one update per carrier period."""
@@ -71,14 +72,18 @@ class PmAcDrive(NamedTuple):
     """Energy lost at each turn-on of a switch that takes a current over (J)."""
     turn_off_energy: float = 0.0
     """Energy lost at each turn-off of a switch that carries a current (J)."""
+    dc_link: DcLink = DcLink()
+    """Capacitor and source of the dc link; ideal by default."""
 
 
-def make_pm_ac_drive(*, pole_pairs: int, modulator: Modulator | None = None, **constants: float) -> PmAcDrive:
+def make_pm_ac_drive(
+    *, pole_pairs: int, modulator: Modulator | None = None, dc_link: DcLink | None = None, **constants: float
+) -> PmAcDrive:
     """Build the constants of a drive from values in SI units.
 
-    `modulator`: by default ideal switches, one update and a delay of one period. `constants`: the other fields of
-    `PmAcDrive`, in its units; missing ones have its defaults. Result: with ints and floats of the types that the
-    kernels are compiled for.
+    `modulator`: by default ideal switches, one update and a delay of one period. `dc_link`: by default ideal.
+    `constants`: the other fields of `PmAcDrive`, in its units; missing ones have its defaults. Result: with ints and
+    floats of the types that the kernels are compiled for.
     """
     chosen = modulator or Modulator()
     # Each kernel is compiled for one type of drive; an int instead of a float would compile it a second time.
@@ -92,6 +97,7 @@ def make_pm_ac_drive(*, pole_pairs: int, modulator: Modulator | None = None, **c
             float(chosen.minimum_pulse),
             int(chosen.control_every),
         ),
+        dc_link=dc_link or DcLink(),
         **{name: float(constant) for name, constant in constants.items()},
     )
 

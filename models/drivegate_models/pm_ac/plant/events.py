@@ -22,9 +22,9 @@ LAST_ZERO: Final = 3
 ONSET: Final = 4
 """The first current begins."""
 
-_SLACK = 1e-13
+SLACK: Final = 1e-13
 """Distance beyond a level that is an event, relative to the scale in the segment; it prevents repeated ties."""
-_BEYOND = 2.0
+BEYOND: Final = 2.0
 
 
 class Event(NamedTuple):
@@ -66,7 +66,7 @@ def zero_of_current(
         if size < 0.0:
             size = size_of(series.direct, count) + size_of(series.quadrature, count)
         phase_series(circuit, series, frame, leg, count, length)
-        share = first_fall(series.other, count, float(sign), 0.0, _SLACK * size)
+        share = first_fall(series.other, count, float(sign), 0.0, SLACK * size)
         if share < first.share or (share <= 1.0 and first.leg < 0):
             first = Event(ZERO, share, leg, sign)
     return first
@@ -88,12 +88,12 @@ def end_of_hold(legs: Legs, series: Series, held: int, count: int) -> Event:
     elif is_relay(legs, behind):
         sign = -legs.signs[behind]
     if sign != 0:
-        slack = _SLACK * size_of(series.current, count)
+        slack = SLACK * size_of(series.current, count)
         share = first_fall(series.current, count, float(sign), 0.0, slack) if slack > 0.0 else NOWHERE
         if share <= 1.0:
             first = Event(LAST_ZERO, share, -1, 0)
     level = series.holding[0]
-    scale = _SLACK * (size_of(series.holding, count) + abs(legs.low[held]) + abs(legs.high[held]))
+    scale = SLACK * (size_of(series.holding, count) + abs(legs.low[held]) + abs(legs.high[held]))
     for side in (-1, 1):
         series.holding[0] = level - (legs.high[held] if side < 0 else legs.low[held])
         share = first_fall(series.holding, count, float(side), 0.0, scale)
@@ -105,7 +105,7 @@ def end_of_hold(legs: Legs, series: Series, held: int, count: int) -> Event:
 
 
 @inlined
-def _emf_series(circuit: Circuit, series: Series, first: int, second: int, count: int) -> None:
+def emf_series(circuit: Circuit, series: Series, first: int, second: int, count: int) -> None:
     """Write the series of the difference of two phases' back-EMFs (V), from the series of the rotor's rotation."""
     cosine_a, sine_a = axis_of(RotorFrame(0.0, 0.0, 1.0, 0.0), first)
     cosine_b, sine_b = axis_of(RotorFrame(0.0, 0.0, 1.0, 0.0), second)
@@ -132,10 +132,10 @@ def begin_of_current(
             if j == k:
                 continue
             # Current would begin to flow out of leg j and back into leg k.
-            _emf_series(circuit, series, j, k, count)
+            emf_series(circuit, series, j, k, count)
             series.other[0] += legs.high[k] - legs.low[j]
             # Use a larger distance than for a tie, so that the current does begin.
-            slack = _BEYOND * circuit.tie
+            slack = BEYOND * circuit.tie
             share = first_fall(series.other, count, 1.0, 0.0, slack) if slack > 0.0 else NOWHERE
             if share < first.share or (share <= 1.0 and first.kind == NOTHING):
                 first = Event(ONSET, share, -1, 0)

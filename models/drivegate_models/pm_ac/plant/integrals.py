@@ -28,7 +28,7 @@ FOUR_PLACES: Final = (0.06943184420297371, 0.33000947820757187, 0.66999052179242
 FOUR_WEIGHTS: Final = (0.17392742256872679, 0.3260725774312732, 0.3260725774312732, 0.17392742256872679)
 
 # Places and weights of the rules with 3, 4 and 5 points, in this order.
-_PLACES: Final = (
+PLACES: Final = (
     0.1127016653792583,
     0.5,
     0.8872983346207417,
@@ -39,7 +39,7 @@ _PLACES: Final = (
     0.7692346550528415,
     0.9530899229693319,
 )
-_WEIGHTS: Final = (
+WEIGHTS: Final = (
     0.27777777777777785,
     0.4444444444444444,
     0.27777777777777785,
@@ -52,8 +52,8 @@ _WEIGHTS: Final = (
 )
 # Segment times the fastest rate up to which three and four points have a relative error below 1e-13 for a product. If a
 # current begins at zero, the coefficient of order k of its square is that of order 2 times the (k - 2)th power of this.
-_THREE_POINTS = 7e-3
-_FOUR_POINTS = 9e-2
+THREE_POINTS: Final = 7e-3
+FOUR_POINTS: Final = 9e-2
 _CROSSING = 1e-14
 _CROSSINGS = 16
 
@@ -85,10 +85,10 @@ def _sums(
     reach = circuit.rate * length
     points = 5
     offset = 7
-    if is_free and reach <= _THREE_POINTS:
+    if is_free and reach <= THREE_POINTS:
         points = 3
         offset = 0
-    elif is_free and reach <= _FOUR_POINTS:
+    elif is_free and reach <= FOUR_POINTS:
         points = 4
         offset = 3
     square = 0.0
@@ -97,10 +97,10 @@ def _sums(
     along = 0.0
     across = 0.0
     for n in range(offset, offset + points):
-        direct = value_at(series.direct, count, _PLACES[n])
-        quadrature = value_at(series.quadrature, count, _PLACES[n])
-        cosine, sine = small_cosine_sine(circuit.electrical * length * _PLACES[n])
-        weight = _WEIGHTS[n]
+        direct = value_at(series.direct, count, PLACES[n])
+        quadrature = value_at(series.quadrature, count, PLACES[n])
+        cosine, sine = small_cosine_sine(circuit.electrical * length * PLACES[n])
+        weight = WEIGHTS[n]
         square += weight * (direct * direct + quadrature * quadrature)
         product += weight * (direct * quadrature)
         quadrature_sum += weight * quadrature
@@ -117,7 +117,7 @@ def _sums(
 
 
 @unallocating
-def _magnitude(series: Series, count: int) -> float:
+def magnitude_of(series: Series, count: int) -> float:
     """Return the integral of the magnitude of the phase current in `other`, per segment length (A)."""
     slack = _CROSSING * size_of(series.other, count)
     if slack == 0.0:
@@ -140,7 +140,7 @@ def _magnitude(series: Series, count: int) -> float:
 
 
 @inlined
-def _add_leg(
+def add_leg(
     circuit: Circuit,
     series: Series,
     frame: RotorFrame,
@@ -169,11 +169,11 @@ def _add_leg(
         peak = max(peak, -lowest, highest)
     if keeps_sign:
         return abs(charge), peak
-    return length * _magnitude(series, count), peak
+    return length * magnitude_of(series, count), peak
 
 
 @inlined
-def _extend_torque_range(drive: PmAcDrive, series: Series, count: int, bounds: NDArray[np.float64]) -> None:
+def extend_torque_range(drive: PmAcDrive, series: Series, count: int, bounds: NDArray[np.float64]) -> None:
     """Extend a range by the torque over a segment (N m)."""
     saliency = drive.direct_inductance - drive.quadrature_inductance
     per_ampere = 1.5 * drive.pole_pairs
@@ -268,10 +268,10 @@ def add_segment(
         if leg == held:
             continue
         charge = of_phase(leg, sums.along, sums.across)
-        magnitude, peak = _add_leg(
+        magnitude, peak = add_leg(
             circuit, series, frame, after, leg, charge, count, length, held == FREE, peak
         )
         add_charge(circuit, legs, leg, supply, charge, magnitude, magnitudes, totals)
     totals[ledger.PEAK] = peak
     if bounds.size > 0:
-        _extend_torque_range(drive, series, count, bounds)
+        extend_torque_range(drive, series, count, bounds)

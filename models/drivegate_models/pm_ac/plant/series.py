@@ -29,8 +29,8 @@ The inductance seen by the other two legs then varies with the angle. It is zero
 part is artanh of that root.
 """
 
-_CUT = 1e-17
-_LEAST_TERMS = 4
+CUT: Final = 1e-17
+LEAST_TERMS: Final = 4
 
 
 class Series(NamedTuple):
@@ -71,11 +71,11 @@ def longest_segment(circuit: Circuit, held: int, duration: float) -> float:
 
 
 @inlined
-def _term_count(reach: float) -> int:
+def term_count(reach: float) -> int:
     """Return the number of terms of a series of entire functions, for an argument `reach` (1)."""
     count = 1
     term = 1.0
-    while (term > _CUT or count < _LEAST_TERMS) and count < TERMS:
+    while (term > CUT or count < LEAST_TERMS) and count < TERMS:
         term *= reach / count
         count += 1
     return count
@@ -101,7 +101,7 @@ def free_series(
     current_q = frame.quadrature
     series.direct[0] = current_d
     series.quadrature[0] = current_q
-    count = _term_count(circuit.rate * length)
+    count = term_count(circuit.rate * length)
     for k in range(1, count):
         step = length / k
         rate_d = direct - circuit.resistance * current_d + electrical * flux_q
@@ -136,7 +136,7 @@ def turning_series(
 
 
 @inlined
-def _product_term(first: NDArray[np.float64], second: NDArray[np.float64], order: int) -> float:
+def product_term(first: NDArray[np.float64], second: NDArray[np.float64], order: int) -> float:
     """Return a coefficient of the product of two series."""
     total = 0.0
     for k in range(order + 1):
@@ -156,7 +156,7 @@ def phase_series(
     cosine, sine = axis_of(frame, leg)
     turning_series(series.cosine, series.sine, count, cosine, sine, circuit.electrical * length)
     for k in range(count):
-        series.other[k] = _product_term(series.cosine, series.direct, k) - _product_term(
+        series.other[k] = product_term(series.cosine, series.direct, k) - product_term(
             series.sine, series.quadrature, k
         )
 
@@ -188,7 +188,7 @@ def held_series(
     mean = 0.5 * (circuit.quadrature + circuit.direct)
     swing = 0.5 * (circuit.quadrature - circuit.direct)
     double_cosine = cosine * cosine - sine * sine
-    count = TERMS if swing != 0.0 else _term_count(circuit.rate * length)
+    count = TERMS if swing != 0.0 else term_count(circuit.rate * length)
     cosines = series.cosine
     sines = series.sine
     # The arrays of the currents contain the double angle until the currents are known.
@@ -214,18 +214,18 @@ def held_series(
         currents[k] = (flux[k] - swing * varied) / inductance
         size += abs(currents[k])
         rest = max(abs(currents[k]), abs(currents[k - 1]))
-        if k >= _LEAST_TERMS and rest <= _CUT * size and abs(cosines[k]) + abs(sines[k]) <= _CUT:
+        if k >= LEAST_TERMS and rest <= CUT * size and abs(cosines[k]) + abs(sines[k]) <= CUT:
             used = k + 1
             break
     for k in range(used):
-        series.holding[k] = circuit.flux * cosines[k] - swing * _product_term(currents, double_sines, k)
+        series.holding[k] = circuit.flux * cosines[k] - swing * product_term(currents, double_sines, k)
     for k in range(used - 1):
         series.holding[k] = 1.5 * (k + 1) * series.holding[k + 1] / length
     series.holding[used - 1] = 0.0
     series.holding[0] += 0.5 * (ahead + behind)
     for k in range(used):
-        series.direct[k] = _product_term(currents, sines, k)
-        series.quadrature[k] = _product_term(currents, cosines, k)
+        series.direct[k] = product_term(currents, sines, k)
+        series.quadrature[k] = product_term(currents, cosines, k)
     return used
 
 

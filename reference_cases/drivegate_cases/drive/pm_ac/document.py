@@ -22,6 +22,7 @@ from drivegate_cases.drive.plant import (
 )
 from drivegate_cases.drive.pm_ac.inverter import UPDATES, PmAcInverter
 from drivegate_cases.drive.pm_ac.limits import GREATEST_ANGLE_DEG
+from drivegate_cases.drive.pm_ac.link import PmAcLink
 from drivegate_cases.drive.pm_ac.requirements import NO_PM_AC_REQUIREMENTS, PmAcRequirements
 from drivegate_cases.drive.pm_ac.usual_values import ranges_of_pm_ac
 from drivegate_cases.drive.rating import Rating
@@ -30,6 +31,7 @@ from drivegate_models.units import RADIANS_PER_RPM
 
 if TYPE_CHECKING:
     from drivegate_models.contract.duty.signals import DutyNameplate
+    from drivegate_models.pm_ac.plant.dc_link import DcLink
     from drivegate_models.pm_ac.plant.drive import PmAcDrive
 
 _PHASES = 3
@@ -92,6 +94,7 @@ class PmAcDocument(DriveDocument):
         "inverter": PmAcInverter,
         "rating": PmAcRating,
         "sensing": PmAcSensing,
+        "link": PmAcLink,
         "requirements": PmAcRequirements,
     }
 
@@ -116,6 +119,10 @@ class PmAcDocument(DriveDocument):
         default=None,
         description="table of what every run shows of the shaft; angle and speed without error where it is left out",
     )
+    link: PmAcLink | None = Field(
+        default=None,
+        description="table of the capacitor and the source of the dc link; an ideal source where it is left out",
+    )
     requirements: PmAcRequirements = Field(  # type: ignore[assignment]
         default=NO_PM_AC_REQUIREMENTS, description="table of the limits that controllers are judged by"
     )
@@ -130,7 +137,14 @@ class PmAcDocument(DriveDocument):
     __hash__ = DriveDocument.__hash__
 
     def check_tables(self) -> None:
-        """Refuse values that do not fit those of other tables: all of these do."""
+        """Refuse a link that does not fit the drive; all other tables fit each other."""
+        if self.link is not None:
+            self.link.check_fit(self.machine, self.inverter, self.rating)
+
+    @property
+    def real_link(self) -> PmAcLink | None:
+        """The link, unless it is ideal."""
+        return None if self.link is None or self.link.source == "ideal" else self.link
 
     @property
     def control_period_s(self) -> float:
@@ -199,7 +213,15 @@ class PmAcDocument(DriveDocument):
             viscous_friction=machine.viscous_friction_n_m_s_per_rad,
             switch_drop=inverter.switch_drop_v,
             diode_drop=inverter.diode_drop_v,
+            dc_link=self._dc_link(),
         )
+
+    def _dc_link(self) -> DcLink:
+        from drivegate_models.pm_ac.plant.dc_link import DcLink
+
+        nominal = self.inverter.link_voltage_v
+        link = self.real_link
+        return DcLink() if link is None else link.plant(nominal, self.rating.rated_power_w / nominal)
 
     def nameplate(self, control_period: float) -> Any:
         return self.duty_nameplate(control_period, torque_reference=False)
@@ -210,6 +232,7 @@ class PmAcDocument(DriveDocument):
         from drivegate_models.contract.duty.signals import SPEED_REFERENCE, TORQUE_REFERENCE, DutyNameplate
 
         machine, inverter, rating = self.machine, self.inverter, self.rating
+        link = self._dc_link()
         return DutyNameplate(
             kind=PM_AC,
             reference_kind=TORQUE_REFERENCE if torque_reference else SPEED_REFERENCE,
@@ -233,4 +256,11 @@ class PmAcDocument(DriveDocument):
             switch_drop=inverter.switch_drop_v,
             diode_drop=inverter.diode_drop_v,
             position_error=radians(GREATEST_ANGLE_DEG[self.position]),
+            link_capacitance=link.capacitance,
+            source_resistance=link.source_resistance,
+            link_limit=link.limit,
+            charge_limit=link.charge_limit,
+            discharge_limit=link.discharge_limit,
+            chopper_voltage=link.chopper_on,
+            chopper_resistance=1.0 / link.chopper_conductance if link.chopper_conductance else 0.0,
         )

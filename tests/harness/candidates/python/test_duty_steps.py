@@ -47,9 +47,11 @@ def test_the_controller_receives_the_sense_as_it_is() -> None:
 
 
 def test_the_whole_answer_arrives() -> None:
-    answer = DutyCommand((0.1, 0.2, 0.3), (LEG_OFF, LEG_HIGH, LEG_LOW), 1e-4, 1.5, 0.5, 100.0, 250.0, 17)
+    answer = DutyCommand(
+        (0.1, 0.2, 0.3), (LEG_OFF, LEG_HIGH, LEG_LOW), 1e-4, 1.5, 0.5, 100.0, 250.0, 17, 0.75
+    )
     command = stepped(controller_of(lambda _sense: answer))
-    assert list(command.tolist())[1:] == [0.1, 0.2, 0.3, 0, 2, 3, 1e-4, 1.5, 0.5, 100.0, 250.0, 17]
+    assert list(command.tolist())[1:] == [0.1, 0.2, 0.3, 0, 2, 3, 1e-4, 1.5, 0.5, 100.0, 250.0, 17, 0.75]
     assert command["struct_size"] == command.dtype.itemsize
 
 

@@ -1,0 +1,356 @@
+"""Advance of machine, bridge and a link with a capacitor over one control period at constant speed."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivegate_models.compilation.kernels import called, inlined, unallocating
+from drivegate_models.machine import ledger
+from drivegate_models.machine.advance_status import COMPLETED, TOO_MANY_EVENTS
+from drivegate_models.machine.rotor_frame import RotorFrame
+from drivegate_models.machine.sine import cosine_sine
+from drivegate_models.pm_ac.plant.advance import (
+    EVENT_LIMIT,
+    LEAST_SHARE,
+    NO_LEG,
+    SHORT_SHARE,
+    SOON_AFTER,
+    Connected,
+    PmAcPhases,
+    add_core_loss,
+    after_event,
+    begin_observation,
+    finish,
+    stator_flux,
+)
+from drivegate_models.pm_ac.plant.circuit import Circuit, drop_of, is_on_upper_rail, leg_voltages
+from drivegate_models.pm_ac.plant.dc_link import (
+    BATTERY,
+    CHOPPER,
+    CLAMPED,
+    PENDING,
+    SOURCE,
+    VOLTAGE,
+    DcLink,
+    LinkState,
+)
+from drivegate_models.pm_ac.plant.drive import PmAcDrive
+from drivegate_models.pm_ac.plant.edges import begin_schedule, pass_edges
+from drivegate_models.pm_ac.plant.events import NOTHING, Event, zero_of_current
+from drivegate_models.pm_ac.plant.linked_events import (
+    LinkEvent,
+    begin_of_linked_current,
+    end_of_linked_hold,
+    enter_link_event,
+    link_event,
+)
+from drivegate_models.pm_ac.plant.linked_integrals import add_linked_segment
+from drivegate_models.pm_ac.plant.linked_series import (
+    Feed,
+    at_voltage,
+    bend_of,
+    free_linked_series,
+    held_linked_series,
+    idle_series,
+    linked_circuit,
+    longest_linked,
+    shorten_link,
+)
+from drivegate_models.pm_ac.plant.modulator import Gates, schedule_gates
+from drivegate_models.pm_ac.plant.polynomial import value_at
+from drivegate_models.pm_ac.plant.series import at_end, shorten
+from drivegate_models.pm_ac.plant.settling import EMPTY, FREE, Legs, set_gate, settle, show_voltages
+
+_LEAST_SUPPLYING: Final = 0.2
+"""Voltage over the nominal one below which the link supplies core and switching losses only in part (1)."""
+
+
+@inlined
+def _connect_source(constants: DcLink, link: LinkState, source: float) -> None:
+    """Connect or disconnect the source at the start of a period; at 0 V it is disconnected."""
+    state = link.state
+    conducts = source > 0.0 and (constants.source == BATTERY or state[VOLTAGE] <= source)
+    state[SOURCE] = 1.0 if conducts else 0.0
+
+
+@inlined
+def _feed(constants: DcLink, link: LinkState, source: float, lost: float) -> Feed:
+    """Return what acts on the capacitor now; `lost` is the conductance of core and switching losses (S)."""
+    state = link.state
+    chopper = constants.chopper_conductance if state[CHOPPER] != 0.0 else 0.0
+    return Feed(
+        source,
+        1.0 / constants.source_resistance if state[SOURCE] != 0.0 else 0.0,
+        lost + chopper,
+        0.0 if state[CLAMPED] != 0.0 else 1.0 / constants.capacitance,
+    )
+
+
+@inlined
+def _follow_link(circuit: Circuit, legs: Legs, voltage: float) -> Circuit:
+    """Set the legs' voltages to a new link voltage (V); return the circuit with it."""
+    circuit = at_voltage(circuit, voltage, circuit.bend)
+    for leg in range(3):
+        legs.low[leg], legs.high[leg] = leg_voltages(circuit, legs.gates[leg])
+    return circuit
+
+
+@inlined
+def _next_edge(circuit: Circuit, legs: Legs, gates: Gates, duration: float) -> float:
+    """Pass the edges without effect, and return the time of the next change of a leg by its gate (s).
+
+    A leg with a sure sign changes if its rail or its device does, whatever the link's voltage is.
+    """
+    limit = duration
+    for leg in range(3):
+        sign = legs.sure[leg]
+        gate = legs.gates[leg]
+        following = legs.positions[leg] + 1
+        while following < gates.counts[leg] and sign != 0:
+            entry = gates.gates[leg, following]
+            is_same_rail = is_on_upper_rail(entry, sign) == is_on_upper_rail(gate, sign)
+            if not is_same_rail or drop_of(circuit, entry, sign) != drop_of(circuit, gate, sign):
+                break
+            following += 1
+        if following > legs.positions[leg] + 1:
+            legs.positions[leg] = following - 1
+            set_gate(circuit, legs, leg, gates.gates[leg, following - 1])
+        if following < gates.counts[leg]:
+            limit = min(limit, gates.times[leg, following])
+    return limit
+
+
+@unallocating
+def _first_events(
+    drive: PmAcDrive,
+    circuit: Circuit,
+    feed: Feed,
+    phases: PmAcPhases,
+    frame: RotorFrame,
+    held: int,
+    end_angle: float,
+    length: float,
+    follows_thresholds: bool,
+) -> tuple[Circuit, Event, LinkEvent, int, RotorFrame]:
+    """Write the series of a segment, and find its first events.
+
+    Returns the circuit with the bound of the series, the events of legs and link, the number of coefficients, and the
+    currents without an event.
+    """
+    legs, series, link = phases.legs, phases.series, phases.dc_link
+    cosine, sine = cosine_sine(end_angle)
+    after = RotorFrame(0.0, 0.0, cosine, sine)
+    if held == EMPTY:
+        count = idle_series(circuit, feed, link, length)
+        event = begin_of_linked_current(circuit, legs, series, link, frame, count, length)
+    elif held == FREE:
+        count = free_linked_series(circuit, feed, legs, series, link, frame, length)
+        after = at_end(series, count, cosine, sine)
+        circuit = at_voltage(circuit, circuit.link, bend_of(circuit, series, count, length))
+        event = zero_of_current(circuit, legs, series, frame, after, count, length)
+    else:
+        count = held_linked_series(circuit, feed, legs, series, link, frame, held, length)
+        after = at_end(series, count, cosine, sine)
+        event = end_of_linked_hold(legs, series, link, held, count)
+    return (
+        circuit,
+        event,
+        link_event(drive.dc_link, link, feed.source, count, follows_thresholds),
+        count,
+        after,
+    )
+
+
+@unallocating
+def _segment(
+    drive: PmAcDrive,
+    circuit: Circuit,
+    feed: Feed,
+    phases: PmAcPhases,
+    frame: RotorFrame,
+    held: int,
+    begin_angle: float,
+    length: float,
+    follows_thresholds: bool,
+    totals: NDArray[np.float64],
+) -> tuple[Event, int, float, RotorFrame]:
+    """Advance to the first event within a length (s), and set the link's voltage there.
+
+    Returns the event of the legs, the kind of that of the link, of which at most one is other than `NOTHING`, the time
+    until then (s), and the currents.
+    """
+    link, series = phases.dc_link, phases.series
+    electrical = circuit.electrical
+    bounded, event, change, count, after = _first_events(
+        drive,
+        circuit,
+        feed,
+        phases,
+        frame,
+        held,
+        begin_angle + electrical * length,
+        length,
+        follows_thresholds,
+    )
+    while LEAST_SHARE < min(event.share, change.share) < SHORT_SHARE:
+        length *= SOON_AFTER * min(event.share, change.share)
+        bounded, event, change, count, after = _first_events(
+            drive,
+            circuit,
+            feed,
+            phases,
+            frame,
+            held,
+            begin_angle + electrical * length,
+            length,
+            follows_thresholds,
+        )
+    kind = change.kind
+    share = event.share
+    if kind != NOTHING and (event.kind == NOTHING or change.share < event.share):
+        share = change.share
+        event = Event(NOTHING, 1.0, -1, 0)
+    else:
+        kind = NOTHING
+    if event.kind != NOTHING or kind != NOTHING:
+        length *= share
+        cosine, sine = cosine_sine(begin_angle + electrical * length)
+        shorten_link(link, count, share)
+        after = RotorFrame(0.0, 0.0, cosine, sine)
+        if held != EMPTY:
+            shorten(series, count, share)
+            after = at_end(series, count, cosine, sine)
+    if length > 0.0:
+        add_linked_segment(
+            drive,
+            bounded,
+            feed,
+            phases.legs,
+            series,
+            link,
+            frame,
+            after,
+            held,
+            count,
+            length,
+            phases.magnitudes,
+            phases.torque_bounds,
+            totals,
+        )
+    link.state[VOLTAGE] = value_at(link.voltage, count, 1.0)
+    enter_link_event(link, kind)
+    return event, kind, length, after
+
+
+@called
+@unallocating
+def advance_linked_period(
+    drive: PmAcDrive,
+    phases: PmAcPhases,
+    angle: float,
+    speed: float,
+    source: float,
+    ratios: NDArray[np.float64],
+    legs_mode: NDArray[np.int64],
+    brake: float,
+    alignment: int,
+    duration: float,
+    totals: NDArray[np.float64],
+) -> int:
+    """Advance machine, bridge and link by one control period, solving every event in it.
+
+    As `advance.advance_period`, for a link with a capacitor.
+
+    - `phases`: its `dc_link` is updated as well; its ledger is added to.
+    - `source`: voltage of the source (V); 0 disconnects it.
+    - `brake`: share of the period with the chopper on, from its start (1); NaN for the chopper's own thresholds.
+    - Result: `COMPLETED` or `TOO_MANY_EVENTS`.
+    """
+    legs, gates, link = phases.legs, phases.gates, phases.dc_link
+    constants = drive.dc_link
+    state = link.state
+    cosine, sine = cosine_sine(angle)
+    frame = RotorFrame(phases.rotor_currents[0], phases.rotor_currents[1], cosine, sine)
+    voltage = state[VOLTAGE]
+    supplying = max(voltage, _LEAST_SUPPLYING * drive.link_voltage)
+    lost = state[PENDING] / (supplying * supplying)
+    follows_thresholds = brake != brake
+    brake_end = 0.0
+    if not follows_thresholds:
+        brake_end = min(max(brake, 0.0), 1.0) * duration if constants.chopper_conductance > 0.0 else 0.0
+        state[CHOPPER] = 1.0 if brake_end > 0.0 else 0.0
+    _connect_source(constants, link, source)
+    circuit = linked_circuit(
+        drive,
+        speed,
+        voltage,
+        source,
+        (frame.direct, frame.quadrature),
+        lost + constants.chopper_conductance,
+        duration,
+    )
+    begin_observation(phases)
+    schedule_gates(drive.modulator, gates, ratios, legs_mode, alignment, duration)
+    circuit = _follow_link(circuit, legs, voltage)
+    totals[ledger.SWITCHING] += begin_schedule(circuit, legs, gates, frame, duration)
+    along, across = stator_flux(circuit, frame)
+    idle = 0.0
+    status = COMPLETED
+    time = 0.0
+    segments = 0
+    settled = settle(circuit, legs, frame, NO_LEG, 0)
+    while time < duration:
+        segments += 1
+        if segments > EVENT_LIMIT:
+            status = TOO_MANY_EVENTS
+            break
+        held = settled.held
+        frame = settled.frame
+        limit = _next_edge(circuit, legs, gates, duration)
+        if time < brake_end:
+            limit = min(limit, brake_end)
+        longest = longest_linked(circuit, held, duration)
+        length = min(limit - time, longest)
+        feed = _feed(constants, link, source, lost)
+        event, kind, passed, after = _segment(
+            drive,
+            circuit,
+            feed,
+            phases,
+            frame,
+            held,
+            angle + circuit.electrical * time,
+            length,
+            follows_thresholds,
+            totals,
+        )
+        is_whole = event.kind == NOTHING and kind == NOTHING and limit - time <= longest and passed == length
+        time += passed
+        if held == EMPTY:
+            before = stator_flux(circuit, frame)
+            behind = stator_flux(circuit, after)
+            along += behind[0] - before[0]
+            across += behind[1] - before[1]
+            idle += passed
+            if phases.torque_bounds.size > 0:
+                phases.torque_bounds[0] = min(phases.torque_bounds[0], 0.0)
+                phases.torque_bounds[1] = max(phases.torque_bounds[1], 0.0)
+        after, fixed, excluded = after_event(legs, event, after)
+        circuit = _follow_link(circuit, legs, state[VOLTAGE])
+        if is_whole:
+            # Use the limit itself, not the sum, so that every edge is passed exactly once.
+            time = limit
+            if 0.0 < brake_end <= time:
+                state[CHOPPER] = 0.0
+                brake_end = 0.0
+            totals[ledger.SWITCHING] += pass_edges(circuit, legs, gates, time)
+        settled = settle(circuit, legs, after, fixed, excluded)
+    end = stator_flux(circuit, settled.frame)
+    add_core_loss(drive, circuit, Connected(end[0] - along, end[1] - across, idle), duration, totals)
+    finish(phases, settled.frame)
+    show_voltages(circuit, legs, settled)
+    totals[ledger.EVENTS] += segments
+    return status
