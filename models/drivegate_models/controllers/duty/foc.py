@@ -27,6 +27,7 @@ from drivegate_models.controllers.duty.current_regulator import (
 )
 from drivegate_models.controllers.duty.flux_prediction import regulate_flux, reset_prediction
 from drivegate_models.controllers.duty.hall_observer import reset_observer
+from drivegate_models.controllers.duty.link_limits import limited_by_link, reset_link_limits
 from drivegate_models.controllers.duty.loss_search import reset_search, restart_search, searched_offset
 from drivegate_models.controllers.duty.missing_phase import watch_approach
 from drivegate_models.controllers.duty.plausibility import (
@@ -75,6 +76,7 @@ def reset_state(state: Any, nameplate: Any) -> None:
     state.greatest_torque = greatest_torque(state)
     speed_bandwidth, filter_rate = reset_speed_regulator(state, nameplate)
     state.added_flux = 0.0
+    reset_link_limits(state, nameplate)
     reset_voltage_share(state)
     reset_search(state, nameplate)
     reset_position(state, nameplate, filter_rate)
@@ -141,6 +143,9 @@ def step_state(state: Any, sense: Any, command: Any) -> None:
         electrical,
         state.voltage_share * limit,
         sense.supply_voltage * sense.supply_current,
+    )
+    direct_reference, quadrature_reference = limited_by_link(
+        state, electrical, sense.supply_voltage, direct_reference, quadrature_reference
     )
     possible = torque_per_quadrature(state, direct_reference) * quadrature_reference
     unwind_speed(state, sense.reference, speed, requested, possible)

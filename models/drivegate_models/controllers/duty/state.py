@@ -79,6 +79,14 @@ FOC_STATE: Final = np.dtype(
         ("weakening_step", np.float64),
         # Regulators.
         ("speed_integral", np.float64),
+        # The link: its capacitance, 0 for an ideal one (F), limits of the source's currents (A), power of the chopper
+        # (W), voltage up to which braking may charge the capacitor (V), and its power over the squared voltage (S).
+        ("link_capacitance", np.float64),
+        ("charge_limit", np.float64),
+        ("discharge_limit", np.float64),
+        ("burning_power", np.float64),
+        ("highest_link", np.float64),
+        ("charging_gain", np.float64),
         # Requested torque.
         ("torque", np.float64),
         # Flux y of the last d-axis current by MTPA.
