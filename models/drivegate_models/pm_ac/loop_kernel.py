@@ -37,6 +37,7 @@ from drivegate_models.pm_ac.plant.drive import PmAcDrive, alignment_of, drifted
 from drivegate_models.pm_ac.plant.linked_advance import advance_linked_period
 from drivegate_models.pm_ac.sensing import (
     EXACT,
+    NONE,
     DutySensors,
     drop_signals,
     lose_next_edge,
@@ -346,7 +347,7 @@ def run_periods(
         is_exact = sensors.ideal or sensors.position == EXACT
         show_failed(failure, k, exchange.sensed_currents, exchange.sense[0], is_exact)
         drop_signals(sensors, k * length, exchange.sensed_currents, exchange.sense[0])
-        if rests:
+        if rests and sensors.position != NONE:
             exchange.sense[0].speed = 0.0
         status, restarted = _command(exchange, restarts, restarted, k, before, timing.waiting, room, delay)
         if status != COMPLETED:

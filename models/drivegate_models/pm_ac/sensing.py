@@ -7,6 +7,7 @@ measured is computed from the other two. If two are not measured, their last val
 
 from __future__ import annotations
 
+from math import nan
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -56,6 +57,8 @@ ENCODER: Final = 1
 """An encoder counts edges and times them."""
 HALL: Final = 2
 """Three Hall switches, whose timer measures angle and speed."""
+NONE: Final = 3
+"""Nothing measures angle and speed, which are NaN."""
 
 
 class Shunts(NamedTuple):
@@ -109,7 +112,7 @@ class DutySensors(NamedTuple):
     """Gains, offsets, noise, steps and ranges; the voltage is that of the whole link."""
     shunts: Shunts
     position: int
-    """`EXACT`, `ENCODER` or `HALL`."""
+    """`EXACT`, `ENCODER`, `HALL` or `NONE`."""
     encoder: Encoder
     """The encoder; its count is zero at angle zero."""
     hall: Hall
@@ -133,15 +136,19 @@ def real_duty_sensors(
     encoder: Encoder | None = None,
     hall: Hall | None = None,
     errors: ShaftErrors | None = None,
+    has_position: bool = True,
     dropouts: NDArray[np.float64] | None = None,
 ) -> DutySensors:
     """Return sensors with errors.
 
     `shunt`: `IN_LINE`, `LOW_SIDE` or `DC_LINK`. `window`: minimum time for which a current must have flowed through a
     shunt before sampling (s). `errors`: errors of angle and speed without encoder and Hall switches; none by default.
-    `dropouts`, shape (d, 3): signal, start and end (s) of each dropout.
+    `has_position`: false if nothing measures angle and speed. `dropouts`, shape (d, 3): signal, start and end (s) of
+    each dropout.
     """
-    position = HALL if hall is not None else ENCODER if encoder is not None else EXACT
+    position = (
+        HALL if hall is not None else ENCODER if encoder is not None else EXACT if has_position else NONE
+    )
     return DutySensors(
         False,
         converters,
@@ -307,7 +314,7 @@ def drop_signals(sensors: DutySensors, time: float, currents: NDArray[np.float64
     """Replace the signals in a Sense that are lost at a time (s) by 0, as loose contacts do."""
     if sensors.dropouts.shape[0] == 0:
         return
-    if dropped(sensors.dropouts, SPEED, time):
+    if sensors.position != NONE and dropped(sensors.dropouts, SPEED, time):
         sense.speed = 0.0
     if dropped(sensors.dropouts, SUPPLY, time):
         sense.supply_voltage = 0.0
@@ -334,6 +341,9 @@ def show_shaft(sensors: DutySensors, sense: Any, step: int, period: float) -> No
         sense.hall = hall_bits(sensors.hall)
         sense.angle = shown_angle(hall_shaft_angle(sensors.hall, step * period))
         sense.speed = hall_speed(sensors.hall)
+    elif sensors.position == NONE:
+        sense.angle = nan
+        sense.speed = nan
     elif sensors.errors.present:
         _show_erroneous(sensors.errors, step, period, sense)
 

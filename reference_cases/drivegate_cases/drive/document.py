@@ -32,8 +32,8 @@ if TYPE_CHECKING:
     from drivegate_models.contract.current.signals import Nameplate
     from drivegate_models.steady.plant import AnyDrive
 
-Position: TypeAlias = Literal["exact", "encoder", "hall"]
-"""The plant's own angle without error, an encoder, or three Hall switches."""
+Position: TypeAlias = Literal["exact", "encoder", "hall", "none"]
+"""The plant's own angle without error, an encoder, three Hall switches, or no sensor on the shaft."""
 HIGHEST_CHOPPING_FREQUENCY_HZ = 10e6
 PM_AC: Final = "pm-ac"
 """Kind of drive that has a document of its own, `pm_ac.document.PmAcDocument`."""

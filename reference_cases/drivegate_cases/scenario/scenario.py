@@ -251,6 +251,7 @@ class Scenario(Document):
             raise ValueError(f"the load '{self.load.kind}' is {others}, {own}")
         self._check_sense()
         self._check_slip()
+        self._check_position()
         for key, others in self.drive.excluded.items():
             if getattr(self, key):
                 raise ValueError(f"the key '{key}' is {others}, {own}; leave it out")
@@ -262,6 +263,21 @@ class Scenario(Document):
             raise ValueError(
                 "the failure 'lost-edge' needs the sensors 'shunts' with the position 'encoder' or 'hall', or a drive "
                 "whose [sensing] states one of them, since an exact position has no edges"
+            )
+
+    def _check_position(self) -> None:
+        """Refuse a lost position where nothing shows the shaft."""
+        if position_of(self.sensors, self.drive) != "none":
+            return
+        lost = (
+            [f"the failure '{self.failure.kind}'"]
+            if self.failure and self.failure.kind == "lost-position"
+            else []
+        )
+        lost += ["the dropout of 'speed'" for dropout in self.dropouts if dropout.signal == "speed"]
+        if lost:
+            raise ValueError(
+                f"{lost[0]} needs a sensor on the shaft, but the drive's [sensing] states 'none'"
             )
 
     def _check_slip(self) -> None:

@@ -293,7 +293,7 @@ def has_encoder(sensors: Sensors, drive: DriveDocument) -> bool:
 
 def has_edges(sensors: Sensors, drive: DriveDocument) -> bool:
     """Return True if a controller of duty ratios sees the shaft by the edges of an encoder or of Hall switches."""
-    return position_of(sensors, drive) != "exact"
+    return position_of(sensors, drive) in ("encoder", "hall")
 
 
 def counted_s(sensors: Mcs96Sensors | HallSensors | ShuntSensors, electrical_speed: float) -> float:
@@ -312,6 +312,8 @@ def refusal(sensors: Sensors, drive: DriveDocument) -> str | None:
         own = f"{', '.join(others)} or {last}"
         return f"the sensors '{sensors.kind}' are for other kinds of drives; one of the kind \"{drive.kind}\" has {own}"
     stated = drive.position
+    if isinstance(sensors, ShuntSensors) and sensors.position == "none" != stated:
+        return "its 'position' is 'none', but the drive has a sensor; its [sensing] may state position = \"none\""
     if isinstance(sensors, ShuntSensors) and stated not in ("exact", position_of(sensors, drive)):
         return f"its 'position' is '{sensors.position}', but the drive's [sensing] states '{stated}' for every run"
     if isinstance(sensors, ShuntSensors):

@@ -41,6 +41,7 @@ DUTY_CANDIDATES: Final = MappingProxyType(
             "load-observer",
         )
     }
+    | {"foc-sensorless": Declaration()}
 )
 """Declarations of those that answer with duty ratios, by bare name."""
 

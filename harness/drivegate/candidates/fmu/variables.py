@@ -78,7 +78,16 @@ DUTY: Final = Ports(
     arrays=(DUTY_RATIOS,),
     more_arrays=("legs",),
     parameters=_port_parameters(DutyNameplate._fields, "supply_voltage"),
-    whole=("kind", "reference_kind", "pole_pairs", "updates", "update_delay", "control_every"),
+    whole=(
+        "kind",
+        "reference_kind",
+        "pole_pairs",
+        "updates",
+        "update_delay",
+        "control_every",
+        "position",
+        "is_reversing",
+    ),
 )
 
 PORTS: Final = {ports.contract: ports for ports in (CURRENT, DUTY)}

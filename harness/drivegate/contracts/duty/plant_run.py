@@ -115,7 +115,8 @@ def duty_run(
         every = -(-scenario.control_periods // len(steps))
         wrap = partial(RecordingController, rows=steps, every=every, skipped=skipped)
     count = idle.periods + scenario.control_periods
-    run = run_loop(order, controller, nameplate, count, refusal_of, observed=judged, wrap=wrap)
+    because = partial(refusal_of, has_sensor=position_of(scenario.sensors, scenario.drive) != "none")
+    run = run_loop(order, controller, nameplate, count, because, observed=judged, wrap=wrap)
     commands = run.commands[run.before :]
     if follows_current:
         _show_torque(run.trace, scenario)
@@ -212,6 +213,7 @@ def duty_sensors(scenario: Scenario) -> DutySensors:
         encoder=_encoder(scenario, given) if given.position == "encoder" else None,
         hall=plant_hall(scenario, given, generator) if given.position == "hall" else None,
         errors=_shaft_errors(given, scenario.control_period_s),
+        has_position=given.position != "none",
         dropouts=plant_dropouts(scenario),
     )
 
@@ -239,6 +241,8 @@ def _ideal_sensors(scenario: Scenario) -> DutySensors:
         return ideal_duty_sensors(plant_dropouts(scenario))
     converters = exact_converters(np.ones(3), np.zeros(3))
     in_place = SHUNTS.model_copy(update={"placement_error_deg": 0.0, "hysteresis_deg": 0.0})
+    if position == "none":
+        return real_duty_sensors(converters, has_position=False, dropouts=plant_dropouts(scenario))
     if position == "encoder":
         return real_duty_sensors(
             converters, encoder=_encoder(scenario, in_place), dropouts=plant_dropouts(scenario)

@@ -13,8 +13,10 @@ from numpy.typing import NDArray
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.fault import OVERWRITTEN_SIZE
 from drivegate.contracts.duty.document import duty_document
+from drivegate_cases.drive.pm_ac.document import POSITIONS
 from drivegate_cases.scenario.load import DynamometerLoad, VehicleLoad
 from drivegate_cases.scenario.scenario import Scenario
+from drivegate_cases.scenario.sensors import position_of
 from drivegate_models.contract.duty.signals import CURRENT_REFERENCE, LEG_LOW, LEG_OFF, DutyNameplate
 from drivegate_models.loop.exchange import NOT_FINITE, STOPPED
 
@@ -95,6 +97,7 @@ def duty_nameplate(scenario: Scenario, *, follows_current: bool = False) -> Duty
     drive = duty_document(scenario.drive)
     torque = isinstance(scenario.load, DynamometerLoad)
     nameplate = drive.duty_nameplate(scenario.control_period_s, torque_reference=torque)
+    nameplate = nameplate._replace(position=POSITIONS.index(position_of(scenario.sensors, drive)))
     if torque and follows_current:
         nameplate = nameplate._replace(reference_kind=CURRENT_REFERENCE)
     if isinstance(scenario.load, VehicleLoad):
@@ -102,11 +105,15 @@ def duty_nameplate(scenario: Scenario, *, follows_current: bool = False) -> Duty
     return nameplate
 
 
-def refusal_of(command: Any, status: int) -> str:
-    """Return why a command ended a run although the controller itself reports no fault."""
+def refusal_of(command: Any, status: int, *, has_sensor: bool = True) -> str:
+    """Return why a command ended a run although the controller itself reports no fault.
+
+    `has_sensor`: whether anything shows the shaft.
+    """
     if status == NOT_FINITE:
         ratios = ", ".join(f"{float(command[name]):g}" for name in DUTY_RATIOS)
-        return f"the duty ratios are not all finite: {ratios}"
+        because = "" if has_sensor else "; this drive has no position sensor, so angle and speed are NaN"
+        return f"the duty ratios are not all finite: {ratios}{because}"
     if status == STOPPED:
         return OVERWRITTEN_SIZE
     legs = ", ".join(str(int(command[name])) for name in LEGS)

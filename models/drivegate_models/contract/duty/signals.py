@@ -19,6 +19,15 @@ OVERCURRENT: Final = 2
 TRIP_CURRENT: Final = 1.5
 """Phase current of `OVERCURRENT`, over the current limit (1)."""
 
+EXACT_POSITION: Final = 0
+"""Angle and speed of the shaft are shown without edges."""
+ENCODER_POSITION: Final = 1
+"""Edges of an encoder show the shaft."""
+HALL_POSITION: Final = 2
+"""Three Hall switches show the shaft."""
+NO_POSITION: Final = 3
+"""Nothing shows the shaft: angle and speed are NaN."""
+
 LEG_OFF: Final = 0
 """Both switches of a leg are off."""
 LEG_PWM: Final = 1
@@ -45,9 +54,9 @@ class DutySense(NamedTuple):
     and 0 in the first step. With a capacitor in the link, it is not the current of the source."""
     angle: float
     """Angle of the shaft at this instant, in [0, 2 pi) (rad). The electrical angle is `pole_pairs` times this angle.
-    With Hall switches it is derived from electrical cycles counted from the start."""
+    With Hall switches it is derived from electrical cycles counted from the start. It is NaN without a sensor."""
     speed: float
-    """Speed of the shaft at this instant (rad/s); negative backward."""
+    """Speed of the shaft at this instant (rad/s); negative backward. It is NaN without a sensor."""
     hall: int = -1
     """States of the three Hall switches, with the first phase as the lowest bit: 1, 3, 2, 6, 4, 5 forward, in
     sectors of 60 electrical degrees that begin at 30; -1 without Hall switches."""
@@ -161,3 +170,11 @@ class DutyNameplate(NamedTuple):
     """Voltage of the link from which the brake chopper turns on by itself (V); 0 without a chopper."""
     chopper_resistance: float = 0.0
     """Resistance of the brake chopper (ohm); 0 without a chopper."""
+    position: int = 0
+    """The sensor on the shaft: `EXACT_POSITION`, `ENCODER_POSITION`, `HALL_POSITION` or `NO_POSITION`."""
+    least_speed: float = 0.0
+    """Speed from which on the shaft must run steadily without a sensor (rad/s); 0 with one."""
+    start_time: float = 0.0
+    """Time from standstill to `least_speed` under half of rated torque (s); 0 with a sensor."""
+    is_reversing: int = 1
+    """1 if references may be negative, 0 for a drive that turns one way."""

@@ -55,6 +55,12 @@ extern "C" {
 #define DRIVEGATE_OVERVOLTAGE 1 /* the link has exceeded link_limit in the period just ended */
 #define DRIVEGATE_OVERCURRENT 2 /* a phase current has exceeded 1.5 times current_limit in it */
 
+/* What shows the shaft; without a sensor angle and speed are NaN. */
+#define DRIVEGATE_POSITION_EXACT 0   /* angle and speed without edges */
+#define DRIVEGATE_POSITION_ENCODER 1 /* edges of an encoder */
+#define DRIVEGATE_POSITION_HALL 2    /* three Hall switches */
+#define DRIVEGATE_POSITION_NONE 3    /* nothing */
+
 /* States of a leg. */
 #define DRIVEGATE_LEG_OFF 0  /* both switches off */
 #define DRIVEGATE_LEG_PWM 1  /* as its duty ratio says */
@@ -98,6 +104,11 @@ typedef struct drivegate_duty_nameplate {
     double discharge_limit;        /* greatest mean current of the source, A */
     double chopper_voltage;        /* voltage from which the brake chopper turns on by itself, V; 0 without one */
     double chopper_resistance;     /* resistance of the brake chopper, ohm; 0 without one */
+    int64_t position;              /* DRIVEGATE_POSITION_EXACT, .._ENCODER, .._HALL or .._NONE */
+    double least_speed;            /* without a sensor, shaft speed from which on it must run steadily, rad/s; else 0 */
+    double start_time;             /* without a sensor, time from standstill to least_speed under half of rated torque,
+                                    * s; else 0 */
+    int64_t is_reversing;          /* 1 where references may be negative, 0 for a drive that turns one way */
 } drivegate_duty_nameplate;
 
 /* What the controller senses at the start of a control period. */
@@ -112,8 +123,9 @@ typedef struct drivegate_duty_sense {
     double supply_current;        /* mean current of the bridge from the link in the period just ended, A; < 0 in
                                    * braking; the source's own is source_current */
     double angle;                 /* angle of the shaft at this instant, 0 <= angle < 2 pi, rad; Hall switches show it
-                                   * by counted electrical cycles, from the cycle of the start */
-    double speed;                 /* speed of the shaft at this instant, rad/s; < 0 backward */
+                                   * by counted electrical cycles, from the cycle of the start; NaN without a
+                                   * sensor */
+    double speed;                 /* speed of the shaft at this instant, rad/s; < 0 backward; NaN without a sensor */
     int64_t hall;                 /* states of the Hall switches, the first phase's the lowest bit; -1 without them:
                                    * 1, 3, 2, 6, 4, 5 forward, in sectors of 60 electrical degrees that begin at 30 */
     int64_t encoder_count;        /* count of the encoder's edges, from 0 to one less than a turn has; angle is the
@@ -147,7 +159,7 @@ typedef struct drivegate_duty_command {
                             * ratios; leave NaN for the chopper's own thresholds */
 } drivegate_duty_command;
 
-DRIVEGATE_ASSERT(sizeof(drivegate_duty_nameplate) == 240, "drivegate_duty_nameplate must not be padded");
+DRIVEGATE_ASSERT(sizeof(drivegate_duty_nameplate) == 272, "drivegate_duty_nameplate must not be padded");
 DRIVEGATE_ASSERT(sizeof(drivegate_duty_sense) == 128, "drivegate_duty_sense must not be padded");
 DRIVEGATE_ASSERT(sizeof(drivegate_duty_command) == 112, "drivegate_duty_command must not be padded");
 

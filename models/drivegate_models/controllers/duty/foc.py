@@ -134,6 +134,12 @@ def step_state(state: Any, sense: Any, command: Any) -> None:
     if detect_fault(state, sense):
         hold_safe_state(state, command)
         return
+    regulate(state, sense, command, speed, direct, quadrature)
+
+
+@inlined
+def regulate(state: Any, sense: Any, command: Any, speed: float, direct: float, quadrature: float) -> None:
+    """Write the duty ratios for the reference, by the speed (rad/s) and the d and q currents (A)."""
     electrical = state.pole_pairs * sense.speed
     limit = voltage_limit(state, sense)
     requested = requested_torque(state, sense.reference, speed)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from math import isfinite, radians
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Final, Literal, Self, get_args
 
-from pydantic import Field, field_validator
+from pydantic import Field, field_validator, model_validator
 
 from drivegate_cases.documents.document import Section
 from drivegate_cases.drive.document import DriveDocument, Position
@@ -24,8 +24,9 @@ from drivegate_cases.drive.pm_ac.inverter import UPDATES, PmAcInverter
 from drivegate_cases.drive.pm_ac.limits import GREATEST_ANGLE_DEG
 from drivegate_cases.drive.pm_ac.link import PmAcLink
 from drivegate_cases.drive.pm_ac.requirements import NO_PM_AC_REQUIREMENTS, PmAcRequirements
+from drivegate_cases.drive.pm_ac.sensorless import least_speed_rpm, natural_period_s, start_time_s
 from drivegate_cases.drive.pm_ac.usual_values import ranges_of_pm_ac
-from drivegate_cases.drive.rating import Rating
+from drivegate_cases.drive.rating import HIGHEST_SPEED_RPM, Rating
 from drivegate_cases.drive.usual_values import UsualRange
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -35,6 +36,8 @@ if TYPE_CHECKING:
     from drivegate_models.pm_ac.plant.drive import PmAcDrive
 
 _PHASES = 3
+POSITIONS: Final[tuple[Position, ...]] = get_args(Position)
+"""What may show the shaft; the place of each is the contract's number of it."""
 
 _Inductance = Annotated[float, Field(gt=0.0, le=1e6)]
 
@@ -78,8 +81,33 @@ class PmAcSensing(Section):
     """The sensor on the shaft that the drive always has."""
 
     position: Position = Field(
-        description='what shows angle and speed of the shaft in every run: "exact", without error, "encoder" or "hall"'
+        description='what shows angle and speed of the shaft in every run: "exact", without error, "encoder", "hall" '
+        'or "none", for a drive without a sensor'
     )
+    least_speed_rpm: float | None = Field(
+        default=None,
+        gt=0.0,
+        le=HIGHEST_SPEED_RPM,
+        description="speed from which on the shaft must run steadily without a sensor, in turns a minute; by default "
+        "from dead time and resistance",
+    )
+    start_time_s: float | None = Field(
+        default=None,
+        gt=0.0,
+        le=60.0,
+        description="time from standstill to least_speed_rpm under half of rated torque without a sensor, in seconds; "
+        "by default from inertia and current limit",
+    )
+
+    @model_validator(mode="after")
+    def _start_is_without_a_sensor(self) -> Self:
+        for key in ("least_speed_rpm", "start_time_s"):
+            if self.position != "none" and (value := getattr(self, key)) is not None:
+                raise ValueError(
+                    f"the key '{key}' is {value:g}, but must be left out where 'position' is '{self.position}'; it is "
+                    "for a drive without a sensor"
+                )
+        return self
 
 
 class PmAcDocument(DriveDocument):
@@ -137,9 +165,26 @@ class PmAcDocument(DriveDocument):
     __hash__ = DriveDocument.__hash__
 
     def check_tables(self) -> None:
-        """Refuse a link that does not fit the drive; all other tables fit each other."""
+        """Refuse a link that does not fit the drive, and what a drive without a sensor cannot do."""
         if self.link is not None:
             self.link.check_fit(self.machine, self.inverter, self.rating)
+        self._check_start()
+
+    def _check_start(self) -> None:
+        sensing = self.sensing
+        if sensing is None or sensing.position != "none":
+            return
+        least, base = sensing.least_speed_rpm, self.rating.base_speed_rpm
+        if least is not None and least > base:
+            raise ValueError(
+                f"the key 'least_speed_rpm' is {least:g}, but must be at most the base speed of {base:g} rpm"
+            )
+        shortest = natural_period_s(self)
+        if sensing.start_time_s is not None and sensing.start_time_s < shortest:
+            raise ValueError(
+                f"the key 'start_time_s' is {sensing.start_time_s:g}, but must be at least {shortest:.3g}, the period "
+                "in which the rotor swings about the current of a start"
+            )
 
     @property
     def real_link(self) -> PmAcLink | None:
@@ -168,6 +213,25 @@ class PmAcDocument(DriveDocument):
     @property
     def position(self) -> Position:
         return "exact" if self.sensing is None else self.sensing.position
+
+    @property
+    def has_sensor(self) -> bool:
+        """Whether anything shows the shaft to a controller."""
+        return self.position != "none"
+
+    @property
+    def least_speed_rpm(self) -> float:
+        """Speed from which on the shaft must run steadily without a sensor (rpm); 0 with one."""
+        if self.sensing is None or self.has_sensor:
+            return 0.0
+        return self.sensing.least_speed_rpm or least_speed_rpm(self)
+
+    @property
+    def start_time_s(self) -> float:
+        """Time from standstill to that speed under half of rated torque (s); 0 with a sensor."""
+        if self.sensing is None or self.has_sensor:
+            return 0.0
+        return self.sensing.start_time_s or start_time_s(self, self.least_speed_rpm)
 
     def usual_ranges(self) -> tuple[tuple[UsualRange, ...], ...]:
         return ranges_of_pm_ac(self)
@@ -263,4 +327,8 @@ class PmAcDocument(DriveDocument):
             discharge_limit=link.discharge_limit,
             chopper_voltage=link.chopper_on,
             chopper_resistance=1.0 / link.chopper_conductance if link.chopper_conductance else 0.0,
+            position=POSITIONS.index(self.position),
+            least_speed=self.least_speed_rpm * RADIANS_PER_RPM,
+            start_time=self.start_time_s,
+            is_reversing=0 if self.rating.reverses is False else 1,
         )

@@ -12,7 +12,12 @@ from drivegate_models.units import RADIANS_PER_RPM
 
 FAILURE_SPEED_SHARE: Final = 0.2
 """Least speed at which something fails, over base speed: below, a phase takes too long to be missed (1)."""
-GREATEST_ANGLE_DEG: Final[Mapping[Position, float]] = {"exact": 12.0, "encoder": 0.0, "hall": 2.5}
+GREATEST_ANGLE_DEG: Final[Mapping[Position, float]] = {
+    "exact": 12.0,
+    "encoder": 0.0,
+    "hall": 2.5,
+    "none": 0.0,
+}
 """Greatest error by which the angle swings within a turn, by what shows the position (electrical degrees).
 
 A position without edges is judged with errors of its tracks up to this one. That of Hall switches is their usual error

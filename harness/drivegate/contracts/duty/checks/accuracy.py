@@ -7,7 +7,13 @@ from dataclasses import replace
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, at_most
 from drivegate.checks.means import exact_mean
-from drivegate.contracts.duty.checks.judged import UNWEAKENED_FAMILIES, at, is_within_reach, worst
+from drivegate.contracts.duty.checks.judged import (
+    UNWEAKENED_FAMILIES,
+    at,
+    is_within_reach,
+    unless_sensed,
+    worst,
+)
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
 from drivegate.contracts.duty.right_trips import legs_are_off
 from drivegate.contracts.duty.scenarios.drawn_range import lost_torque_share
@@ -111,4 +117,5 @@ ROB_5 = Check(
     formula="1 - |mean - reference| / twice the limit of ACC-1",
     why="Firmware sees the currents through amplifiers with offsets, and the shaft in edges.",
     evaluate=through_sensors,
+    reason_not_applicable=unless_sensed,
 )

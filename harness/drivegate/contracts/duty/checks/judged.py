@@ -7,10 +7,13 @@ from functools import lru_cache
 from math import isfinite
 from typing import Final, Literal, TypeAlias
 
+from drivegate.candidates.declaration import Declaration
 from drivegate.checks.check import Record
 from drivegate.checks.margin import Margin
+from drivegate.contracts.duty.document import duty_document
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
 from drivegate.scenarios.rotation import sense_of
+from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.pm_ac.greatest_torque import greatest_within
 from drivegate_models.pm_ac.fundamental import SteadyState
 from drivegate_models.pm_ac.oracle import CURRENT, LOSS, Limits, least_at, undistorted_limits
@@ -38,6 +41,11 @@ UNWEAKENED_FAMILIES: Final = (
 """Families of scenarios with a steady state below weakening."""
 STEADY_FAMILIES: Final = ("torque step", "weakening", "overspeed", *UNWEAKENED_FAMILIES[1:])
 """Families of scenarios with any steady state."""
+
+
+def unless_sensed(_declaration: Declaration, drive: DriveDocument) -> str | None:
+    """Return why a check that is judged with a position sensor does not apply."""
+    return None if duty_document(drive).has_sensor else "the drive has no position sensor"
 
 
 def undistorted(drive: PmAcDrive, link: float) -> float:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from drivegate.checks.check import Check
 from drivegate.checks.course import course_of
 from drivegate.checks.margin import Margin, Mark, Moment, Point, at_most, normalised
+from drivegate.contracts.duty.checks.judged import unless_sensed
 from drivegate.contracts.duty.record import DutyRecord
 from drivegate.scenarios.rotation import sense_of
 from drivegate_models.units import RADIANS_PER_RPM
@@ -103,5 +104,6 @@ STA_1 = Check(
     formula="the lesser of speed / 95 % of the reference - 1 and 1 - backward turn / 60°",
     why="A drive that starts from some angles only fails in the field.",
     evaluate=start,
+    reason_not_applicable=unless_sensed,
     moment=start_moment,
 )

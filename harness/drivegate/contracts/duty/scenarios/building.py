@@ -288,6 +288,8 @@ def failing(
 
 def edge_positions(drive: PmAcDocument) -> tuple[Position, ...]:
     """Return what may show edges of the shaft that can be lost: what the drive states, or else any kind."""
+    if not drive.has_sensor:
+        return ()
     return ("encoder", "hall") if drive.position == "exact" else (drive.position,)
 
 

@@ -116,7 +116,8 @@ def _failures(drive: PmAcDocument) -> list[Scenario]:
     slow, base = speed_of(drive, FAILURE_SPEED_SHARE - 1.0), speed_of(drive, 0.0)
     torques = [share_scenario(drive, speed, 0.5) for speed in (slow, base)]
     sensed = [*torques, *(with_real_sensors(run, 1) for run in torques)]
-    kinds: tuple[FailureKind, ...] = ("open-phase", "stuck-current", "lost-position")
+    kinds: tuple[FailureKind, ...] = ("open-phase", "stuck-current")
+    kinds += ("lost-position",) if drive.has_sensor else ()
     by_edges = [with_edges(run, position, 1) for run in torques for position in edge_positions(drive)]
     turning = speed_scenario(drive, (base,), torque_nm=torque_of(drive, base, 0.5))
     start = speed_scenario(drive, (base,), torque_nm=torque_of(drive, base, 0.5), initial_speed_rpm=0.0)
@@ -202,12 +203,12 @@ def _disturbed(drive: PmAcDocument) -> list[Scenario]:
     base = speed_of(drive, 0.0)
     speed_at_base = speed_scenario(drive, (base,), torque_nm=torque_of(drive, base, 0.5))
     edges = most_false_edges(drive)
-    by_encoder = drive.position != "hall" and edges > 0
+    by_encoder = drive.position in ("exact", "encoder") and edges > 0
     return [
         restarted(torque, (0.5,)),
         restarted(speed, (0.5,)),
         restarted(torque, (), LATE_CLOCK_S),
-        with_lost_samples(torque, ("currents", "speed", "supply"), (0.1,)),
+        with_lost_samples(torque, ("currents", *(("speed",) if drive.has_sensor else ()), "supply"), (0.1,)),
         *(_off_position(drive, torque, speed_at_base) if drive.position == "exact" else ()),
         *([with_false_edges(torque, edges, 0.1, 1)] if by_encoder else []),
     ]

@@ -155,7 +155,7 @@ def lost_sample_scenarios(drive: PmAcDocument) -> Drawn:
         ("currents", 1),
         ("currents", 2),
         ("currents", 3),
-        ("speed", None),
+        *((("speed", None),) if drive.has_sensor else ()),
         ("supply", None),
     )
     return st.builds(
@@ -169,7 +169,7 @@ def lost_sample_scenarios(drive: PmAcDocument) -> Drawn:
 def false_edge_scenarios(drive: PmAcDocument) -> Drawn:
     """Draw false edges of an encoder that turn the rotor's frame by up to 3 electrical degrees."""
     most = most_false_edges(drive)
-    if most == 0 or drive.position == "hall":
+    if most == 0 or drive.position in ("hall", "none"):
         return st.nothing()
     return st.builds(
         with_false_edges,

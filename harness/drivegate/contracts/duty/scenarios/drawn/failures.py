@@ -90,6 +90,7 @@ def that_can_fail(
         for kind in FAILURE_KINDS
         for reference in ("speed", "torque")
         if (kind != "slip" or drive.position == "exact")
+        and (kind not in ("lost-position", "lost-edge") or drive.has_sensor)
         and kind in detected
         and reference in references
         and (kind, reference) not in _UNSEEN

@@ -1,0 +1,318 @@
+"""Field-oriented control without a position sensor.
+
+While the legs are off, the terminals show a shaft that turns already. A shaft at rest is aligned by a current vector,
+which then turns and takes the rotor along. From the least speed on, an observer of the stator flux provides the angle
+and the speed that the regulators of `foc` need. A reversal passes standstill with the turning vector again.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from math import nan, pi, sqrt
+from typing import Any, Final
+
+import numba
+from numba.np.numpy_support import carray
+
+from drivegate_models.compilation.calling import double_at, step_signature
+from drivegate_models.compilation.kernels import KEEPS_CACHE, inlined
+from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE
+from drivegate_models.contract.duty.signals import LEG_LOW
+from drivegate_models.controllers.duty import foc
+from drivegate_models.controllers.duty.current_reference import torque_per_quadrature
+from drivegate_models.controllers.duty.current_regulator import rotor_currents
+from drivegate_models.controllers.duty.flux_observer import (
+    acted_voltage,
+    argument,
+    observe_rotor,
+    place_rotor,
+    reset_flux_observer,
+)
+from drivegate_models.controllers.duty.plausibility import hold_safe_state
+from drivegate_models.controllers.duty.reference_voltage import reset_voltage_share
+from drivegate_models.controllers.duty.sensorless_state import (
+    ALIGNING,
+    RAMPING,
+    RUNNING,
+    SENSORLESS_STATE,
+    WATCHING,
+)
+from drivegate_models.controllers.duty.turning_field import (
+    align,
+    follow_induced,
+    place_field,
+    reset_field,
+    turn_field,
+)
+from drivegate_models.machine.rotor_frame import from_phases
+
+LOST_ROTOR: Final = 7
+"""Fault code of a rotor that the observer has lost."""
+
+# Control periods in which the terminals are watched before a start, and in which an observer follows a turning shaft
+# before it is driven. Speed from which a shaft turns, over the least one.
+_WATCHED: Final = 60
+_FOLLOWED: Final = 100
+_TURNS: Final = 0.5
+# Speeds over the least one: of handover, of the return to the turning vector, and from which the rotor is lost.
+# References below the last share stop the drive.
+_HANDOVER: Final = 1.05
+_RETURN: Final = 0.7
+_STALLED: Final = 0.5
+_STOPPED: Final = 0.5
+# Least speed over base speed on a drive with a sensor, which states none.
+_LEAST_SHARE: Final = 0.1
+# Greatest difference between the observed and the given speed at handover (1), for how long (s), and how long it is
+# waited for in periods of the swing and in seconds. Error of the flux (1) and time (s) of a rotor that is lost.
+_AGREEMENT: Final = 0.1
+_AGREED: Final = 0.02
+_WAITED_PERIODS: Final = 3.0
+_WAITED: Final = 0.15
+_FLUX_ERROR: Final = 0.5
+_LOST: Final = 0.02
+# Share of the link voltage between lines from which legs that are off rectify.
+_RECTIFIES: Final = 1.0
+
+
+@inlined
+def reset_state(state: Any, nameplate: Any) -> None:
+    """Write the constants and reset everything else."""
+    machine = state.machine
+    foc.reset_state(machine, nameplate)
+    state.fault = 0
+    least = nameplate.least_speed if nameplate.least_speed > 0.0 else _LEAST_SHARE * nameplate.base_speed
+    state.least_speed = nameplate.pole_pairs * least
+    state.handover_speed = _HANDOVER * state.least_speed
+    state.agreed_periods = int(_AGREED / nameplate.control_period) + 1
+    state.lost_periods = int(_LOST / nameplate.control_period) + 1
+    reset_flux_observer(state, nameplate)
+    reset_field(state, nameplate)
+    state.sense_of_start = 1.0
+    _enter(state, WATCHING)
+
+
+@inlined
+def _enter(state: Any, mode: int) -> None:
+    """Begin a mode."""
+    state.mode = mode
+    state.age = 0
+    state.agreed = 0
+    state.lost = 0
+    state.turned = 0.0
+    state.magnitudes = 0.0
+
+
+@inlined
+def _turn_off(state: Any, command: Any) -> None:
+    """Command all legs off, whose voltage the terminals show from then on."""
+    machine = state.machine
+    hold_safe_state(machine, command)
+    for voltage in (machine.along_voltage, machine.across_voltage):
+        voltage[1] = voltage[0]
+        voltage[0] = nan
+
+
+@inlined
+def _wanted_sense(state: Any, sense: Any) -> float:
+    """Return the sense of rotation that the reference asks for, 0 for none."""
+    electrical = float(state.machine.pole_pairs * sense.reference)
+    if abs(electrical) < _STOPPED * state.least_speed:
+        return 0.0
+    return 1.0 if electrical > 0.0 else -1.0
+
+
+@inlined
+def _watch(state: Any, sense: Any, command: Any, before: tuple[float, float]) -> None:
+    """Measure the speed of the terminal voltage while the legs are off; drive a shaft that turns, or start it."""
+    machine = state.machine
+    _turn_off(state, command)
+    along, across = state.along_terminal, state.across_terminal
+    size = sqrt(along * along + across * across)
+    least = 0.5 * _TURNS * state.least_speed * machine.magnet_flux
+    if state.age <= machine.delay + 1 or size <= least:
+        state.turned = 0.0
+        state.magnitudes = 0.0
+    else:
+        ahead = before[0] * along + before[1] * across, before[0] * across - before[1] * along
+        state.turned += argument(ahead[0], ahead[1])
+        state.magnitudes += 1.0
+    if state.age < _WATCHED + machine.delay + 1:
+        return
+    if state.magnitudes >= _WATCHED - 1.0:
+        speed = state.turned / (state.magnitudes * machine.control_period)
+        if state.agreed == 0 and abs(speed) > _TURNS * state.least_speed:
+            # The induced voltage is a quarter turn ahead of the magnet in the sense of rotation.
+            ahead = 0.5 * pi if speed > 0.0 else -0.5 * pi
+            place_rotor(
+                state, argument(along, across) - ahead, speed, state.along_before, state.across_before
+            )
+            state.agreed = 1
+    if state.agreed == 1:
+        if state.age >= _WATCHED + _FOLLOWED:
+            _run(state, 0.0)
+        return
+    state.age = machine.delay + 1
+    state.turned = 0.0
+    state.magnitudes = 0.0
+    wanted = _wanted_sense(state, sense)
+    if machine.regulates_speed == 1 and wanted != 0.0:
+        state.sense_of_start = wanted
+        place_field(state, 0.0, 0.0)
+        _reset_integrals(state, 0.0, 0.0)
+        _enter(state, ALIGNING)
+
+
+@inlined
+def _reset_integrals(state: Any, direct: float, quadrature: float) -> None:
+    """Begin the current regulators with the voltages across the resistance of d and q currents (A)."""
+    machine = state.machine
+    machine.direct_integral = machine.resistance * direct
+    machine.quadrature_integral = machine.resistance * quadrature
+
+
+@inlined
+def _run(state: Any, torque: float) -> None:
+    """Begin field-oriented control from a torque (N m)."""
+    machine = state.machine
+    reset_voltage_share(machine)
+    machine.speed_integral = torque
+    machine.torque = torque
+    _enter(state, RUNNING)
+
+
+@inlined
+def _observed_currents(state: Any, sense: Any) -> tuple[float, float]:
+    """Return the d and q currents in the observed frame (A), and make that the frame of the machine's Sense."""
+    machine = state.machine
+    machine.seen = sense
+    machine.seen.angle = state.angle / machine.pole_pairs
+    machine.seen.speed = state.speed / machine.pole_pairs
+    return rotor_currents(machine, machine.seen)
+
+
+@inlined
+def _ramp(state: Any, sense: Any, command: Any) -> None:
+    """Turn the current vector up to the speed of handover; hand over once the observer agrees."""
+    machine = state.machine
+    target = state.sense_of_start * state.handover_speed
+    turn_field(state, sense, command, target)
+    if state.field_speed != target:
+        state.age = 0
+        return
+    agrees = abs(state.speed - target) < _AGREEMENT * abs(target)
+    agrees = agrees and abs(state.flux_error) < _FLUX_ERROR
+    state.agreed = state.agreed + 1 if agrees else 0
+    if state.agreed >= state.agreed_periods:
+        direct, quadrature = _observed_currents(state, sense)
+        _reset_integrals(state, direct, quadrature)
+        _run(state, torque_per_quadrature(machine, direct) * quadrature)
+        return
+    waited = max(_WAITED_PERIODS * state.swing_period, _WAITED)
+    if state.age * machine.control_period > waited:
+        state.fault = LOST_ROTOR
+
+
+@inlined
+def _return_to_field(state: Any, direct: float, quadrature: float) -> None:
+    """Take the rotor through standstill by the turning vector, which begins with the present torque and speed."""
+    machine = state.machine
+    torque = torque_per_quadrature(machine, direct) * quadrature
+    pull_out = 1.5 * machine.pole_pairs * machine.magnet_flux * state.start_current
+    share = min(max(torque / pull_out, -0.9), 0.9)
+    place_field(state, state.angle + argument(sqrt(1.0 - share * share), share), state.speed)
+    _reset_integrals(state, state.start_current, 0.0)
+    _enter(state, RAMPING)
+
+
+@inlined
+def _drive(state: Any, sense: Any, command: Any) -> None:
+    """Control by the observed angle and speed, or leave that below the least speed."""
+    machine = state.machine
+    direct, quadrature = _observed_currents(state, sense)
+    forward = 1.0 if state.speed >= 0.0 else -1.0
+    if machine.regulates_speed == 1:
+        wanted = _wanted_sense(state, sense)
+        least = state.least_speed / machine.pole_pairs
+        if wanted == forward:
+            machine.seen.reference = wanted * max(abs(sense.reference), least)
+        else:
+            machine.seen.reference = 0.0
+            if abs(state.speed) < _RETURN * state.least_speed:
+                if wanted == 0.0:
+                    _enter(state, WATCHING)
+                else:
+                    state.sense_of_start = wanted
+                    _return_to_field(state, direct, quadrature)
+    elif abs(state.speed) < _STALLED * state.least_speed:
+        _enter(state, WATCHING)
+    seen = machine.seen
+    foc.regulate(machine, seen, command, seen.speed, direct, quadrature)
+    command.angle = seen.angle
+    command.speed = seen.speed
+    stalls = abs(state.speed) < _STALLED * state.least_speed and state.mode == RUNNING
+    is_lost = stalls or abs(state.flux_error) > _FLUX_ERROR
+    state.lost = state.lost + 1 if is_lost else 0
+    if state.lost >= state.lost_periods:
+        state.fault = LOST_ROTOR
+
+
+@inlined
+def _hold_safe(state: Any, sense: Any, command: Any) -> None:
+    """Command all legs off, or all low where the EMF between lines is above the link."""
+    machine = state.machine
+    machine.fault = state.fault
+    hold_safe_state(machine, command)
+    emf = sqrt(3.0) * abs(state.speed) * machine.magnet_flux
+    if emf > _RECTIFIES * sense.supply_voltage:
+        command.first_leg = LEG_LOW
+        command.second_leg = LEG_LOW
+        command.third_leg = LEG_LOW
+
+
+@inlined
+def step_state(state: Any, sense: Any, command: Any) -> None:
+    """Compute the command of one control period."""
+    if state.fault != 0:
+        _hold_safe(state, sense, command)
+        return
+    currents = sense.phase_currents
+    along, across = from_phases(double_at(currents, 0), double_at(currents, 1), double_at(currents, 2))
+    before = state.along_terminal, state.across_terminal
+    voltage = acted_voltage(state, sense)
+    observe_rotor(state, along, across, voltage)
+    follow_induced(state, along, across, voltage)
+    state.along_before, state.across_before = along, across
+    if state.mode == WATCHING:
+        _watch(state, sense, command, before)
+    elif state.mode == ALIGNING:
+        if align(state, sense, command):
+            place_rotor(state, state.field, 0.0, along, across)
+            _enter(state, RAMPING)
+    elif state.mode == RAMPING:
+        _ramp(state, sense, command)
+    else:
+        _drive(state, sense, command)
+    state.age += 1
+    if state.fault != 0:
+        _hold_safe(state, sense, command)
+
+
+@cache
+def step_function() -> Any:
+    """Return the controller's step, compiled; the caller must retain the object."""
+    signature = step_signature(SENSORLESS_STATE, DUTY_SENSE, DUTY_COMMAND)
+
+    def drivegate_duty_step(state: Any, sense: Any, command: Any) -> None:
+        step_state(carray(state, 1)[0], carray(sense, 1)[0], carray(command, 1)[0])
+
+    return numba.cfunc(signature, cache=KEEPS_CACHE)(drivegate_duty_step)
+
+
+@cache
+def reset_function() -> Any:
+    """Return the compiled function that resets the controller, with the arguments of `foc`'s."""
+
+    def reset(state: Any, nameplate: Any) -> None:
+        reset_state(state[0], nameplate[0])
+
+    return numba.njit(cache=KEEPS_CACHE)(reset)
