@@ -16,6 +16,7 @@ from drivegate.contracts.duty.scenarios.feasibility import IN_HAND, required_tor
 from drivegate.contracts.duty.scenarios.windows import run_up_s
 from drivegate.drives.ability import Ability, RunTime, rating_document
 from drivegate.drives.constant_power import SPEEDS, ConstantPower
+from drivegate.drives.link_ability import braking_points, link_facts, link_in_words
 from drivegate.drives.power_reach import PowerReach
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import limits_of
@@ -89,7 +90,15 @@ def duty_envelope(drive: DriveDocument, report: Callable[[int], None] = lambda _
         "points": points,
         "trajectories": trajectories(document),
         "efficiency_map": efficiency_map(document),
+        **_link(document),
     }
+
+
+def _link(document: PmAcDocument) -> dict[str, Any]:
+    """Describe a link that is not ideal, under a key of its own."""
+    speeds = [speed_rpm * RADIANS_PER_RPM for speed_rpm in _speeds(document)]
+    facts = link_facts(document, speeds)
+    return {"link": facts} if facts else {}
 
 
 def _point(drive: DriveDocument, speed_rpm: float) -> dict[str, float | None]:
@@ -113,6 +122,7 @@ def _point(drive: DriveDocument, speed_rpm: float) -> dict[str, float | None]:
         "loss_w": known(least.loss),
         "least_loss_w": known(cool.loss),
         "least_loss_direct_a": known(cool.direct),
+        **braking_points(document, speed),
     }
 
 
@@ -134,6 +144,7 @@ def _facts(document: dict[str, Any]) -> tuple[str, ...]:
         f"a step every {1e6 * document['control_period_s']:.4g} µs; a steady state is judged "
         f"{document['settling_s']:g} s after a change",
         _most_efficient(document["efficiency_map"]),
+        *link_in_words(document.get("link", {})),
     )
 
 

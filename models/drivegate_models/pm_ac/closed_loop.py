@@ -24,9 +24,8 @@ from drivegate_models.pm_ac.loop_inputs import DutyLoopInputs
 from drivegate_models.pm_ac.loop_kernel import NEVER, DutyRoom, DutyTiming, release_before_start, run_periods
 from drivegate_models.pm_ac.loop_records import DutyRecords, make_records
 from drivegate_models.pm_ac.plant.advance import PmAcPhases, make_phases
-from drivegate_models.pm_ac.plant.dc_link import is_ideal
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
-from drivegate_models.pm_ac.rectifying import charge_by_rectifying, rectifies, settle_rectifying
+from drivegate_models.pm_ac.rectifying import rectifies, settle_rectifying
 from drivegate_models.pm_ac.sensing import delayed_glitches, ideal_duty_sensors, low_side_ratio
 from drivegate_models.pm_ac.turning import no_turning
 
@@ -131,8 +130,6 @@ def _settle_before_start(
     # There is nothing to settle then, and the loop need not wait for that kernel's compilation.
     if not rectifies(drive, flux_factor * speed, link):
         return True
-    if not is_ideal(drive.dc_link):
-        charge_by_rectifying(drive, phases.dc_link, flux_factor * speed)
     status = settle_rectifying(
         drive,
         phases,

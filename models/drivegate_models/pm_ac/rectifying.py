@@ -14,7 +14,7 @@ from drivegate_models.machine import ledger
 from drivegate_models.machine.advance_status import COMPLETED
 from drivegate_models.machine.rotor_frame import PER_ROOT_THREE
 from drivegate_models.pm_ac.plant.advance import PmAcPhases, follow_period
-from drivegate_models.pm_ac.plant.dc_link import BATTERY, VOLTAGE, LinkState, is_ideal
+from drivegate_models.pm_ac.plant.dc_link import BATTERY, VOLTAGE, LinkState, charge_link, is_ideal
 from drivegate_models.pm_ac.plant.drive import CENTRED, PmAcDrive, drifted
 from drivegate_models.pm_ac.plant.linked_advance import advance_linked_period
 
@@ -39,7 +39,7 @@ def rectifies(drive: PmAcDrive, speed: float, link: float) -> bool:
 
 
 @inlined
-def charge_by_rectifying(drive: PmAcDrive, link: LinkState, speed: float) -> None:
+def _charge_by_rectifying(drive: PmAcDrive, link: LinkState, speed: float) -> None:
     """Charge the link of a source that takes nothing back to the peak of the line-to-line EMF, less two diodes' drops.
 
     `speed`: shaft speed, of either sign (rad/s). A chopper limits that to its upper threshold.
@@ -84,6 +84,9 @@ def settle_rectifying(
     if not rectifies(plant, speed, link):
         return COMPLETED
     has_ideal_link = is_ideal(drive.dc_link)
+    if not has_ideal_link:
+        charge_link(phases.dc_link, link)
+        _charge_by_rectifying(plant, phases.dc_link, speed)
     turn = 2.0 * pi / (drive.pole_pairs * abs(speed))
     parts = max(ceil(turn / longest), _FEWEST_PARTS)
     part_angle = 2.0 * pi / parts if speed > 0.0 else -2.0 * pi / parts

@@ -101,6 +101,10 @@ class DriveDocument(Document):
         """Refuse a key outside its table, and state where it belongs; an unknown one is refused with the nearest."""
         if isinstance(values, Mapping):
             tables = cls.table_of_key()
+            other = cls.of_kind({"kind": PM_AC})
+            for table in other.tables:
+                if values.get(table) is not None and table not in cls.tables:
+                    raise ValueError(f"the table [{table}] is for drives of the kind \"{PM_AC}\"; leave it out")
             for place in ("", *cls.tables):
                 keys = values.get(place) if place else values
                 for key in keys if isinstance(keys, Mapping) else ():

@@ -44,7 +44,7 @@ def test_the_kinetic_energy_goes_into_capacitor_and_copper(
     # The source charges the link and is gone from the second control period on.
     supply = Course(np.array([0.0, PERIOD, PERIOD]), np.array([0.5 * before, 0.5 * before, 0.0]))
     schedule = schedule_of(steady(END), 0.0, load=steady(0.0))._replace(supply=supply)
-    run = controlled(drive, Load(CONSTANT_TORQUE, 0.0), schedule, 0.3, initial_speed=BEGIN, period=PERIOD)
+    run = controlled(drive, Load(CONSTANT_TORQUE, 0.0), schedule, 1.0, initial_speed=BEGIN, period=PERIOD)
     assert run.worst_balance < 1e-9
     last = run.trace[-1]
     kinetic = 0.5 * drive.inertia * (BEGIN**2 - last[COLUMN["speed"]] ** 2)

@@ -23,6 +23,12 @@ COLUMNS: Final[Mapping[str, tuple[str, float]]] = {
     "link_voltage_v": ("link", 1.0),
 }
 """Columns that a result keeps, each with its source in the trace and a factor on it."""
+LINK_COLUMNS: Final[Mapping[str, tuple[str, float]]] = {
+    "link_highest_v": ("link_highest", 1.0),
+    "source_current_a": ("source_current", 1.0),
+    "chopper_power_w": ("chopper_power", 1.0),
+}
+"""More of them where the link is not ideal."""
 VOLTAGE: Final = "voltage_v"
 """One more column: the peak phase voltage that the duty ratios request."""
 
@@ -36,6 +42,7 @@ class DutyColumns(Contract):
         "angle": "rad",
         "supply_voltage": "V",
         "supply_current": "A",
+        "source_current": "A",
         "phase_currents": "A",
         "phase_voltages": "V",
     }
@@ -52,6 +59,7 @@ class DutyColumns(Contract):
         "speed": ("speed", "rad/s"),
         "input_power": ("input power", "W"),
         "fault": ("fault", ""),
+        "brake_duty": ("duty ratio of the chopper", ""),
     }
     plotted: ClassVar[Mapping[str, tuple[str, float]]] = {
         "first_duty": ("1", 1.0),
@@ -86,6 +94,8 @@ class DutyColumns(Contract):
                 Line("sensed_link_voltage_v", "sensed link", is_sensed=True),
             ),
         ),
+        Panel("source current (A)", (Line("source_current_a", "source"),)),
+        Panel("chopper power (W)", (Line("chopper_power_w", "chopper"),)),
         Panel("sensed angle (el. deg)", (Line("sensed_angle_error_deg", "error", is_sensed=True),)),
     )
     panels_of_speed = (
@@ -96,6 +106,7 @@ class DutyColumns(Contract):
     recorded_names = (*COLUMNS, VOLTAGE)
     signal_names = recorded_names
     further_names = (
+        *LINK_COLUMNS,
         "sensed_direct_current_a",
         "sensed_quadrature_current_a",
         "sensed_speed_rpm",

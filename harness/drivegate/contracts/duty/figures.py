@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.contracts.duty.columns import COLUMNS, VOLTAGE
+from drivegate.contracts.duty.columns import COLUMNS, LINK_COLUMNS, VOLTAGE
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
 from drivegate.contracts.duty.run import DUTY_RATIOS, DutyClosedLoopRun
 from drivegate_cases.scenario.scenario import Scenario
@@ -18,14 +18,17 @@ from drivegate_models.units import RPM
 
 def signals(run: DutyClosedLoopRun) -> dict[str, NDArray[Any]]:
     """Return the columns of a run, one row for each control period."""
-    return {name: signal(run, name) for name in (*COLUMNS, VOLTAGE)}
+    names = (*COLUMNS, VOLTAGE)
+    if not np.array_equal(run.column("link_highest"), run.column("link")):
+        names = (*names, *LINK_COLUMNS)
+    return {name: signal(run, name) for name in names}
 
 
 def signal(run: DutyClosedLoopRun, name: str) -> NDArray[np.float64]:
     """Return one column of a run, shape (n,)."""
     if name == VOLTAGE:
         return run.voltages
-    source, factor = COLUMNS[name]
+    source, factor = COLUMNS.get(name) or LINK_COLUMNS[name]
     return factor * run.column(source)
 
 

@@ -9,13 +9,14 @@ from __future__ import annotations
 from math import isfinite, pi, sqrt
 from typing import Any, Final
 
-from drivegate.contracts.duty.checks.judged import greatest_at, least_within, undistorted
+from drivegate.contracts.duty.checks.judged import braking_at, greatest_at, least_within, undistorted
 from drivegate_cases.scenario.courses import COURSES
 from drivegate_cases.scenario.load import VehicleLoad
 from drivegate_cases.scenario.piecewise import value_from
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.contract.duty.signals import TORQUE_REFERENCE, DutyCommand, DutyNameplate, DutySense
 from drivegate_models.machine.sine import cosine_sine
+from drivegate_models.pm_ac.plant.dc_link import is_ideal
 from drivegate_models.pm_ac.plant.drive import PmAcDrive, drifted
 
 _THIRD: Final = complex(-0.5, 0.5 * sqrt(3.0))
@@ -135,8 +136,13 @@ class InformedController:
         given = torque
         if not isfinite(state.direct):
             most = greatest_at(allowed, speed, voltage)
-            against = torque * most.torque < 0.0
-            state = most._replace(quadrature=-most.quadrature, torque=-most.torque) if against else most
+            if torque * most.torque < 0.0:
+                most = braking_at(allowed, speed, voltage)
+            state = most
+            if not is_ideal(drive.dc_link) and abs(torque) < abs(most.torque):
+                # The link limits the power: the currents of the greatest torque suffice for less of it.
+                share = torque / most.torque
+                state = most._replace(quadrature=share * most.quadrature, torque=torque)
             given = state.torque
             if not isfinite(given):
                 deepest = min(drive.magnet_flux / drive.direct_inductance, allowed.current_limit)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import isfinite, sqrt
 from typing import Any, Final
 
@@ -35,6 +35,8 @@ class _Layout:
     """Places of the points that the table has, or none for all; all are in the document."""
     legend: str
     """What the heads mean."""
+    of_link: str = field(kw_only=True, default="")
+    """What further heads of a drive mean whose link is not ideal."""
     advice: str
     """What to do next with a drive called ``{name}``."""
 
@@ -68,6 +70,8 @@ _DUTY_RATIOS: Final = _Layout(
         ("greatest_power_w", "most W", "most W", 0),
         ("greatest_direct_a", "d A", "d A", 2),
         ("greatest_quadrature_a", "q A", "q A", 2),
+        ("braking_torque_nm", "brake N·m", "brake N·m", 2),
+        ("burning_torque_nm", "burnt N·m", "burnt N·m", 2),
         ("least_current_a", "least A", "least A", 2),
         ("direct_a", "d A", "d A", 2),
         ("voltage_v", "V", "V", 1),
@@ -78,6 +82,7 @@ _DUTY_RATIOS: Final = _Layout(
     legend="most: torque and power within the current limit and the undistorted voltage, and the currents that give "
     "it; least: current for rated torque, its part along the magnet's axis, the voltage it takes and the loss "
     "it costs, next to the least loss of all",
+    of_link="brake: greatest braking torque that the link takes; burnt: the same without giving energy back",
     advice="drivegate check foc --drive {name}",
 )
 _LAYOUTS: Final = {"current": _ANGLES, "duty": _DUTY_RATIOS}
@@ -103,7 +108,7 @@ def show_drive(console: Console, document: dict[str, Any], name: str, drive: Dri
             _decimals([point[key] for point in points], digits, key == "speed_rpm"),
         )
         for key, head, short, digits in layout.columns
-        if short or is_wide
+        if (short or is_wide) and key in points[0]
     ]
     heads = [head for _, head, _ in columns]
     print_line(
@@ -115,7 +120,8 @@ def show_drive(console: Console, document: dict[str, Any], name: str, drive: Dri
     for point in points:
         listed.add_row(*(number(point[key], decimals) for key, _, decimals in columns))
     console.print(listed)
-    print_line(console, layout.legend, "dim")
+    further = f"; {layout.of_link}" if "braking_torque_nm" in points[0] else ""
+    print_line(console, layout.legend + further, "dim")
     ability = ability_of(drive)
     for words in (*ability.facts(document), *ability.required(drive)):
         print_line(console, words)

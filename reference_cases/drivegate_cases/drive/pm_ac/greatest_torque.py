@@ -4,7 +4,13 @@ from __future__ import annotations
 
 from math import nan
 
-from drivegate_models.pm_ac.fundamental import SteadyState, most_torque_per_ampere, steady_state
+from drivegate_models.pm_ac.fundamental import (
+    LINEAR_LIMIT,
+    SteadyState,
+    most_torque_per_ampere,
+    steady_state,
+)
+from drivegate_models.pm_ac.link_oracle import BRAKING, DRIVING, greatest_on_link
 from drivegate_models.pm_ac.oracle import Limits, greatest_torque
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
 
@@ -14,8 +20,11 @@ _HALVINGS = 60
 def greatest_within(plant: PmAcDrive, limits: Limits, speed: float, *, weakens: bool) -> SteadyState:
     """Find the steady state of greatest torque within limits at a speed (rad/s); all NaN where there is none.
 
-    Without field weakening the currents are those of most torque per ampere. Their voltage rises with the current.
+    Without field weakening the currents are those of most torque per ampere. Their voltage rises with the current. On a
+    link that is not ideal, the limit of the voltage is that of a source without a current.
     """
+    if plant.dc_link.capacitance > 0.0:
+        return _on_link(plant, limits, speed, DRIVING, weakens=weakens)
     if weakens:
         return greatest_torque(plant, limits, speed)
 
@@ -34,3 +43,19 @@ def greatest_within(plant: PmAcDrive, limits: Limits, speed: float, *, weakens: 
         else:
             high = middle
     return state(low)
+
+
+def braking_within(plant: PmAcDrive, limits: Limits, speed: float, *, weakens: bool) -> SteadyState:
+    """Find the steady state of greatest braking torque, which is negative, as `greatest_within` does.
+
+    An ideal link takes whatever the shaft supplies: the driving torque, which needs more voltage, counts for both.
+    """
+    if plant.dc_link.capacitance > 0.0:
+        return _on_link(plant, limits, speed, BRAKING, weakens=weakens)
+    driving = greatest_within(plant, limits, speed, weakens=weakens)
+    return driving._replace(quadrature=-driving.quadrature, torque=-driving.torque)
+
+
+def _on_link(plant: PmAcDrive, limits: Limits, speed: float, sign: float, *, weakens: bool) -> SteadyState:
+    source = limits.voltage / LINEAR_LIMIT + 2.0 * plant.switch_drop
+    return greatest_on_link(plant, float(source), float(speed), float(limits.current), sign, weakens)

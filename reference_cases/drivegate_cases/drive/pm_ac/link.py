@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import sqrt
 from typing import TYPE_CHECKING, Any, Final, Literal, Self
 
@@ -72,13 +73,23 @@ class PmAcLink(Section):
         default=None, gt=0.0, le=1e6, description="resistance of the brake chopper, in ohms"
     )
 
+    @model_validator(mode="before")
+    @classmethod
+    def _source_has_no_inductance(cls, values: Any) -> Any:
+        if isinstance(values, Mapping) and "source_inductance_h" in values:
+            raise ValueError(
+                "the key 'source_inductance_h' is unknown: the source has a resistance alone, so leave its inductance "
+                "out"
+            )
+        return values
+
     @field_validator("charge_limit_a")
     @classmethod
     def _charge_is_a_magnitude(cls, charge: float | None) -> float | None:
         if charge is not None and charge < 0.0:
             raise ValueError(
-                f"is {charge:g}, but must be at least 0: it is the size of the current that the source takes back, so "
-                f"write {-charge:g}"
+                "must be at least 0: it is the size of the current that the source takes back, so write "
+                f"{-charge:g}"
             )
         return charge
 

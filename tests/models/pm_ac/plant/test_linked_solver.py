@@ -151,9 +151,14 @@ class LinkedSolver(Solver):
         ]
 
     def stretch(self, stop: float) -> None:
-        for name, function in self.changes(self.law(stop)).items():
-            # A step of the source's voltage, or a start beyond a threshold, is an event at once.
-            if function(self.time, self.state) < -1e-11 * self.drive.link_voltage:
+        law = self.law(stop)
+        step = 1e-6 * (stop - self.time)
+        then = self.momentary(law, step)
+        for name, function in self.changes(law).items():
+            # A step of the source's voltage, or a start beyond a threshold or on its way there, is an event at once.
+            now, soon = function(self.time, self.state), function(self.time + step, then)
+            tie = 1e-11 * self.drive.link_voltage
+            if now < -tie or (soon < 0.0 and soon < now < tie):
                 self.change(name)
         law = self.law(stop)
         start, scale = self.time, max(self.drive.current_limit, 1.0)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from functools import lru_cache
-from math import isfinite
+from math import isfinite, nan
 from typing import Final, Literal, TypeAlias
 
 from drivegate.candidates.declaration import Declaration
@@ -14,9 +14,11 @@ from drivegate.contracts.duty.document import duty_document
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
 from drivegate.scenarios.rotation import sense_of
 from drivegate_cases.drive.drive_document import DriveDocument
-from drivegate_cases.drive.pm_ac.greatest_torque import greatest_within
+from drivegate_cases.drive.pm_ac.greatest_torque import braking_within, greatest_within
 from drivegate_models.pm_ac.fundamental import SteadyState
+from drivegate_models.pm_ac.link_oracle import least_power, most_power
 from drivegate_models.pm_ac.oracle import CURRENT, LOSS, Limits, least_at, undistorted_limits
+from drivegate_models.pm_ac.plant.dc_link import is_ideal
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -25,6 +27,8 @@ Purpose: TypeAlias = Literal["current", "loss"]
 
 _KEPT: Final = 20_000
 _UNLIMITED_V: Final = 1e9
+SUPPLIED_SHARE: Final = 0.9
+"""Share of what source and chopper supply, or take back, within which they limit no current (1)."""
 UNWEAKENED_FAMILIES: Final = (
     "torque step",
     "speed step",
@@ -61,6 +65,12 @@ def greatest_at(drive: PmAcDrive, speed: float, link: float, *, weakens: bool = 
 
 
 @lru_cache(maxsize=_KEPT)
+def braking_at(drive: PmAcDrive, speed: float, link: float) -> SteadyState:
+    """Find the steady state of the greatest torque against the rotation, within the limits of current and link."""
+    return _in_sense(speed, braking_within(drive, undistorted_limits(drive, link), abs(speed), weakens=True))
+
+
+@lru_cache(maxsize=_KEPT)
 def least_within(drive: PmAcDrive, speed: float, link: float, torque: float, purpose: Purpose) -> SteadyState:
     """Find the steady state of least current or loss that gives a torque within the limits of current and link."""
     return _least(drive, undistorted_limits(drive, link), speed, torque, purpose)
@@ -76,7 +86,20 @@ def least_free(
 
 def _least(drive: PmAcDrive, limits: Limits, speed: float, torque: float, purpose: Purpose) -> SteadyState:
     aim = LOSS if purpose == "loss" else CURRENT
-    return _in_sense(speed, least_at(drive, limits, abs(speed), sense_of(speed) * torque, aim))
+    state = least_at(drive, limits, abs(speed), sense_of(speed) * torque, aim)
+    if not _is_supplied(drive, abs(speed) * state.torque + state.loss):
+        # The source or the link limits the currents there, which other checks judge.
+        return SteadyState(*(nan for _ in state))
+    return _in_sense(speed, state)
+
+
+def _is_supplied(drive: PmAcDrive, power: float) -> bool:
+    """Return True if a link supplies a power, or takes it back (W), with some in hand for its regulation."""
+    link = drive.dc_link
+    if is_ideal(link):
+        return True
+    least, most = least_power(link, drive.link_voltage), most_power(link, drive.link_voltage)
+    return SUPPLIED_SHARE * least <= power <= SUPPLIED_SHARE * most
 
 
 def _in_sense(speed: float, forward: SteadyState) -> SteadyState:

@@ -16,7 +16,14 @@ from drivegate.contracts.duty.scenarios.drawn_range import (
     slow_load_share,
     unnoticed_because,
 )
-from drivegate.contracts.duty.scenarios.reaching import greatest_torque, is_too_late, runs_away
+from drivegate.contracts.duty.scenarios.reaching import (
+    BRAKING_SHARE,
+    greatest_braking,
+    greatest_torque,
+    is_too_late,
+    load_on_shaft,
+    runs_away,
+)
 from drivegate.contracts.duty.scenarios.released import is_stalled, unfair_release
 from drivegate.contracts.duty.scenarios.windows import duty_dwells, shaft_inertia
 from drivegate.scenarios.drive_scale import rated_torque_at
@@ -166,8 +173,19 @@ def _is_driven(scenario: Scenario, dwell: Dwell) -> bool:
         idle = dwell.load_factor == 0.0 == dwell.speed_rpm
         demanded = 0.0 if idle else load.torque_at(dwell.speed_rpm, dwell.load_factor)
         demanded += friction_torque(plant, speed)
+    if plant.dc_link.capacitance > 0.0 and _brakes(scenario, dwell):
+        # The source may take nothing back.
+        most = greatest_braking(plant, speed, 2.0 * dwell.supply_v, document.weakens)
+        return abs(demanded) <= BRAKING_SHARE * most
     # A weight that drives the shaft has to be braked: within the same currents, and with less voltage.
     return abs(demanded) <= required_torque(document, plant, speed, 2.0 * dwell.supply_v)
+
+
+def _brakes(scenario: Scenario, dwell: Dwell) -> bool:
+    """Return True if the torque that a dwell demands is against the rotation."""
+    if isinstance(scenario.load, LockedLoad):
+        return (dwell.torque_reference_nm or 0.0) * dwell.speed_rpm < 0.0
+    return load_on_shaft(scenario, dwell, 0.0) * dwell.speed_rpm > 0.0
 
 
 def required_torque(document: PmAcDocument, plant: PmAcDrive, speed: float, link: float) -> float:

@@ -21,7 +21,7 @@ from drivegate.contracts.duty.scenarios.windows import (
 from drivegate.scenarios.rotation import sense_of
 from drivegate_cases.drive.limits import limits_of
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
-from drivegate_cases.drive.pm_ac.greatest_torque import greatest_within
+from drivegate_cases.drive.pm_ac.greatest_torque import braking_within, greatest_within
 from drivegate_cases.scenario.load import HoistLoad, LockedLoad, SwitchedLoad, VehicleLoad
 from drivegate_cases.scenario.profile import Dwell
 from drivegate_cases.scenario.scenario import Scenario
@@ -35,6 +35,8 @@ REACTION_SHARE: Final = 0.05
 integral is slower than its gain, and both have to be over (1)."""
 REMAINING_SHARE: Final = 0.5
 """Part of the settling time that has to be left when the shaft reaches its reference (1)."""
+BRAKING_SHARE: Final = 0.8
+"""Share of the greatest braking torque that a controller has to reach on a link that is not ideal (1)."""
 _CELLS: Final = 24
 _SPEEDS: Final = 33
 _KEPT: Final = 20_000
@@ -118,6 +120,13 @@ def greatest_torque(plant: PmAcDrive, speed: float, link: float, weakens: bool) 
     return torque if isfinite(torque) else -1.0
 
 
+@lru_cache(maxsize=_KEPT)
+def greatest_braking(plant: PmAcDrive, speed: float, link: float, weakens: bool) -> float:
+    """Find the greatest torque against the rotation at a speed (rad/s) and a source (V), in N·m, as above."""
+    torque = braking_within(plant, undistorted_limits(plant, link), speed, weakens=weakens).torque
+    return -torque if isfinite(torque) else -1.0
+
+
 def _moved(scenario: Scenario, speed: float, change: float) -> float:
     """Return a speed after a change (rad/s); only a hoist turns the shaft the other way."""
     moved = speed + change
@@ -133,10 +142,10 @@ def _speed_after(scenario: Scenario, dwell: Dwell, speed: float, time: float) ->
     load, document = scenario.load, duty_document(scenario.drive)
     assert not isinstance(load, LockedLoad), "a shaft that is held has no load"
     inertia, plant = shaft_inertia(scenario, dwell.scales), document.plant(dwell.scales)
-    speeds, torques = _required_torques(document, plant, 2.0 * dwell.supply_v)
+    speeds, driving, braking = _required_torques(document, plant, 2.0 * dwell.supply_v)
     for cell in range(_CELLS):
         middle = speed + (cell + 0.5) * step
-        torque = float(np.interp(abs(middle), speeds, torques))
+        torque = float(np.interp(abs(middle), speeds, braking if middle * step < 0.0 else driving))
         # A cell whose middle is at rest lies on the way to the reference.
         loaded = _torque_against(load, dwell, plant, middle or reference)
         accelerating = torque + copysign(1.0, step) * loaded
@@ -151,10 +160,17 @@ def _speed_after(scenario: Scenario, dwell: Dwell, speed: float, time: float) ->
 @lru_cache(maxsize=_KEPT)
 def _required_torques(
     document: PmAcDocument, plant: PmAcDrive, link: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return speeds (rad/s) up to overspeed, and the torque that any controller has to reach at each (N·m)."""
-    limits = limits_of(document)
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Return speeds (rad/s) up to overspeed, and the torques that any controller has to reach at each (N·m).
+
+    They are the torques with the rotation and against it.
+    """
+    limits, weakens = limits_of(document), document.weakens
     speeds = np.linspace(0.0, document.rating.overspeed_rpm * RADIANS_PER_RPM, _SPEEDS)
     voltage = limits.weakening_voltage * link
-    torques = [greatest_torque(plant, float(speed), voltage, document.weakens) for speed in speeds]
-    return speeds, limits.weakening * np.maximum(np.array(torques), 0.0)
+    driving = [greatest_torque(plant, float(speed), voltage, weakens) for speed in speeds]
+    driven = limits.weakening * np.maximum(np.array(driving), 0.0)
+    if plant.dc_link.capacitance == 0.0:
+        return speeds, driven, driven
+    braking = [greatest_braking(plant, float(speed), voltage, weakens) for speed in speeds]
+    return speeds, driven, BRAKING_SHARE * np.maximum(np.array(braking), 0.0)
