@@ -69,6 +69,15 @@ def nameplate_of(
         core_loss_conductance=drive.core_loss_conductance,
         switch_drop=drive.switch_drop,
         diode_drop=drive.diode_drop,
+        link_capacitance=drive.dc_link.capacitance,
+        source_resistance=drive.dc_link.source_resistance,
+        link_limit=drive.dc_link.limit,
+        charge_limit=drive.dc_link.charge_limit,
+        discharge_limit=drive.dc_link.discharge_limit,
+        chopper_voltage=drive.dc_link.chopper_on,
+        chopper_resistance=(
+            1.0 / drive.dc_link.chopper_conductance if drive.dc_link.chopper_conductance else 0.0
+        ),
     )
 
 
@@ -90,9 +99,10 @@ def controlled(
     initial_speed: float = 0.0,
     initial_angle: float = 0.0,
     period: float = PERIOD,
+    known: PmAcDrive | None = None,
 ) -> DutyRun:
-    """Run a controller with a drive."""
-    state = reset_controller(name, nameplate_of(drive, reference_kind, period))
+    """Run a controller with a drive; `known` is the drive on its nameplate, by default the same."""
+    state = reset_controller(name, nameplate_of(known or drive, reference_kind, period))
     return prepared_duty_loop(
         DutyLoopInputs(
             drive=drive,

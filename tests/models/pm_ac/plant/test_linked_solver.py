@@ -152,7 +152,8 @@ class LinkedSolver(Solver):
 
     def stretch(self, stop: float) -> None:
         law = self.law(stop)
-        step = 1e-6 * (stop - self.time)
+        # The current grows from zero, and the voltage with its integral: a moment must not be too short to show that.
+        step = 1e-3 * (stop - self.time)
         then = self.momentary(law, step)
         for name, function in self.changes(law).items():
             # A step of the source's voltage, or a start beyond a threshold or on its way there, is an event at once.
