@@ -23,7 +23,9 @@ DUTY_PWR_1 = Check(
     every_run=True,
     requirement=(
         "In every control period the energy from the dc link equals copper, core and device loss, shaft work and the "
-        "change of what the windings store. On the shaft the machine's work equals that of load and friction and the "
+        "change of what the windings store; on a link with a capacitor the source's energy equals what it loses in "
+        "its resistance, chopper, core, bridge and the change of the capacitor's. On the shaft the "
+        "machine's work equals that of load and friction and the "
         "change of kinetic energy, nothing that opposes the rotation drives it, and a weight takes m g h."
     ),
     subject="plant",
