@@ -62,7 +62,7 @@ def variables_of(contract: str, phases: int, estimates_power: bool) -> tuple[Var
             *numbered(
                 21,
                 "parameter",
-                "kind reference_kind pole_pairs updates update_delay control_every",
+                "kind reference_kind pole_pairs updates update_delay control_every position is_reversing",
                 "integer",
             ),
             *numbered(
@@ -71,7 +71,7 @@ def variables_of(contract: str, phases: int, estimates_power: bool) -> tuple[Var
                 "nominal_supply_voltage base_speed highest_speed rated_power current_limit control_period dead_time "
                 "resistance direct_inductance quadrature_inductance magnet_flux inertia core_loss_conductance "
                 "switch_drop diode_drop position_error link_capacitance source_resistance link_limit charge_limit "
-                "discharge_limit chopper_voltage chopper_resistance",
+                "discharge_limit chopper_voltage chopper_resistance least_speed start_time",
             ),
         )
     outputs = "current_reference advance_angle" + (" input_power" if estimates_power else "")

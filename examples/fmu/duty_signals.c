@@ -27,6 +27,8 @@ enum {
     UPDATES,
     UPDATE_DELAY,
     CONTROL_EVERY,
+    POSITION,
+    IS_REVERSING,
     NOMINAL_SUPPLY_VOLTAGE = 31,
     BASE_SPEED,
     HIGHEST_SPEED,
@@ -50,6 +52,8 @@ enum {
     DISCHARGE_LIMIT,
     CHOPPER_VOLTAGE,
     CHOPPER_RESISTANCE,
+    LEAST_SPEED,
+    START_TIME,
     PHASE_CURRENTS = 101, /* the first of each three; the others follow */
     DUTY_RATIOS = 111,
     LEGS = 121,
@@ -123,6 +127,8 @@ double *signals_real(signals *self, unsigned reference) {
     case DISCHARGE_LIMIT: return &nameplate->discharge_limit;
     case CHOPPER_VOLTAGE: return &nameplate->chopper_voltage;
     case CHOPPER_RESISTANCE: return &nameplate->chopper_resistance;
+    case LEAST_SPEED: return &nameplate->least_speed;
+    case START_TIME: return &nameplate->start_time;
     default: return NULL;
     }
 }
@@ -135,6 +141,8 @@ int64_t *signals_integer(signals *self, unsigned reference) {
     case UPDATES: return &self->nameplate.updates;
     case UPDATE_DELAY: return &self->nameplate.update_delay;
     case CONTROL_EVERY: return &self->nameplate.control_every;
+    case POSITION: return &self->nameplate.position;
+    case IS_REVERSING: return &self->nameplate.is_reversing;
     default: return NULL;
     }
 }

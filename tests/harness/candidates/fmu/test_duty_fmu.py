@@ -43,7 +43,8 @@ STATED = """
         known.inertia, known.core_loss_conductance, (double)known.control_every,
         known.switch_drop, known.diode_drop, known.position_error, known.link_capacitance,
         known.source_resistance, known.link_limit, known.charge_limit, known.discharge_limit,
-        known.chopper_voltage, known.chopper_resistance};
+        known.chopper_voltage, known.chopper_resistance, (double)known.position, known.least_speed,
+        known.start_time, (double)known.is_reversing};
     command->torque = sensed[self->steps - 1];
     command->legs[1] = self->steps < 3 ? DRIVEGATE_LEG_PWM : DRIVEGATE_LEG_OFF;
     command->fault = self->steps;
