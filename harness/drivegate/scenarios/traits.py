@@ -301,6 +301,11 @@ def _turns(scenario: Content) -> Iterator[Trait]:
     yield Trait(f"after-{turns:.7g}-turns", f"after {turns:.7g} turns", f"after {turns:g} turns")
 
 
+def _winding(scenario: Content) -> Iterator[Trait]:
+    hot = scenario["winding_temperature_c"]
+    yield Trait(f"windings-{hot:.4g}C", f"windings at {hot:.4g} °C at first", f"windings at {hot:g} deg C")
+
+
 def _angle(scenario: Content) -> Iterator[Trait]:
     angle = scenario["initial_angle_deg"]
     yield Trait(f"rotor-{angle:.4g}deg", f"rotor at {angle:.4g}° at first", f"initial angle deg {angle:g}")
@@ -329,6 +334,7 @@ _TRAITS: Final[Mapping[str, Callable[[Content], Iterator[Trait]]]] = {
     "control_period_s": _control_period,
     "clock_start_s": _clock,
     "turns_before": _turns,
+    "winding_temperature_c": _winding,
     "initial_angle_deg": _angle,
     "restarts_s": _restarts,
 }

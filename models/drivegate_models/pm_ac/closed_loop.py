@@ -28,6 +28,7 @@ from drivegate_models.pm_ac.plant.drive import PmAcDrive
 from drivegate_models.pm_ac.rectifying import rectifies, settle_rectifying
 from drivegate_models.pm_ac.sensing import delayed_glitches, ideal_duty_sensors, low_side_ratio
 from drivegate_models.pm_ac.turning import no_turning
+from drivegate_models.pm_ac.winding import Winding, copied_winding, no_winding
 
 
 class DutyRun(NamedTuple):
@@ -89,7 +90,8 @@ def prepared_duty_loop(
         NEVER if inputs.released is None else int(inputs.released),
     )
     phases = make_phases()
-    if not _settle_before_start(drive, phases, load, schedule, timing, room):
+    winding = no_winding() if inputs.winding is None else copied_winding(inputs.winding)
+    if not _settle_before_start(drive, phases, load, schedule, timing, room, winding):
         timing = timing._replace(has_no_start=True)
     arguments = (
         drive,
@@ -104,6 +106,7 @@ def prepared_duty_loop(
         make_failure() if inputs.failure is None else inputs.failure,
         no_restarts() if restarts is None else restarts,
         no_turning() if inputs.turning is None else inputs.turning,
+        winding,
         records,
     )
     return PreparedLoop(
@@ -119,13 +122,19 @@ def _results(records: DutyRecords, kept: NDArray[Any], before: int, status: int,
 
 
 def _settle_before_start(
-    drive: PmAcDrive, phases: PmAcPhases, load: Load, schedule: Schedule, timing: DutyTiming, room: DutyRoom
+    drive: PmAcDrive,
+    phases: PmAcPhases,
+    load: Load,
+    schedule: Schedule,
+    timing: DutyTiming,
+    room: DutyRoom,
+    winding: Winding,
 ) -> bool:
     """Set the machine to its steady state at the initial speed, with the legs off; return True if there is one.
 
     It is without current, or with the diodes' current. The transient to this state is not part of the run.
     """
-    speed, link, factors = release_before_start(drive, phases, load, schedule, timing, room)
+    speed, link, factors = release_before_start(drive, phases, load, schedule, timing, room, winding)
     _, flux_factor = factors
     # There is nothing to settle then, and the loop need not wait for that kernel's compilation.
     if not rectifies(drive, flux_factor * speed, link):

@@ -9,6 +9,7 @@ from drivegate_models.loop.schedule import Course
 from drivegate_models.pm_ac.failure import Failure
 from drivegate_models.pm_ac.sensing import DutySensors
 from drivegate_models.pm_ac.turning import Turning
+from drivegate_models.pm_ac.winding import Winding
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,3 +34,5 @@ class DutyLoopInputs(LoopInputs):
     """Number of the control period from which a held shaft turns freely; by default it is held throughout."""
     turning: Turning | None = None
     """Turns of the shaft before the run, in which the controller is stepped; none by default."""
+    winding: Winding | None = None
+    """The thermal node of the windings; their resistance is constant by default."""

@@ -29,7 +29,7 @@ from drivegate_models.pm_ac.failure import (
     has_failed,
     show_failed,
 )
-from drivegate_models.pm_ac.loop_records import DutyRecords, write_period
+from drivegate_models.pm_ac.loop_records import TEMPERATURE, DutyRecords, write_period
 from drivegate_models.pm_ac.plant import dc_link
 from drivegate_models.pm_ac.plant.advance import PmAcPhases, advance_period, release_legs, stored_energy
 from drivegate_models.pm_ac.plant.dc_link import VOLTAGE, LinkState, capacitor_energy, charge_link, is_ideal
@@ -48,6 +48,7 @@ from drivegate_models.pm_ac.sensing import (
     turn_shaft_sensors,
 )
 from drivegate_models.pm_ac.turning import Turning, turn_before_run
+from drivegate_models.pm_ac.winding import TRUE, Winding, heat_winding, resistance_factor, shown_temperature
 
 NEVER: Final = 2**62
 """Number of a control period that no run has."""
@@ -245,7 +246,13 @@ def _command(
 
 @unallocating
 def release_before_start(
-    drive: PmAcDrive, phases: PmAcPhases, load: Load, schedule: Schedule, timing: DutyTiming, room: DutyRoom
+    drive: PmAcDrive,
+    phases: PmAcPhases,
+    load: Load,
+    schedule: Schedule,
+    timing: DutyTiming,
+    room: DutyRoom,
+    winding: Winding,
 ) -> tuple[float, float, tuple[float, float]]:
     """Turn all legs off at the initial speed of the run, as they are until a command acts.
 
@@ -255,11 +262,12 @@ def release_before_start(
     begin = conditions_at(schedule, room.course_positions, 0.0)
     speed = begin.speed if load.kind == LOCKED else timing.initial_speed
     link = 2.0 * begin.supply
-    plant = drifted(drive, begin.resistance, begin.emf_constant)
+    resistance = begin.resistance * resistance_factor(winding)
+    plant = drifted(drive, resistance, begin.emf_constant)
     if not is_ideal(drive.dc_link):
         charge_link(phases.dc_link, link)
     release_legs(plant, phases, timing.initial_angle, speed, link)
-    return speed, link, (begin.resistance, begin.emf_constant)
+    return speed, link, (resistance, begin.emf_constant)
 
 
 @unallocating
@@ -276,14 +284,15 @@ def run_periods(
     failure: Failure,
     restarts: Restarts,
     turning: Turning,
+    winding: Winding,
     records: DutyRecords,
 ) -> tuple[int, int]:
     """Run a controller against the plant, whose machine is in its initial state.
 
     `schedule`: external conditions. The supply is half of the link voltage, and the speed is the reference. `torque`:
-    torque reference (N m). `turning`: turns of the shaft before the run. Control periods before the run have negative
-    numbers and are not recorded. Returns `status`, `steps`: `COMPLETED` or the reason for an early end, and the number
-    of completed control periods, including those before the run.
+    torque reference (N m). `turning`: turns of the shaft before the run. `winding`: thermal node.
+    Control periods before the run have negative numbers and are not recorded. Returns `status`, `steps`: `COMPLETED` or
+    the reason for an early end, and the number of completed control periods, including those before the run.
     """
     if timing.has_no_start:
         return PLANT_FAULT, 0
@@ -308,7 +317,7 @@ def run_periods(
         # The sensors' own time begins when the shaft turns.
         since_turning = max(k + timing.waiting, 0)
         conditions = conditions_at(schedule, room.course_positions, now)
-        plant = drifted(drive, conditions.resistance, conditions.emf_constant)
+        plant = drifted(drive, conditions.resistance * resistance_factor(winding), conditions.emf_constant)
         is_locked = has_failed(failure, LOCKED_ROTOR, k)
         is_held = load.kind == LOCKED and k < timing.released
         if is_held or is_locked:
@@ -321,6 +330,7 @@ def run_periods(
         source = 2.0 * conditions.supply
         link = source if has_ideal_link else phases.dc_link.state[VOLTAGE]
         shaft_angle = shown_angle((angle + 2.0 * pi * turns) / drive.pole_pairs)
+        exchange.sense[0].winding_temperature = shown_temperature(winding)
         if turning.periods > 0 and k == -timing.waiting:
             begin_turning = (angle, timing.clock_start + (before + k) * length)
             idle = 0.0 if timing.regulates_torque else turning.speed
@@ -418,6 +428,8 @@ def run_periods(
         opposing = opposing_torque(load, conditions.load, abs(held))
         weight = weight_torque(load, conditions.load)
         if k >= 0:
+            records.trace[k, TEMPERATURE] = winding.state[TRUE]
+            heat_winding(winding, plant.resistance * period[ledger.SQUARE] / length)
             ledger.add_period(records.totals, period)
             begin = (now, conditions.speed, speed, angle, link, torque_reference)
             load_now = weight + (opposing if held >= 0.0 else -opposing)

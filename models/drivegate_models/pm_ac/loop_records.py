@@ -27,12 +27,16 @@ TRACE: Final = (
     "link_highest",
     "source_current",
     "chopper_power",
+    "winding_temperature",
 )
 """Columns of a run's trace: means over a control period, d-q currents at its end, and maximum current in it.
 
-Speed, electrical angle, link voltage and references are those at its start. The last four are mean and maximum of the
-link's voltage, and means of the source's current and of the chopper's power.
+Speed, electrical angle, link voltage, references and the temperature of the winding (deg C, NaN without thermal data)
+are those at its start. The last four before that temperature are mean and maximum of the link's voltage, and means of
+the source's current and of the chopper's power.
 """
+TEMPERATURE: Final = TRACE.index("winding_temperature")
+"""Column of the temperature of the winding."""
 
 
 RUN_RECORD: Final = np.dtype(

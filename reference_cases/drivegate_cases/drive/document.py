@@ -67,7 +67,9 @@ class DriveDocument(Document):
     """Contract of the controllers: what they answer with."""
     sensor_kinds: ClassVar[tuple[str, ...]] = ("ideal", "mcs96", "hall")
     """Kinds of sensors that such a drive can have."""
-    excluded: ClassVar[Mapping[str, str]] = {"failure": _OF_PM_AC, "turns_before": _OF_PM_AC}
+    excluded: ClassVar[Mapping[str, str]] = dict.fromkeys(
+        ("failure", "turns_before", "winding_temperature_c"), _OF_PM_AC
+    )
     """Keys of a scenario that are for other drives, with those that they are for."""
     excluded_loads: ClassVar[Mapping[str, str]] = {
         "dynamometer": f"{_OF_PM_AC}, whose controllers take a torque reference",
@@ -104,7 +106,7 @@ class DriveDocument(Document):
             other = cls.of_kind({"kind": PM_AC})
             for table in other.tables:
                 if values.get(table) is not None and table not in cls.tables:
-                    raise ValueError(f"the table [{table}] is for drives of the kind \"{PM_AC}\"; leave it out")
+                    raise ValueError(f'the table [{table}] is for drives of the kind "{PM_AC}"; leave it out')
             for place in ("", *cls.tables):
                 keys = values.get(place) if place else values
                 for key in keys if isinstance(keys, Mapping) else ():

@@ -98,6 +98,13 @@ class Scenario(Document):
         le=_MOST_TURNS,
         description="turns that the shaft has made before time 0 at its initial speed, negative backward",
     )
+    winding_temperature_c: float | None = Field(
+        default=None,
+        ge=-60.0,
+        le=400.0,
+        description="temperature of the windings at time 0, in degrees Celsius, by default that of the surroundings; "
+        "of a drive with [thermal]",
+    )
     restarts_s: tuple[float, ...] = Field(
         default=(),
         description="list of times at which the controller is reset while the drive runs on, in seconds",
@@ -252,6 +259,7 @@ class Scenario(Document):
         self._check_sense()
         self._check_slip()
         self._check_position()
+        self._check_winding()
         for key, others in self.drive.excluded.items():
             if getattr(self, key):
                 raise ValueError(f"the key '{key}' is {others}, {own}; leave it out")
@@ -290,6 +298,22 @@ class Scenario(Document):
             raise ValueError(
                 "the failure 'slip' needs the position 'exact', the sensor of a magnet on the shaft, of the drive's "
                 "[sensing] and of the sensors"
+            )
+
+    def _check_winding(self) -> None:
+        """Refuse an initial temperature of windings without thermal data, or outside what they may have."""
+        given = self.winding_temperature_c
+        thermal = getattr(self.drive, "thermal", None)
+        if given is None or "winding_temperature_c" in self.drive.excluded:
+            return
+        if thermal is None:
+            raise ValueError(
+                "the key 'winding_temperature_c' is for a drive with [thermal], but this one has none; leave it out"
+            )
+        if not thermal.ambient_c <= given <= thermal.limit_c:
+            raise ValueError(
+                f"the key 'winding_temperature_c' is {given:g}, but must be from the drive's ambient_c, "
+                f"{thermal.ambient_c:g}, to its limit_c, {thermal.limit_c:g} degrees Celsius"
             )
 
     def _check_sense(self) -> None:

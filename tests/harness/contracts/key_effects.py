@@ -126,6 +126,15 @@ _CONTINUOUS = {"drive.rating.continuous_current_a": 5.0, "drive.rating.rated_pow
 _PEAK = {"drive.rating.peak_current_a": 9.0, "drive.rating.current_limit_a": None}
 _ADVANCE = {"drive.advance": {"start_deg": 10.0, "slope_deg_per_rpm": 0.01}}
 
+_HEATED = {
+    "drive.thermal": {
+        "heat_capacity_j_per_k": 3.4,
+        "thermal_resistance_k_per_w": 4.3,
+        "limit_c": 130.0,
+        "sensor_lag_s": 0.5,
+    }
+}
+
 _SCENARIO: Final[dict[str, Effect]] = {
     "schema": Refused(9, ("schema", "9", "2")),
     "name": Writes("another name"),
@@ -142,6 +151,7 @@ _SCENARIO: Final[dict[str, Effect]] = {
     "initial_angle_deg": Runs(90.0),
     "clock_start_s": Runs(4294.9),
     "turns_before": Runs(3),
+    "winding_temperature_c": Runs(90.0, _HEATED),
     "restarts_s": Runs([0.01]),
     "speed_rpm": Runs([[0.0, 400.0]]),
     "supply_v": Runs([[0.0, 10.0]]),
@@ -264,6 +274,17 @@ _DRIVE: Final[dict[str, Effect]] = {
     "drive.inverter.dead_time_s": Runs(5e-6),
     "drive.inverter.minimum_pulse_s": Runs(2e-5),
     "drive.sensing.position": Runs("hall"),
+    **{
+        f"drive.thermal.{key}": Nameplate(value, _HEATED)
+        for key, value in {
+            "heat_capacity_j_per_k": 4.0,
+            "thermal_resistance_k_per_w": 5.0,
+            "limit_c": 120.0,
+            "ambient_c": 30.0,
+            "temperature_coefficient_per_k": 0.003,
+            "sensor_lag_s": 0.2,
+        }.items()
+    },
     "drive.rating.base_speed_rpm": Nameplate(1500.0),
     "drive.rating.highest_speed_rpm": Nameplate(5000.0),
     "drive.rating.overspeed_rpm": Plans(9999.0),
@@ -304,6 +325,10 @@ _DRIVE: Final[dict[str, Effect]] = {
             "failure_torque_percent": 33.0,
             "dead_time_ripple": 3.0,
             "modulation_ripple": 3.0,
+            "temperature_rise_percent": 133.0,
+            "derated_current_percent": 133.0,
+            "derated_torque_percent": 33.0,
+            "derating_step_percent": 33.0,
         }.items()
     },
 }
@@ -335,7 +360,9 @@ _OTHERS_ALONE: Final = {
     "load[hoist]": ("'hoist'", '"pm-ac"'),
     "failure": ("failure", '"pm-ac"'),
     "turns_before": ("turns_before", '"pm-ac"'),
+    "winding_temperature_c": ("winding_temperature_c", '"pm-ac"'),
     "drive.sensing": ("drive.sensing", "unknown"),
+    "drive.thermal": ("drive.thermal", "unknown"),
 }
 _REFUSED_TABLES: Final[dict[str, dict[str, tuple[str, ...]]]] = {
     "half-bridge": _OTHERS_ALONE,

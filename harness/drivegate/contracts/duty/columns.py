@@ -21,6 +21,7 @@ COLUMNS: Final[Mapping[str, tuple[str, float]]] = {
     "peak_current_a": ("peak_current", 1.0),
     "input_power_w": ("input_power", 1.0),
     "link_voltage_v": ("link", 1.0),
+    "winding_temperature_c": ("winding_temperature", 1.0),
 }
 """Columns that a result keeps, each with its source in the trace and a factor on it."""
 LINK_COLUMNS: Final[Mapping[str, tuple[str, float]]] = {
@@ -29,6 +30,8 @@ LINK_COLUMNS: Final[Mapping[str, tuple[str, float]]] = {
     "chopper_power_w": ("chopper_power", 1.0),
 }
 """More of them where the link is not ideal."""
+OPTIONAL: Final = frozenset({"winding_temperature_c"})
+"""Columns that are NaN throughout for a drive without the quantity."""
 VOLTAGE: Final = "voltage_v"
 """One more column: the peak phase voltage that the duty ratios request."""
 
@@ -45,6 +48,7 @@ class DutyColumns(Contract):
         "source_current": "A",
         "phase_currents": "A",
         "phase_voltages": "V",
+        "winding_temperature": "°C",
     }
     outputs: ClassVar[Mapping[str, tuple[str, str]]] = {
         "first_duty": ("first duty ratio", ""),

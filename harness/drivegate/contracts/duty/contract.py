@@ -77,6 +77,7 @@ class _DutyContract(DutyColumns):
         "start",
         "restart",
         "released",
+        "hot winding",
         "parameter",
         "supply step",
         "torque supply step",

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivegate.contracts.duty.columns import COLUMNS, LINK_COLUMNS, VOLTAGE
+from drivegate.contracts.duty.columns import COLUMNS, LINK_COLUMNS, OPTIONAL, VOLTAGE
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
 from drivegate.contracts.duty.run import DUTY_RATIOS, DutyClosedLoopRun
 from drivegate_cases.scenario.scenario import Scenario
@@ -17,10 +17,12 @@ from drivegate_models.units import RPM
 
 
 def signals(run: DutyClosedLoopRun) -> dict[str, NDArray[Any]]:
-    """Return the columns of a run, one row for each control period."""
-    names = (*COLUMNS, VOLTAGE)
+    """Return the columns of a run, one row for each control period; without those that its drive does not have."""
+    names = [
+        name for name in (*COLUMNS, VOLTAGE) if name not in OPTIONAL or not np.isnan(signal(run, name)[0])
+    ]
     if not np.array_equal(run.column("link_highest"), run.column("link")):
-        names = (*names, *LINK_COLUMNS)
+        names = [*names, *LINK_COLUMNS]
     return {name: signal(run, name) for name in names}
 
 

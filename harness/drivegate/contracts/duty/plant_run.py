@@ -18,6 +18,7 @@ from drivegate.containment.messages import AnyController
 from drivegate.containment.playback import Wrap, run_loop
 from drivegate.containment.protocol import CloseLoop
 from drivegate.contracts.duty.current_reference import quadrature_profile
+from drivegate.contracts.duty.document import duty_document
 from drivegate.contracts.duty.run import (
     BRIDGE_ON,
     DutyClosedLoopRun,
@@ -61,6 +62,7 @@ from drivegate_models.pm_ac.sensing import (
     room_for_past,
 )
 from drivegate_models.pm_ac.turning import Turning
+from drivegate_models.pm_ac.winding import Winding
 from drivegate_models.units import RPM
 
 _FAILURES = {
@@ -104,6 +106,7 @@ def duty_run(
         waiting=idle.waiting,
         released=_release_period(scenario),
         turning=turned_before(scenario, controller),
+        winding=plant_winding(scenario),
     )
     before = 0 if inputs.turning is None else inputs.turning.periods
     order = CloseLoop(prepare, inputs, restart_steps(scenario), DUTY, steps_before=before)
@@ -195,6 +198,14 @@ def plant_state(
         "quadrature_current": quadrature,
         "link_voltage": link,
     }
+
+
+def plant_winding(scenario: Scenario) -> Winding | None:
+    """Make the thermal node of a drive that states one."""
+    thermal = duty_document(scenario.drive).thermal
+    return (
+        None if thermal is None else thermal.plant(scenario.control_period_s, scenario.winding_temperature_c)
+    )
 
 
 def duty_sensors(scenario: Scenario) -> DutySensors:

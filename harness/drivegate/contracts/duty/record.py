@@ -113,7 +113,8 @@ class DutyRecord(Record):
     @property
     def has_nominal_plant(self) -> bool:
         """Whether the plant is the one that the controller knows."""
-        return self.scenario.scales == NOMINAL and self.scenario.drift is None
+        is_cool = self.scenario.winding_temperature_c is None
+        return is_cool and self.scenario.scales == NOMINAL and self.scenario.drift is None
 
     @property
     def is_sensed(self) -> bool:

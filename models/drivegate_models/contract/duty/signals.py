@@ -80,6 +80,8 @@ class DutySense(NamedTuple):
     source_current: float = 0.0
     """Mean current from the source into the link in the period just ended (A); negative while the source takes energy
     back. On an ideal link it is `supply_current`."""
+    winding_temperature: float = nan
+    """Temperature of the windings, as a sensor shows it that lags by `temperature_lag` (deg C); NaN without one."""
 
 
 class DutyCommand(NamedTuple):
@@ -178,3 +180,15 @@ class DutyNameplate(NamedTuple):
     """Time from standstill to `least_speed` under half of rated torque (s); 0 with a sensor."""
     is_reversing: int = 1
     """1 if references may be negative, 0 for a drive that turns one way."""
+    heat_capacity: float = 0.0
+    """Heat capacity of all windings together (J/K); 0 without thermal data, and so are the following fields then."""
+    thermal_resistance: float = 0.0
+    """Rise of the windings' steady temperature above the ambient one, over the copper loss (K/W)."""
+    ambient_temperature: float = 0.0
+    """Temperature of the surroundings, at which `resistance` is stated (deg C)."""
+    temperature_limit: float = 0.0
+    """Greatest permitted temperature of the windings (deg C)."""
+    temperature_coefficient: float = 0.0
+    """Change of the resistance over `resistance`, for a change of temperature (1/K)."""
+    temperature_lag: float = 0.0
+    """Time constant with which the sensor follows the temperature (s)."""

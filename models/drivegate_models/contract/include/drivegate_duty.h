@@ -109,6 +109,12 @@ typedef struct drivegate_duty_nameplate {
     double start_time;             /* without a sensor, time from standstill to least_speed under half of rated torque,
                                     * s; else 0 */
     int64_t is_reversing;          /* 1 where references may be negative, 0 for a drive that turns one way */
+    double heat_capacity;          /* heat capacity of all windings together, J/K; 0: no thermal data, the rest is 0 */
+    double thermal_resistance;     /* rise of the windings' steady temperature over the copper loss, K/W */
+    double ambient_temperature;    /* temperature of the surroundings, at which resistance is stated, deg C */
+    double temperature_limit;      /* greatest permitted temperature of the windings, deg C */
+    double temperature_coefficient; /* change of the resistance over resistance, for a change of temperature, 1/K */
+    double temperature_lag;        /* time constant of the temperature's sensor, s */
 } drivegate_duty_nameplate;
 
 /* What the controller senses at the start of a control period. */
@@ -140,6 +146,7 @@ typedef struct drivegate_duty_sense {
                                    * reads_enable = true */
     double source_current;        /* mean current of the source in the period just ended, A; < 0 while it takes energy
                                    * back; on an ideal link it is supply_current */
+    double winding_temperature;   /* temperature of the windings as a lagging sensor shows it, deg C; NaN without one */
 } drivegate_duty_sense;
 
 /* What the controller answers. Before the step the duty ratios and estimates are NaN, the legs DRIVEGATE_LEG_PWM and
@@ -159,8 +166,8 @@ typedef struct drivegate_duty_command {
                             * ratios; leave NaN for the chopper's own thresholds */
 } drivegate_duty_command;
 
-DRIVEGATE_ASSERT(sizeof(drivegate_duty_nameplate) == 272, "drivegate_duty_nameplate must not be padded");
-DRIVEGATE_ASSERT(sizeof(drivegate_duty_sense) == 128, "drivegate_duty_sense must not be padded");
+DRIVEGATE_ASSERT(sizeof(drivegate_duty_nameplate) == 320, "drivegate_duty_nameplate must not be padded");
+DRIVEGATE_ASSERT(sizeof(drivegate_duty_sense) == 136, "drivegate_duty_sense must not be padded");
 DRIVEGATE_ASSERT(sizeof(drivegate_duty_command) == 112, "drivegate_duty_command must not be padded");
 
 /* Prepare for a run and forget all earlier ones. Return 0 for success, anything else to refuse the run. */

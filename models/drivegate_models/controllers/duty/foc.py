@@ -25,6 +25,7 @@ from drivegate_models.controllers.duty.current_regulator import (
     rotor_currents,
     voltage_limit,
 )
+from drivegate_models.controllers.duty.derating import derate, reset_derating
 from drivegate_models.controllers.duty.flux_prediction import regulate_flux, reset_prediction
 from drivegate_models.controllers.duty.hall_observer import reset_observer
 from drivegate_models.controllers.duty.link_limits import limited_by_link, reset_link_limits
@@ -74,6 +75,7 @@ def reset_state(state: Any, nameplate: Any) -> None:
     state.core_loss_conductance = nameplate.core_loss_conductance
     state.deepest = -nameplate.current_limit
     state.greatest_torque = greatest_torque(state)
+    reset_derating(state, nameplate)
     speed_bandwidth, filter_rate = reset_speed_regulator(state, nameplate)
     state.added_flux = 0.0
     reset_link_limits(state, nameplate)
@@ -141,6 +143,7 @@ def step_state(state: Any, sense: Any, command: Any) -> None:
 def regulate(state: Any, sense: Any, command: Any, speed: float, direct: float, quadrature: float) -> None:
     """Write the duty ratios for the reference, by the speed (rad/s) and the d and q currents (A)."""
     electrical = state.pole_pairs * sense.speed
+    derate(state, sense, direct, quadrature)
     limit = voltage_limit(state, sense)
     requested = requested_torque(state, sense.reference, speed)
     direct_reference, quadrature_reference = _currents_for(

@@ -32,6 +32,7 @@ from drivegate_models.controllers.duty.current_regulator import (
     rotor_currents,
     voltage_limit,
 )
+from drivegate_models.controllers.duty.derating import derate, reset_derating
 from drivegate_models.controllers.duty.flux_prediction import regulate_flux, reset_prediction
 from drivegate_models.controllers.duty.hall_observer import reset_observer
 from drivegate_models.controllers.duty.plausibility import hold_safe_state
@@ -126,6 +127,7 @@ def reset_state(state: Any, nameplate: Any) -> None:
     machine.deepest = -nameplate.current_limit
     machine.added_flux = 0.0
     machine.greatest_torque = greatest_torque(machine)
+    reset_derating(machine, nameplate)
     reset_voltage_share(machine)
     slope = _FAN_EXPONENT * nameplate.rated_power / (nameplate.base_speed * nameplate.base_speed)
     rate = min(max(slope / nameplate.inertia, _SPEED_RATE / period), _MOST_SPEED_RATE / period)
@@ -173,7 +175,7 @@ def _observe(state: Any, sense: Any) -> None:
     state.load -= state.load_gain * missed
     state.angle -= _TURN if state.angle > _TURN else 0.0
     state.angle += _TURN if state.angle < 0.0 else 0.0
-    most = _MOST_LOAD * machine.greatest_torque
+    most = _MOST_LOAD * machine.full_torque
     state.load = min(max(state.load, -most), most)
 
 
@@ -212,6 +214,7 @@ def step_state(state: Any, sense: Any, command: Any) -> None:
     if detect_failure(state, sense, direct, quadrature):
         hold_safe_state(state, command)
         return
+    derate(machine, sense, direct, quadrature)
     limit = voltage_limit(machine, sense)
     electrical = machine.pole_pairs * sense.speed
     direct_reference, quadrature_reference = _currents_for(

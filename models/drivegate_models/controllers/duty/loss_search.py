@@ -45,7 +45,7 @@ def restart_search(state: Any, torque: float, speed: float) -> None:
     state.search_torque = torque
     state.search_speed = speed
     state.search_offset = 0.0
-    state.search_step = -_FIRST_STEP * state.current_limit
+    state.search_step = -_FIRST_STEP * state.full_current
     state.search_gains = 0
     state.search_power = nan
     _begin_averaging(state, speed)
@@ -99,7 +99,7 @@ def _step_search(state: Any, torque: float) -> None:
             state.search_gains = 0
             factor = -0.5
         step = factor * state.search_step
-        size = min(max(abs(step), _LAST_STEP * state.current_limit), _FIRST_STEP * state.current_limit)
+        size = min(max(abs(step), _LAST_STEP * state.full_current), _FIRST_STEP * state.full_current)
         state.search_step = size if step > 0.0 else -size
     state.search_power = power
     state.search_pace = mean_speed

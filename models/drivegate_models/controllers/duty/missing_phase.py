@@ -39,7 +39,7 @@ def is_phase_missing(state: Any, sense: Any, turned: float) -> bool:
     along = cosine * state.direct_aim - sine * state.quadrature_aim
     across = sine * state.direct_aim + cosine * state.quadrature_aim
     amplitude = magnitude(along, across)
-    carrying = _CARRYING * state.current_limit
+    carrying = _CARRYING * state.full_current
     if amplitude <= carrying:
         # With little current, a phase without any proves nothing.
         return False

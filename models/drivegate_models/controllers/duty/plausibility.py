@@ -115,7 +115,7 @@ def _is_sum_wrong(state: Any, sense: Any) -> bool:
     """Return True if the sum of the currents has been other than zero for some periods."""
     currents = sense.phase_currents
     total = double_at(currents, 0) + double_at(currents, 1) + double_at(currents, 2)
-    state.sum_count = state.sum_count + 1 if abs(total) > _CURRENT_SUM * state.current_limit else 0
+    state.sum_count = state.sum_count + 1 if abs(total) > _CURRENT_SUM * state.full_current else 0
     return bool(state.sum_count >= _SEEN)
 
 
@@ -209,7 +209,7 @@ def _is_stalled(state: Any, sense: Any, has_edge: bool) -> bool:
     """Return True if a shaft with a speed reference has been at standstill under more torque than any load for long."""
     standing = _STANDING * state.base_speed
     # An angle that is off by half a sector leaves less of a torque than the regulator requests.
-    least = state.stalling_torque if sense.hall < 0 else _FULL * state.greatest_torque
+    least = state.stalling_torque if sense.hall < 0 else _FULL * state.full_torque
     pushed = abs(state.torque) >= least
     # Hall switches show the start or the standstill of a shaft only by their edges.
     longest = state.stall_periods if sense.hall < 0 else state.hall_stall_periods

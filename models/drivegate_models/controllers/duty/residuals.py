@@ -112,7 +112,7 @@ def _is_sum_wrong(state: Any, sense: Any) -> bool:
         current = double_at(sense.phase_currents, phase)
         total += current
         magnitudes += abs(current)
-    allowed = _OFFSETS * state.machine.current_limit + _GAINS * magnitudes
+    allowed = _OFFSETS * state.machine.full_current + _GAINS * magnitudes
     state.sum_count = state.sum_count + 1 if abs(total) > allowed else 0
     return bool(state.sum_count >= _SUM_PERIODS)
 
@@ -130,7 +130,7 @@ def _is_phase_missing(state: Any, sense: Any) -> bool:
     along = cosine * state.direct_aim - sine * state.quadrature_aim
     across = sine * state.direct_aim + cosine * state.quadrature_aim
     amplitude = magnitude(along, across)
-    if amplitude < _CARRYING * machine.current_limit:
+    if amplitude < _CARRYING * machine.full_current:
         return False
     missing = False
     for phase in range(3):
@@ -178,7 +178,7 @@ def _is_stalled(state: Any, sense: Any) -> bool:
     stands = sense.hall == state.hall_before if by_hall else abs(sense.speed) < standing
     state.hall_before = sense.hall
     # An angle that is off by half a sector leaves less torque than the regulator requests.
-    least = _FULL * machine.greatest_torque if by_hall else state.stalling
+    least = _FULL * machine.full_torque if by_hall else state.stalling
     stalls = machine.regulates_speed == 1 and stands and abs(state.torque) >= least
     stalls = stalls and abs(sense.reference) > standing
     state.still_count = state.still_count + 1 if stalls else 0

@@ -198,6 +198,24 @@ FOC_STATE: Final = np.dtype(
         ("direct_aim", np.float64),
         ("quadrature_aim", np.float64),
         ("least_error", np.float64),
+        # Derating: the current limit (A) and maximum torque (N m) of cool windings, whether the present ones are less,
+        # thermal data of the nameplate (no derating without a heat capacity), the time in which the limit is approached
+        # (s), the shares by which the sensor follows in a control period and its difference corrects the estimate, and
+        # the estimated temperatures of winding and sensor (deg C).
+        ("full_current", np.float64),
+        ("full_torque", np.float64),
+        ("is_derated", np.int64),
+        ("is_warm", np.int64),
+        ("heat_capacity", np.float64),
+        ("heat_conductance", np.float64),
+        ("ambient_temperature", np.float64),
+        ("temperature_limit", np.float64),
+        ("temperature_coefficient", np.float64),
+        ("approach", np.float64),
+        ("temperature_share", np.float64),
+        ("temperature_correction", np.float64),
+        ("winding_temperature", np.float64),
+        ("shown_temperature", np.float64),
     ],
     align=True,
 )

@@ -94,14 +94,14 @@ def is_voltage_wrong(state: Any, sense: Any, direct: float, quadrature: float) -
     state.quadrature_unexplained += _RATE * (across_missed - state.quadrature_unexplained)
     speed = abs(float(machine.pole_pairs * sense.speed))
     changing = abs(float(machine.pole_pairs * (sense.speed - state.mean_speed)))
-    amplitude = min(magnitude(direct, quadrature), machine.current_limit)
+    amplitude = min(magnitude(direct, quadrature), machine.full_current)
     unresolved = machine.pole_pairs * max(_UNRESOLVED * state.base_speed - 0.5 * abs(state.mean_speed), 0.0)
     allowed = (_MAGNET * speed + changing + unresolved) * machine.magnet_flux
     allowed += _INDUCTIVE * speed * machine.quadrature_inductance * amplitude
     allowed += _RESISTIVE * machine.resistance * amplitude
     lost = machine.dead_ratio * sense.supply_voltage + 0.5 * (machine.switch_drop + machine.diode_drop)
     allowed += (
-        _LINK * sense.supply_voltage + (_LOST if amplitude > _SURE * machine.current_limit else 1.0) * lost
+        _LINK * sense.supply_voltage + (_LOST if amplitude > _SURE * machine.full_current else 1.0) * lost
     )
     unexplained = magnitude(state.direct_unexplained, state.quadrature_unexplained)
     state.voltage_count = state.voltage_count + 1 if unexplained > allowed else 0

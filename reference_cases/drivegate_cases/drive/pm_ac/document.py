@@ -25,6 +25,7 @@ from drivegate_cases.drive.pm_ac.limits import GREATEST_ANGLE_DEG
 from drivegate_cases.drive.pm_ac.link import PmAcLink
 from drivegate_cases.drive.pm_ac.requirements import NO_PM_AC_REQUIREMENTS, PmAcRequirements
 from drivegate_cases.drive.pm_ac.sensorless import least_speed_rpm, natural_period_s, start_time_s
+from drivegate_cases.drive.pm_ac.thermal import PmAcThermal
 from drivegate_cases.drive.pm_ac.usual_values import ranges_of_pm_ac
 from drivegate_cases.drive.rating import HIGHEST_SPEED_RPM, Rating
 from drivegate_cases.drive.usual_values import UsualRange
@@ -123,6 +124,7 @@ class PmAcDocument(DriveDocument):
         "rating": PmAcRating,
         "sensing": PmAcSensing,
         "link": PmAcLink,
+        "thermal": PmAcThermal,
         "requirements": PmAcRequirements,
     }
 
@@ -151,6 +153,10 @@ class PmAcDocument(DriveDocument):
         default=None,
         description="table of the capacitor and the source of the dc link; an ideal source where it is left out",
     )
+    thermal: PmAcThermal | None = Field(
+        default=None,
+        description="table of the temperature of the windings; their resistance is constant where it is left out",
+    )
     requirements: PmAcRequirements = Field(  # type: ignore[assignment]
         default=NO_PM_AC_REQUIREMENTS, description="table of the limits that controllers are judged by"
     )
@@ -165,9 +171,11 @@ class PmAcDocument(DriveDocument):
     __hash__ = DriveDocument.__hash__
 
     def check_tables(self) -> None:
-        """Refuse a link that does not fit the drive, and what a drive without a sensor cannot do."""
+        """Refuse a link or thermal data that do not fit the drive, and what it cannot do without a sensor."""
         if self.link is not None:
             self.link.check_fit(self.machine, self.inverter, self.rating)
+        if self.thermal is not None:
+            self.thermal.check_fit(self.machine, self.inverter, self.rating)
         self._check_start()
 
     def _check_start(self) -> None:
@@ -331,4 +339,18 @@ class PmAcDocument(DriveDocument):
             least_speed=self.least_speed_rpm * RADIANS_PER_RPM,
             start_time=self.start_time_s,
             is_reversing=0 if self.rating.reverses is False else 1,
+            **self._thermal_nameplate(),
         )
+
+    def _thermal_nameplate(self) -> dict[str, float]:
+        thermal = self.thermal
+        if thermal is None:
+            return {}
+        return {
+            "heat_capacity": thermal.heat_capacity_j_per_k,
+            "thermal_resistance": thermal.thermal_resistance_k_per_w,
+            "ambient_temperature": thermal.ambient_c,
+            "temperature_limit": thermal.limit_c,
+            "temperature_coefficient": thermal.temperature_coefficient_per_k,
+            "temperature_lag": thermal.sensor_lag_s or 0.0,
+        }

@@ -161,6 +161,29 @@ class PmAcRequirements(Section):
     modulation_ripple: Annotated[_Ratio, Limit("modulation_ripple")] = Field(
         default=1.2, description="greatest torque ripple over that of ideal modulation on the same drive"
     )
+    temperature_rise_percent: Annotated[
+        float, Field(ge=100.0, le=200.0), Limit("temperature_rise", _SHARE)
+    ] = Field(
+        default=102.0,
+        description="greatest rise of the windings' temperature above ambient_c, in percent of that to limit_c",
+    )
+    derated_current_percent: Annotated[float, Field(ge=100.0, le=200.0), Limit("derated_current", _SHARE)] = (
+        Field(
+            default=105.0,
+            description="greatest current of windings at their limit, in percent of what they bear for good",
+        )
+    )
+    derated_torque_percent: Annotated[float, Field(gt=0.0, le=100.0), Limit("derated_torque", _SHARE)] = (
+        Field(
+            default=50.0,
+            description="least torque of windings at their limit, in percent of what they bear for good",
+        )
+    )
+    derating_step_percent: Annotated[_Percent, Limit("derating_step_nm", _OF_TORQUE)] = Field(
+        default=10.0,
+        description="greatest change of the torque under a constant reference from one mean over 10 ms to the next, in "
+        "percent of rated torque",
+    )
 
 
 NO_PM_AC_REQUIREMENTS = PmAcRequirements()

@@ -18,6 +18,7 @@ from drivegate.contracts.duty.checks.speed_response import ROB_4
 from drivegate.contracts.duty.checks.starting import STA_1
 from drivegate.contracts.duty.checks.steps import STP_1
 from drivegate.contracts.duty.checks.symmetry import SYM_1
+from drivegate.contracts.duty.checks.thermal import THM_1, THM_2, THM_3
 from drivegate.contracts.duty.checks.weakening import FWK_1, FWK_2, FWK_3
 
 DUTY_CHECKS: Final[tuple[Check, ...]] = (
@@ -41,6 +42,9 @@ DUTY_CHECKS: Final[tuple[Check, ...]] = (
     ROB_4,
     ROB_5,
     SAF_1,
+    THM_1,
+    THM_2,
+    THM_3,
     DET_1,
     TIM_1,
 )

@@ -32,7 +32,8 @@ SAG_FACTOR = 1.5
 def speed_response(record: DutyRecord) -> Margin | None:
     """Judge overshoot and swing of a regulated speed, on a plant other than the nominal one also its mean."""
     is_other = not record.has_nominal_plant
-    if record.fails or not (is_other or record.is_nominal) or _trips_at_a_stall(record):
+    is_hot = record.scenario.winding_temperature_c is not None
+    if record.fails or is_hot or not (is_other or record.is_nominal) or _trips_at_a_stall(record):
         return None
     return worst(margin for margin, _ in _judged(record, is_other))
 

@@ -46,4 +46,5 @@ def mirror_image(scenario: Scenario) -> Scenario | None:
 
 def _is_nominal(scenario: Scenario) -> bool:
     is_plain = scenario.scales == NOMINAL and scenario.drift is None and scenario.failure is None
+    is_plain = is_plain and scenario.winding_temperature_c is None
     return is_plain and scenario.supply_v is None and scenario.sensors.kind == IDEAL.kind

@@ -16,6 +16,7 @@ from drivegate.contracts.duty.scenarios.drawn_range import (
     slow_load_share,
     unnoticed_because,
 )
+from drivegate.contracts.duty.scenarios.hot import unfair_heat
 from drivegate.contracts.duty.scenarios.reaching import (
     BRAKING_SHARE,
     greatest_braking,
@@ -59,7 +60,7 @@ _ROUNDING: Final = 0.01
 
 def unfair_because(scenario: Scenario) -> str | None:
     """State why a candidate may not be judged on a scenario; a torque reference out of reach is judged as such."""
-    reasons = (_unfair_begin, unnoticed_because, _unfair_position, unfair_release, _unfair_load)
+    reasons = (_unfair_begin, unnoticed_because, _unfair_position, unfair_release, unfair_heat, _unfair_load)
     return next((because for reason in reasons if (because := reason(scenario)) is not None), None)
 
 

@@ -33,6 +33,7 @@ from drivegate.contracts.duty.scenarios.building import (
     with_position_errors,
 )
 from drivegate.contracts.duty.scenarios.drawn_range import BEYOND_SHARE, SLOW_SHARE, speed_of
+from drivegate.contracts.duty.scenarios.hot import hot_scenarios
 from drivegate.contracts.duty.scenarios.rare import nightly_scenarios, rare_scenarios
 from drivegate.contracts.duty.scenarios.released import free_shaft_scenarios
 from drivegate.scenarios.changes import with_real_sensors, with_scales
@@ -91,6 +92,7 @@ def fixed_scenarios(
         *(beyond_scenarios(drive) if drive.weakens else ()),
         *free_shaft_scenarios(drive),
         turned_scenario(drive),
+        *hot_scenarios(drive),
         *(_backward(drive) if reverses else ()),
         *rare_scenarios(drive, reverses=reverses),
         *(run for run in _failures(drive) if run.failure is not None and run.failure.kind in detected),

@@ -26,6 +26,7 @@ _KEPT: Final = (
     "supply_v",
     "scales",
     "initial_angle_deg",
+    "winding_temperature_c",
 )
 _GRAIN_SHARES: Final = (0.5, 0.2, 0.1, 0.05)
 

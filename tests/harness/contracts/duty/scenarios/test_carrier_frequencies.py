@@ -16,6 +16,7 @@ from drivegate.contracts.duty.comparison.declaration import planned_duty_runs
 from drivegate.contracts.duty.scenarios.building import PERIODS_AT_A_TIME, dwell_periods, torque_scenario
 from drivegate.contracts.duty.scenarios.drawn.failures import failure_scenarios
 from drivegate.contracts.duty.scenarios.drawn.families import FAMILY_GROUPS
+from drivegate.contracts.duty.scenarios.drawn.hot import hot_winding_scenarios
 from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios
 from drivegate.contracts.duty.scenarios.simplification import DUTY_SIMPLIFICATIONS
 from drivegate.contracts.duty.scenarios.windows import duty_windows
@@ -65,7 +66,12 @@ KILOHERTZ = (
     *(32, 33, 35, 36, 37, 40, 42, 44, 45, 48, 50, 53, 55, 60, 64, 66, 70, 72, 75, 80, 85, 90, 96, 99, 100),
     *(3.3, 7.8125, 10.007, 13.333, 14.4, 17.77, 21.739, 31.25, 33.333, 44.1, 47.619, 61.803, 97.6561),
 )
-FAMILIES = list(dict.fromkeys(family for group in FAMILY_GROUPS for family in group))
+FAMILIES = [
+    family
+    for family in dict.fromkeys(family for group in FAMILY_GROUPS for family in group)
+    # These drives have no thermal data.
+    if family is not hot_winding_scenarios
+]
 SURFACE = load_drive("pm-ac-surface")
 FRACTION = 1e-3
 """Greatest distance of a time from a whole number of control periods (periods)."""

@@ -19,6 +19,7 @@ from drivegate.contracts.duty.scenarios.building import (
 )
 from drivegate.contracts.duty.scenarios.drawn.failures import failure_scenarios
 from drivegate.contracts.duty.scenarios.drawn.families import FAMILY_GROUPS, drawn_scenarios
+from drivegate.contracts.duty.scenarios.drawn.hot import hot_winding_scenarios
 from drivegate.contracts.duty.scenarios.feasibility import unfair_because
 from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios
 from drivegate.contracts.duty.scenarios.simplification import DUTY_SIMPLIFICATIONS
@@ -39,6 +40,14 @@ from drivegate_models.units import RADIANS_PER_RPM
 DRIVES = [drive for name in drive_names() if isinstance(drive := load_drive(name), PmAcDocument)]
 INTERIOR = next(drive for drive in DRIVES if drive.name == "pm-ac-interior")
 BASE = INTERIOR.rating.base_speed_rpm
+HEATED = INTERIOR.replaced(
+    thermal={
+        "heat_capacity_j_per_k": 3.4,
+        "thermal_resistance_k_per_w": 4.3,
+        "limit_c": 130.0,
+        "sensor_lag_s": 0.5,
+    }
+)
 FAMILIES = list(dict.fromkeys(family for group in FAMILY_GROUPS for family in group))
 # What is true of every draw is looked at in the first one, which need not become simple.
 FIRST = settings(max_examples=10, phases=[Phase.generate], database=None, derandomize=True)
@@ -68,7 +77,7 @@ def test_what_a_family_draws_is_judged_somewhere(family: object) -> None:
         phases=[Phase.generate],
         suppress_health_check=list(HealthCheck),
     )
-    @given(family(INTERIOR))  # type: ignore[operator]
+    @given(family(HEATED if family is hot_winding_scenarios else INTERIOR))  # type: ignore[operator]
     def draw(scenario: Scenario) -> None:
         drawn.append(scenario)
 

@@ -31,6 +31,7 @@ from drivegate.contracts.duty.scenarios.drawn.circumstances import (
     sensor_scenarios,
 )
 from drivegate.contracts.duty.scenarios.drawn.failures import failure_scenarios, that_can_fail
+from drivegate.contracts.duty.scenarios.drawn.hot import hot_winding_scenarios, may_be_hot
 from drivegate.contracts.duty.scenarios.drawn.released import released_scenarios
 from drivegate.contracts.duty.scenarios.drawn.steps import Drawn
 from drivegate.scenarios.rotation import goes_backward, is_mirrored, mirrored, needs_reverse
@@ -46,7 +47,14 @@ FAMILY_GROUPS: Final[tuple[tuple[Family, ...], ...]] = (
     (weakening_scenarios, overspeed_scenarios),
     (speed_step_scenarios, reversal_scenarios),
     (load_step_scenarios, low_speed_scenarios, hoist_scenarios),
-    (start_scenarios, torque_step_scenarios, failure_scenarios, restart_scenarios, released_scenarios),
+    (
+        start_scenarios,
+        torque_step_scenarios,
+        failure_scenarios,
+        restart_scenarios,
+        released_scenarios,
+        hot_winding_scenarios,
+    ),
     (parameter_scenarios,),
     (
         supply_step_scenarios,
@@ -78,6 +86,7 @@ _OF_TORQUE: Final = frozenset(
         weakening_scenarios,
         overspeed_scenarios,
         released_scenarios,
+        hot_winding_scenarios,
     }
 )
 _OF_WEAKENING: Final = frozenset({weakening_scenarios, overspeed_scenarios})
@@ -98,12 +107,14 @@ def drawn_scenarios(
     reverses = reverses and drive.one_way_because is None
     failures = partial(failure_scenarios, detected=detected, references=references)
     can_fail = bool(that_can_fail(drive, detected, references))
+    is_heated = may_be_hot(drive)
     followed = [
         [
             failures if family is failure_scenarios else partial(_following, family, references)
             for family in families
             if (reverses or family not in _OF_BOTH_SENSES)
             and (drive.weakens or family not in _OF_WEAKENING)
+            and (is_heated or family is not hot_winding_scenarios)
             and (can_fail if family is failure_scenarios else _reference(family) in (*references, None))
         ]
         for families in FAMILY_GROUPS
