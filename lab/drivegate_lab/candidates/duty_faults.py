@@ -116,6 +116,42 @@ def _weakens_little(state: Any) -> None:
     state["deepest"] = 0.3 * max(state["deepest"], -state["magnet_flux"] / state["direct_inductance"])
 
 
+def _rise(plate: DutyNameplate) -> float:
+    """Return the permitted rise of the windings' temperature (K)."""
+    return plate.temperature_limit - plate.ambient_temperature
+
+
+def _hotter(share: float) -> Callable[[DutyNameplate], float]:
+    """Return a temperature limit that is off by a share of the permitted rise."""
+    return lambda plate: plate.temperature_limit + share * _rise(plate)
+
+
+def _continuous_torque(plate: DutyNameplate) -> float:
+    """Return the magnet's torque of the q current alone that the windings bear for good (N m)."""
+    if plate.heat_capacity == 0.0:
+        return 0.0
+    hot = plate.resistance * (1.0 + plate.temperature_coefficient * _rise(plate))
+    current = sqrt(_rise(plate) / (plate.thermal_resistance * 1.5 * hot))
+    return 1.5 * plate.pole_pairs * plate.magnet_flux * current
+
+
+def _derates(
+    check: str, sentence: str, alter: Callable[[Any], None] | None = None, **believes: Amount
+) -> DutyFault:
+    kind = "Temperature of the windings"
+    return DutyFault("", sentence, check, kind=kind, alter=alter, believes=believes)
+
+
+def _cuts(check: str, sentence: str, **changes: Amount) -> DutyFault:
+    """Make a fault that limits the torque in place of the current."""
+    kind = "Temperature of the windings"
+    return DutyFault("", sentence, check, kind=kind, believes={"heat_capacity": 0.0}, changes=changes)
+
+
+def _approaches_at_once(state: Any) -> None:
+    state["approach"] = 0.001
+
+
 def _pole_pairs(plate: DutyNameplate) -> float:
     return float(plate.pole_pairs)
 
@@ -520,6 +556,38 @@ _UNNAMED: Final = {
         "ACC-1",
         "Sums all edges of an encoder in single precision.",
         summed_step=2.0 * pi / 4096,
+    ),
+    "temperature-limit-raised": _derates(
+        "THM-1",
+        "Takes a temperature limit that is a quarter of the permitted rise too high.",
+        temperature_limit=_hotter(0.25),
+    ),
+    "temperature-read-low": DutyFault(
+        "",
+        "Reads the temperature of its windings a fifth of the permitted rise too low.",
+        "THM-1",
+        kind="Temperature of the windings",
+        changes={"temperature_added": lambda plate: -0.2 * _rise(plate)},
+    ),
+    "torque-alone-derated": _cuts(
+        "THM-2",
+        "Limits the q current of hot windings alone, and leaves them the current of weakening.",
+        cut_from=_hotter(-0.1),
+        cut_until=_hotter(-0.1),
+        cut_torque=_continuous_torque,
+    ),
+    "derated-while-cool": _derates(
+        "THM-3", "Derates from 60 % of the permitted rise on.", temperature_limit=_hotter(-0.4)
+    ),
+    "derated-at-once": _derates(
+        "THM-3", "Takes the whole excess of the current at once at the limit.", alter=_approaches_at_once
+    ),
+    "torque-off-until-cool": _cuts(
+        "THM-3",
+        "Turns the torque off at 96 % of the permitted rise, until 5 % of it have gone.",
+        cut_from=_hotter(-0.04),
+        cut_until=_hotter(-0.09),
+        cut_torque=0.0,
     ),
 }
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from drivegate_lab.kernels.faults.broken_coupling import WATCHED_SHAFT
 from drivegate_lab.kernels.faults.duty.changes import is_short_circuit, taken_reference
 from drivegate_lab.kernels.faults.duty.free_shaft import FREE_SHAFT, perturb_free_shaft
+from drivegate_lab.kernels.faults.duty.heat import HEAT, perturb_heat
 from drivegate_lab.kernels.faults.duty.shaft import follow_shaft
 from drivegate_lab.kernels.faults.duty.trips import mistakes_samples
 from drivegate_models.compilation.calling import call_step, double_at, step_signature
@@ -83,6 +84,8 @@ PERTURBED_STATE: Final = np.dtype(
         ("trips_from", np.float64),
         # What is taken wrong of a shaft that comes free or has turned for long.
         *FREE_SHAFT,
+        # What is taken wrong of hot windings.
+        *HEAT,
         # Maximum magnitudes of the reference (rad/s or N m) and of the measured speed (rad/s).
         ("most_reference", np.float64),
         ("most_speed", np.float64),
@@ -338,6 +341,7 @@ def _write_sense(state: Any, sense: Any) -> None:
     perturbed.reference -= state.damping * max(sense.speed - state.mean_speed, 0.0)
     _perturb_beyond(state, sense, perturbed)
     perturb_free_shaft(state, sense, perturbed)
+    perturb_heat(state, sense, perturbed)
     if mistakes_samples(state, sense) or is_short_circuit(state, sense):
         state.is_off = 1
 

@@ -1,0 +1,59 @@
+"""Controllers that derate wrongly are caught by the checks that are named for them, and those that derate are not."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import pytest
+
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.checks.check import judged
+from drivegate.containment.judge import own_candidate
+from drivegate.contracts.catalogue import contract_of
+from drivegate.contracts.duty.scenarios.hot import hot_scenarios
+from drivegate.drives.running import recorded
+from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_lab.candidates.duty_faults import DUTY_FAULTS
+
+THERMAL = {
+    "heat_capacity_j_per_k": 3.4,
+    "thermal_resistance_k_per_w": 4.3,
+    "limit_c": 130.0,
+    "sensor_lag_s": 0.5,
+}
+HEATED = load_drive("pm-ac-interior").replaced(settling_s=0.3, thermal=THERMAL)
+FAULTS = [name for name, fault in DUTY_FAULTS.items() if fault.check.startswith("THM-")]
+
+
+@cache
+def failed(candidate: str) -> frozenset[str]:
+    """Return the checks that a candidate fails in the runs with hot windings."""
+    assert isinstance(HEATED, PmAcDocument)
+    loaded = own_candidate(resolve_candidate(candidate))
+    checks = contract_of(HEATED).checks
+    return frozenset(
+        margin.check
+        for scenario in hot_scenarios(HEATED)
+        for margin in judged(recorded(loaded, scenario, loaded.controller()), checks).margins
+        if not margin.met
+    )
+
+
+def test_there_are_six() -> None:
+    assert len(FAULTS) == 6
+    idle = [DUTY_FAULTS[name].on(load_drive("pm-ac-interior")).idle_because for name in FAULTS]
+    assert all(idle), "they idle on drives without a sensor in their windings"
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_each_is_caught_by_the_check_that_is_named_for_it(name: str) -> None:
+    assert DUTY_FAULTS[name].check in failed(f"faulty:{name}")
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["foc", "load-observer", "predictive-flux", "direct-torque", "foc-mtpa", "foc-loss-model"],
+)
+def test_no_controller_that_derates_is_accused(name: str) -> None:
+    assert failed(name) == frozenset()
