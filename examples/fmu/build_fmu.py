@@ -52,13 +52,13 @@ def variables_of(contract: str, phases: int, estimates_power: bool) -> tuple[Var
                 1,
                 "input",
                 "reference supply_voltage supply_current angle speed hall encoder_count trip enable "
-                "source_current",
+                "source_current winding_temperature",
             ),
             Variable("phase_currents", 101, "input", width=3),
             Variable("phase_voltages", 131, "input", width=3),
             Variable("duty_ratios", 111, "output", width=3),
             Variable("legs", 121, "output", width=3),
-            *numbered(11, "output", "next_period torque input_power fault brake_duty"),
+            *numbered(16, "output", "next_period torque input_power fault brake_duty"),
             *numbered(
                 21,
                 "parameter",
@@ -71,7 +71,8 @@ def variables_of(contract: str, phases: int, estimates_power: bool) -> tuple[Var
                 "nominal_supply_voltage base_speed highest_speed rated_power current_limit control_period dead_time "
                 "resistance direct_inductance quadrature_inductance magnet_flux inertia core_loss_conductance "
                 "switch_drop diode_drop position_error link_capacitance source_resistance link_limit charge_limit "
-                "discharge_limit chopper_voltage chopper_resistance least_speed start_time",
+                "discharge_limit chopper_voltage chopper_resistance least_speed start_time heat_capacity thermal_resistance "
+                "ambient_temperature temperature_limit temperature_coefficient temperature_lag",
             ),
         )
     outputs = "current_reference advance_angle" + (" input_power" if estimates_power else "")

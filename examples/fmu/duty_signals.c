@@ -16,7 +16,8 @@ enum {
     TRIP,
     ENABLE,
     SOURCE_CURRENT,
-    NEXT_PERIOD = 11,
+    WINDING_TEMPERATURE,
+    NEXT_PERIOD = 16,
     TORQUE,
     INPUT_POWER,
     FAULT,
@@ -54,6 +55,12 @@ enum {
     CHOPPER_RESISTANCE,
     LEAST_SPEED,
     START_TIME,
+    HEAT_CAPACITY,
+    THERMAL_RESISTANCE,
+    AMBIENT_TEMPERATURE,
+    TEMPERATURE_LIMIT,
+    TEMPERATURE_COEFFICIENT,
+    TEMPERATURE_LAG,
     PHASE_CURRENTS = 101, /* the first of each three; the others follow */
     DUTY_RATIOS = 111,
     LEGS = 121,
@@ -99,6 +106,7 @@ double *signals_real(signals *self, unsigned reference) {
     case TRIP: return &self->trip;
     case ENABLE: return &self->enable;
     case SOURCE_CURRENT: return &self->sense.source_current;
+    case WINDING_TEMPERATURE: return &self->sense.winding_temperature;
     case NEXT_PERIOD: return &self->command.next_period;
     case TORQUE: return &self->command.torque;
     case INPUT_POWER: return &self->command.input_power;
@@ -129,6 +137,12 @@ double *signals_real(signals *self, unsigned reference) {
     case CHOPPER_RESISTANCE: return &nameplate->chopper_resistance;
     case LEAST_SPEED: return &nameplate->least_speed;
     case START_TIME: return &nameplate->start_time;
+    case HEAT_CAPACITY: return &nameplate->heat_capacity;
+    case THERMAL_RESISTANCE: return &nameplate->thermal_resistance;
+    case AMBIENT_TEMPERATURE: return &nameplate->ambient_temperature;
+    case TEMPERATURE_LIMIT: return &nameplate->temperature_limit;
+    case TEMPERATURE_COEFFICIENT: return &nameplate->temperature_coefficient;
+    case TEMPERATURE_LAG: return &nameplate->temperature_lag;
     default: return NULL;
     }
 }
