@@ -76,6 +76,8 @@ def _of_winding(unit: str) -> tuple[Reading, ...]:
     """Return the readings of a resistance or an inductance, which is of two phases unless a word says otherwise."""
     return (
         Reading(unit, _word(), 0.5, "half of the value between two terminals", needless=_word("line")),
+        # Of a winding, p-p is from phase to phase.
+        Reading(unit, _word("peak to peak"), 0.5, "half of the value between two terminals"),
         Reading(unit, _word("phase"), 1.0, "one phase"),
     )
 

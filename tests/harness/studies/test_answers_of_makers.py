@@ -137,7 +137,7 @@ ANSWERS: dict[str, dict[str, tuple[tuple[str, float], ...]]] = {
             ("0.0399 V/Hz (peak, phase)", 0.0399 / (2 * math.pi)), ("0.0399 Vpeak/Hz", 0.0399 / (2 * math.pi)),
             ("20.4 Vpk L-L / kRPM", emf(0.0204 / RPM)), ("20.4 V peak/krpm", emf(0.0204 / RPM)),
         ),
-        "resistance": (("0.72 ohm phase-phase", 0.36), ("0.72 Ω ph/ph", 0.36), ("0.72 ohm/ph-ph", 0.36)),
+        "resistance": (("0.72 ohm phase-phase", 0.36), ("0.72 Ω ph/ph", 0.36), ("0.72 Ω p-p", 0.36), ("0.72 ohm/ph-ph", 0.36)),
         "inertia": (("0.0013 oz-in-s2", 0.0013 * OUNCE_INCH), ("9.4e-6 N·m·s²", 9.4e-6)),
     },
     "ebm-papst": {
@@ -188,12 +188,13 @@ ANSWERS: dict[str, dict[str, tuple[tuple[str, float], ...]]] = {
         "constant": (("0.51 N-m/A rms", torque(0.51, "rms")), ("16 mV/(min-1) rms", emf(0.016 / RPM, "rms"))),
         "inertia": (
             ("0.277 ×10⁻⁴ kg.m²", 0.277e-4), ("0.277 x 10^-4 kg-m2", 0.277e-4), ("0.277 (10⁻⁴ kg·m²)", 0.277e-4),
+            ("0.277 (kg·m²×10⁻⁴)", 0.277e-4),
         ),
     },
     "Panasonic": {
         "inertia": (("0.14 ×10⁻⁴ kg·m² (without brake)", 0.14e-4),),
         "rated_current": (("1.5 A (rms)", 1.5 * RMS), ("1.5 A(r.m.s.)", 1.5 * RMS)),
-        "peak_current": (("6.5 A (0-p)", 6.5), ("6.5 Ap", 6.5)),
+        "peak_current": (("6.5 A (0-p)", 6.5), ("6.5 Ap", 6.5), ("6.5 A crest", 6.5)),
     },
     "Beckhoff": {
         "constant": (("1.87 Nm/A rms", torque(1.87, "rms")), ("1,87 Nm/Aeff", torque(1.87, "rms"))),
@@ -212,7 +213,7 @@ ANSWERS: dict[str, dict[str, tuple[tuple[str, float], ...]]] = {
         "constant": (
             ("0.173 V·s/rad peak", emf(0.173)), ("0.173 V-s/rad pk", emf(0.173)), ("173 mVs/rad peak", emf(0.173)),
         ),
-        "resistance": (("0.73 Ω @ 25 deg C", 0.365), ("0.73 Ω, ±10 %", 0.365)),
+        "resistance": (("0.73 Ω @ 25 deg C", 0.365), ("0.73 Ω, ±10 %", 0.365), ("0.73 Ω ±0.05 Ω", 0.365)),
         "inductance": (
             ("570 uH @ 1kHz", 0.285e-3), ("570 µH (1 kHz)", 0.285e-3), ("0.8 mH (Lq) / 0.5 mH (Ld) phase", 0.5e-3),
         ),

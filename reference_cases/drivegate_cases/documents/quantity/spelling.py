@@ -35,6 +35,7 @@ _SIGNS: Final = str.maketrans(
 )
 _SUPERSCRIPT: Final = re.compile(r"[⁺⁻⁰¹²³⁴-⁹]+")
 _OPEN_POWER: Final = re.compile(r"\(\s*(?=(?:[x×·*]\s*)?10\s*\^?\s*-\s*\d)")
+_IN_PARENTHESES: Final = re.compile(r"\s*\(([^()]+)\)\s*")
 _LABEL: Final = re.compile(
     r"\s*(?P<label>[^\d=:]*?)\s*[=:]\s*(?=.*\d)|\s*(?P<kv>kv)\s*(?=\d)|\s*(?P<words>[a-z][a-z\s_()/.,-]*?\)?)\s+(?=[\d.])",
     re.IGNORECASE,
@@ -137,7 +138,7 @@ def spelled(text: str) -> Spelled | None:
     if read is None:
         return None
     number, unit = read
-    unit, exponent = without_power(unit)
+    unit, exponent = without_power(_IN_PARENTHESES.sub(r"\1", unit))
     unit = unit.strip(" ,;:_")
     if label == "kv" and not unit:
         unit = label

@@ -19,6 +19,9 @@ _CONDITION: Final = re.compile(
     r"|(?<=\S)[\s,;(]+[56]0(?:\s*/\s*60)?\s*Hz\b|[,;(\s]\s*\d{1,2}\s*S\b(?:\s*Li-?\w*)?",
     re.I,
 )
+_TOLERANCE_WITH_UNIT: Final = re.compile(
+    rf"(?P<unit>\b[a-z][^\s()±+]*)\s*\(?\s*(?:±|\+\s*/\s*-|\+-)\s*{_AMOUNT}\s*(?P=unit)(?![a-z])", re.I
+)
 _VAGUE: Final = re.compile(r"^\s*(?:[~≈≤<]|approx\.?|ca\.?|about|up to)\s*(?=\d)", re.I)
 _EMPTY: Final = re.compile(r"\(\s*[,;/-]*\s*\)")
 _TO: Final = r"[-\s/]*(?:to)?[-\s/]*"
@@ -47,7 +50,7 @@ _PATTERNS: Final = (
         rf"(?:line|l|{_PHASE}){_TO}(?:neutral|n)|(?:per|of|one|of one)\s+{_PHASE}|{_PHASE}",
     ),
     ("line", "line"),
-    ("peak", r"0\s*-?\s*(?:to\s*)?(?:peak|pk|p)|peak|pk|amplitude|(?<=[AV])p"),
+    ("peak", r"0\s*-?\s*(?:to\s*)?(?:peak|pk|p)|peak|pk|crest|amplitude|(?<=[AV])p"),
     ("rms", r"rms|r\.m\.s\.?|eff(?:ective)?"),
     ("dc", r"dc|d\.c\."),
     ("supply", r"(?:bus|link|supply|battery)(?:\s*voltage)?"),
@@ -74,6 +77,7 @@ _WORDS: Final = tuple(
 
 def without_conditions(text: str) -> str:
     """Drop tolerances, and the temperature, frequency or speed at which a value was measured."""
+    text = _TOLERANCE_WITH_UNIT.sub(r"\g<unit>", text)
     return _EMPTY.sub(" ", _balanced(_VAGUE.sub("", _CONDITION.sub("", text))))
 
 
