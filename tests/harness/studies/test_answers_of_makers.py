@@ -137,7 +137,9 @@ ANSWERS: dict[str, dict[str, tuple[tuple[str, float], ...]]] = {
             ("0.0399 V/Hz (peak, phase)", 0.0399 / (2 * math.pi)), ("0.0399 Vpeak/Hz", 0.0399 / (2 * math.pi)),
             ("20.4 Vpk L-L / kRPM", emf(0.0204 / RPM)), ("20.4 V peak/krpm", emf(0.0204 / RPM)),
         ),
-        "resistance": (("0.72 ohm phase-phase", 0.36), ("0.72 Ω ph/ph", 0.36), ("0.72 Ω p-p", 0.36), ("0.72 ohm/ph-ph", 0.36)),
+        "resistance": (
+            ("0.72 ohm phase-phase", 0.36), ("0.72 Ω ph/ph", 0.36), ("0.72 Ω p-p", 0.36), ("0.72 ohm/ph-ph", 0.36),
+        ),
         "inertia": (("0.0013 oz-in-s2", 0.0013 * OUNCE_INCH), ("9.4e-6 N·m·s²", 9.4e-6)),
     },
     "ebm-papst": {

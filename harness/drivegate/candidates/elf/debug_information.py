@@ -26,7 +26,6 @@ _TRANSPARENT: Final = (
     "DW_TAG_restrict_type",
 )
 POINTERS: Final = ("DW_TAG_pointer_type", "DW_TAG_reference_type", "DW_TAG_rvalue_reference_type")
-_BIT_FIELD: Final = ("DW_AT_bit_size", "DW_AT_data_bit_offset")
 _ORIGINS: Final = ("DW_AT_specification", "DW_AT_abstract_origin")
 # Operations of expressions (DWARF 5, section 7.7.1).
 _ADDRESS, _CONSTANT_UNSIGNED, _PLUS_CONSTANT = 0x03, 0x10, 0x23
@@ -170,8 +169,28 @@ def fields_of(typed: Typed, types: Mapping[str, Any]) -> dict[str, tuple[int, An
     return found
 
 
-def is_bit_field(die: Any) -> bool:
-    return any(attribute in die.attributes for attribute in _BIT_FIELD)
+class Bits(NamedTuple):
+    """Where a bit field is, in a target whose least significant bit is the first."""
+
+    begin: int
+    """Its first bit, from where the field begins that states it."""
+    width: int
+
+
+def bits_of(field: Any, types: Mapping[str, Any]) -> Bits | None:
+    """Return the bits of a field; None for one of whole bytes."""
+    stated = field.attributes
+    if "DW_AT_bit_size" not in stated:
+        return None
+    width = int(stated["DW_AT_bit_size"].value)
+    if "DW_AT_bit_offset" not in stated:
+        return Bits(
+            int(stated["DW_AT_data_bit_offset"].value) if "DW_AT_data_bit_offset" in stated else 0, width
+        )
+    # Until DWARF 4, from the most significant bit of a number in which the field is.
+    whole = stated.get("DW_AT_byte_size")
+    size = size_of(type_of(field, types)) if whole is None else int(whole.value)
+    return Bits(8 * size - int(stated["DW_AT_bit_offset"].value) - width, width)
 
 
 def _offset(die: Any) -> int:

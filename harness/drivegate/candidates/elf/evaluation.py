@@ -41,8 +41,9 @@ _OPERATIONS: Final = {
     "round": _ROUND,
     "~": _INVERT,
 }
-_COLUMNS: Final = 6
-"""Operation; then a value or an address; form and size; least and greatest value of an integer."""
+_COLUMNS: Final = 8
+"""Operation; then a value or an address; form and size; least and greatest value of an integer; bits of a bit field."""
+_NO_BITS: Final = (0.0, 0.0, 0.0, 0.0)
 _GREATEST_WHOLE: Final = math.nextafter(2.0**63, 0.0)
 _POINTER_BYTES: Final = 4
 
@@ -50,38 +51,45 @@ Row = tuple[float, ...]
 
 
 def constant(value: float) -> Row:
-    return (_CONSTANT, value, 0.0, 0.0, 0.0, 0.0)
+    return (_CONSTANT, value, 0.0, 0.0, *_NO_BITS)
 
 
 def operation(name: str) -> Row:
-    return (_OPERATIONS[name], 0.0, 0.0, 0.0, 0.0, 0.0)
+    return (_OPERATIONS[name], 0.0, 0.0, 0.0, *_NO_BITS)
 
 
 def loaded(number: Number) -> list[Row]:
     """Put a number on the stack."""
     there = _LOAD_THERE if number.offsets else _LOAD
-    return [*_pointed(number), (there, number.address, number.form, number.size, 0.0, 0.0)]
+    row = (there, number.address, number.form, number.size, 0.0, 0.0, number.shift, number.width)
+    return [*_pointed(number), row]
 
 
 def stored(number: Number, limits: tuple[float, float] | None = None) -> list[Row]:
     """Store what is on top of the stack; an integer is rounded and limited to its range or to the given limits."""
     there = _STORE_THERE if number.offsets else _STORE
-    limits = range_of(number.form, number.size) if limits is None else limits
-    return [*_pointed(number), (there, number.address, number.form, number.size, *limits)]
+    if limits is None:
+        limits = _range_of_bits(number.form, number.width or 8 * number.size)
+    row = (there, number.address, number.form, number.size, *limits, number.shift, number.width)
+    return [*_pointed(number), row]
 
 
 def _pointed(number: Number) -> list[Row]:
     return [
-        (_POINT_ON if place else _POINT, number.address, offset, 0.0, 0.0, 0.0)
+        (_POINT_ON if place else _POINT, number.address, offset, 0.0, *_NO_BITS)
         for place, offset in enumerate(number.offsets)
     ]
 
 
 def range_of(form: int, size: int) -> tuple[float, float]:
     """Return the least and the greatest double that an integer has a value for."""
+    return _range_of_bits(form, 8 * size)
+
+
+def _range_of_bits(form: int, width: int) -> tuple[float, float]:
     if form == FLOAT:
         return -math.inf, math.inf
-    bits = 8 * size - (form == SIGNED)
+    bits = width - (form == SIGNED)
     # From 54 bits on, the greatest integer is no double, and would be rounded up to one that is out of range.
     greatest = math.nextafter(2.0**bits, 0.0) if bits > 53 else 2.0**bits - 1.0
     return (0.0 if form == UNSIGNED else -(2.0**bits)), greatest
@@ -126,13 +134,13 @@ def run_program(address: int, stack: NDArray[Any], scratch: int, areas: int, is_
                 host = _host_of(areas, there, size)
                 if host == 0.0 and is_strict:
                     return row + 1
-            form = int(double_at(address, place + 2))
             if step in (_POINT, _POINT_ON):
                 there = _pointed_to(int(host), double_at(address, place + 2), stack, top, scratch + 8 * top)
             elif step in (_LOAD, _LOAD_THERE):
                 stack[top] = 0
                 if host != 0.0:
-                    _load(int(host), form, size, stack, top, scratch + 8 * top)
+                    copy_bytes(int(host), scratch + 8 * top, size)
+                    _load(address, place, stack, top)
                 top += 1
             else:
                 top -= 1
@@ -172,10 +180,19 @@ def _pointed_to(host: int, offset: float, stack: NDArray[Any], top: int, scratch
 
 
 @unallocating
-def _load(host: int, form: int, size: int, stack: NDArray[Any], top: int, scratch: int) -> None:
-    copy_bytes(host, scratch, size)
+def _load(address: int, place: int, stack: NDArray[Any], top: int) -> None:
+    """Make a double of the bytes that are on top of the stack."""
+    form, size = int(double_at(address, place + 2)), int(double_at(address, place + 3))
+    shift, width = int(double_at(address, place + 6)), int(double_at(address, place + 7))
     word = stack[top]
-    if form == FLOAT:
+    if width != 0:
+        aligned = word << (64 - shift - width)
+        value = (
+            np.float64(aligned >> (64 - width))
+            if form == SIGNED
+            else np.float64((word >> shift) & _mask(width))
+        )
+    elif form == FLOAT:
         value = np.int64(word).view(np.float64) if size == 8 else np.float64(np.int32(word).view(np.float32))
     elif form == SIGNED:
         unused = 64 - 8 * size
@@ -201,7 +218,19 @@ def _store(host: int, address: int, place: int, stack: NDArray[Any], top: int, s
             stack[top] = np.uint64(limited).view(np.int64)
         else:
             stack[top] = np.int64(limited)
+        width = int(double_at(address, place + 7))
+        if width != 0:
+            shift, written = int(double_at(address, place + 6)), stack[top] & _mask(width)
+            stack[top] = 0
+            copy_bytes(host, scratch, size)
+            stack[top] = (stack[top] & ~(_mask(width) << shift)) | (written << shift)
     copy_bytes(scratch, host, size)
+
+
+@unallocating
+def _mask(width: int) -> Any:
+    """Return a word whose lowest bits are set."""
+    return ~(np.int64(-1) << np.int64(width)) if width < 64 else np.int64(-1)
 
 
 @unallocating

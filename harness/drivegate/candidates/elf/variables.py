@@ -17,9 +17,9 @@ from drivegate.candidates.elf.debug_information import (
     TYPES,
     Typed,
     address_of,
+    bits_of,
     described_in,
     fields_of,
-    is_bit_field,
     plain,
     size_of,
     type_of,
@@ -29,6 +29,8 @@ from drivegate.candidates.elf.image import attributes_of
 from drivegate_cases.documents.wording import nearest, short_line, shown_path
 from drivegate_models.errors import InputError
 
+_LARGEST: Final = 8
+"""Size of the largest number (bytes)."""
 FLOAT, SIGNED, UNSIGNED = range(3)
 """Forms of a number."""
 
@@ -44,6 +46,21 @@ class Number(NamedTuple):
     """Its size (bytes)."""
     offsets: tuple[int, ...] = ()
     """What is added to each pointer on the way to it (bytes); none where no pointer is."""
+    shift: int = 0
+    """The first bit of a bit field in these bytes."""
+    width: int = 0
+    """Number of bits of a bit field; 0 for a number of whole bytes."""
+
+
+class _Part(NamedTuple):
+    """A field or an element of something larger."""
+
+    offset: int
+    """Where it begins (bytes)."""
+    typed: Typed | None
+    shift: int = 0
+    width: int = 0
+    """As in `Number`."""
 
 
 @dataclass(frozen=True)
@@ -81,19 +98,26 @@ class Variables:
 
     def number_within(self, begin: Number, typed: Typed | None, place: Place) -> Number:
         """Follow the fields and elements of a place from what begins at one, of a type."""
-        address, offsets = begin.address, list(begin.offsets)
-        for part in place.path:
+        address, offsets, part = begin.address, list(begin.offsets), _Part(0, typed)
+        for named in place.path:
+            typed = part.typed
             is_pointer = typed is not None and not typed.lengths and typed.described.tag in POINTERS
             if is_pointer:
                 offsets.append(0)
-                typed = self._pointed_to(typed, part, place)
-            offset, typed = self._part(typed, part, place)
+                typed = self._pointed_to(typed, named, place)
+            part = self._part(typed, named, place)
             if offsets:
-                offsets[-1] += offset
+                offsets[-1] += part.offset
             else:
-                address += offset
-        form, size = self._form(typed, place.text)
-        return Number(address, form, size, tuple(offsets))
+                address += part.offset
+        form, size = self._form(part.typed, place.text)
+        if part.width:
+            size = -(-(part.shift + part.width) // 8)
+        if size > _LARGEST:
+            raise InputError(
+                f"the bit field '{place.text}' is in more than {_LARGEST} bytes; name another one"
+            )
+        return Number(address, form, size, tuple(offsets), part.shift, part.width)
 
     def returned(self, function: str) -> tuple[int, int] | None:
         """Find form and size of what a function returns; None where it returns nothing.
@@ -149,30 +173,30 @@ class Variables:
             )
         return typed._replace(lengths=(None, *typed.lengths)) if isinstance(part, int) else typed
 
-    def _part(self, typed: Typed | None, part: str | int, place: Place) -> tuple[int, Typed | None]:
-        """Find the offset of a field or an element, and its type."""
+    def _part(self, typed: Typed | None, part: str | int, place: Place) -> _Part:
         if isinstance(part, int):
             if typed is None or not typed.lengths:
                 raise InputError(f"'{place.text}' has an index, but what it is an element of is no array")
             count, inner = typed.lengths[0], typed._replace(lengths=typed.lengths[1:])
             if count is not None and part >= count:
                 raise InputError(f"'{place.text}' is outside of its array, which has {count} elements")
-            return part * size_of(inner), inner
+            return _Part(part * size_of(inner), inner)
         fields = {} if typed is None or typed.lengths else fields_of(typed, self.types)
         if part not in fields:
             known = f"; the nearest field is '{nearest(part, list(fields))}'" if fields else ""
             raise InputError(f"'{place.text}' has no field '{short_line(part)}'{known}")
         offset, field = fields[part]
-        if is_bit_field(field):
-            raise InputError(f"'{place.text}' is a bit field; name the whole register")
-        return offset, type_of(field, self.types)
+        inner, bits = type_of(field, self.types), bits_of(field, self.types)
+        if bits is None or bits == (0, 8 * size_of(inner)):
+            return _Part(offset, inner)
+        return _Part(offset + bits.begin // 8, inner, bits.begin % 8, bits.width)
 
     def _form(self, typed: Typed | None, text: str) -> tuple[int, int]:
         size = size_of(typed)
         form = None
         if typed is not None and not typed.lengths:
             form = self._form_of_one(typed.described)
-        if form is None or not 0 < size <= 8:
+        if form is None or not 0 < size <= _LARGEST:
             raise InputError(f"'{text}' is no number; name a field or an element of it that is one")
         return form, size
 

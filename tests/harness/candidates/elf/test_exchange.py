@@ -30,7 +30,6 @@ typedef struct { volatile uint32_t CCR[3], ARR; } TIM_TypeDef;
 typedef union { float value; uint8_t bytes[4]; } word;
 struct { int16_t speed; word number; double exact; int64_t wide; uint64_t large; } in;
 enum { OFF, ON } mode;
-struct { unsigned low : 4; } bits;
 uint8_t level[3];
 uint8_t grid[2][2];
 int *pointer;
@@ -175,7 +174,6 @@ def test_a_function_is_answered_in_the_registers_of_its_type(made: Make, target:
             {"write": {"pointer.x": 0}},
             "'pointer.x' has no field 'x'",
         ),
-        ({"write": {"bits.low": 0}}, "'bits.low' is a bit field; name the whole register"),
         (
             {"write": {"TIM_TypeDef(0x50000000).ARR": 0}},
             "is at 5000000Ch, where the target has no memory; add it",

@@ -29,12 +29,19 @@ struct {
     union { uint16_t both; struct { uint8_t low, high; }; };
     struct { int32_t deep; } named;
 } mixed;
+struct __attribute__((packed)) {
+    uint32_t low : 3, : 2, mid : 12; int32_t negative : 5; uint32_t high : 10;
+    uint8_t byte; uint64_t across : 20, wide : 33; _Bool is_on : 1;
+} bits = {.negative = 3, .high = 1};
+typedef struct { union { uint32_t all; struct { volatile uint32_t EN : 1, MODE : 2, DIV : 5; } b; }; } control;
+static control unit = {0xFFFFFF00};
+control *const device = &unit;
 enum __attribute__((packed)) { SMALL, LARGE = 200 } size;
 int32_t grid[2][3];
 int32_t demand, begun, cleared = 7;
 float *table;
 static float cells[4];
-struct { int32_t sum, both, grid; float table; } out;
+struct { int32_t sum, both, grid; float table; int64_t bits; uint32_t device; } out;
 void begin(void) {
     hadc1.Instance = &registers; hadc1.chain = &first; first.next = &last; table = cells;
     begun = demand; cleared = 0;
@@ -42,6 +49,10 @@ void begin(void) {
 void isr(void) {
     out.sum = (int32_t)registers.DR + last.values[2] + later[1];
     out.both = mixed.both; out.grid = grid[1][2]; out.table = cells[3] + mixed.named.deep;
+    out.bits = bits.low + 10 * bits.mid + 100000 * bits.negative + 10000000LL * bits.high;
+    out.bits += bits.across == 0xABCDE && bits.wide == 0x123456789 && bits.is_on && bits.byte == 0;
+    out.device = device->all;
+    unit.b.MODE = 1;
     demand++;
 }
 int main(void) { return 0; }
@@ -89,6 +100,37 @@ def test_every_version_of_debug_information_leads_to_all_places(load: Load, debu
     assert answered["input_power"] == 200
     image = read_image(loaded.file)
     assert "in isr (mine.c line " in place_of(image, image.functions["isr"])
+
+
+BITS = {
+    "bits.low": "speed + 7.4",
+    "bits.mid": 4095,
+    "bits.negative": -16,
+    "bits.across": 0xABCDE,
+    "bits.wide": 0x123456789,
+    "bits.is_on": 1,
+    "device->b.MODE": 3,
+    "device->b.DIV": "angle",
+}
+
+
+@pytest.mark.parametrize("debug", ["-gdwarf-2", "-gdwarf-4", "-gdwarf-5"])
+def test_a_bit_field_is_written_and_read_without_its_neighbors(load: Load, debug: str) -> None:
+    read = {
+        **DUTIES,
+        "torque": "out.bits",
+        "speed": "out.device",
+        "angle": "bits.negative * 1000 + bits.low + bits.is_on / 2",
+        "input_power": "bits.wide + device->b.MODE / 4",
+    }
+    loaded = load(SOURCE, ("-O1", debug), start="begin", write=BITS, read=read).reset()
+    answered = loaded.step(speed=5.0, angle=40.0)
+    assert loaded.fault == ""
+    # Each is limited to its range, as 12 to 7 of three bits and 40 to 31 of five.
+    assert answered["torque"] == 7 + 10 * 4095 - 16 * 100000 + 10000000 + 1
+    assert answered["speed"] == 0xFFFFFF00 | 3 << 1 | 31 << 3
+    assert answered["angle"] == -16 * 1000 + 7 + 0.5
+    assert answered["input_power"] == 0x123456789 + 1 / 4
 
 
 def test_a_value_is_written_once_and_remains_the_firmwares(load: Load) -> None:
