@@ -7,6 +7,7 @@
 #define BANDWIDTH 0.2F        /* of the current regulators, times the control period */
 #define VOLTAGE_SHARE 0.985F  /* of the linear range; the current regulators need the rest */
 #define BRAKING_SHARE 0.185F  /* of it for regulation while the speed regulator brakes */
+#define DECAY 32              /* samples that follow a reset, in which currents decay through the diodes */
 #define CALIBRATION 256       /* samples of each offset */
 
 parameter_page motor;
@@ -87,11 +88,12 @@ void firmware_start(void) {
     for (int phase = 0; phase < 3; phase++) offsets[phase] = CURRENT_OFFSET;
 }
 
-/* Measure the offsets of the amplifiers after power-on, at standstill with the bridge off. */
+/* Measure the offsets of the amplifiers after a reset, with the bridge off and without currents. */
 static void calibrate(const float *counts) {
-    if (samples == CALIBRATION) return;
+    if (samples == DECAY + CALIBRATION) return;
     samples++;
-    for (int phase = 0; phase < 3; phase++) offsets[phase] += (counts[phase] - offsets[phase]) / (float)samples;
+    if (samples <= DECAY) return;
+    for (int phase = 0; phase < 3; phase++) offsets[phase] += (counts[phase] - offsets[phase]) / (float)(samples - DECAY);
 }
 
 /* Write the compare registers of a voltage in the frame that stands still. */

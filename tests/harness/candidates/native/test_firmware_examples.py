@@ -50,6 +50,14 @@ NO_DELAY = Seeded(
     "FWK-3",
     "6000rpm-torque-0-2.387-0Nm",
 )
+NO_DECAY = Seeded(
+    "interrupt",
+    "firmware.c",
+    "#define DECAY 32 ",
+    "#define DECAY 0 ",
+    "RIP-4",
+    "1040rpm-torque-1.364Nm-restart",
+)
 WRONG_SIGN = Seeded(
     "objects",
     "motor_control.cpp",
@@ -106,6 +114,7 @@ def margins_of(seeded: Seeded, folder: Path, line: str) -> dict[str, Margin]:
 @pytest.mark.parametrize(
     "seeded",
     [
+        pytest.param(NO_DECAY, id="interrupt-handler-that-measures-offsets-while-current-flows"),
         pytest.param(NO_DELAY, id="generated-code-without-delay-compensation"),
         pytest.param(
             WRONG_SIGN,
