@@ -18,6 +18,7 @@ from drivegate.contracts.duty.right_trips import claimed_safe
 from drivegate.contracts.duty.scenarios.reaching import greatest_torque, load_on_shaft, reaction_s
 from drivegate.contracts.duty.scenarios.released import is_stalled
 from drivegate.contracts.duty.scenarios.windows import duty_dwells
+from drivegate.scenarios.rotation import sense_of
 from drivegate_cases.drive.limits import limits_of
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.profile import Dwell
@@ -27,6 +28,9 @@ SHOWN_PERIODS = 100
 """Control periods before and after a step that figures show at least."""
 SAG_FACTOR = 1.5
 """Change of the speed by a load that comes or goes, over that within the reaction time of the slowest regulator (1)."""
+RELEASE_RISES = 4.0
+"""Time in which a regulator takes back the torque that it made against a stall, over the rise time of a torque (1): the
+time constant of the integral of a symmetrical optimum with a = 2 is four times that of the torque."""
 
 
 def speed_response(record: DutyRecord) -> Margin | None:
@@ -94,9 +98,10 @@ def _judged(record: DutyRecord, is_other: bool) -> Iterator[_Judged]:
             yield from _sag(record, window.dwell)
         step = judged_step_rpm(record, window.dwell)
         if step != 0.0:
-            beyond = _beyond(record, window.dwell)
-            margin = overshoot_of_speed(beyond, step, window.dwell.start, record.document)
-            yield margin, _overshoot_shown(record, window.dwell, beyond, step)
+            beyond, released = _beyond(record, window.dwell), _released_rpm(record, window.dwell, step)
+            allowed = max(allowed_overshoot_rpm(beyond, step, record.document), released)
+            margin = overshoot_of_speed(beyond, step, window.dwell.start, record.document, released)
+            yield margin, _overshoot_shown(record, window.dwell, beyond, step, allowed)
             if window.dwell.start > 0.0 and not is_other and _steps_alone(record, window.dwell):
                 yield _detour(beyond, step, window.dwell, record)
 
@@ -124,11 +129,13 @@ def _around(record: DutyRecord, dwell: Dwell, place: int) -> slice:
     return slice(rows.start, min(rows.start + max(2 * place, SHOWN_PERIODS), rows.stop))
 
 
-def _overshoot_shown(record: DutyRecord, dwell: Dwell, beyond: NDArray[np.float64], step: float) -> _Shown:
+def _overshoot_shown(
+    record: DutyRecord, dwell: Dwell, beyond: NDArray[np.float64], step: float, allowed_rpm: float
+) -> _Shown:
     sense = 1.0 if step > 0.0 else -1.0
     place = int(np.argmax(sense * beyond))
     wanted, rows = dwell.speed_rpm, _around(record, dwell, place)
-    allowed = sense * allowed_overshoot_rpm(beyond, step, record.document)
+    allowed = sense * allowed_rpm
     levels = ("reference", wanted), (f"limit {wanted + allowed:.5g} rpm", wanted + allowed)
     words = f"{max(sense * float(beyond[place]), 0.0):.4g} rpm beyond"
     return _Shown(rows, rows.start + place, words, levels, SHOWN_PERIODS)
@@ -155,6 +162,21 @@ def judged_step_rpm(record: DutyRecord, dwell: Dwell) -> float:
         pushed = -next(loads) + next(loads)
     step = dwell.speed_rpm - speed
     return 0.0 if pushed * step > 0.0 else step
+
+
+def _released_rpm(record: DutyRecord, dwell: Dwell, step: float) -> float:
+    """Return how far a shaft that comes free from a stall may run away (rpm), 0 for any other one.
+
+    An integral has grown against the stall, up to the greatest torque, and the shaft runs away until it is taken back.
+    """
+    scenario, document = record.scenario, record.document
+    if not is_stalled(scenario) or dwell.start != duty_dwells(scenario)[1].start:
+        return 0.0
+    before = record.run.column("torque")[record.periods(dwell.start, dwell.end).start - 1]
+    load = load_on_shaft(scenario, dwell, dwell.speed_rpm * RADIANS_PER_RPM)
+    pushed = max(sense_of(step) * (float(before) + load), 0.0)
+    time = RELEASE_RISES * document.requirements.rise_periods * document.control_period_s
+    return SAG_FACTOR * pushed * time / document.machine.inertia_kg_m2 / RADIANS_PER_RPM
 
 
 def _steps_alone(record: DutyRecord, dwell: Dwell) -> bool:
@@ -226,18 +248,19 @@ def _is_other_plant(before: Dwell, dwell: Dwell) -> bool:
 
 
 def overshoot_of_speed(
-    beyond: NDArray[np.float64], step: float, start_s: float, drive: PmAcDocument
+    beyond: NDArray[np.float64], step: float, start_s: float, drive: PmAcDocument, released_rpm: float = 0.0
 ) -> Margin:
     """Judge how far a speed goes beyond its reference, over the step that its regulator has to make.
 
     `beyond` is the speed without the reference (rpm), `step` the signed step of the reference (rpm). The regulator has
     to make more of it where a load takes the speed farther away first, and only the last part of one that it begins at
-    the torque limit. What a steady speed may be off by is no overshoot.
+    the torque limit. What a steady speed may be off by is no overshoot, nor what a shaft that comes free runs away by
+    (`released_rpm`, rpm).
     """
     ahead = beyond if step > 0.0 else -beyond
     made = _made_rpm(ahead, step, drive)
     over = max(float(np.max(ahead)), 0.0)
-    allowed = allowed_overshoot_rpm(beyond, step, drive)
+    allowed = max(allowed_overshoot_rpm(beyond, step, drive), released_rpm)
     share = f"{100.0 * over / made:.3g} % of the {made:.4g} rpm step that the regulator makes"
     measured = f"speed overshoots by {over:.4g} rpm, {share}, after the step at {start_s:.4g} s"
     return Margin("ROB-4", at_most(over, allowed), measured)

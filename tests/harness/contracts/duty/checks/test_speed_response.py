@@ -22,6 +22,7 @@ from drivegate.contracts.duty.scenarios.building import (
     with_lost_samples,
 )
 from drivegate.contracts.duty.scenarios.reaching import reaction_s
+from drivegate.contracts.duty.scenarios.released import stalled_scenario
 from drivegate.contracts.duty.scenarios.windows import duty_dwells
 from drivegate.scenarios.changes import with_scales
 from drivegate_cases.drive.limits import limits_of
@@ -147,6 +148,19 @@ def overshot(record: DutyRecord, share: float) -> Any:
         return changed
 
     return judged("ROB-4", with_column(record, "speed", change))
+
+
+def test_a_shaft_that_comes_free_may_run_away_until_its_torque_is_taken_back(
+    run: Run, interior: PmAcDocument
+) -> None:
+    light = interior.replaced(inertia_kg_m2=interior.machine.inertia_kg_m2 / 60.0)
+    record = run(stalled_scenario(light, 300.0, 0.3))
+    margin = judged("ROB-4", record)
+    assert margin is not None
+    assert margin.met, margin.measured
+    without = judged("ROB-4", with_column(record, "torque", np.zeros_like))
+    assert without is not None
+    assert not without.met, "nothing was stored against the stall"
 
 
 @pytest.mark.parametrize(("growth", "is_met"), [(0.0, True), (8.0, False)])
