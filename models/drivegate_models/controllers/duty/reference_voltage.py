@@ -16,8 +16,9 @@ _WEAKENING_RATE = 0.02
 _LEAST_SHARE = 0.5
 _MOST_USED = 1.5
 # Voltage reserve of a speed regulator during braking, the share of the maximum torque from which it is complete, and
-# the greatest share of the voltage beyond that of the weakest field, which is all that torque has.
-_BRAKING_RESERVE = 0.1
+# the greatest share of the voltage beyond that of the weakest field, which is all that torque has. With the share for
+# the current regulators it is less than a tenth: where more is free, the field is not weakened.
+_BRAKING_RESERVE = 0.08
 _WHOLE_RESERVE_FROM = 0.2
 _GREATEST_RESERVE = 0.5
 
@@ -39,16 +40,16 @@ def with_reserve(
     - `electrical`: electrical speed (rad/s).
     - `voltage`: voltage without a reserve for braking (V).
     """
-    resistance = state.resistance
-    if torque * electrical < 0.0 and state.regulates_speed == 0:
-        resistance = -resistance
-    elif torque * electrical < 0.0:
+    if torque * electrical >= 0.0:
+        return voltage, state.resistance
+    if state.regulates_speed == 1:
         # Braking currents beyond the voltage limit move further away from their references.
         braking = min(requested / (_WHOLE_RESERVE_FROM * state.greatest_torque), 1.0)
         weakest = state.magnet_flux + state.direct_inductance * state.deepest
         left = max(voltage - abs(electrical) * max(weakest, 0.0), 0.0)
         voltage -= min(_BRAKING_RESERVE * braking * voltage, _GREATEST_RESERVE * left)
-    return voltage, resistance
+    # The voltage across the resistance helps to brake.
+    return voltage, -state.resistance
 
 
 @inlined

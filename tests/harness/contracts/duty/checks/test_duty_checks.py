@@ -19,6 +19,7 @@ from drivegate.contracts.duty.checks.judged import greatest_at, least_free, undi
 from drivegate.contracts.duty.record import DutyRecord
 from drivegate.contracts.duty.scenarios.building import (
     failing,
+    hoist_scenario,
     speed_scenario,
     supply_step_scenario,
     torque_of,
@@ -609,6 +610,20 @@ def test_braking_needs_less_voltage_and_so_less_weakening(
     else:
         assert margin is not None
         assert margin.met, margin.measured
+
+
+@pytest.mark.parametrize(("name", "speed_rpm"), [("pm-ac-2kw", -1629.0), ("pm-ac-msl", -1240.0)])
+def test_lowering_a_load_near_the_voltage_limit_needs_no_weakening(
+    run: Run, name: str, speed_rpm: float
+) -> None:
+    """Braking reserves voltage for the current regulators: hardly a tenth of it, for which nothing is weakened."""
+    drive = load_drive(name).replaced(settling_s=0.3)
+    assert isinstance(drive, PmAcDocument)
+    record = run(hoist_scenario(drive, (speed_rpm,), 0.4 * drive.rating.rated_torque_nm))
+    lowering = record.steady[-1]
+    free = least_free(record.plant, lowering.speed, lowering.torque)
+    assert 0.87 < free.voltage / undistorted(record.plant, lowering.link) < 0.9
+    assert lowering.direct == pytest.approx(free.direct, abs=record.limits.direct_error_a)
 
 
 def test_a_voltage_that_suffices_needs_no_weakening(run: Run) -> None:
