@@ -96,7 +96,11 @@ def is_voltage_wrong(state: Any, sense: Any, direct: float, quadrature: float) -
     changing = abs(float(machine.pole_pairs * (sense.speed - state.mean_speed)))
     amplitude = min(magnitude(direct, quadrature), machine.full_current)
     unresolved = machine.pole_pairs * max(_UNRESOLVED * state.base_speed - 0.5 * abs(state.mean_speed), 0.0)
-    allowed = (_MAGNET * speed + changing + unresolved) * machine.magnet_flux
+    if abs(sense.speed) < abs(state.mean_speed):
+        # An encoder that has turned shows at least the speed that the time since its last edge allows.
+        unresolved = 0.0
+    # A speed that is not resolved yet is not behind.
+    allowed = (_MAGNET * speed + max(changing, unresolved)) * machine.magnet_flux
     allowed += _INDUCTIVE * speed * machine.quadrature_inductance * amplitude
     allowed += _RESISTIVE * machine.resistance * amplitude
     lost = machine.dead_ratio * sense.supply_voltage + 0.5 * (machine.switch_drop + machine.diode_drop)

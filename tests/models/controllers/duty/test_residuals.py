@@ -167,6 +167,24 @@ def test_an_angle_off_the_observed_shaft_is_confirmed_by_half_as_much_voltage(of
     assert drive.steps_to_fault(50) == (fault, 2 if fault else 50)
 
 
+def test_an_encoder_that_is_lost_hides_no_speed_that_it_does_not_resolve() -> None:
+    """What the link leaves uncertain and a twentieth of base speed are together more than the EMF."""
+    speed = 46.0
+    drive = Drive(speed)
+    drive.sense.supply_voltage = 450.0
+    # So little current of so much shows no missing phase.
+    drive.machine.current_limit = 100.0
+
+    def lose(k: int) -> None:
+        if k >= 50:
+            # It shows what the time since its last edge allows.
+            drive.sense.angle, drive.sense.speed = 50 * speed * PERIOD, speed / (k - 48)
+
+    fault, step = drive.steps_to_fault(400, lose)
+    assert fault == VOLTAGE_FAULT
+    assert (step - 50) * POLE_PAIRS * speed * PERIOD < pi / 2.0, "while the torque has its sense"
+
+
 def test_a_phase_that_does_not_follow_its_reference_is_missing() -> None:
     drive = Drive()
 
