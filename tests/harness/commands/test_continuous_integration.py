@@ -433,6 +433,14 @@ def test_drive_baseline_seed_and_waivers_reach_the_check(tmp_path: Path) -> None
         assert words[words.index(f"--{name}") + 1] == word
 
 
+def test_each_folder_of_the_input_root_reaches_the_check(tmp_path: Path) -> None:
+    words = words_of_the_check(tmp_path, {"ROOT": "shared code:/opt/tables"})
+    assert [words[at + 1] for at, word in enumerate(words) if word == "--root"] == [
+        "shared code",
+        "/opt/tables",
+    ]
+
+
 def test_a_check_that_stands_still_is_ended_and_said_to_be(tmp_path: Path) -> None:
     *_, said, code = words_of_the_check(tmp_path, {"MINUTES": "0.01"}, "kill -STOP $$")
     assert code in ("124", "137")
