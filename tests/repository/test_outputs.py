@@ -1,6 +1,6 @@
-"""What commands print is inserted into the pages from runs; `docs/outputs.py --check` makes these, which takes minutes.
+"""What commands print is inserted into the pages from runs; `docs/outputs.py --check` makes these, minutes at night.
 
-Here the pages are held against what is known without a run: names, commands, numbers of runs.
+Every day the pages are held against what is known without a run: names, commands, numbers of runs.
 """
 
 from __future__ import annotations
@@ -45,6 +45,14 @@ def test_verdicts_of_checks_are_printed_and_not_written_by_hand() -> None:
         by_hand = PLACE.sub("", page.read_text("utf-8"))
         for block in re.findall(r"```text\n(.*?)```", by_hand, re.DOTALL):
             assert not re.search(r"^ *[A-Z]{3}-\d +(required|advisory) ", block, re.MULTILINE), page.name
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("name", [FAULTS, *COMMANDS])
+def test_what_the_pages_show_is_what_the_commands_print_now(
+    name: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["--check", name]) == 0, capsys.readouterr().out
 
 
 @pytest.mark.parametrize("words", [command for commands in COMMANDS.values() for command in commands])
