@@ -6,7 +6,7 @@ import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, TypeAlias
+from typing import TYPE_CHECKING, Final, Literal, TypeAlias
 
 from drivegate.candidates.declaration import NOTHING_DECLARED, Declaration
 from drivegate.candidates.step_costs import NO_COSTS, StepCosts
@@ -17,6 +17,9 @@ from drivegate_models.errors import InputError
 if TYPE_CHECKING:
     from drivegate.candidates.contract import ContractName
     from drivegate_cases.drive.drive_document import DriveDocument
+
+Instrument: TypeAlias = Literal["coverage", "sanitizers"]
+"""What looks into a candidate while it runs."""
 
 STEP_DEADLINE: Final = 1.0
 """Time that a program has for each step unless its manifest says otherwise (s)."""
@@ -29,6 +32,8 @@ class NativeBuild:
     """Where the code of a native candidate is."""
 
     library: Path
+    made_by: object | None = None
+    """How it was made, as `drivegate.candidates.native` describes that; None for a library that was given."""
 
 
 @dataclass(frozen=True)
@@ -93,6 +98,19 @@ Details: TypeAlias = NativeBuild | Program | Target | OuterLoop
 
 
 @dataclass(frozen=True)
+class Instrumented:
+    """What looks into a candidate while it runs, and where that leaves what it has found."""
+
+    by: Instrument
+    folder: Path
+    """Folder into which the candidate's processes write."""
+    library: Path | None = None
+    """A second build of the sources, which runs next to the plain one and must answer the same."""
+    environment: tuple[tuple[str, str], ...] = ()
+    """Variables that the processes start with, and their values."""
+
+
+@dataclass(frozen=True)
 class Candidate:
     """A candidate controller, resolved but not loaded."""
 
@@ -118,6 +136,8 @@ class Candidate:
     contract: ContractName | None = "current"
     """What it answers with: ``current``, a current reference and an advance angle, or ``duty``, duty ratios.
     None where nothing shows it before its code runs: then it is asked for what its drive takes."""
+    instrumented: Instrumented | None = None
+    """What looks into it; None for a plain run."""
 
     @property
     def step_limits(self) -> StepCosts:

@@ -9,7 +9,7 @@ import traceback
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from typing import Final, Literal
+from typing import Any, Final, Literal
 
 from drivegate_cases.documents.wording import one_line
 from drivegate_models.contract.current.signals import Sense
@@ -38,6 +38,8 @@ class FaultKind(StrEnum):
     HANG = "hang"
     NON_DETERMINISTIC = "non-deterministic"
     MEMORY = "foreign memory"
+    SANITIZER = "sanitizer report"
+    BUILDS = "different builds"
 
 
 @dataclass(frozen=True)
@@ -59,6 +61,8 @@ class Fault:
     """Time of that step (s, simulated)."""
     sense: Mapping[str, float | tuple[float, ...]] | None = None
     """The Sense of that step, by field name."""
+    scenario: Mapping[str, Any] | None = None
+    """The scenario in which it happened, as plain data; None outside of a run."""
 
 
 class CandidateFault(Exception):

@@ -9,7 +9,7 @@ when they are needed: each kind brings libraries of its own, and a process needs
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Final
@@ -17,8 +17,13 @@ from typing import TYPE_CHECKING, Any, Final
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.controller import Controller
 from drivegate.candidates.step_costs import NO_COSTS
+from drivegate_cases.documents.wording import one_line
+from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
+    from drivegate.candidates.reached_code import SourceFile
     from drivegate_cases.documents.document import Document
     from drivegate_cases.documents.reach import Reach
 
@@ -43,6 +48,8 @@ INNER_PREFIX: Final = "inner:"
 
 MANIFEST_SUFFIX: Final = ".toml"
 
+_COUNTED: Final = "C, C++, Rust and Python, and images with DWARF"
+
 COMPILED_FOLDER: Final = "native"
 """Folder of the kinds whose code is compiled for this processor."""
 
@@ -65,6 +72,8 @@ class Kind:
     """Whether all of its code is drivegate's own, and so needs no process to contain it."""
     compiles_own_code: bool = False
     """Whether compiled code of drivegate is between a candidate's code and the loop."""
+    is_counted: bool = False
+    """Whether its folder has a module `coverage`, which counts what runs reach of its code."""
     reports_output: bool = False
     """Whether a fault without a traceback is reported with what the candidate's process printed."""
     way_of_running: str = ""
@@ -90,6 +99,31 @@ class Kind:
         if self.compiles_own_code:
             self._module("loading").compile_own_code(candidate)
 
+    def counted_candidate(self, candidate: Candidate, folder: Path) -> Candidate:
+        """Return a candidate whose processes write what runs reach of its code into a folder."""
+        if not self.is_counted:
+            raise InputError(
+                f"--coverage counts candidates in {_COUNTED}, but '{one_line(candidate.name)}' is of the kind "
+                f"'{self.name}'; leave the option out"
+            )
+        counted: Candidate = self._module("coverage").counted_candidate(candidate, folder)
+        return counted
+
+    def sanitized_candidate(self, candidate: Candidate, sanitizers: Sequence[str], folder: Path) -> Candidate:
+        """Return a candidate whose processes also run a build with sanitizers."""
+        if not self.is_counted or self.folder != COMPILED_FOLDER:
+            raise InputError(
+                f"--sanitize serves candidates in C, C++ and Rust, but '{one_line(candidate.name)}' is of the kind "
+                f"'{self.name}'; leave the option out"
+            )
+        sanitized: Candidate = self._module("sanitizing").sanitized_candidate(candidate, sanitizers, folder)
+        return sanitized
+
+    def measured_files(self, candidate: Candidate, output: Path) -> tuple[SourceFile, ...]:
+        """Read what was counted, and write the files for services into a folder."""
+        files: tuple[SourceFile, ...] = self._module("coverage").measured_files(candidate, output)
+        return files
+
     def _module(self, name: str) -> Any:
         return import_module(f"drivegate.candidates.{self.folder}.{name}")
 
@@ -103,6 +137,7 @@ _ALL: Final = (
         ways=("file.c", "file.cpp"),
         suffixes=(".c", ".cpp", ".cc", ".cxx"),
         manifest_keys=("sources", "include", "flags"),
+        is_counted=True,
     ),
     Kind("so", "native", ways=("file.so",), suffixes=(".so",), manifest_keys=("sources", "build")),
     Kind(

@@ -111,6 +111,21 @@ DEFAULT_OUTPUT = "drivegate-report"
     is_flag=True,
     help="Check again whenever a source changes: first what failed, then the rest; needs drivegate[watch].",
 )
+@click.option(
+    "--coverage",
+    is_flag=True,
+    help="Show what the runs reach of the candidate's code; needs drivegate[coverage].",
+)
+@click.option(
+    "--coverage-at-least",
+    metavar="LINES[,BRANCHES]",
+    help="Fail unless the runs reach these percentages; counts like --coverage.",
+)
+@click.option(
+    "--sanitize",
+    metavar="NAMES",
+    help="Fail on what sanitizers report: address, undefined, float, with commas between them.",
+)
 @click.option("-q", "--quiet", is_flag=True, help="Print failed checks and the last line alone.")
 @json_flag(exposed=True)
 def command(
@@ -132,6 +147,9 @@ def command(
     stop_at_first: bool,
     last_failed: bool,
     watch: bool,
+    coverage: bool,
+    coverage_at_least: str | None,
+    sanitize: str | None,
     quiet: bool,
     as_json: bool,
 ) -> Outcome:
@@ -152,6 +170,7 @@ def command(
     from drivegate.gate.options import CheckOptions
     from drivegate.studies.check.check_all import Records, check_all
     from drivegate.studies.check.checked import summary
+    from drivegate.studies.check.inspection import read_inspection
     from drivegate.studies.check.part import Part
 
     options = CheckOptions(
@@ -165,6 +184,7 @@ def command(
         fail_on=fail_on,
         contested=contested,
     )
+    inspection = read_inspection(coverage, coverage_at_least, sanitize)
     records = Records(corpus, waivers, baseline, requirements)
     reported: set[int] = set()
 
@@ -184,7 +204,9 @@ def command(
 
     def check_once(begin_with_failed: bool) -> Outcome:
         part = Part(only, stop_at_first, begin_with_failed)
-        all_checked = check_all(candidates, output, options, records, part, quiet=quiet, show=show)
+        all_checked = check_all(
+            candidates, output, options, records, part, inspection=inspection, quiet=quiet, show=show
+        )
         if _is_refused(all_checked):
             assert all_checked[0].error is not None, "that is what refused means"
             raise all_checked[0].error

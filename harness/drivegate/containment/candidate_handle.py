@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import LONGEST_TRACEBACK
-from drivegate.containment.candidate_isolation import own_places
+from drivegate.containment.candidate_isolation import own_environment, own_places, written_places
 from drivegate.containment.kept_process import KeptProcess, Role
 from drivegate.containment.machine_memory import room_of
 from drivegate.containment.protocol import (
@@ -66,6 +66,8 @@ class CandidateHandle:
                 output=writer,
                 layers=layers,
                 readable=own_places(candidate),
+                writable=written_places(candidate),
+                variables=own_environment(candidate),
                 afresh=afresh,
             )
         finally:

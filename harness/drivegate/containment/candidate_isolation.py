@@ -23,6 +23,8 @@ def _own_places(candidate: Candidate) -> list[Path]:
     details = candidate.details
     if isinstance(details, NativeBuild):
         places.append(details.library)
+        if candidate.instrumented is not None and candidate.instrumented.library is not None:
+            places.append(candidate.instrumented.library)
     elif isinstance(details, Target):
         places.append(details.image)
     elif isinstance(details, Program):
@@ -34,3 +36,13 @@ def _own_places(candidate: Candidate) -> list[Path]:
     elif isinstance(details, OuterLoop):
         places += _own_places(details.outer)
     return places
+
+
+def written_places(candidate: Candidate) -> tuple[str, ...]:
+    """Return the folders into which a candidate's process writes what was counted in it."""
+    return () if candidate.instrumented is None else (str(candidate.instrumented.folder),)
+
+
+def own_environment(candidate: Candidate) -> dict[str, str]:
+    """Return the variables that a candidate's process starts with because of what looks into it."""
+    return {} if candidate.instrumented is None else dict(candidate.instrumented.environment)

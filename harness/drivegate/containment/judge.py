@@ -6,6 +6,7 @@ A candidate that is included with drivegate is drivegate's own code, and needs n
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
 from functools import partial
 from typing import Any, Self, TypeVar
 
@@ -40,7 +41,7 @@ class Judge:
         on_slow: Callable[[SlowRun], None] | None = None,
         layers: tuple[Layer, ...] | None = None,
     ) -> None:
-        self._candidate = candidate
+        self._candidate = self._chosen = candidate
         self._layers = layers
         self._limits = limits
         self._on_slow = on_slow
@@ -60,10 +61,17 @@ class Judge:
         self._afresh = job.afresh
         if job.afresh:
             self.kill()
+        self._choose(self._candidate if not job.is_plain else replace(self._candidate, instrumented=None))
         try:
-            return job.target(JudgedCandidate(self._candidate, self._new_controller), job.payload)
+            return job.target(JudgedCandidate(self._chosen, self._new_controller), job.payload)
         except CandidateFault as ended:
             return ended.fault
+
+    def _choose(self, candidate: Candidate) -> None:
+        """Take a candidate with or without what looks into it; each has a process of its own."""
+        if candidate != self._chosen:
+            self.kill()
+            self._chosen, self._process = candidate, None
 
     def _new_controller(self) -> AnyController:
         if KINDS[self._candidate.kind].is_included:
@@ -80,7 +88,7 @@ class Judge:
                 trust_only(self._kernels)
             layers = isolating_layers(self._candidate) if self._layers is None else self._layers
             self._is_isolated = bool(layers)
-            self._process = CandidateProcess(self._candidate, self._limits, self._on_slow, layers or ())
+            self._process = CandidateProcess(self._chosen, self._limits, self._on_slow, layers or ())
         # Copies of one process share its addresses and hashes, which a repetition must not.
         self._process.starts_afresh = self._afresh
         return ContainedController(self._process)

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from contextlib import suppress
 from enum import StrEnum
 from pathlib import Path
+from types import MappingProxyType
 from typing import Final
 
 import psutil
@@ -109,8 +110,8 @@ class KeptProcess:
     """One process, from its start to when nothing of it is left.
 
     A candidate's gets few environment variables, and its output goes to a descriptor; a judge's is the harness's own.
-    One that is started afresh is never a copy of a template. If it `is_one_of_many`, others follow for certain. A copy
-    has imported `modules`.
+    `variables` are added for a candidate, which also writes into `writable`. One that is started afresh is never a copy
+    of a template. If it `is_one_of_many`, others follow for certain. A copy has imported `modules`.
 
     `keeper`: its keeper, which ends by itself only if it was killed.
     """
@@ -124,6 +125,8 @@ class KeptProcess:
         output: int | None = None,
         layers: tuple[Layer, ...] = (),
         readable: tuple[str, ...] = (),
+        writable: tuple[str, ...] = (),
+        variables: Mapping[str, str] = MappingProxyType({}),
         afresh: bool = False,
         modules: tuple[str, ...] = (),
         is_one_of_many: bool = False,
@@ -136,10 +139,10 @@ class KeptProcess:
         environment: Mapping[str, str] = os.environ
         lasting = _environment_of_imports(os.environ)
         if role is Role.CANDIDATE:
-            environment = worker_environment(os.environ, self._temporary.path, kernels)
-            lasting = _lasting_environment(os.environ, kernels)
+            environment = {**worker_environment(os.environ, self._temporary.path, kernels), **variables}
+            lasting = {**_lasting_environment(os.environ, kernels), **variables}
             readable = readable if kernels is None else (*readable, str(kernels))
-        order = written_order(layers, Places(readable, (temporary,)))
+        order = written_order(layers, Places(readable, (temporary, *writable)))
         words: tuple[str, ...] = (role.value, order, temporary)
         folder = folder if folder is not None and folder.is_dir() else None
         # Only this process has the end for writing, which closes however it ends. That ends the keeper.

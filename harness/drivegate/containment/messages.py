@@ -36,6 +36,8 @@ class Job(Generic[ResultT]):
     """Anything that can be pickled."""
     afresh: bool = False
     """Whether the candidate needs a process that has done nothing before."""
+    is_plain: bool = False
+    """Whether nothing may look into the candidate while it runs."""
 
 
 @dataclass(frozen=True)

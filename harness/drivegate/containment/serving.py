@@ -175,6 +175,7 @@ class _Server:
         loop, records = self._made_ready(pending, memory, restarter)
         with self._progress.running():
             status, _ = loop(*pending.pop())
+        self._write_counters()
         steps = int(records.run["steps"][0])
         if restarter.failures:
             # The run ended because the instance could not be reset in the middle of it.
@@ -210,9 +211,14 @@ class _Server:
         steps = self._steps_made_ready(pending, memory)
         with self._progress.running():
             status, answered = steps(*pending.pop())
+        self._write_counters()
         if status == COMPLETED:
             return Reply(Ending.DONE, int(status), int(answered), costs=self._taken_costs())
         return self._stopped(int(status), int(answered))
+
+    def _write_counters(self) -> None:
+        """Write what the run has reached of the candidate's code, where that is counted."""
+        getattr(self._instance, "write_counters", lambda: None)()
 
     def _taken_costs(self) -> StepCosts:
         take = getattr(self._instance, "taken_costs", None)

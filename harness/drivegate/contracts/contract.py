@@ -89,6 +89,8 @@ class Contract(ABC):
     """The records that pass between controller and drive."""
     sensed: ClassVar[Mapping[str, str]]
     """Fields of a sense to print, each with its unit."""
+    moved_by: ClassVar[Mapping[str, str]]
+    """Fields of a sense, each with the keys of a scenario or a drive that move it."""
     outputs: ClassVar[Mapping[str, tuple[str, str]]]
     """Fields of a command that a controller writes, each with its name and unit."""
     plotted: ClassVar[Mapping[str, tuple[str, float]]]

@@ -122,7 +122,7 @@ def planned_work(
         ),
         *_joint(drive, seed, JOINT[effort], focus),
         # Last, so that fewer processes are at work beside it.
-        Work(Job(time_steps, fixed[0]), 1, fixed[0].name, Origin.TIMED),
+        Work(Job(time_steps, fixed[0], is_plain=True), 1, fixed[0].name, Origin.TIMED),
     ]
     return [item for item in work if _serves(item.origin, focus)]
 

@@ -43,7 +43,7 @@ class _Request:
 
 def repetition_job(scenario: Scenario, *, keep: bool = False) -> Job[Repetition]:
     """Plan to run a scenario in a process that has done nothing before."""
-    return Job(run_repetition, _Request(scenario, keep), afresh=True)
+    return Job(run_repetition, _Request(scenario, keep), afresh=True, is_plain=True)
 
 
 def run_repetition(loaded: JudgedCandidate, request: _Request) -> Repetition:

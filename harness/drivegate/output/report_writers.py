@@ -25,6 +25,8 @@ DRIVE_COMPARISON_GROUP: Final = "drivegate.drive_comparison_reports"
 """Group of entry points, each a function of the document of a comparison of drives and a folder, in the same way."""
 CAMPAIGN_GROUP: Final = "drivegate.campaign_reports"
 """Group of entry points, each a function of the campaign's summary and a folder that returns what it wrote."""
+CODE_COVERAGE_GROUP: Final = "drivegate.code_coverage_reports"
+"""Group of entry points, each a function of what runs reached of a candidate's code and a folder, in the same way."""
 
 WriteReport: TypeAlias = Callable[[dict[str, Any], Path], Path]
 """From a document and an existing folder to the page that was written."""

@@ -168,7 +168,8 @@ class FaultSection(Section):
     """A fault of the candidate, which no waiver covers."""
 
     kind: Text = Field(
-        description="exception, crash, hang, invalid output, foreign memory or non-deterministic"
+        description="exception, crash, hang, invalid output, foreign memory, non-deterministic, sanitizer report or "
+        "different builds"
     )
     message: Text = Field(description="what happened, in one sentence")
     phase: Text = Field(description="when: loading, reset or step")
@@ -179,6 +180,11 @@ class FaultSection(Section):
     step: int | None = Field(default=None, description="number of steps before")
     time_s: Number = Field(default=None, description="simulated time, in seconds")
     sense: Table | None = Field(default=None, description="what the candidate had sensed")
+    scenario: ScenarioTable | None = Field(
+        default=None,
+        description="the scenario in which it happened, fully resolved; of a sanitizer's report the simplest that was "
+        "found; null outside of a run, and in results of earlier versions",
+    )
 
     @classmethod
     def of(cls, fault: Fault) -> FaultSection:
@@ -281,6 +287,35 @@ class StepsSection(Section):
     stack_bytes: StepCostSection | None = Field(default=None, description="depth of the stack, in bytes")
 
 
+class CountSection(Section):
+    """How much of a candidate's code was reached."""
+
+    reached: int = Field(ge=0, description="number that ran at least once")
+    total: int = Field(ge=0, description="number that there are, without what comments exclude")
+    at_least_percent: float | None = Field(
+        default=None, description="least share that --coverage-at-least requires; null where it requires none"
+    )
+
+
+class CodeFileSection(Section):
+    """What was reached of one file."""
+
+    name: Text = Field(description="path from the candidate's folder")
+    unreached_lines: tuple[int, ...] = Field(default=(), description="numbers of the lines that never ran")
+    unreached_branches: tuple[tuple[int, int], ...] = Field(
+        default=(), description="line and place, from 1, of each way out of a line that was never taken"
+    )
+
+
+class CodeCoverageSection(Section):
+    """What the runs reached of the candidate's code."""
+
+    lines: CountSection = Field(description="lines of code")
+    branches: CountSection = Field(description="ways out of lines with a condition")
+    files: tuple[CodeFileSection, ...] = Field(default=(), description="the candidate's files")
+    message: Text = Field(description="the same in one sentence")
+
+
 class ResultDocument(Document):
     """The result of the check of one candidate."""
 
@@ -353,6 +388,14 @@ class ResultDocument(Document):
         default=None,
         description="what the steps of an image cost on its target; null for other candidates and in results of "
         "earlier versions",
+    )
+    code_coverage: CodeCoverageSection | None = Field(
+        default=None,
+        description="what the runs reached of the candidate's code; null without --coverage and in results of earlier "
+        "versions",
+    )
+    sanitizers: tuple[Text, ...] = Field(
+        default=(), description="sanitizers that looked into the candidate's code, empty for none"
     )
     provenance: ProvenanceSection = Field(description="versions, commit and content hash")
     timing: TimingSection = Field(

@@ -10,7 +10,13 @@ from typing import TYPE_CHECKING, Final
 
 from drivegate.candidates.candidate import Candidate, Stub, Target, existing_folder, hash_of
 from drivegate.candidates.elf.expression import parsed, parsed_place
-from drivegate.candidates.native.resolution import ElfHeader, built_or_given, contract_served, elf_header
+from drivegate.candidates.native.resolution import (
+    ElfHeader,
+    built_or_given,
+    contract_served,
+    elf_header,
+    project_build,
+)
 from drivegate.candidates.step_costs import StepCosts
 from drivegate_cases.documents.reach import existing_file
 from drivegate_cases.documents.wording import shown_path
@@ -33,7 +39,8 @@ def from_text(specification: str) -> Candidate:
 def from_manifest(manifest: Manifest, specification: str, reach: Reach) -> Candidate:
     file, further = manifest.files(specification, reach)
     _require_emulator(file)
-    image, sources = built_or_given(manifest, file, further, specification, reach.folder)
+    build = project_build(manifest, further, specification, reach.folder)
+    image, sources = built_or_given(build, file, further)
     target = Target(
         image,
         (manifest.start,) if isinstance(manifest.start, str) else manifest.start,

@@ -74,7 +74,7 @@ def _built(
     compilers: Compilers, plan: Compilation, folder: Path, scratch: Path, complete_output: Path
 ) -> tuple[Path, tuple[Path, ...]]:
     files = used_files(compilers, plan, scratch)
-    library = folder / f"{_key(compilers, plan, files)}.so"
+    library = folder / f"{key_of(compilers, plan, files)}.so"
     if not library.exists():
         compiled, output = compile_library(compilers, plan, scratch)
         warnings = warnings_in_words(output)
@@ -87,7 +87,7 @@ def _built(
     return library, tuple(file for file in files if own not in file.parents)
 
 
-def _key(compilers: Compilers, plan: Compilation, files: Sequence[Path]) -> str:
+def key_of(compilers: Compilers, plan: Compilation, files: Sequence[Path]) -> str:
     """Hash all that decides on the compiled code; with `-march=native`, that is the processor too."""
     from llvmlite.binding import get_host_cpu_name
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from drivegate.candidates.contract import AnyNameplate, ContractName, require_nameplate_of
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind
+from drivegate.candidates.native.exact_memory import ExactMemory
 from drivegate_models.contract.current.records import STATE_ALIGNMENT, nameplate_record
 from drivegate_models.contract.duty.records import duty_nameplate_record
 from drivegate_models.contract.duty.signals import DutyNameplate
@@ -26,6 +27,7 @@ RESETS: Final[dict[ContractName, str]] = {"current": "drivegate_reset", "duty": 
 """Name of the function that resets a controller of each contract."""
 STEPS: Final[dict[ContractName, str]] = {"current": "drivegate_step", "duty": "drivegate_duty_step"}
 
+_NOTHING: Final = np.uint8(0)
 _mathematics: Final = ctypes.CDLL(find_library("m"))
 # The largest floating-point environment that a C library has is well below this.
 _ENVIRONMENT_BYTES: Final = 512
@@ -80,9 +82,11 @@ class GlobalState:
     def restore(self) -> None:
         """Store the variables at the first call, and write them back at each later one."""
         if self._copies is None:
-            self._copies = tuple(view.copy() for view in self._memory)
+            self._copies = tuple(np.bitwise_or(view, _NOTHING) for view in self._memory)
+        # No copies to numpy: the address sanitizer looks into those, and keeps places between variables that nobody
+        # may touch.
         for view, copy in zip(self._memory, self._copies, strict=True):
-            view[:] = copy
+            np.bitwise_or(copy, _NOTHING, out=view)
 
 
 def _variables(library: Path) -> list[tuple[int, int]]:
@@ -139,6 +143,7 @@ class NativeController:
 
     `reset`: calls `drivegate_reset` with the addresses of state and nameplate, and returns 0 for success.
     `state_address`: address of the state, aligned as the header says; 0 for none. Valid as long as this object lives.
+    `state`: memory to be used for the state.
     """
 
     def __init__(
@@ -148,6 +153,7 @@ class NativeController:
         state_size: int,
         contract: ContractName = "current",
         variables: GlobalState | None = None,
+        state: ExactMemory | None = None,
     ) -> None:
         self.contract = contract
         self._variables = variables
@@ -155,9 +161,10 @@ class NativeController:
         self.state_size = state_size
         self._fault: Fault | None = None
         self._reset = reset
+        self._exact = state
         # numpy does not align to as many bytes as the header promises, so there are some to spare.
         self._memory: NDArray[np.uint8] = np.zeros(state_size + STATE_ALIGNMENT, np.uint8)
-        begin = self._memory.ctypes.data
+        begin = self._memory.ctypes.data if state is None else state.address
         self.state_address = begin + -begin % STATE_ALIGNMENT if state_size else 0
 
     @property

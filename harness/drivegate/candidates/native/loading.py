@@ -1,11 +1,12 @@
 """Loading a native candidate's library, which runs code of it: this belongs into a worker process."""
 
 import ctypes
+import os
 from functools import cache
 from pathlib import Path
 from typing import Any, Final
 
-from drivegate.candidates.candidate import Candidate, NativeBuild
+from drivegate.candidates.candidate import Candidate, Instrumented, NativeBuild
 from drivegate.candidates.contract import HEADERS, ContractName
 from drivegate.candidates.controller import Controller
 from drivegate.candidates.fault import bounded_line
@@ -16,6 +17,8 @@ from drivegate.candidates.native.controller import (
     NativeController,
     same_arithmetic,
 )
+from drivegate.candidates.native.exact_memory import ExactMemory
+from drivegate.candidates.native.two_builds import STEP_BOTH, WRITE_COUNTERS, TwoBuilds
 from drivegate_cases.documents.wording import one_line
 from drivegate_models.contract.current.records import ABI_MAJOR, ABI_MINOR
 from drivegate_models.errors import HarnessFault, InputError
@@ -37,7 +40,15 @@ def load_controller(candidate: Candidate) -> Controller:
     """
     if not isinstance(candidate.details, NativeBuild):
         raise HarnessFault(f"the candidate {candidate.name} of kind {candidate.kind} was not built")
-    library, name = candidate.details.library, one_line(candidate.name)
+    name = one_line(candidate.name)
+    plain = _loaded_controller(candidate.details.library, name)
+    if candidate.instrumented is None or candidate.instrumented.library is None:
+        return plain
+    return _two_builds(plain, candidate.instrumented, name)
+
+
+def _loaded_controller(library: Path, name: str, *, is_exact: bool = False) -> NativeController:
+    """Load a library once a process, and make an instance; one that is exact has no byte to spare at its state."""
     functions, contract = _loaded(library, name)
     with same_arithmetic():
         version, size = functions.drivegate_abi_version(), functions.drivegate_state_size()
@@ -48,8 +59,19 @@ def load_controller(candidate: Candidate) -> Controller:
             f"0 to {LARGEST_STATE}"
         )
     if size:
-        return _new_instance(functions, contract, size)
+        return _new_instance(functions, contract, size, state=ExactMemory(size) if is_exact else None)
     return _single_instance(library, name, functions, contract)
+
+
+def _two_builds(plain: NativeController, instrumented: Instrumented, name: str) -> TwoBuilds:
+    library = instrumented.library
+    assert library is not None, "only a candidate with a second build has two"
+    # libgcov puts the path at which an object was compiled below this folder.
+    os.environ["GCOV_PREFIX"] = str(instrumented.folder)
+    second = _loaded_controller(library, name, is_exact=True)
+    functions, _ = _loaded(library, name)
+    step = ctypes.cast(getattr(functions, STEP_BOTH), ctypes.c_void_p).value or 0
+    return TwoBuilds(plain, second, step, instrumented.by, getattr(functions, WRITE_COUNTERS, None))
 
 
 def require_version(version: int, name: str) -> None:
@@ -73,10 +95,16 @@ def _single_instance(library: Path, name: str, functions: Any, contract: Contrac
 
 
 def _new_instance(
-    functions: Any, contract: ContractName, size: int, variables: GlobalState | None = None
+    functions: Any,
+    contract: ContractName,
+    size: int,
+    variables: GlobalState | None = None,
+    state: ExactMemory | None = None,
 ) -> NativeController:
     step_address = ctypes.cast(getattr(functions, STEPS[contract]), ctypes.c_void_p).value or 0
-    return NativeController(step_address, getattr(functions, RESETS[contract]), size, contract, variables)
+    return NativeController(
+        step_address, getattr(functions, RESETS[contract]), size, contract, variables, state
+    )
 
 
 @cache

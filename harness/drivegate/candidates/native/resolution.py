@@ -20,6 +20,7 @@ from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
     from drivegate.candidates.manifest import Manifest
+    from drivegate.candidates.native.build_commands import ProjectBuild
     from drivegate_cases.documents.reach import Reach
 
 _MAGIC: Final = b"\x7fELF"
@@ -75,8 +76,9 @@ def from_manifest(manifest: Manifest, specification: str, reach: Reach) -> Candi
     where, folder = shown_path(specification), reach.folder
     entry, further = manifest.files(specification, reach)
     if manifest.kind == "so":
-        library, sources = built_or_given(manifest, entry, further, specification, folder)
-        return _library_candidate(specification, entry, library, sources, manifest.build)
+        build = project_build(manifest, further, specification, folder)
+        library, sources = built_or_given(build, entry, further)
+        return _library_candidate(specification, entry, library, sources, build)
     for include in manifest.include:
         if not reach.place(include, f"{where}: a folder of the key 'include'").is_dir():
             raise InputError(f"{where}: the key 'include' names '{one_line(include)}', which is no folder")
@@ -111,21 +113,36 @@ def _check_flag(flag: str, where: str) -> None:
 
 
 def _library_candidate(
-    specification: str, file: Path, library: Path, sources: tuple[Path, ...], commands: tuple[str, ...] = ()
+    specification: str,
+    file: Path,
+    library: Path,
+    sources: tuple[Path, ...],
+    build: ProjectBuild | None = None,
 ) -> Candidate:
     _check_shared_library(library)
-    return _candidate("so", specification, file, sources, commands, library)
+    commands = () if build is None else build.commands
+    return _candidate("so", specification, file, sources, commands, NativeBuild(library, build))
+
+
+def project_build(
+    manifest: Manifest, further: tuple[Path, ...], specification: str, folder: Path
+) -> ProjectBuild | None:
+    """Return how the manifest's commands make its file; None where it has no commands."""
+    from drivegate.candidates.native.build_commands import ProjectBuild
+
+    if not manifest.build:
+        return None
+    return ProjectBuild(shown_path(specification), folder, manifest.build, further, manifest.entry)
 
 
 def built_or_given(
-    manifest: Manifest, entry: Path, further: tuple[Path, ...], specification: str, folder: Path
+    build: ProjectBuild | None, entry: Path, further: tuple[Path, ...]
 ) -> tuple[Path, tuple[Path, ...]]:
-    """Return the file that is loaded, built if the manifest has commands for it, and the files of the hash."""
-    from drivegate.candidates.native.build_commands import ProjectBuild, built_artefact
+    """Return the file that is loaded, built if there are commands for it, and the files of the hash."""
+    from drivegate.candidates.native.build_commands import built_artefact
 
-    if not manifest.build:
+    if build is None:
         return entry, tuple(dict.fromkeys((entry, *further)))
-    build = ProjectBuild(shown_path(specification), folder, manifest.build, further, manifest.entry)
     return built_artefact(build), further
 
 
@@ -134,7 +151,7 @@ def _source_candidate(specification: str, file: Path, plan: Compilation) -> Cand
 
     library, files = built_library(plan)
     sources = tuple(dict.fromkeys((*files, *plan.further_files)))
-    return _candidate("c", specification, file, sources, plan.flags, library)
+    return _candidate("c", specification, file, sources, plan.flags, NativeBuild(library, plan))
 
 
 def _candidate(
@@ -143,7 +160,7 @@ def _candidate(
     file: Path,
     sources: tuple[Path, ...],
     words: tuple[str, ...],
-    library: Path,
+    build: NativeBuild,
 ) -> Candidate:
     """Describe a library; `words` made it from the sources, so the hash covers them too."""
     return Candidate(
@@ -154,8 +171,8 @@ def _candidate(
         existing_folder(file),
         sources,
         hash_of(sources, "\0".join(words)),
-        details=NativeBuild(library),
-        contract=contract_served(library),
+        details=build,
+        contract=contract_served(build.library),
     )
 
 

@@ -35,6 +35,14 @@ class CurrentColumns(Contract):
         "half_supply_voltage": "V",
         "phase_currents": "A",
     }
+    moved_by: ClassVar[Mapping[str, str]] = {
+        "time": "duration_s, clock_start_s",
+        "speed_reference": "speed_rpm",
+        "speed": "speed_rpm, initial_speed_rpm, load, sensors",
+        "current_magnitude_sum": "load, current_errors",
+        "half_supply_voltage": "supply_v, imbalance",
+        "phase_currents": "load, current_errors, dropouts",
+    }
     outputs: ClassVar[Mapping[str, tuple[str, str]]] = {
         "current_reference": ("current reference", "A"),
         "advance_angle": ("advance angle", "rad"),

@@ -50,6 +50,19 @@ class DutyColumns(Contract):
         "phase_voltages": "V",
         "winding_temperature": "°C",
     }
+    moved_by: ClassVar[Mapping[str, str]] = {
+        "time": "duration_s, clock_start_s",
+        "reference": "speed_rpm, or the reference of load",
+        "speed": "speed_rpm, initial_speed_rpm, load",
+        "angle": "initial_angle_deg, turns_before, sensors",
+        "phase_currents": "load, current_errors, dropouts, failure",
+        "supply_voltage": "link_voltage_v, failure",
+        "supply_current": "load, link_voltage_v",
+        "phase_voltages": "initial_speed_rpm while the bridge is off",
+        "hall": "sensors with Hall switches, dropouts",
+        "encoder_count": "sensors with an encoder, glitches",
+        "enable": "restarts_s, and reads_enable = true in the manifest",
+    }
     outputs: ClassVar[Mapping[str, tuple[str, str]]] = {
         "first_duty": ("first duty ratio", ""),
         "second_duty": ("second duty ratio", ""),

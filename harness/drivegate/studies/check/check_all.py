@@ -14,6 +14,7 @@ from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING
 
+from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.gate.events import Event, Running
 from drivegate.gate.options import CheckOptions
@@ -26,6 +27,7 @@ from drivegate.output.result_file import RESULT_FILE, as_json
 from drivegate.output.result_reports import page_formats
 from drivegate.output.waiting import CheckPace
 from drivegate.studies.check.checked import Checked, summary
+from drivegate.studies.check.inspection import NOT_INSPECTED, Inspection, inspected, with_findings
 from drivegate.studies.check.part import WHOLE_CHECK, Part, focus_of, own_ids
 from drivegate.studies.check.storing import incomplete, store, unwritten
 from drivegate_cases.documents.wording import shown_path
@@ -56,6 +58,7 @@ def check_all(
     records: Records = Records(),
     part: Part = WHOLE_CHECK,
     *,
+    inspection: Inspection = NOT_INSPECTED,
     quiet: bool = False,
     show: Callable[[list[Checked]], None] = lambda _: None,
 ) -> list[Checked]:
@@ -91,7 +94,9 @@ def check_all(
             elif checked.candidate is not None:
                 inside = "" if len(all_checked) == 1 else _folder_name(checked.candidate.name, taken)
                 checked.folder = output / inside
-                _check(checked, folder.staging / inside, options, preparation, ending, quiet=quiet)
+                _check(
+                    checked, folder.staging / inside, options, inspection, preparation, ending, quiet=quiet
+                )
         _commit(all_checked, folder, output)
         named = () if ending.is_requested() else tuple(filter(None, map(page_name, writers.values())))
         for checked in _stored(all_checked):
@@ -188,6 +193,7 @@ def _check(
     checked: Checked,
     staging: Path,
     options: CheckOptions,
+    inspection: Inspection,
     preparation: Preparation,
     ending: Termination,
     *,
@@ -202,8 +208,16 @@ def _check(
         if checked.folder is not None:
             checked.document["timing"] |= {PLACES: places_of(checked.folder.resolve())}
 
+    def keep_all(result: ResultDocument, seen: Candidate) -> None:
+        # Kept first without the findings, which may fail to be read.
+        keep(result)
+        keep(with_findings(result, seen, inspection, staging))
+
     try:
-        with progress_on(None if quiet else sys.stderr) as display:
+        with (
+            progress_on(None if quiet else sys.stderr) as display,
+            inspected(candidate, inspection) as seen,
+        ):
             display.begin(candidate.name)
             # The engine brings the compiled plant, which a candidate that is refused does not need.
             from drivegate.gate.engine import check_candidate
@@ -214,9 +228,9 @@ def _check(
                 on_slow=lambda run: display.announce(pace.slow_run_in_words(run)),
                 is_ended=ending.is_requested,
             )
-            events = check_candidate(candidate, followed_options)
+            events = check_candidate(seen, followed_options)
             followed = ending.following(preparation.following(events))
-            finished(followed, display, pace, keep)
+            finished(followed, display, pace, lambda result: keep_all(result, seen))
             # Announced here, so that the verdict is the last line of a log.
             display.phase("writing the report")
     except Exception as error:

@@ -25,6 +25,8 @@ from drivegate.results.result import NOT_WITNESSED, counted_levels, witness_in_w
 from drivegate.scenarios.facts import facts_in_short
 from drivegate.studies.check.checked import Checked
 
+COVERAGE_PAGE: Final = "coverage/index.html"
+"""The annotated sources, in the report's folder."""
 QUIET_VERDICTS: Final = ("pass", "not applicable", "waived", "inconclusive")
 """Verdicts of checks that a quiet run does not print."""
 _UNCOUNTED: Final = {
@@ -52,6 +54,7 @@ def show_checked(console: Console, checked: Checked, again: str | None = None) -
         for words in likely_causes_of(document):
             print_line(console, words, "bold")
     _show_uncounted(console, document)
+    show_code_coverage(console, document, folder)
     print_line(console, f"on the drive {drive_in_words(document['drive'])}", "dim")
     listed = table("check", "level", "verdict", "margin", "message", right=("margin",))
     counted = counted_levels(document.get("fail_on"))
@@ -78,6 +81,19 @@ def _show_uncounted(console: Console, document: dict[str, Any]) -> None:
         names = ", ".join(check["id"] for check in document["checks"] if check["verdict"] == verdict)
         if names:
             print_line(console, f"{verdict}: {names}: {because}, so they do not count", "bold yellow")
+
+
+def show_code_coverage(console: Console, document: dict[str, Any], folder: Path | None) -> None:
+    """Print what the runs reached of the candidate's code, where that was counted."""
+    section = document.get("code_coverage")
+    if section is not None:
+        is_short = any(
+            count["at_least_percent"] is not None
+            and 100.0 * count["reached"] < count["at_least_percent"] * count["total"]
+            for count in (section["lines"], section["branches"])
+        )
+        where = "" if folder is None else f"; {folder / COVERAGE_PAGE}"
+        print_line(console, f"coverage: {section['message']}{where}", "bold red" if is_short else "")
 
 
 def _show_fault(console: Console, fault: dict[str, Any], count: int) -> None:
@@ -134,6 +150,7 @@ def show_failures(console: Console, checked: Checked) -> None:
     counted = counted_levels(document.get("fail_on"))
     for fault, count in distinct_faults(document["faults"]):
         print_line(console, f"{fault['kind']}{in_runs(count)}: {fault['message']}", "bold red")
+    show_code_coverage(console, document, checked.folder)
     for check in by_urgency(document["checks"]):
         if check["verdict"] in QUIET_VERDICTS:
             continue

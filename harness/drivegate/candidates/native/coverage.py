@@ -1,0 +1,96 @@
+"""What runs reach of a candidate in C or C++: a build with counters, and what `gcovr` reads of them."""
+
+from __future__ import annotations
+
+import os
+import re
+import shlex
+import shutil
+from dataclasses import replace
+from pathlib import Path
+from typing import Final
+
+from drivegate.candidates.candidate import Candidate, Instrumented, NativeBuild
+from drivegate.candidates.native.compiler import Compilation, found_compiler, include_folder
+from drivegate.candidates.native.coverage_tools import (
+    COBERTURA,
+    LCOV,
+    TRACE,
+    files_of_trace,
+    gcovr,
+    require_package,
+)
+from drivegate.candidates.native.second_build import LIBRARY, compilers_of, is_clang, second_build
+from drivegate.candidates.reached_code import SourceFile
+from drivegate_cases.documents.wording import one_line
+from drivegate_models.errors import InputError
+
+_COUNTED: Final = ("--coverage", "-g", "-DDRIVEGATE_COUNTS")
+_WORK: Final = "work"
+
+
+def counted_candidate(candidate: Candidate, folder: Path) -> Candidate:
+    """Return a candidate whose processes also run a build that counts, and write the counters into a folder."""
+    require_package("gcovr", "--coverage")
+    plan = plan_of(candidate, "--coverage")
+    reader_of(plan)
+    paths = () if any(map(is_clang, compilers_of(plan).values())) else ("-fprofile-abs-path",)
+    built = second_build(plan, (*_COUNTED, *paths))
+    return replace(candidate, instrumented=Instrumented("coverage", folder, built / LIBRARY))
+
+
+def plan_of(candidate: Candidate, option: str) -> Compilation:
+    """Return how a candidate is compiled; refuse one that drivegate does not compile."""
+    details = candidate.details
+    if not isinstance(details, NativeBuild) or not isinstance(details.made_by, Compilation):
+        raise InputError(
+            f"{option} needs the sources of '{one_line(candidate.name)}', which is a library; name the sources in a "
+            'manifest of kind = "c"'
+        )
+    return details.made_by
+
+
+def reader_of(plan: Compilation) -> str:
+    """Return the command that reads the counters of a compiler."""
+    (program, *_) = compiler = found_compiler(plan.languages[-1])
+    clang = is_clang(compiler)
+    version = re.search(r"-\d+$", Path(program).name)
+    name = ("llvm-cov" if clang else "gcov") + (version[0] if version else "")
+    found = shutil.which(name) or shutil.which("llvm-cov" if clang else "gcov")
+    if found is None:
+        raise InputError(
+            f"--coverage needs the program {name}, which belongs to the compiler {program}; install it (Debian and "
+            f"Ubuntu: apt install {'llvm' if clang else 'gcc'})"
+        )
+    return f"{shlex.quote(found)} gcov" if clang else shlex.quote(found)
+
+
+def measured_files(candidate: Candidate, output: Path) -> tuple[SourceFile, ...]:
+    """Read what was counted, and write the files for services into a folder."""
+    instrumented = candidate.instrumented
+    assert instrumented is not None
+    assert instrumented.library is not None, "it was compiled to count"
+    plan = plan_of(candidate, "--coverage")
+    work = instrumented.folder / _WORK
+    work.mkdir()
+    # Objects are numbered, drivegate's own the last. libgcov makes the folders in which an object was compiled.
+    for number in range(len(plan.sources)):
+        shutil.copy(instrumented.library.with_name(f"{number}.gcno"), work)
+        for counted in instrumented.folder.glob(f"**/made/{number}.gcda"):
+            shutil.copy(counted, work)
+    own = os.path.commonpath([plan.folder, *(source.parent for source in candidate.sources)])
+    filters = [word for source in candidate.sources for word in ("--filter", re.escape(str(source)) + "$")]
+    readable = (include_folder(), Path(own), *(Path(place) for place in plan.include))
+    words = [
+        "--root",
+        str(own),
+        *filters,
+        *("--gcov-executable", reader_of(plan)),
+        *("--exclude-throw-branches", "--merge-mode-functions", "separate"),
+        *("--json", str(work / TRACE), "--lcov", str(work / LCOV), "--cobertura", str(work / COBERTURA)),
+        str(work),
+    ]
+    gcovr(words, work, readable, work)
+    for name in (LCOV, COBERTURA):
+        shutil.copy(work / name, output)
+    return files_of_trace(work / TRACE, Path(own))

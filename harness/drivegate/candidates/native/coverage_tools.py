@@ -1,0 +1,73 @@
+"""The tools that read counters and write reports, which are run like a compiler: isolated, and within bounds."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, Final
+
+from drivegate.candidates.fault import bounded_reason
+from drivegate.candidates.native.bounded_command import Bounds, run_bounded
+from drivegate.candidates.reached_code import Line, SourceFile
+from drivegate.isolation.layers import Places, isolated_command, requested_layers
+from drivegate_models.errors import HarnessFault, InputError
+
+LCOV: Final = "coverage.info"
+COBERTURA: Final = "coverage.xml"
+"""Names of the files that services read."""
+
+TRACE: Final = "trace.json"
+_READING: Final = Bounds(120.0)
+
+
+def require_package(name: str, option: str) -> None:
+    """Refuse an option whose tool is not installed."""
+    if importlib.util.find_spec(name) is None:
+        raise InputError(
+            f"{option} needs the tool {name}, which is not installed; python -m pip install 'drivegate[coverage]'"
+        )
+
+
+def run_tool(words: Sequence[str], folder: Path, readable: Iterable[Path], writable: Path, name: str) -> str:
+    """Run a tool in a folder to its end, and return what it printed."""
+    places = Places(tuple(str(place.resolve()) for place in (folder, *readable)), (str(writable.resolve()),))
+    environment = {"LC_ALL": "C.UTF-8", "TMPDIR": str(writable)}
+    command = isolated_command(words, requested_layers(), places)
+    ended = run_bounded(command, folder=folder, environment=environment, bounds=_READING)
+    if ended.status != 0:
+        printed = [line for line in ended.output.splitlines() if line.strip()]
+        reason = bounded_reason(printed[-1]) if printed else f"it ended with status {ended.status}"
+        raise HarnessFault(f"{name} cannot read what was counted: {reason}")
+    return ended.output
+
+
+def gcovr(words: Sequence[str], folder: Path, readable: Iterable[Path], writable: Path) -> None:
+    run_tool([sys.executable, "-P", "-m", "gcovr", *words], folder, readable, writable, "gcovr")
+
+
+def files_of_trace(trace: Path, folder: Path) -> tuple[SourceFile, ...]:
+    """Read the files that gcovr's JSON lists, whose paths begin in a folder."""
+    document = json.loads(trace.read_text(encoding="utf-8"))
+    return tuple(
+        _file(file, folder) for file in sorted(document["files"], key=lambda file: str(file["file"]))
+    )
+
+
+def _file(file: Mapping[str, Any], folder: Path) -> SourceFile:
+    name = str(file["file"])
+    text = (folder / name).read_text(encoding="utf-8", errors="replace").splitlines()
+    lines: dict[int, Line] = {}
+    for entry in file["lines"]:
+        if entry.get("gcovr/excluded") or entry.get("gcovr/noncode"):
+            continue
+        branches = tuple(
+            int(branch["count"]) for branch in entry.get("branches", ()) if not branch.get("gcovr/excluded")
+        )
+        number = int(entry["line_number"])
+        # A line has an entry for each function that it is part of.
+        before = lines.get(number, Line(number, 0))
+        lines[number] = Line(number, max(before.count, int(entry["count"])), before.branches + branches)
+    return SourceFile(name, tuple(text), tuple(lines[number] for number in sorted(lines)))

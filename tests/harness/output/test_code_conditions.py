@@ -1,0 +1,40 @@
+"""Which signals a condition in a source depends on, as far as its text shows that."""
+
+import pytest
+
+from drivegate.contracts.catalogue import all_contracts
+from drivegate.output.code_conditions import Conditions
+from drivegate_models.contract.layout import CURRENT, DUTY
+
+KEYS = {"supply_voltage": "link_voltage_v", "enable": "restarts_s", "speed": "speed_rpm"}
+SOURCE = """
+    if (!sense->enable) return;
+    real supply = fmax((real)sense->supply_voltage, 1e-9), limit = supply / ROOT_THREE;
+    self->weak = limit - used; /* sense->enable has no part in it */
+    if (self->weak < 0.0) return;
+    if (self->enable_count) return;
+    speed = sense.speed
+""".splitlines()
+
+
+@pytest.mark.parametrize(
+    ("line", "hint"),
+    [
+        ("if (!sense->enable) return;", "enable: restarts_s"),
+        ("if (self->weak < 0.0) return;", "supply_voltage: link_voltage_v"),
+        ("if speed > 3.0 and not sense.enable:", "enable: restarts_s; speed: speed_rpm"),
+        ("if (self->enable_count) return;", ""),
+        ("if (other) return; // sense->enable", ""),
+    ],
+)
+def test_a_condition_names_the_signals_that_it_depends_on(line: str, hint: str) -> None:
+    assert Conditions(SOURCE, KEYS).hint(line) == hint
+
+
+def test_every_contract_says_what_moves_its_signals() -> None:
+    """All but what the harness sets, which no scenario moves."""
+    fixed = {"current": {"struct_size", "phase_count"}, "duty": {"struct_size", "trip"}}
+    layouts = {"current": CURRENT, "duty": DUTY}
+    for contract in all_contracts():
+        fields = {*layouts[contract.name].signals._fields, "phase_currents"}
+        assert fields - fixed[contract.name] == set(contract.moved_by)
