@@ -71,8 +71,8 @@ def variables_of(contract: str, phases: int, estimates_power: bool) -> tuple[Var
                 "nominal_supply_voltage base_speed highest_speed rated_power current_limit control_period dead_time "
                 "resistance direct_inductance quadrature_inductance magnet_flux inertia core_loss_conductance "
                 "switch_drop diode_drop position_error link_capacitance source_resistance link_limit charge_limit "
-                "discharge_limit chopper_voltage chopper_resistance least_speed start_time heat_capacity thermal_resistance "
-                "ambient_temperature temperature_limit temperature_coefficient temperature_lag",
+                "discharge_limit chopper_voltage chopper_resistance least_speed start_time heat_capacity "
+                "thermal_resistance ambient_temperature temperature_limit temperature_coefficient temperature_lag",
             ),
         )
     outputs = "current_reference advance_angle" + (" input_power" if estimates_power else "")
