@@ -124,6 +124,16 @@ _TABLED = {
 }
 _CONTINUOUS = {"drive.rating.continuous_current_a": 5.0, "drive.rating.rated_power_w": None}
 _PEAK = {"drive.rating.peak_current_a": 9.0, "drive.rating.current_limit_a": None}
+_LINK = {"drive.link": {"source": "battery", "capacitance_f": 1e-3, "source_resistance_ohm": 0.5}}
+_CHOPPER = {
+    "drive.link": {
+        **_LINK["drive.link"],
+        "chopper_on_v": 130.0,
+        "chopper_off_v": 124.0,
+        "chopper_resistance_ohm": 20.0,
+    },
+    "supply_v": [[0.0, 70.0], [0.005, 70.0], [0.005, 61.0]],
+}
 _ADVANCE = {"drive.advance": {"start_deg": 10.0, "slope_deg_per_rpm": 0.01}}
 
 _HEATED = {
@@ -274,6 +284,7 @@ _DRIVE: Final[dict[str, Effect]] = {
     "drive.inverter.dead_time_s": Runs(5e-6),
     "drive.inverter.minimum_pulse_s": Runs(2e-5),
     "drive.sensing.position": Runs("hall"),
+<<<<<<< HEAD
     **{
         f"drive.thermal.{key}": Nameplate(value, _HEATED)
         for key, value in {
@@ -285,6 +296,20 @@ _DRIVE: Final[dict[str, Effect]] = {
             "sensor_lag_s": 0.2,
         }.items()
     },
+=======
+    "drive.link.source": Runs(
+        "battery", with_it={f"drive.link.{key}": value for key, value in _LINK["drive.link"].items()}
+    ),
+    "drive.link.source_voltage_v": Refused(33.0, ("source_voltage_v", "33", "link_voltage_v"), _LINK),
+    "drive.link.capacitance_f": Runs(2e-3, _LINK),
+    "drive.link.source_resistance_ohm": Runs(1.0, _LINK),
+    "drive.link.charge_limit_a": Nameplate(3.0, _LINK),
+    "drive.link.discharge_limit_a": Nameplate(9.0, _LINK),
+    "drive.link.link_limit_v": Nameplate(170.0, _LINK),
+    "drive.link.chopper_on_v": Nameplate(135.0, _CHOPPER),
+    "drive.link.chopper_off_v": Runs(128.0, _CHOPPER),
+    "drive.link.chopper_resistance_ohm": Nameplate(30.0, _CHOPPER),
+>>>>>>> c060912d (Speed up a dc link: pass edges without effect in one segment)
     "drive.rating.base_speed_rpm": Nameplate(1500.0),
     "drive.rating.highest_speed_rpm": Nameplate(5000.0),
     "drive.rating.overspeed_rpm": Plans(9999.0),
@@ -360,9 +385,14 @@ _OTHERS_ALONE: Final = {
     "load[hoist]": ("'hoist'", '"pm-ac"'),
     "failure": ("failure", '"pm-ac"'),
     "turns_before": ("turns_before", '"pm-ac"'),
+<<<<<<< HEAD
     "winding_temperature_c": ("winding_temperature_c", '"pm-ac"'),
     "drive.sensing": ("drive.sensing", "unknown"),
     "drive.thermal": ("drive.thermal", "unknown"),
+=======
+    "drive.sensing": ("[sensing]", '"pm-ac"'),
+    "drive.link": ("[link]", '"pm-ac"'),
+>>>>>>> c060912d (Speed up a dc link: pass edges without effect in one segment)
 }
 _REFUSED_TABLES: Final[dict[str, dict[str, tuple[str, ...]]]] = {
     "half-bridge": _OTHERS_ALONE,

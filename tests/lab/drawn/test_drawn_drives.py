@@ -132,11 +132,16 @@ def test_the_file_of_a_drive_is_the_drive(kind, tmp_path) -> None:
     assert load_drive(path) == MANY[kind.kind][0]
 
 
+def _has_ideal_link(name: str) -> bool:
+    return name.startswith("pm-ac") and getattr(load_drive(name), "link", None) is None
+
+
 @pytest.mark.parametrize(
     "name",
     [
         *("paper-5-phase", "star-3-phase", "star-24v-3-phase"),
-        *(name for name in drive_names() if name.startswith("pm-ac")),
+        # Drives with a link of their own are not drawn; two of them are small motors of low inductance.
+        *(name for name in drive_names() if _has_ideal_link(name)),
     ],
 )
 def test_packaged_drives_lie_within_the_bounds(name: str) -> None:

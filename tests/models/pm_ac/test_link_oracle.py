@@ -77,7 +77,9 @@ def test_the_greatest_torques_are_those_of_a_grid_of_all_currents(
     drive = servo(link, quadrature_inductance=saliency * 0.1904e-3, core_loss_conductance=1e-3)
     for sign in (DRIVING, BRAKING):
         found = sign * greatest_on_link(drive, 48.0, speed, 12.0, sign, True).torque
-        assert found == pytest.approx(on_a_grid(drive, speed, sign), rel=6e-3), "the grid's step is 0.02 A"
+        seen = on_a_grid(drive, speed, sign)
+        assert seen <= found * (1.0 + 1e-9), "no currents of the grid have more"
+        assert found <= 1.02 * seen, "the grid's step of 0.02 A is all between them"
 
 
 def test_the_link_under_load_takes_the_power_that_the_source_supplies() -> None:

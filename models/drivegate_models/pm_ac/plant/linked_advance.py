@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from drivegate_models.compilation.kernels import called, inlined, unallocating
 from drivegate_models.machine import ledger
 from drivegate_models.machine.advance_status import COMPLETED, TOO_MANY_EVENTS
-from drivegate_models.machine.rotor_frame import RotorFrame
+from drivegate_models.machine.rotor_frame import RotorFrame, phase_current
 from drivegate_models.machine.sine import cosine_sine
 from drivegate_models.pm_ac.plant.advance import (
     EVENT_LIMIT,
@@ -26,7 +26,7 @@ from drivegate_models.pm_ac.plant.advance import (
     finish,
     stator_flux,
 )
-from drivegate_models.pm_ac.plant.circuit import Circuit, drop_of, is_on_upper_rail, leg_voltages
+from drivegate_models.pm_ac.plant.circuit import Circuit, drop_of, is_on_upper_rail, leg_voltages, sagitta
 from drivegate_models.pm_ac.plant.dc_link import (
     BATTERY,
     CHOPPER,
@@ -99,6 +99,20 @@ def _follow_link(circuit: Circuit, legs: Legs, voltage: float) -> Circuit:
 
 
 @inlined
+def _changing_edge(circuit: Circuit, legs: Legs, gates: Gates, leg: int, sign: int) -> int:
+    """Return the number of the next edge that changes a leg's rail or device at a sign of its current, 0 for either."""
+    gate = legs.gates[leg]
+    following = legs.positions[leg] + 1
+    while following < gates.counts[leg] and sign != 0:
+        entry = gates.gates[leg, following]
+        is_same_rail = is_on_upper_rail(entry, sign) == is_on_upper_rail(gate, sign)
+        if not is_same_rail or drop_of(circuit, entry, sign) != drop_of(circuit, gate, sign):
+            break
+        following += 1
+    return int(following)
+
+
+@inlined
 def _next_edge(circuit: Circuit, legs: Legs, gates: Gates, duration: float) -> float:
     """Pass the edges without effect, and return the time of the next change of a leg by its gate (s).
 
@@ -106,15 +120,7 @@ def _next_edge(circuit: Circuit, legs: Legs, gates: Gates, duration: float) -> f
     """
     limit = duration
     for leg in range(3):
-        sign = legs.sure[leg]
-        gate = legs.gates[leg]
-        following = legs.positions[leg] + 1
-        while following < gates.counts[leg] and sign != 0:
-            entry = gates.gates[leg, following]
-            is_same_rail = is_on_upper_rail(entry, sign) == is_on_upper_rail(gate, sign)
-            if not is_same_rail or drop_of(circuit, entry, sign) != drop_of(circuit, gate, sign):
-                break
-            following += 1
+        following = _changing_edge(circuit, legs, gates, leg, legs.sure[leg])
         if following > legs.positions[leg] + 1:
             legs.positions[leg] = following - 1
             set_gate(circuit, legs, leg, gates.gates[leg, following - 1])
@@ -158,7 +164,7 @@ def _first_events(
     return (
         circuit,
         event,
-        link_event(drive.dc_link, link, feed.source, count, follows_thresholds),
+        link_event(drive, link, feed.source, count, follows_thresholds),
         count,
         after,
     )
@@ -245,6 +251,66 @@ def _segment(
     return event, kind, length, after
 
 
+@inlined
+def _distant_edge(circuit: Circuit, legs: Legs, gates: Gates, duration: float) -> float:
+    """Return the time of the next change of a leg's rail or device, if no current changes its sign (s)."""
+    limit = duration
+    for leg in range(3):
+        following = _changing_edge(circuit, legs, gates, leg, legs.signs[leg])
+        if following < gates.counts[leg]:
+            limit = min(limit, gates.times[leg, following])
+    return limit
+
+
+@unallocating
+def _pass_quietly(
+    drive: PmAcDrive,
+    circuit: Circuit,
+    feed: Feed,
+    phases: PmAcPhases,
+    frame: RotorFrame,
+    begin_angle: float,
+    length: float,
+    follows_thresholds: bool,
+    totals: NDArray[np.float64],
+) -> tuple[bool, RotorFrame]:
+    """Advance by a length (s) over edges without effect, if no current changes its sign and nothing else happens.
+
+    Returns whether that is so, and the currents; otherwise nothing has been changed.
+    """
+    legs, series, link = phases.legs, phases.series, phases.dc_link
+    cosine, sine = cosine_sine(begin_angle + circuit.electrical * length)
+    count = free_linked_series(circuit, feed, legs, series, link, frame, length)
+    after = at_end(series, count, cosine, sine)
+    bounded = at_voltage(circuit, circuit.link, bend_of(circuit, series, count, length))
+    deviation = sagitta(bounded, length)
+    for leg in range(3):
+        sign = legs.signs[leg]
+        least = min(sign * phase_current(frame, leg), sign * phase_current(after, leg))
+        if legs.sure[leg] == 0 and least <= deviation:
+            return False, frame
+    if link_event(drive, link, feed.source, count, follows_thresholds).kind != NOTHING:
+        return False, frame
+    add_linked_segment(
+        drive,
+        bounded,
+        feed,
+        legs,
+        series,
+        link,
+        frame,
+        after,
+        FREE,
+        count,
+        length,
+        phases.magnitudes,
+        phases.torque_bounds,
+        totals,
+    )
+    link.state[VOLTAGE] = value_at(link.voltage, count, 1.0)
+    return True, after
+
+
 @called
 @unallocating
 def advance_linked_period(
@@ -309,12 +375,35 @@ def advance_linked_period(
             break
         held = settled.held
         frame = settled.frame
-        limit = _next_edge(circuit, legs, gates, duration)
-        if time < brake_end:
-            limit = min(limit, brake_end)
-        longest = longest_linked(circuit, held, duration)
-        length = min(limit - time, longest)
         feed = _feed(constants, link, source, lost)
+        longest = longest_linked(circuit, held, duration)
+        limit = _next_edge(circuit, legs, gates, duration)
+        end = brake_end if time < brake_end else duration
+        if held == FREE:
+            far = min(_distant_edge(circuit, legs, gates, duration), end, time + longest)
+            if far > limit:
+                is_quiet, after = _pass_quietly(
+                    drive,
+                    circuit,
+                    feed,
+                    phases,
+                    frame,
+                    angle + circuit.electrical * time,
+                    far - time,
+                    follows_thresholds,
+                    totals,
+                )
+                if is_quiet:
+                    time = far
+                    circuit = _follow_link(circuit, legs, state[VOLTAGE])
+                    if 0.0 < brake_end <= time:
+                        state[CHOPPER] = 0.0
+                        brake_end = 0.0
+                    totals[ledger.SWITCHING] += pass_edges(circuit, legs, gates, time)
+                    settled = settle(circuit, legs, after, NO_LEG, 0)
+                    continue
+        limit = min(limit, end)
+        length = min(limit - time, longest)
         event, kind, passed, after = _segment(
             drive,
             circuit,
@@ -348,8 +437,8 @@ def advance_linked_period(
                 brake_end = 0.0
             totals[ledger.SWITCHING] += pass_edges(circuit, legs, gates, time)
         settled = settle(circuit, legs, after, fixed, excluded)
-    end = stator_flux(circuit, settled.frame)
-    add_core_loss(drive, circuit, Connected(end[0] - along, end[1] - across, idle), duration, totals)
+    flux = stator_flux(circuit, settled.frame)
+    add_core_loss(drive, circuit, Connected(flux[0] - along, flux[1] - across, idle), duration, totals)
     finish(phases, settled.frame)
     show_voltages(circuit, legs, settled)
     totals[ledger.EVENTS] += segments

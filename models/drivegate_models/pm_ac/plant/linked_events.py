@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from drivegate_models.compilation.kernels import inlined, unallocating
 from drivegate_models.machine.rotor_frame import RotorFrame
 from drivegate_models.pm_ac.plant.circuit import Circuit
-from drivegate_models.pm_ac.plant.dc_link import BATTERY, CHOPPER, CLAMPED, SOURCE, VOLTAGE, DcLink, LinkState
+from drivegate_models.pm_ac.plant.dc_link import BATTERY, CHOPPER, CLAMPED, SOURCE, VOLTAGE, LinkState
+from drivegate_models.pm_ac.plant.drive import PmAcDrive
 from drivegate_models.pm_ac.plant.events import (
     BEYOND,
     LAST_ZERO,
@@ -50,12 +51,15 @@ class LinkEvent(NamedTuple):
 
 
 @inlined
-def _passing(series: NDArray[np.float64], count: int, level: float, side: int) -> float:
-    """Return the share at which a series passes a level: downward from above with `side` 1, upward with -1."""
+def _passing(series: NDArray[np.float64], count: int, level: float, side: int, scale: float) -> float:
+    """Return the share at which a series passes a level: downward from above with `side` 1, upward with -1.
+
+    `scale` is that of the drive, without which a series that begins at zero would have none.
+    """
     start = series[0]
-    slack = SLACK * (size_of(series, count) + abs(level))
+    slack = SLACK * (size_of(series, count) + abs(level) + scale)
     series[0] = start - level
-    share = first_fall(series, count, float(side), 0.0, slack) if slack > 0.0 else NOWHERE
+    share = first_fall(series, count, float(side), 0.0, slack)
     series[0] = start
     return share
 
@@ -69,30 +73,32 @@ def _earlier(first: LinkEvent, kind: int, share: float) -> LinkEvent:
 
 @unallocating
 def link_event(
-    constants: DcLink, link: LinkState, source: float, count: int, follows_thresholds: bool
+    drive: PmAcDrive, link: LinkState, source: float, count: int, follows_thresholds: bool
 ) -> LinkEvent:
     """Return the first event of the link in a segment.
 
     `link`: with the series of its voltage and of the bridge's current. `source`: voltage of the source (V), 0 if it is
     disconnected. `count`: number of coefficients. `follows_thresholds`: True if the chopper is not commanded.
     """
+    constants = drive.dc_link
+    scale = drive.link_voltage
     state = link.state
     voltage = link.voltage
     first = LinkEvent(NOTHING, 1.0)
     if state[CLAMPED] != 0.0:
         supplied = source / constants.source_resistance if state[SOURCE] != 0.0 else 0.0
-        return _earlier(first, CHARGED, _passing(link.bridge, count, supplied, 1))
-    first = _earlier(first, EMPTIED, _passing(voltage, count, 0.0, 1))
+        return _earlier(first, CHARGED, _passing(link.bridge, count, supplied, 1, drive.current_limit))
+    first = _earlier(first, EMPTIED, _passing(voltage, count, 0.0, 1, scale))
     if constants.source != BATTERY and source > 0.0:
         if state[SOURCE] != 0.0:
-            first = _earlier(first, BLOCKED, _passing(voltage, count, source, -1))
+            first = _earlier(first, BLOCKED, _passing(voltage, count, source, -1, scale))
         else:
-            first = _earlier(first, CONDUCTING, _passing(voltage, count, source, 1))
+            first = _earlier(first, CONDUCTING, _passing(voltage, count, source, 1, scale))
     if follows_thresholds and constants.chopper_conductance > 0.0:
         if state[CHOPPER] == 0.0:
-            first = _earlier(first, CHOPPER_ON, _passing(voltage, count, constants.chopper_on, -1))
+            first = _earlier(first, CHOPPER_ON, _passing(voltage, count, constants.chopper_on, -1, scale))
         else:
-            first = _earlier(first, CHOPPER_OFF, _passing(voltage, count, constants.chopper_off, 1))
+            first = _earlier(first, CHOPPER_OFF, _passing(voltage, count, constants.chopper_off, 1, scale))
     return first
 
 

@@ -30,7 +30,7 @@ from drivegate_models.pm_ac.plant.settling import Legs
 LONGEST_LINKED: Final = 1.0
 """Maximum segment times the fastest rate, while no leg is held in a salient machine (1)."""
 # Share by which the voltage may grow in an advance for the bound of the currents' slopes to be valid.
-_GROWTH = 0.25
+_GROWTH = 0.05
 _NEGLIGIBLE = 1e-18
 
 

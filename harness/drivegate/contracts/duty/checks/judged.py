@@ -12,6 +12,7 @@ from drivegate.checks.check import Record
 from drivegate.checks.margin import Margin
 from drivegate.contracts.duty.document import duty_document
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
+from drivegate.contracts.duty.scenarios.reaching import BRAKING_SHARE
 from drivegate.scenarios.rotation import sense_of
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.pm_ac.greatest_torque import braking_within, greatest_within
@@ -129,6 +130,8 @@ def greatest_required(record: DutyRecord, speed: float, link: float) -> float:
 
 def is_within_reach(record: DutyRecord, speed: float, link: float, torque: float) -> bool:
     """Return True if a controller must reach a torque at a speed and a link voltage."""
+    if torque * speed < 0.0 and not is_ideal(record.plant.dc_link):
+        return abs(torque) <= BRAKING_SHARE * abs(braking_at(record.plant, speed, link).torque)
     greatest = greatest_required(record, speed, link)
     return isfinite(greatest) and abs(torque) <= record.limits.weakening * greatest
 

@@ -21,6 +21,7 @@ from drivegate_models.contract.duty.signals import LEG_HIGH, LEG_LOW
 from drivegate_models.pm_ac.fundamental import steady_state
 from drivegate_models.pm_ac.ideal_ripple import ideal_swing
 from drivegate_models.pm_ac.modulation_kind import MODULATION_NUMBERS, ONE_SIDED
+from drivegate_models.pm_ac.plant.dc_link import is_ideal
 from drivegate_models.pm_ac.ripple import NONE_KEPT, commanded_swing
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -38,6 +39,8 @@ LEAST_SWING_SHARE: Final = 0.005
 """Swing of the torque over rated torque that is always allowed: a speed read in steps moves the torque by less (1)."""
 LEAST_IDEAL_PERIODS: Final = 240
 """Control periods of the ideal that are looked at: what is rounded differs by where samples lie in a cycle."""
+LINK_SWING_SHARE: Final = 0.005
+"""Swing of a link that is not ideal, over its nominal voltage, up to which ripple is judged (1)."""
 CLAMPED_RATIO: Final = 0.005
 """Distance of a duty ratio from 0 or 1 up to which its leg counts as clamped (1)."""
 CLAMPED_SHARE: Final = 0.8
@@ -134,6 +137,10 @@ def _is_rippling(record: DutyRecord, window: DutyWindow) -> bool:
     base = record.document.rating.base_speed_rpm * RADIANS_PER_RPM
     speed = record.run.column("speed")[record.periods(window.start_s, window.end_s)]
     if np.max(np.abs(speed - window.speed_reference)) > HELD_SHARE * base:
+        return False
+    link = record.run.column("link")[_swing_rows(record, window)]
+    if not is_ideal(record.plant.dc_link) and np.ptp(link) > LINK_SWING_SHARE * record.plant.link_voltage:
+        # The swing is followed at the mean voltage, for which the duty ratios of a swinging link are not.
         return False
     is_slow = abs(window.speed) < LEAST_SPEED_SHARE * base
     is_weak = abs(window.torque) < LEAST_TORQUE_SHARE * record.document.rating.rated_torque_nm

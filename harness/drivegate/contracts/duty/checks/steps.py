@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
-from math import copysign, hypot, isfinite, sqrt
+from math import copysign, hypot, isfinite, isnan, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,7 @@ from drivegate.contracts.duty.current_bandwidth import REMAINING, declared_rise_
 from drivegate.contracts.duty.current_reference import voltage_along_none
 from drivegate.contracts.duty.record import DutyRecord
 from drivegate_models.pm_ac.fundamental import SteadyState, steady_state
+from drivegate_models.pm_ac.plant.dc_link import is_ideal
 from drivegate_models.units import RADIANS_PER_RPM
 
 SMALLEST_SHARE = 0.1
@@ -141,8 +142,15 @@ def is_free(record: DutyRecord, step: TorqueStep) -> bool:
     """Return True if a step is great enough to be judged, and leaves voltage for its own response."""
     smallest = SMALLEST_SHARE * record.document.rating.rated_torque_nm
     speed, link = step.speed_rpm * RADIANS_PER_RPM, record.document.inverter.link_voltage_v
-    greatest = max(abs(step.before), abs(step.after))
-    if record.scenario.supply_v is not None or not is_within_reach(record, speed, link, greatest):
+    torques = (step.before, step.after)
+    if record.scenario.supply_v is not None:
+        return False
+    if not all(is_within_reach(record, speed, link, torque) for torque in torques):
+        return False
+    if not is_ideal(record.plant.dc_link) and any(
+        isnan(least_state(record, step, torque).torque) for torque in torques
+    ):
+        # The link takes the power of one of them only with currents of its own.
         return False
     used = _used_voltage(record, step)
     return abs(step.after - step.before) >= smallest and used <= VOLTAGE_SHARE * undistorted(
