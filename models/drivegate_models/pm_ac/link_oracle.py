@@ -25,7 +25,7 @@ from drivegate_models.pm_ac.plant.drive import PmAcDrive, electrical_torque
 DRIVING: Final = 1.0
 BRAKING: Final = -1.0
 
-_PLACES: Final = 240
+_PLACES: Final = 120
 _SCANNED: Final = 64
 _HALVINGS: Final = 50
 _NARROWINGS: Final = 40
@@ -119,6 +119,37 @@ def _end_at(
     return -inf, 0.0
 
 
+@inlined
+def _best_of_half(
+    drive: PmAcDrive, source: float, electrical: float, reach: float, sign: float
+) -> tuple[float, float]:
+    """Return the greatest torque in a direction, and its d-axis current, between zero and `reach` (A)."""
+    current = abs(reach)
+    step = current / _PLACES
+    turn = 1.0 if reach > 0.0 else -1.0
+    best, found = -inf, 0.0
+    for k in range(_PLACES + 1):
+        torque = _end_at(drive, source, electrical, turn * (k * step), current, sign)[0]
+        if torque > best:
+            best, found = torque, k * step
+    if best == -inf:
+        return -inf, 0.0
+    low, high = max(found - step, 0.0), min(found + step, current)
+    for _ in range(_NARROWINGS):
+        inner = high - _GOLDEN * (high - low)
+        outer = low + _GOLDEN * (high - low)
+        at_inner = _end_at(drive, source, electrical, turn * inner, current, sign)[0]
+        if at_inner >= _end_at(drive, source, electrical, turn * outer, current, sign)[0]:
+            high = outer
+        else:
+            low = inner
+    for place in (low, 0.5 * (low + high), high):
+        torque = _end_at(drive, source, electrical, turn * place, current, sign)[0]
+        if torque > best:
+            best, found = torque, place
+    return best, turn * found
+
+
 @kernel
 def greatest_on_link(
     drive: PmAcDrive, source: float, speed: float, current: float, sign: float, weakens: bool
@@ -146,27 +177,13 @@ def greatest_on_link(
         if low > 0.0 or _is_within(drive, source, electrical, direct, quadrature, current):
             return steady_state(drive, speed, direct, quadrature)
         return steady_state(drive, speed, inf - inf, inf - inf)
-    step = 2.0 * current / _PLACES
+    # With d-axis current of either sign a drive burns power, so each half has a summit.
     best, found = -inf, 0.0
-    for k in range(_PLACES + 1):
-        direct = k * step - current
-        torque = _end_at(drive, source, electrical, direct, current, sign)[0]
+    for half in (-1.0, 1.0):
+        torque, direct = _best_of_half(drive, source, electrical, half * current, sign)
         if torque > best:
             best, found = torque, direct
     if best == -inf:
         return steady_state(drive, speed, inf - inf, inf - inf)
-    low, high = max(found - step, -current), min(found + step, current)
-    for _ in range(_NARROWINGS):
-        inner = high - _GOLDEN * (high - low)
-        outer = low + _GOLDEN * (high - low)
-        at_inner = _end_at(drive, source, electrical, inner, current, sign)[0]
-        if at_inner >= _end_at(drive, source, electrical, outer, current, sign)[0]:
-            high = outer
-        else:
-            low = inner
-    for place in (low, 0.5 * (low + high), high):
-        torque = _end_at(drive, source, electrical, place, current, sign)[0]
-        if torque > best:
-            best, found = torque, place
     quadrature = _end_at(drive, source, electrical, found, current, sign)[1]
     return steady_state(drive, speed, found, quadrature)
