@@ -35,6 +35,7 @@ from drivegate_models.controllers.duty.current_regulator import (
 from drivegate_models.controllers.duty.derating import derate, reset_derating
 from drivegate_models.controllers.duty.flux_prediction import regulate_flux, reset_prediction
 from drivegate_models.controllers.duty.hall_observer import reset_observer
+from drivegate_models.controllers.duty.link_limits import limited_by_link, reset_link_limits
 from drivegate_models.controllers.duty.plausibility import hold_safe_state
 from drivegate_models.controllers.duty.position import locate_shaft, reset_position
 from drivegate_models.controllers.duty.reference_voltage import (
@@ -121,6 +122,7 @@ def reset_state(state: Any, nameplate: Any) -> None:
     machine, period = state.machine, nameplate.control_period
     machine.control_period = period
     reset_regulator(machine, nameplate)
+    reset_link_limits(machine, nameplate)
     reset_prediction(machine)
     machine.regulates_speed = 1 if nameplate.reference_kind == SPEED_REFERENCE else 0
     machine.core_loss_conductance = nameplate.core_loss_conductance
@@ -219,6 +221,9 @@ def step_state(state: Any, sense: Any, command: Any) -> None:
     electrical = machine.pole_pairs * sense.speed
     direct_reference, quadrature_reference = _currents_for(
         state, _requested_torque(state, sense.reference), electrical, machine.voltage_share * limit
+    )
+    direct_reference, quadrature_reference = limited_by_link(
+        machine, electrical, sense.supply_voltage, direct_reference, quadrature_reference
     )
     watch_currents(state, limit, direct, quadrature, direct_reference, quadrature_reference)
     used = regulate_flux(machine, sense, command, direct, quadrature, direct_reference, quadrature_reference)
