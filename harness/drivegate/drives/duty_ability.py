@@ -91,6 +91,7 @@ def duty_envelope(drive: DriveDocument, report: Callable[[int], None] = lambda _
         "trajectories": trajectories(document),
         "efficiency_map": efficiency_map(document),
         **_link(document),
+        **_start(document),
     }
 
 
@@ -99,6 +100,13 @@ def _link(document: PmAcDocument) -> dict[str, Any]:
     speeds = [speed_rpm * RADIANS_PER_RPM for speed_rpm in _speeds(document)]
     facts = link_facts(document, speeds)
     return {"link": facts} if facts else {}
+
+
+def _start(document: PmAcDocument) -> dict[str, Any]:
+    """State what a drive without a position sensor must do at low speed."""
+    if document.has_sensor:
+        return {}
+    return {"least_speed_rpm": document.least_speed_rpm, "start_time_s": document.start_time_s}
 
 
 def _point(drive: DriveDocument, speed_rpm: float) -> dict[str, float | None]:
@@ -145,6 +153,17 @@ def _facts(document: dict[str, Any]) -> tuple[str, ...]:
         f"{document['settling_s']:g} s after a change",
         _most_efficient(document["efficiency_map"]),
         *link_in_words(document.get("link", {})),
+        *_without_sensor(document),
+    )
+
+
+def _without_sensor(document: dict[str, Any]) -> tuple[str, ...]:
+    """State what a drive without a position sensor must do at low speed."""
+    if "least_speed_rpm" not in document:
+        return ()
+    return (
+        f"no position sensor: steady running from {document['least_speed_rpm']:.4g} rpm on, which is reached from "
+        f"standstill within {document['start_time_s']:.3g} s under up to half of rated torque",
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Final
 
 from pydantic import BeforeValidator, SerializeAsAny, ValidationError, ValidationInfo
 
@@ -19,6 +19,7 @@ from drivegate_models.errors import InputError
 
 __all__ = [
     "PM_AC",
+    "SENSORLESS",
     "SPLIT_SUPPLY",
     "TABLE_KEYS",
     "DriveDocument",
@@ -28,10 +29,21 @@ __all__ = [
 ]
 
 
+SENSORLESS: Final = "-sensorless"
+"""End of the name of a PM AC drive that has no position sensor."""
+
+
 def load_drive(
     name_or_path: str | Path, *, relative_to: Path | None = None, reach: Reach | None = None
 ) -> DriveDocument:
-    """Load a drive that comes with drivegate, or one from a file."""
+    """Load a drive that comes with drivegate, or one from a file.
+
+    The name of a PM AC drive with `SENSORLESS` behind it is that drive without a position sensor.
+    """
+    name = str(name_or_path)
+    sensed = name.removesuffix(SENSORLESS)
+    if name != sensed and sensed in drive_names() and load_drive(sensed).kind == PM_AC:
+        return load_drive(sensed).replaced(name=name, sensing={"position": "none"})
     return load_named(name_or_path, DriveDocument, "drives", "drive", relative_to=relative_to, reach=reach)
 
 

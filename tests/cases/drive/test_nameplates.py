@@ -14,7 +14,14 @@ from drivegate_cases.scenario.sensors import ShuntSensors
 from drivegate_models.contract.current.records import NAMEPLATE, nameplate_record
 from drivegate_models.contract.current.signals import HALF_BRIDGE, PM_AC, STAR
 from drivegate_models.contract.duty.records import DUTY_NAMEPLATE, duty_nameplate_record
-from drivegate_models.contract.duty.signals import SPEED_REFERENCE, TORQUE_REFERENCE
+from drivegate_models.contract.duty.signals import (
+    ENCODER_POSITION,
+    EXACT_POSITION,
+    HALL_POSITION,
+    NO_POSITION,
+    SPEED_REFERENCE,
+    TORQUE_REFERENCE,
+)
 
 RPM: Final = pi / 30.0
 DEGREE: Final = pi / 180.0
@@ -69,6 +76,21 @@ OF_DUTY_RATIOS: Final[dict[str, Callable[[PmAcDocument], float]]] = {
     "discharge_limit": lambda drive: _of_link(drive, "discharge_limit_a"),
     "chopper_voltage": lambda drive: _of_link(drive, "chopper_on_v"),
     "chopper_resistance": lambda drive: _of_link(drive, "chopper_resistance_ohm"),
+    "position": lambda _drive: EXACT_POSITION,
+    "least_speed": lambda _drive: 0.0,
+    "start_time": lambda _drive: 0.0,
+    "is_reversing": lambda _drive: 1,
+    **dict.fromkeys(
+        (
+            "heat_capacity",
+            "thermal_resistance",
+            "ambient_temperature",
+            "temperature_limit",
+            "temperature_coefficient",
+            "temperature_lag",
+        ),
+        lambda _drive: 0.0,
+    ),
 }
 """What each field of a nameplate of duty ratios is of a drive's file."""
 
@@ -98,6 +120,21 @@ def test_drops_and_the_error_of_the_position_are_on_the_nameplate() -> None:
     encoder = drive.replaced(sensing={"position": "encoder"})
     assert isinstance(encoder, PmAcDocument)
     assert encoder.duty_nameplate(1e-4, torque_reference=False).position_error == 0.0
+
+
+@pytest.mark.parametrize(
+    ("position", "number"), [("encoder", ENCODER_POSITION), ("hall", HALL_POSITION), ("none", NO_POSITION)]
+)
+def test_what_shows_the_shaft_is_on_the_nameplate(position: str, number: int) -> None:
+    drive = stated("pm-ac-interior").replaced(sensing={"position": position})
+    assert isinstance(drive, PmAcDocument)
+    assert drive.duty_nameplate(1e-4, torque_reference=False).position == number
+
+
+def test_a_drive_that_turns_one_way_says_so_on_the_nameplate() -> None:
+    drive = stated("pm-ac-interior").with_overrides(["rating.reverses=false"])
+    assert isinstance(drive, PmAcDocument)
+    assert drive.duty_nameplate(1e-4, torque_reference=False).is_reversing == 0
 
 
 OF_CURRENTS: Final[dict[str, Callable[[Any], float]]] = {

@@ -134,6 +134,7 @@ _CHOPPER = {
     },
     "supply_v": [[0.0, 70.0], [0.005, 70.0], [0.005, 61.0]],
 }
+_SENSORLESS = {"drive.sensing": {"position": "none"}}
 _ADVANCE = {"drive.advance": {"start_deg": 10.0, "slope_deg_per_rpm": 0.01}}
 
 _HEATED = {
@@ -284,7 +285,6 @@ _DRIVE: Final[dict[str, Effect]] = {
     "drive.inverter.dead_time_s": Runs(5e-6),
     "drive.inverter.minimum_pulse_s": Runs(2e-5),
     "drive.sensing.position": Runs("hall"),
-<<<<<<< HEAD
     **{
         f"drive.thermal.{key}": Nameplate(value, _HEATED)
         for key, value in {
@@ -296,7 +296,6 @@ _DRIVE: Final[dict[str, Effect]] = {
             "sensor_lag_s": 0.2,
         }.items()
     },
-=======
     "drive.link.source": Runs(
         "battery", with_it={f"drive.link.{key}": value for key, value in _LINK["drive.link"].items()}
     ),
@@ -309,7 +308,8 @@ _DRIVE: Final[dict[str, Effect]] = {
     "drive.link.chopper_on_v": Nameplate(135.0, _CHOPPER),
     "drive.link.chopper_off_v": Runs(128.0, _CHOPPER),
     "drive.link.chopper_resistance_ohm": Nameplate(30.0, _CHOPPER),
->>>>>>> c060912d (Speed up a dc link: pass edges without effect in one segment)
+    "drive.sensing.least_speed_rpm": Nameplate(300.0, _SENSORLESS),
+    "drive.sensing.start_time_s": Nameplate(5.0, _SENSORLESS),
     "drive.rating.base_speed_rpm": Nameplate(1500.0),
     "drive.rating.highest_speed_rpm": Nameplate(5000.0),
     "drive.rating.overspeed_rpm": Plans(9999.0),
@@ -385,14 +385,11 @@ _OTHERS_ALONE: Final = {
     "load[hoist]": ("'hoist'", '"pm-ac"'),
     "failure": ("failure", '"pm-ac"'),
     "turns_before": ("turns_before", '"pm-ac"'),
-<<<<<<< HEAD
     "winding_temperature_c": ("winding_temperature_c", '"pm-ac"'),
     "drive.sensing": ("drive.sensing", "unknown"),
     "drive.thermal": ("drive.thermal", "unknown"),
-=======
     "drive.sensing": ("[sensing]", '"pm-ac"'),
     "drive.link": ("[link]", '"pm-ac"'),
->>>>>>> c060912d (Speed up a dc link: pass edges without effect in one segment)
 }
 _REFUSED_TABLES: Final[dict[str, dict[str, tuple[str, ...]]]] = {
     "half-bridge": _OTHERS_ALONE,
