@@ -105,9 +105,13 @@ class Instrumented:
     folder: Path
     """Folder into which the candidate's processes write."""
     library: Path | None = None
-    """A second build of the sources, which runs next to the plain one and must answer the same."""
+    """A second build of the sources, which runs next to the plain one."""
+    reference: Path | None = None
+    """The build that it must answer the same as; None for the plain one."""
     environment: tuple[tuple[str, str], ...] = ()
     """Variables that the processes start with, and their values."""
+    suspects: tuple[str, ...] = ()
+    """Places of which the compiler says that something may be read there before it is written."""
 
 
 @dataclass(frozen=True)

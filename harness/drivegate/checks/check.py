@@ -55,6 +55,8 @@ class Record:
     steps: NDArray[Any] | None = None
     """What the controller sensed and answered, as rows of `loop.step_recording.row_layout`: of every control period, or
     of every n-th of a long run; None where that was not kept."""
+    remarks: tuple[str, ...] = ()
+    """What the candidate's process has warned of so far."""
 
     @cached_property
     def drive(self) -> AnyDrive:
@@ -150,6 +152,8 @@ class JudgedRun:
     """Digest of the commands; 0 where they are not compared."""
     costs: StepCosts = NO_COSTS
     """Greatest costs of a step on an emulated target."""
+    remarks: tuple[str, ...] = ()
+    """What the candidate's process has warned of so far."""
 
 
 @dataclass(frozen=True)
@@ -198,4 +202,5 @@ def judged(record: Record, checks: Iterable[Check]) -> JudgedRun:
         tuple(margin for margin in margins if margin is not None),
         record.run.digest,
         record.costs,
+        record.remarks,
     )

@@ -23,8 +23,8 @@ def _own_places(candidate: Candidate) -> list[Path]:
     details = candidate.details
     if isinstance(details, NativeBuild):
         places.append(details.library)
-        if candidate.instrumented is not None and candidate.instrumented.library is not None:
-            places.append(candidate.instrumented.library)
+        if candidate.instrumented is not None:
+            places += filter(None, (candidate.instrumented.library, candidate.instrumented.reference))
     elif isinstance(details, Target):
         places.append(details.image)
     elif isinstance(details, Program):

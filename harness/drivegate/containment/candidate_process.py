@@ -6,6 +6,7 @@ What comes back from it is never believed: commands are played back by whoever j
 import signal
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from multiprocessing.connection import wait
 from typing import Any, Final
@@ -16,6 +17,7 @@ from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.contract import other_contract
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind, bounded_text, ending_in_words
 from drivegate.candidates.kinds import KINDS
+from drivegate.candidates.sanitizers import read_report
 from drivegate.candidates.step_costs import NO_COSTS, StepCosts
 from drivegate.containment.candidate_handle import CandidateHandle
 from drivegate.containment.machine_memory import is_for_memory, killed_for_memory, lack_of_memory
@@ -30,6 +32,7 @@ from drivegate.containment.protocol import (
     Setup,
     UnreadableReply,
     fault_of,
+    remarks_of,
 )
 from drivegate.containment.serving import LOST_CONNECTION
 from drivegate.containment.shared_memory import Activity
@@ -64,6 +67,8 @@ class Answered:
     fault: Fault | None
     """What ended the run, where it is known there."""
     costs: StepCosts = NO_COSTS
+    remarks: tuple[str, ...] = ()
+    """What the process has warned of so far."""
 
 
 class CandidateProcess:
@@ -134,7 +139,7 @@ class CandidateProcess:
         commands = self._running.copied_commands(order.commands, min(count, steps))
         if fault is not None:
             self._end_without_memory(fault)
-        return Answered(commands, status, reply.check, fault, reply.costs)
+        return Answered(commands, status, reply.check, fault, reply.costs, self._remarks_in(reply))
 
     def _end_without_memory(self, fault: Fault) -> None:
         """End a process whose memory the candidate may still hold."""
@@ -222,6 +227,13 @@ class CandidateProcess:
             and reply.text in _OTHER_CONTRACT
         )
 
+    def _remarks_in(self, reply: Reply) -> tuple[str, ...]:
+        """Read the remarks of a reply; those of a candidate that wrote something else there are lost."""
+        if reply.ending is Ending.DONE:
+            with suppress(UnreadableReply):
+                return remarks_of(reply.text)
+        return ()
+
     def _fault_in(self, reply: Reply) -> Fault | None:
         """Read the fault of a reply, and add what is known of it here."""
         if reply.ending is not Ending.FAULT:
@@ -245,8 +257,8 @@ class CandidateProcess:
         return fault
 
     def _crash(self, handle: CandidateHandle) -> Fault:
-        output = bounded_text(handle.last_output())
-        status = handle.exit_status()
+        printed = handle.last_output()
+        output, status = bounded_text(printed), handle.exit_status()
         what, error = ending_in_words(status)
         if status == -signal.SIGKILL and killed_for_memory() > self._killed_before:
             self.kill()
@@ -259,7 +271,16 @@ class CandidateProcess:
             fault = replace(fault, message=_CONNECTION_CLOSED)
         fault = replace(fault, traceback=output)
         self._require_memory(fault)
-        return fault
+        return self._reported(fault, printed)
+
+    def _reported(self, fault: Fault, output: str) -> Fault:
+        """Make the end of a process that a sanitizer has ended into what that reports."""
+        if self.candidate.instrumented is None or self.candidate.instrumented.by != "sanitizers":
+            return fault
+        report = read_report(output, self.candidate.folder, self.candidate.sources)
+        if report is None:
+            return fault
+        return replace(fault, kind=FaultKind.SANITIZER, message=report.message, error=report.place)
 
     def _require_memory(self, fault: Fault) -> None:
         """End the job without a verdict where a candidate may have had less memory than it is allowed to allocate."""

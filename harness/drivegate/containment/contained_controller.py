@@ -67,6 +67,8 @@ class ContainedController:
         self.is_python = made.is_python
         self.state_size = made.state_size
         self._costs = NO_COSTS
+        self.remarks: tuple[str, ...] = ()
+        """What its process has warned of by the end of the last run."""
 
     @property
     def is_compiled(self) -> bool:
@@ -90,6 +92,7 @@ class ContainedController:
     def _answered(self, order: RunOrder, steps: int) -> Answered:
         answered = self._process.answered(order, steps)
         self._costs = greatest_costs((self._costs, answered.costs))
+        self.remarks = answered.remarks
         return answered
 
     def taken_costs(self) -> StepCosts:

@@ -19,13 +19,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.candidates.candidate import Candidate
-from drivegate.candidates.fault import Fault, FaultKind, Phase, bounded_line, bounded_text
+from drivegate.candidates.fault import Fault, FaultKind, Phase, bounded_line, bounded_reason, bounded_text
 from drivegate.candidates.step_costs import NO_COSTS, StepCosts
 from drivegate_models.contract.current.signals import Nameplate
 from drivegate_models.contract.duty.signals import DutyNameplate
 from drivegate_models.contract.layout import CURRENT, LAYOUTS, Layout
 from drivegate_models.loop.loop_inputs import LoopInputs
 
+MOST_REMARKS: Final = 20
+"""Number of remarks of a run that are read."""
 PACKET: Final = Struct("=8sqq")
 """A word that says whose it is, the number of bytes of the order, which lies in the shared memory, and that of the
 memory itself. A memory that is new is included as a file descriptor."""
@@ -132,7 +134,8 @@ class Reply:
     check: bytes = bytes(CHECK_BYTES)
     """Digest of the plant's results, of `CHECK_BYTES` bytes."""
     text: str = ""
-    """A fault as `fault_text` writes it, a sentence for the user, or a traceback."""
+    """A fault as `fault_text` writes it, a sentence for the user, a traceback, or of a run that is done, its remarks
+    as `remarks_text` writes them."""
 
 
 def packed(reply: Reply) -> bytes:
@@ -166,6 +169,22 @@ def unpacked(message: bytes) -> Reply:
 def fault_text(fault: Fault) -> str:
     """Write a fault as text; what was sensed then is known to the harness already."""
     return json.dumps({name: getattr(fault, name) for name in _FIELDS})
+
+
+def remarks_text(remarks: Sequence[str]) -> str:
+    """Write what a process has warned of."""
+    return json.dumps(list(remarks)) if remarks else ""
+
+
+def remarks_of(text: str) -> tuple[str, ...]:
+    """Read remarks, all of them bounded and printable; text that is none raises `UnreadableReply`."""
+    try:
+        lines: Any = json.loads(text or "[]")
+    except (ValueError, RecursionError) as error:
+        raise UnreadableReply from error
+    if not isinstance(lines, list) or not all(isinstance(line, str) for line in lines):
+        raise UnreadableReply
+    return tuple(bounded_reason(line) for line in lines[:MOST_REMARKS])
 
 
 def fault_of(text: str) -> Fault:

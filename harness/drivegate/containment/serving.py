@@ -39,6 +39,7 @@ from drivegate.containment.protocol import (
     Setup,
     fault_text,
     packed,
+    remarks_text,
 )
 from drivegate.containment.restarting import Restarter
 from drivegate.containment.shared_memory import Activity, SharedMemory, SharedProgress
@@ -173,6 +174,7 @@ class _Server:
 
         restarter = Restarter(self._instance, self._nameplate)
         loop, records = self._made_ready(pending, memory, restarter)
+        self._begin_counting()
         with self._progress.running():
             status, _ = loop(*pending.pop())
         self._write_counters()
@@ -185,7 +187,14 @@ class _Server:
             )
             return Reply(Ending.FAULT, int(status), steps, text=fault_text(fault))
         if status == COMPLETED:
-            return Reply(Ending.DONE, status, steps, costs=self._taken_costs(), check=check_of(records))
+            return Reply(
+                Ending.DONE,
+                status,
+                steps,
+                costs=self._taken_costs(),
+                check=check_of(records),
+                text=self._remarks(),
+            )
         return self._stopped(int(status), steps)
 
     def _made_ready(
@@ -209,12 +218,20 @@ class _Server:
         # Only here, since it slows each step down and nobody asks for that of a run.
         getattr(self._instance, "watch_accesses", lambda: None)()
         steps = self._steps_made_ready(pending, memory)
+        self._begin_counting()
         with self._progress.running():
             status, answered = steps(*pending.pop())
         self._write_counters()
         if status == COMPLETED:
             return Reply(Ending.DONE, int(status), int(answered), costs=self._taken_costs())
         return self._stopped(int(status), int(answered))
+
+    def _remarks(self) -> str:
+        return remarks_text(getattr(self._instance, "remarks", tuple)())
+
+    def _begin_counting(self) -> None:
+        """Count what the run reaches of the candidate's code, where the interpreter does that."""
+        getattr(self._instance, "begin_counting", lambda: None)()
 
     def _write_counters(self) -> None:
         """Write what the run has reached of the candidate's code, where that is counted."""

@@ -9,6 +9,7 @@ from typing import Any, Final
 from numpy.typing import NDArray
 
 from drivegate.candidates.declaration import Declaration
+from drivegate.candidates.fault import CandidateFault
 from drivegate.candidates.step_costs import NO_COSTS, StepCosts
 from drivegate.checks.check import Record
 from drivegate.checks.installed import installed_checks
@@ -42,16 +43,21 @@ def recorded(
     """Run a candidate through a scenario for the checks, observed as its declaration requires."""
     require_contract(loaded.candidate, scenario.drive)
     declaration = loaded.candidate.declaration
-    record: Record = contract_of(scenario.drive).record(
-        kind_of(scenario.drive).prepare_loop(),
-        declaration,
-        scenario,
-        controller,
-        trace_every=1 if _needs_all(declaration, scenario) else trace_every,
-        kept=kept,
-        keeps_steps=keeps_steps,
-    )
+    try:
+        record: Record = contract_of(scenario.drive).record(
+            kind_of(scenario.drive).prepare_loop(),
+            declaration,
+            scenario,
+            controller,
+            trace_every=1 if _needs_all(declaration, scenario) else trace_every,
+            kept=kept,
+            keeps_steps=keeps_steps,
+        )
+    except CandidateFault as ended:
+        raise CandidateFault(replace(ended.fault, scenario=scenario.to_mapping())) from ended
     costs = taken_costs(controller)
+    if isinstance(controller, ContainedController) and controller.remarks:
+        record = replace(record, remarks=controller.remarks)
     if costs == NO_COSTS:
         return record
     return replace(record, costs=costs, allowed_costs=loaded.candidate.step_limits)

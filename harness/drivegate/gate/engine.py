@@ -35,6 +35,7 @@ from drivegate.gate.events import (
     Shrinking,
     WitnessesHeard,
 )
+from drivegate.gate.fault_shrinking import fault_job, shrinks, with_simplest_faults
 from drivegate.gate.focus import Focus
 from drivegate.gate.options import CheckOptions
 from drivegate.gate.own_requirements import require_fitting, with_evidence, with_requirements
@@ -203,6 +204,7 @@ def _run(plan: _Plan, progress: Progress) -> Iterator[Event]:
         try:
             # Witnesses run in the counterexample as it was shrunk, and recordings show the run that they settled on.
             yield from _shrink(pool, options.effort, progress)
+            _shrink_faults(pool, options.effort, progress)
             yield from _hear(pool, drive, progress, counts=options.contested == "fail")
             if not progress.cuts_short():
                 yield Recording()
@@ -234,6 +236,8 @@ def _finished(
         "isolation": how.isolation,
         "traces": progress.traces,
         "behaviour": progress.behaviour,
+        # Which run comes first in a process depends on the number of workers.
+        "remarks": tuple(sorted({remark for run in runs for remark in run.remarks})),
         "steps": costly_steps(runs, candidate.step_limits),
         "provenance": provenance(),
         "timing": timing,
@@ -356,6 +360,16 @@ def _shrink(pool: WorkerPool, effort: str, progress: Progress) -> Iterator[Event
             shrunk |= {shrinking[index].check: ending for index, ending in ended.outcomes.items()}
             progress.end()
     progress.outcomes = with_simplest(progress.outcomes, failures, shrunk)
+
+
+def _shrink_faults(pool: WorkerPool, effort: str, progress: Progress) -> None:
+    """Look for the simplest scenario in which a sanitizer reports the same."""
+    places = [place for place, fault in enumerate(progress.faults) if shrinks(fault)]
+    if not places or progress.cuts_short():
+        return
+    mapped = pool.map([fault_job(progress.faults[place], effort) for place in places])
+    endings = dict(zip(places, list(mapped), strict=True))
+    progress.faults = with_simplest_faults(progress.faults, endings)
 
 
 def _hear(pool: WorkerPool, drive: DriveDocument, progress: Progress, *, counts: bool) -> Iterator[Event]:

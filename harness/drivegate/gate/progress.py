@@ -6,7 +6,7 @@ import time
 from dataclasses import dataclass, field
 from typing import Any, Final, Literal
 
-from drivegate.candidates.fault import Fault
+from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.checks.check import InfeasibleScenario, JudgedRun, ShardOutcome
 from drivegate.gate.focus import Focus
 from drivegate.gate.plan import Origin, Work
@@ -57,8 +57,8 @@ class Progress:
 
     def add_fault(self, fault: object) -> None:
         """Add what a job ended with if that is a fault, and not known yet."""
-        known = [(fault.kind, fault.message) for fault in self.faults]
-        if isinstance(fault, Fault) and (fault.kind, fault.message) not in known:
+        known = [_what_happened(fault) for fault in self.faults]
+        if isinstance(fault, Fault) and _what_happened(fault) not in known:
             self.faults.append(fault)
 
     @property
@@ -78,3 +78,8 @@ class Progress:
         if self.incomplete is None and self.deadline is not None and time.monotonic() > self.deadline:
             self.incomplete = "max time"
         return self.incomplete is not None
+
+
+def _what_happened(fault: Fault) -> tuple[str, str]:
+    """Return what is the same of two faults that are one; a sanitizer's message has values, its place has none."""
+    return fault.kind, fault.error if fault.kind is FaultKind.SANITIZER else fault.message

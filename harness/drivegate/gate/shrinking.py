@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Final
+from typing import Any, Final, Protocol, TypeVar
 
+from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind
 from drivegate.checks.check import JudgedRun
 from drivegate.checks.margin import Margin
@@ -26,9 +27,11 @@ from drivegate.scenarios.title import titled
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.scenario.scenario import Scenario
 
+FoundT = TypeVar("FoundT")
+
 _ROUNDING: Final = 1e-9
 """Share of a margin by which rounding may make a simpler failure worse (1)."""
-_BUDGET: Final = {"quick": 15, "default": 40, "nightly": 200}
+BUDGET: Final = {"quick": 15, "default": 40, "nightly": 200}
 """Runs that may be spent on making one counterexample simpler, by effort."""
 _FURTHER: Final = 2
 """Further scenarios that are tried where no witness meets a check in the simplest one."""
@@ -72,7 +75,7 @@ def run_shrink(loaded: JudgedCandidate, plan: ShrinkPlan) -> Shrunk | None:
     scenario, margin = _witnessed(plan, trials, scenario, margin)
     trials.begin(scenario)
     trials.worst = margin.value if plan.worst is None else min(margin.value, plan.worst)
-    simplest, margin = _simplest(scenario, margin, trials)
+    simplest, margin = simplest_of(scenario, margin, trials)
     if simplest is not scenario:
         simplest = titled(simplest)
     return Shrunk(simplest.to_mapping(), margin, trials.runs)
@@ -149,16 +152,34 @@ class _Trials:
 
     def is_due(self, scenario: Scenario) -> bool:
         """Return True if a scenario was not run yet, is what the candidate declares, and is as fair as the first."""
-        declaration = self._loaded.candidate.declaration
-        lowest, highest = declaration.speed_range_rpm or (-math.inf, math.inf)
-        declared = all(lowest <= speed <= highest for _, speed in scenario.speed_rpm) and (
-            declaration.reverses or needs_reverse(self._start) or not needs_reverse(scenario)
-        )
         is_new = content_key(scenario.to_mapping()) not in self._known
-        return declared and is_new and contract_of(scenario.drive).is_as_fair(scenario, self._start)
+        return is_new and is_as_fair(scenario, self._start, self._loaded.candidate.declaration)
 
 
-def _simplest(scenario: Scenario, margin: Margin, trials: _Trials) -> tuple[Scenario, Margin]:
+def is_as_fair(scenario: Scenario, start: Scenario, declaration: Declaration) -> bool:
+    """Return True if a simpler scenario is what a candidate declares, and as fair as the one that it came from."""
+    lowest, highest = declaration.speed_range_rpm or (-math.inf, math.inf)
+    declared = all(lowest <= speed <= highest for _, speed in scenario.speed_rpm) and (
+        declaration.reverses or needs_reverse(start) or not needs_reverse(scenario)
+    )
+    return declared and contract_of(scenario.drive).is_as_fair(scenario, start)
+
+
+class Trials(Protocol[FoundT]):
+    """Runs that show whether a scenario still fails."""
+
+    @property
+    def spent(self) -> bool:
+        """Whether no more run may be made."""
+
+    def failure(self, scenario: Scenario) -> FoundT | None:
+        """Run a scenario, and return what is wrong; None if it is not what is looked for."""
+
+    def is_due(self, scenario: Scenario) -> bool:
+        """Return True if a scenario is worth a run."""
+
+
+def simplest_of(scenario: Scenario, found: FoundT, trials: Trials[FoundT]) -> tuple[Scenario, FoundT]:
     """Go through all simplifications until a whole round of them finds nothing more, or the budget is spent."""
     # What worked is tried again first, since it may work again: one change goes after the other. After a round that
     # found something all are tried again, since a key that could not go may go now that another one is gone.
@@ -169,14 +190,14 @@ def _simplest(scenario: Scenario, margin: Margin, trials: _Trials) -> tuple[Scen
             simpler = _simpler(scenario, simplification, trials)
             while simpler is not None:
                 improved = True
-                scenario, margin = simpler
+                scenario, found = simpler
                 simpler = _simpler(scenario, simplification, trials)
-    return scenario, margin
+    return scenario, found
 
 
 def _simpler(
-    scenario: Scenario, simplification: Simplification, trials: _Trials
-) -> tuple[Scenario, Margin] | None:
+    scenario: Scenario, simplification: Simplification, trials: Trials[FoundT]
+) -> tuple[Scenario, FoundT] | None:
     for fields in simplification(scenario):
         simpler = simplified(scenario, fields)
         if simpler is None or not trials.is_due(simpler):
@@ -184,9 +205,9 @@ def _simpler(
         # Asked after fairness, which costs no run: a budget that is spent ends the search only where a run is due.
         if trials.spent:
             return None
-        margin = trials.failure(simpler)
-        if margin is not None:
-            return simpler, margin
+        found = trials.failure(simpler)
+        if found is not None:
+            return simpler, found
     return None
 
 
@@ -207,7 +228,7 @@ class FailedRun:
         return self.check != REPEATED and self.run.scenario.get("kind") != "script"
 
     def job(self, effort: str) -> Job[Shrunk | None]:
-        plan = ShrinkPlan(self.run.scenario, self.check, _BUDGET[effort], self.worst, self.others)
+        plan = ShrinkPlan(self.run.scenario, self.check, BUDGET[effort], self.worst, self.others)
         return Job(run_shrink, plan)
 
 

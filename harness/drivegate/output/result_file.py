@@ -11,6 +11,7 @@ from drivegate.candidates.fault import bounded_line
 
 RESULT_FILE: Final = "result.json"
 COUNTEREXAMPLES: Final = "counterexamples"
+FAULTS: Final = "faults"
 
 _NUMBERS: Final = re.compile(r"\[\n\s+(?:[-+.\deE]+|null)(?:,\n\s+(?:[-+.\deE]+|null))*\n\s+\]")
 
@@ -32,6 +33,16 @@ def write_result_files(result: dict[str, Any], folder: Path) -> None:
         path = folder / counterexample_name(document["check"])
         path.parent.mkdir(exist_ok=True)
         path.write_text(as_json(document), encoding="utf-8")
+    for place, fault in enumerate(result["faults"], 1):
+        if fault.get("scenario") is not None:
+            path = folder / fault_scenario_name(place)
+            path.parent.mkdir(exist_ok=True)
+            path.write_text(as_json(fault["scenario"]), encoding="utf-8")
+
+
+def fault_scenario_name(place: int) -> str:
+    """Name the file with the scenario of a fault, counted from 1, in the folder of the report."""
+    return f"{FAULTS}/{place}.json"
 
 
 def counterexample_name(check: str) -> str:

@@ -389,6 +389,11 @@ class ResultDocument(Document):
         description="what the steps of an image cost on its target; null for other candidates and in results of "
         "earlier versions",
     )
+    remarks: tuple[Text, ...] = Field(
+        default=(),
+        description="what a candidate in Python warned of, such as an overflow in numpy, with file and line; it fails "
+        "nothing",
+    )
     code_coverage: CodeCoverageSection | None = Field(
         default=None,
         description="what the runs reached of the candidate's code; null without --coverage and in results of earlier "

@@ -69,9 +69,10 @@ def _two_builds(plain: NativeController, instrumented: Instrumented, name: str) 
     # libgcov puts the path at which an object was compiled below this folder.
     os.environ["GCOV_PREFIX"] = str(instrumented.folder)
     second = _loaded_controller(library, name, is_exact=True)
+    other = None if instrumented.reference is None else _loaded_controller(instrumented.reference, name)
     functions, _ = _loaded(library, name)
     step = ctypes.cast(getattr(functions, STEP_BOTH), ctypes.c_void_p).value or 0
-    return TwoBuilds(plain, second, step, instrumented.by, getattr(functions, WRITE_COUNTERS, None))
+    return TwoBuilds(plain, second, other, step, instrumented, getattr(functions, WRITE_COUNTERS, None))
 
 
 def require_version(version: int, name: str) -> None:

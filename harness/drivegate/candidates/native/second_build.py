@@ -25,6 +25,9 @@ from drivegate_models.errors import InputError
 LIBRARY: Final = "library.so"
 """Name of the library in the folder of a second build."""
 
+OUTPUT: Final = "output.txt"
+"""Name of the file there with what the compiler printed."""
+
 _OWN_SOURCE: Final = Path(__file__).with_name("two_builds.c")
 
 
@@ -55,7 +58,8 @@ def second_build(plan: Compilation, flags: Sequence[str]) -> Path:
                 shutil.copy(_OWN_SOURCE, own)
                 # Whole paths, which tools find from any folder.
                 sources = (*(str(plan.folder / source) for source in plan.sources), str(own))
-                compile_library(compilers, replace(changed, sources=sources), made)
+                _, output = compile_library(compilers, replace(changed, sources=sources), made)
+                (made / OUTPUT).write_text(output, encoding="utf-8")
                 _keep(made, kept)
     except OSError as error:
         raise InputError(

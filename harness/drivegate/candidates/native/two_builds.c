@@ -1,6 +1,7 @@
-/* Two builds of one controller, stepped side by side. The plain one answers the loop, and the instrumented one, which
- * counts or looks for undefined behaviour, must answer the same. It gets copies of what is sensed, each as long as the
- * contract says, so that a read past an end shows. */
+/* Builds of one controller, stepped side by side. The plain one answers the loop. The instrumented one counts or looks
+ * for undefined behaviour, and must answer as its reference does: the plain build, or one with the same flags but for
+ * the instruments. It gets copies of what is sensed, each as long as the contract says, so that a read past an end
+ * shows. */
 #include <stdint.h>
 #include <string.h>
 
@@ -14,34 +15,36 @@
 typedef void (*step)(void *state, const void *sense, void *command);
 
 typedef struct {
-    step plain, instrumented;
-    void *plain_state, *instrumented_state;
+    step plain, instrumented, reference;       /* no reference where the plain build is it */
+    void *plain_state, *instrumented_state, *reference_state;
     unsigned char *sense, *currents, *command; /* copies for the instrumented build */
     int64_t sense_size, command_size;          /* bytes */
     int64_t currents_offset, currents_size;    /* place of the pointer in a Sense; bytes of what it points to */
     int64_t differs;                           /* whether the answers have differed since the reset */
-    double time;                               /* when they did; the time follows on the size in every Sense */
-    unsigned char answers[2][256];             /* the answers that differ, the plain one first */
+    unsigned char answers[2][256];             /* the last answers of the reference and of the instrumented build */
 } builds;
 
 EXTERN EXPORT void drivegate_step_two_builds(void *state, const void *sense, void *command);
 
 void drivegate_step_two_builds(void *state, const void *sense, void *command) {
     builds *both = (builds *)state;
+    size_t size = (size_t)both->command_size;
     unsigned char *sensed = both->sense;
     const void *currents;
     memcpy(sensed, sense, (size_t)both->sense_size);
     memcpy(&currents, sensed + both->currents_offset, sizeof currents);
     memcpy(both->currents, currents, (size_t)both->currents_size);
     memcpy(sensed + both->currents_offset, &both->currents, sizeof both->currents);
-    memcpy(both->command, command, (size_t)both->command_size);
-    both->plain(both->plain_state, sense, command);
+    memcpy(both->command, command, size);
+    memcpy(both->answers[0], command, size);
+    /* First, so that what ends the process in any build is reported. */
     both->instrumented(both->instrumented_state, sensed, both->command);
-    if (memcmp(command, both->command, (size_t)both->command_size) == 0 || both->differs) return;
+    memcpy(both->answers[1], both->command, size);
+    both->plain(both->plain_state, sense, command);
+    if (both->reference) both->reference(both->reference_state, sense, both->answers[0]);
+    else memcpy(both->answers[0], command, size);
+    if (memcmp(both->answers[0], both->answers[1], size) == 0) return;
     both->differs = 1;
-    memcpy(&both->time, sensed + sizeof(int64_t), sizeof both->time);
-    memcpy(both->answers[0], command, (size_t)both->command_size);
-    memcpy(both->answers[1], both->command, (size_t)both->command_size);
     /* A negative size ends the run. */
     int64_t stop = -1;
     memcpy(command, &stop, sizeof stop);

@@ -31,14 +31,15 @@ class PythonController:
     """One instance of a Python candidate, steppable by address, by the contract of the nameplate that resets it.
 
     Its `reset(nameplate)` forgets all earlier runs. Its `step(sense)` answers a Sense with a Command, and a DutySense
-    with a DutyCommand.
+    with a DutyCommand. `remarks` returns what the process has warned of so far.
     """
 
     state_address = 0
     """The state is in the Python object."""
 
-    def __init__(self, instance: Any) -> None:
+    def __init__(self, instance: Any, remarks: Callable[[], tuple[str, ...]] = tuple) -> None:
         self.instance = instance
+        self.remarks = remarks
         self._bridges: dict[ContractName, _Bridge] = {}
         self._bridge = self._bridge_of("current")
 

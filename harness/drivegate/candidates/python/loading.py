@@ -10,14 +10,18 @@ import importlib.util
 import inspect
 import os
 import sys
+from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
-from drivegate.candidates.candidate import Candidate
+from drivegate.candidates.candidate import Candidate, Instrumented
 from drivegate.candidates.controller import Controller
 from drivegate.candidates.fault import CandidateFault, exception_fault
 from drivegate.candidates.native.numba_controller import NumbaController
 from drivegate.candidates.python.bridge import PythonController
+from drivegate.candidates.python.remarks import Remarks
 from drivegate_cases.documents.wording import nearest, one_line, shown_path
 from drivegate_models.errors import InputError
 
@@ -29,13 +33,41 @@ def load_controller(candidate: Candidate) -> Controller:
 
     Its module is imported once a process.
     """
+    remarks = _remarks_of(candidate.folder)
+    if candidate.instrumented is not None:
+        return _counted(candidate, candidate.instrumented, remarks)
+    return _controller(candidate, lambda instance: PythonController(instance, remarks.lines))
+
+
+@cache
+def _remarks_of(folder: Path) -> Remarks:
+    return Remarks(folder)
+
+
+def _counted(candidate: Candidate, instrumented: Instrumented, remarks: Remarks) -> Controller:
+    """Make an instance whose lines are traced, also while its module is imported."""
+    from drivegate.candidates.python.coverage import CountedController, counter_of
+
+    counter = counter_of(instrumented.folder, candidate.sources)
+    counter.start()
+    try:
+        return _controller(candidate, lambda instance: CountedController(instance, counter, remarks.lines))
+    finally:
+        counter.stop()
+
+
+def _controller(candidate: Candidate, bridge: Callable[[Any], Controller]) -> Controller:
     chosen = _chosen_by(candidate, _module_of(candidate))
     if isinstance(chosen, NumbaController):
+        if candidate.instrumented is not None:
+            raise InputError(
+                "--coverage cannot look into functions that numba has compiled; leave it out for a NumbaController"
+            )
         from drivegate.candidates.native.numba_loading import load_numba_controller
 
         return load_numba_controller(chosen, one_line(candidate.name))
     try:
-        return PythonController(chosen())
+        return bridge(chosen())
     except BaseException as error:
         raise CandidateFault(exception_fault(error, "loading")) from error
 

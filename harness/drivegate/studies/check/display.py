@@ -13,7 +13,7 @@ from rich.text import Text
 from drivegate.output.causes import account_of, causes_of, first_to_mend, likely_causes_of
 from drivegate.output.console import ADVISED, STYLES, plain, print_line, table, verdict_text
 from drivegate.output.explanations import by_urgency, distinct_faults, in_runs, unjudged_in_words
-from drivegate.output.result_file import counterexample_name
+from drivegate.output.result_file import counterexample_name, fault_scenario_name
 from drivegate.output.wording import (
     drive_in_words,
     drive_option,
@@ -43,7 +43,8 @@ def show_checked(console: Console, checked: Checked, again: str | None = None) -
     document, folder = checked.document, checked.folder
     assert document is not None, "only a candidate with a result is shown"
     for fault, count in distinct_faults(document["faults"]):
-        _show_fault(console, fault, count)
+        place = document["faults"].index(fault) + 1
+        _show_fault(console, fault, count, None if folder is None else folder / fault_scenario_name(place))
     if left := unjudged_in_words(document):
         print_line(console, f"  {left}", "bold")
     checks = by_urgency(document["checks"])
@@ -54,6 +55,8 @@ def show_checked(console: Console, checked: Checked, again: str | None = None) -
         for words in likely_causes_of(document):
             print_line(console, words, "bold")
     _show_uncounted(console, document)
+    for remark in document.get("remarks", ()):
+        print_line(console, f"remark: {remark}")
     show_code_coverage(console, document, folder)
     print_line(console, f"on the drive {drive_in_words(document['drive'])}", "dim")
     listed = table("check", "level", "verdict", "margin", "message", right=("margin",))
@@ -96,10 +99,14 @@ def show_code_coverage(console: Console, document: dict[str, Any], folder: Path 
         print_line(console, f"coverage: {section['message']}{where}", "bold red" if is_short else "")
 
 
-def _show_fault(console: Console, fault: dict[str, Any], count: int) -> None:
+def _show_fault(console: Console, fault: dict[str, Any], count: int, file: Path | None) -> None:
     print_line(console, f"{fault['kind']}{in_runs(count)}: {fault['message']}", "bold red")
     if fault["time_s"] is not None:
         print_line(console, f"  in step {fault['step']}, at {fault['time_s']:g} s")
+    if fault.get("scenario") is not None:
+        print_line(console, f"  in {scenario_in_short(fault['scenario'])}")
+        if file is not None:
+            print_line(console, f"  file {file}")
     for line in fault["traceback"].splitlines():
         print_line(console, f"  {line}", "dim")
 

@@ -1,0 +1,108 @@
+"""What runs reach of a candidate in Python: its lines and branches, counted and read by `coverage`."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import Any, Final
+
+from drivegate.candidates.candidate import Candidate, Instrumented
+from drivegate.candidates.contract import AnyNameplate
+from drivegate.candidates.native.coverage_tools import COBERTURA, LCOV, require_package, run_tool
+from drivegate.candidates.python.bridge import PythonController
+from drivegate.candidates.reached_code import Line, SourceFile
+
+_DATA: Final = ".coverage"
+_WORK: Final = "work"
+_JSON: Final = "coverage.json"
+
+
+def counted_candidate(candidate: Candidate, folder: Path) -> Candidate:
+    """Return a candidate whose processes write into a folder which of its lines ran."""
+    require_package("coverage", "--coverage")
+    return replace(candidate, instrumented=Instrumented("coverage", folder))
+
+
+@cache
+def counter_of(folder: Path, sources: tuple[Path, ...]) -> Any:
+    """Return what traces the candidate's lines in this process."""
+    from coverage import Coverage
+
+    return Coverage(
+        data_file=str(folder / _DATA),
+        data_suffix=True,
+        branch=True,
+        config_file=False,
+        include=[str(source) for source in sources],
+        messages=False,
+    )
+
+
+class CountedController(PythonController):
+    """A candidate whose lines are traced; the harness ends the tracing before each order, so each begins it again."""
+
+    def __init__(self, instance: Any, counter: Any, remarks: Callable[[], tuple[str, ...]]) -> None:
+        super().__init__(instance, remarks)
+        self._counter = counter
+
+    def reset(self, nameplate: AnyNameplate) -> None:
+        self.begin_counting()
+        try:
+            super().reset(nameplate)
+        finally:
+            self._counter.stop()
+
+    def begin_counting(self) -> None:
+        self._counter.stop()
+        self._counter.start()
+
+    def write_counters(self) -> None:
+        self._counter.stop()
+        self._counter.save()
+
+
+def measured_files(candidate: Candidate, output: Path) -> tuple[SourceFile, ...]:
+    """Read what was counted, and write the files for services into a folder."""
+    assert candidate.instrumented is not None, "it was counted"
+    folder = candidate.instrumented.folder
+    work = folder / _WORK
+    work.mkdir()
+    if not list(folder.glob(f"{_DATA}.*")):
+        return ()
+    for words in (
+        ("combine", "--keep", str(folder)),
+        ("json", "-o", str(work / _JSON)),
+        ("lcov", "-o", str(work / LCOV)),
+        ("xml", "-o", str(work / COBERTURA)),
+    ):
+        command, *further = words
+        # A file of settings in the candidate's folder is for its own tests.
+        options = ("--rcfile=/dev/null", f"--data-file={work / _DATA}", "-q")
+        tool = [sys.executable, "-P", "-m", "coverage", command, *options, *further]
+        run_tool(tool, candidate.folder, (folder, *candidate.sources), work, "coverage")
+    for name in (LCOV, COBERTURA):
+        shutil.copy(work / name, output)
+    document = json.loads((work / _JSON).read_text(encoding="utf-8"))
+    return tuple(_file(name, file, candidate.folder) for name, file in sorted(document["files"].items()))
+
+
+def _file(name: str, file: Mapping[str, Any], folder: Path) -> SourceFile:
+    text = (folder / name).read_text(encoding="utf-8", errors="replace").splitlines()
+    branches: dict[int, list[tuple[int, int]]] = {}
+    for key, taken in (("executed_branches", 1), ("missing_branches", 0)):
+        for begin, end in file[key]:
+            branches.setdefault(begin, []).append((end, taken))
+    counts = {**dict.fromkeys(file["missing_lines"], 0), **dict.fromkeys(file["executed_lines"], 1)}
+    lines = tuple(
+        Line(number, counts[number], _in_order(branches.get(number, ()))) for number in sorted(counts)
+    )
+    return SourceFile(name, tuple(text), lines)
+
+
+def _in_order(branches: Sequence[tuple[int, int]]) -> tuple[int, ...]:
+    return tuple(taken for _, taken in sorted(branches))
