@@ -9,9 +9,13 @@ from typing import Final
 
 from drivegate.contracts.current.scenarios.rare import RARE as RARE_OF_CURRENT
 from drivegate.contracts.duty.document import duty_document
-from drivegate.contracts.duty.scenarios.rare import RARE, RARE_BACKWARD
+from drivegate.contracts.duty.scenarios.beyond import backward_beyond_scenarios, beyond_scenarios
+from drivegate.contracts.duty.scenarios.fixed import turned_scenario
+from drivegate.contracts.duty.scenarios.rare import RARE, RARE_BACKWARD, RareRuns
+from drivegate.contracts.duty.scenarios.released import free_shaft_scenarios
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.scenario import Scenario
+from drivegate_lab.candidates.duty_faults import DUTY_FAULTS
 from drivegate_lab.candidates.faults.catalogue import MUTATIONS
 from drivegate_lab.candidates.faults.seeded_fault import SeededFault
 from drivegate_lab.candidates.field_faults import FIELD_FAULTS
@@ -23,6 +27,24 @@ _PROOFS_OF_CURRENT: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
         "minutes": ("milliseconds-overflow",),
     }
 )
+
+_FURTHER: Final[Mapping[str, tuple[RareRuns, tuple[str, ...]]]] = MappingProxyType(
+    {
+        "beyond the highest speed": (
+            lambda drive: [*beyond_scenarios(drive), *backward_beyond_scenarios(drive)],
+            ("braking-ends-at-highest-speed", "overspeed-taken-early", "lowering-refused"),
+        ),
+        "shafts that come free": (
+            free_shaft_scenarios,
+            ("speed-taken-for-constant", "torque-ramped-after-stall"),
+        ),
+        "many turns before the run": (
+            lambda drive: [turned_scenario(drive)],
+            ("turns-summed-in-single-precision", "edges-summed-in-single-precision"),
+        ),
+    }
+)
+"""Kinds of duty ratios that other families have too, with names of faulty controllers."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +62,7 @@ def operations(drive: DriveDocument) -> tuple[Operation, ...]:
     """List the kinds of operation of a drive's contract."""
     if drive.contract == "duty":
         document = duty_document(drive)
-        return tuple(
+        rare = (
             Operation(
                 kind,
                 tuple(runs(document)),
@@ -48,6 +70,11 @@ def operations(drive: DriveDocument) -> tuple[Operation, ...]:
             )
             for kind, runs in {**RARE, **RARE_BACKWARD}.items()
         )
+        further = (
+            Operation(kind, tuple(runs(document)), tuple(DUTY_FAULTS[name] for name in names))
+            for kind, (runs, names) in _FURTHER.items()
+        )
+        return (*rare, *further)
     return tuple(
         Operation(kind, tuple(runs(drive)), tuple(MUTATIONS[name] for name in _PROOFS_OF_CURRENT[kind]))
         for kind, runs in RARE_OF_CURRENT.items()

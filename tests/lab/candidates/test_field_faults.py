@@ -45,8 +45,11 @@ def test_a_fault_from_the_field_is_caught_in_a_run_of_its_kind(name: str) -> Non
     assert failed_checks("foc", showing) == frozenset()
 
 
-@pytest.mark.parametrize("operation", operations(PAPER), ids=lambda operation: operation.kind)
-def test_a_fault_of_current_references_is_caught_in_a_run_of_its_kind(operation: Operation) -> None:
+FURTHER = [operation for operation in operations(INTERIOR) if operation.kind not in KINDS]
+
+
+@pytest.mark.parametrize("operation", [*operations(PAPER), *FURTHER], ids=lambda operation: operation.kind)
+def test_each_fault_of_an_operation_is_caught_in_a_run_of_its_kind(operation: Operation) -> None:
     for fault in operation.faults:
         caught = [
             run
