@@ -205,7 +205,8 @@ class CandidateProcess:
             if not self._may_refuse(reply, order):
                 raise CandidateFault(self._garbled(self._running))
             self.kill()
-            raise InputError(bounded_text(reply.text))
+            # Before the first run, code of the candidate may have written the sentence: say whose process it is from.
+            raise InputError(f"{bounded_text(reply.text)} (reported by the candidate's process)")
         if reply.ending is Ending.BROKEN:
             if self._is_set_up:
                 raise CandidateFault(self._garbled(self._running))

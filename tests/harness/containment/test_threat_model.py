@@ -19,6 +19,7 @@ from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
 from drivegate.drives.running import recorded
 from drivegate_cases.drive.drive_document import load_drive
+from drivegate_models.errors import InputError
 
 LIMITS = WorkerLimits(step_processor_seconds=0.5, start_processor_seconds=20.0, idle_seconds=20.0)
 SCENARIO = fixed_scenarios(load_drive("paper-5-phase"))[0].model_copy(update={"duration_s": 1.0})
@@ -27,7 +28,6 @@ CANDIDATE = """
 import ctypes, gc, inspect, mmap, os, pickle, socket, struct, sys, threading, time
 import numpy as np
 from drivegate import Command
-{top}
 def connection():
     for name in os.listdir("/proc/self/fd"):
         try:
@@ -46,6 +46,7 @@ def frames():
     while frame is not None:
         yield frame
         frame = frame.f_back
+{top}
 class Mine:
     def __del__(self):
 {deletion}
@@ -203,6 +204,17 @@ def test_a_refusal_that_is_forged_in_a_run_is_a_crash(attempt, text):
     assert isinstance(fault, Fault)
     assert fault.kind is FaultKind.CRASH
     assert "wrote into its connection" in fault.message
+
+
+def test_a_refusal_that_is_forged_while_loading_is_shown_as_the_candidates(attempt):
+    header = 'struct.pack("=8sqqqqq16s", b"drivegat", 2, 0, 0, 0, 0, b"")'
+    with pytest.raises(InputError) as refused:
+        attempt(top=f"connection().send({header} + b'all passed\\x1b[2K' + b'!' * 30_000); time.sleep(60)")
+    said = str(refused.value)
+    assert said.startswith("all passed")
+    assert said.endswith("(reported by the candidate's process)")
+    assert "\x1b" not in said
+    assert len(said) < 30_000
 
 
 def test_what_breaks_drivegates_own_code_while_loading_is_the_candidates_fault(attempt):
