@@ -41,6 +41,7 @@ COMMANDS: Final = MappingProxyType(
         "checks": "List the checks with their requirements and limits.",
         "schema": "Print the JSON Schema of a file that you write, for editors.",
         "include-dir": "Print the folder of drivegate.h and drivegate_duty.h, for a C compiler.",
+        "man": "Write a manual page for each command into a folder.",
         "cases": "List the scenarios, operating points, sweeps and drives that are included.",
     }
 )
