@@ -31,7 +31,7 @@ CHOICES = (
 
 
 @click.command("new")
-@click.argument("kind", type=click.Choice(CHOICES))
+@click.argument("kind", type=click.Choice(CHOICES), metavar="KIND")
 @click.argument("name")
 @click.option(
     "--output",
@@ -103,7 +103,7 @@ def command(
         "files": [str(file) for file in written.files],
         "next": [
             f"cd {quote(str(folder))}",
-            "drivegate check",
+            written.first_check,
         ],
     }
     if written.hint is not None:

@@ -17,7 +17,7 @@ NAMES = ("drive", "scenario", "candidate", "campaign", "waivers", "requirements"
 
 
 @click.command("schema")
-@click.argument("name", type=click.Choice(NAMES))
+@click.argument("name", type=click.Choice(NAMES), metavar="NAME")
 @json_option
 def command(name: str) -> Outcome:
     """Print the JSON Schema of a kind of file, by which an editor completes and checks it.

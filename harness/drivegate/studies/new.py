@@ -55,6 +55,9 @@ _COMMON: Final[Mapping[ContractName, tuple[str, ...]]] = MappingProxyType(
     {"current": ("every",), "duty": ("every", "every-duty")}
 )
 """Folders of what all candidates of a contract have, a later one's files in place of an earlier one's."""
+HOST_MANIFEST: Final = "host.toml"
+"""Manifest of an image's sources, compiled for this machine; few templates have one."""
+_QUICK: Final = "drivegate check --effort quick"
 _NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,63}")
 _IGNORED: Final = "gitignore"
 """Name of a template that means nothing to the tools of this repository; those of several folders are joined."""
@@ -99,6 +102,8 @@ class Written:
     """From the new folder."""
     hint: str | None
     """What is left to do for the pipeline; None for nothing."""
+    first_check: str
+    """The command that has a verdict soonest."""
 
 
 def write_candidate(
@@ -146,6 +151,10 @@ def write_candidate(
         texts |= added | {_IGNORED: ignored}
     for word, value in words.items():
         texts = {place: text.replace(word, value) for place, text in texts.items()}
+    first_check = _QUICK
+    if HOST_MANIFEST in texts:
+        first_check = f"drivegate check {HOST_MANIFEST} --effort quick"
+        texts["README.md"] = texts["README.md"].replace(_QUICK, f"{first_check}\n{_QUICK}")
     contents = {place: text.encode() for place, text in texts.items() if place not in pipeline.left_out}
     contents[".gitignore"] = contents.pop(_IGNORED)
     contents[REQUIREMENTS] = contents.pop("requirements.txt")
@@ -176,7 +185,7 @@ def write_candidate(
             "with --output"
         ) from error
     above = [Path(relpath(target, folder.resolve())) for target in outside]
-    return Written(tuple(sorted([*map(Path, contents), *above])), pipeline.hint)
+    return Written(tuple(sorted([*map(Path, contents), *above])), pipeline.hint, first_check)
 
 
 def _move_pipeline(contents: dict[str, bytes], pipeline: Pipeline) -> dict[Path, bytes]:
@@ -215,7 +224,11 @@ def _name_drive(contents: dict[str, bytes], drive: str) -> None:
     if drive not in drive_names():
         place = f"drive{Path(drive).suffix.lower()}"
         contents[place], drive = Path(drive).read_bytes(), place
-    for file, before, value in (("candidate.toml", "\nkind", drive), ("waivers.toml", "\nreason", name)):
+    manifests = [file for file in ("candidate.toml", HOST_MANIFEST) if file in contents]
+    for file, before, value in (
+        *((manifest, "\nkind", drive) for manifest in manifests),
+        ("waivers.toml", "\nreason", name),
+    ):
         line = f"\ndrive = {json.dumps(value, ensure_ascii=False)}{before}"
         contents[file] = contents[file].replace(before.encode(), line.encode())
 

@@ -58,7 +58,9 @@ def test_every_kind_is_written_whole_and_states_the_next_step(command, tmp_path,
     }
     assert set(document["files"]) >= COMMON | {KINDS[kind].source}
     assert document["next"][0] == "cd my-own"
-    assert document["next"][-1] == "drivegate check"
+    host = " host.toml" if kind == "cortex-m" else ""
+    assert document["next"][-1] == f"drivegate check{host} --effort quick"
+    assert document["next"][-1] in (folder / "README.md").read_text(encoding="utf-8")
     assert tomllib.loads((folder / "candidate.toml").read_text(encoding="utf-8"))["name"] == "my-own"
     for path in folder.rglob("*"):
         text = path.read_text(encoding="utf-8") if path.is_file() and path.suffix != ".whl" else ""
@@ -69,7 +71,7 @@ def test_every_kind_is_written_whole_and_states_the_next_step(command, tmp_path,
 def test_people_are_shown_the_next_step(command):
     ended = command("new", "rust", "mine", "--output", "some where/else")
     assert "src/lib.rs" in ended.out
-    assert "next: cd 'some where/else' && drivegate check" in ended.out
+    assert "next: cd 'some where/else' && drivegate check --effort quick" in ended.out
 
 
 def test_the_kinds_on_the_command_line_are_those_that_there_are():

@@ -108,6 +108,17 @@ def test_every_language_has_the_commands_of_c(written, kind: str) -> None:
     assert (ended.fault, ended.difference, ended.steps) == (None, None, run.control_periods)
 
 
+def test_the_source_of_an_image_is_also_checked_as_compiled_for_this_machine(written) -> None:
+    run = torque_scenario(load_drive("pm-ac-surface"), 400.0, (0.5,)).replaced(duration_s=0.05)
+    folder = written("cortex-m", "pm-ac-surface")
+    host = resolve_candidate(str(folder / "host.toml"))
+    assert (host.name, drive_for(host).name) == ("mine-host", "pm-ac-surface")
+    ended = compared(
+        resolve_candidate(str(written("c") / "candidate.toml")), host, run, Rule(0.001), before=0, after=0
+    )
+    assert (ended.fault, ended.difference, ended.steps) == (None, None, run.control_periods)
+
+
 def test_both_templates_ask_for_nearly_the_same_duty_ratios(written) -> None:
     torques, _, _ = plain_runs("pm-ac-interior")
     answers = []
