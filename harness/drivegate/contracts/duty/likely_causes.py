@@ -184,9 +184,10 @@ LIKELY_CAUSES: Final = (
         "",
     ),
     _cause(
-        "the output is frozen or saturated: duty ratios that no longer change, or a limit that is too narrow",
-        "ACC-1 ACC-1:torque FWK-1 RIP-4 ROB-4 ROB-4:error ROB-5 STP-1 STP-1:late SYM-1",
-        "STP-1:late: a step of the torque does not arrive; FWK-1: torque is missing above base speed",
+        "the output is frozen: duty ratios that no longer change while the shaft turns",
+        "ACC-1 ACC-1:torque EFF-1 FWK-1 FWK-2 FWK-3 FWK-3:braking MTP-1 OVC-1 OVC-2 RIP-4 ROB-4 ROB-5 STA-1 STP-1 "
+        "STP-1:late",
+        "RIP-4: the torque swings with the angle, since the voltage does not turn with it",
         "",
     ),
     _cause(
@@ -196,9 +197,9 @@ LIKELY_CAUSES: Final = (
         "",
     ),
     _cause(
-        "a number that is none is turned into an integer, such as a quotient by 0 into a duty ratio or an angle",
-        "ACC-1 ACC-1:torque DUT-1 OVC-1 RIP-4",
-        "DUT-1: duty ratios jump to the end of their range; OVC-1: the current peaks where they do",
+        "a quotient by a reference of 0 is no number, which a conversion to an integer hides",
+        "ACC-1 ACC-1:torque ACC-1:zero DEC-1 FWK-2 FWK-2:negative MTP-1 OVC-1 OVC-2 STP-1 STP-1:overshoot",
+        "ACC-1:zero: the torque is off where its reference is 0",
         "",
     ),
     _cause(
@@ -215,6 +216,7 @@ _SHOWN: Final = (
     ("STP-1", re.compile(r"overshoot"), "overshoot"),
     ("STP-1", re.compile(r".* to [\d.]+ %|[\d.]+ % is not"), "late"),
     ("ACC-1", re.compile(r"torque"), "torque"),
+    ("ACC-1", re.compile(r"torque off by \S+ N·m from 0 N·m"), "zero"),
     ("ACC-1", re.compile(r"speed"), "speed"),
     ("FWK-3", re.compile(r"braking"), "braking"),
     ("FWK-3", re.compile(r"\S+ A "), "current"),

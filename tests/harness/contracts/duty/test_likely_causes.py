@@ -69,11 +69,31 @@ def test_no_failed_check_confirms_itself(check: str, others: str) -> None:
     ("failed", "words"),
     [
         ({"ROB-4": "speed overshoots by 60 rpm", "DEC-1": "d current moved by 0.2 A"}, "the speed reaches"),
-        ({"ROB-4": "speed off", "SYM-1": "t", "FWK-1": "t", "RIP-4": "t", "STP-1": "90 % is not"}, "frozen"),
+        (
+            {
+                "ACC-1": "torque off by 14.55 N·m from 1.161 N·m",
+                "STP-1": "90 % is not reached",
+                "FWK-1": "-6.349 of 1.415 N·m",
+                "FWK-3": "braking with 293.5 N·m",
+                "RIP-4": "torque swings by 373 N·m",
+                "MTP-1": "1.37e+04 % above 0.8876 A",
+                "OVC-1": "203.75 A",
+                "STA-1": "0 % of the speed",
+            },
+            "frozen",
+        ),
         ({"ACC-1": "torque off by 0.1 N·m from -0.1 N·m", "SYM-1": "torque"}, "loses its sign"),
         (
-            {"DUT-1": "duty ratios 0 to 0", "OVC-1": "20 A", "RIP-4": "torque swings"},
-            "turned into an integer",
+            {
+                "ACC-1": "torque off by 1.127 N·m from 0 N·m at 640 rpm",
+                "STP-1": "overshoot 1.19e+03 % from 0.2274 to 0 N·m",
+                "FWK-2": "d current -9.996 A, -0.3031 A is best",
+                "FWK-3": "braking with 4.446 N·m",
+                "MTP-1": "657 % above 1.324 A",
+                "OVC-1": "20.571 A",
+                "OVC-2": "10.073 A",
+            },
+            "quotient by a reference of 0",
         ),
     ],
 )
