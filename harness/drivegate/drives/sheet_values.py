@@ -7,6 +7,7 @@ from typing import Any, Final
 
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.drive.usual_values import unusual_keys
 from drivegate_models.units import RADIANS_PER_RPM
 
 _SQRT3: Final = sqrt(3.0)
@@ -93,6 +94,9 @@ def doubtful_values(drive: DriveDocument, *, is_refused: bool, accepts: Any) -> 
         )
     known = {key: float(drive.value(key)) / 2.0 for key in _TERMINAL if key in drive.table_of_key()}
     share = _resistive_share(drive)
+    if known.keys() & unusual_keys(drive).keys():
+        # A value in another unit has been asked about, and half of it would be no better.
+        return tuple(found)
     if share > _MOST_RESISTIVE or (is_refused and accepts(drive.replaced(**known))):
         halved = ", ".join(f"{key} = {value:g}" for key, value in known.items())
         found.append(

@@ -51,3 +51,8 @@ def test_terminal_values_taken_for_those_of_a_phase_are_asked_about() -> None:
     words = doubts(doubled)
     assert "between terminals? Then write half of them: resistance_ohm = 0.75, inductance_h = " in words
     assert "resistance and inductance between terminals" in doubts(SERVO, is_refused=True)
+
+
+@pytest.mark.parametrize(("key", "value"), [("resistance_ohm", 2.0e3), ("direct_inductance_h", 5.0)])
+def test_half_of_a_value_in_another_unit_is_not_advised(key: str, value: float) -> None:
+    assert "terminals" not in doubts(SERVO.replaced(**{key: value}), is_refused=True)
