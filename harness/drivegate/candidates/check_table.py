@@ -9,6 +9,8 @@ from pydantic import Field
 
 from drivegate_cases.documents.document import Section
 from drivegate_cases.documents.reach import Reach
+from drivegate_cases.documents.wording import shown_path
+from drivegate_models.errors import InputError
 
 _FILES: Final = ("corpus", "waivers", "baseline", "requirements", "output")
 """Keys that name a place in the manifest's folder."""
@@ -49,7 +51,13 @@ class CheckTable(Section):
         stated = self.model_dump(exclude_none=True)
         for key in _FILES:
             if key in stated:
-                stated[key] = _shown(reach.place(stated[key], f"the key '{key}' of [check]"))
+                place = reach.place(stated[key], f"the key '{key}' of [check]")
+                if key != "output" and not place.exists():
+                    raise InputError(
+                        f"the key '{key}' of [check] names {shown_path(place)}, which does not exist; name an "
+                        "existing one, or leave the key out"
+                    )
+                stated[key] = _shown(place)
         if self.drive is not None and self.drive not in drive_names():
             stated["drive"] = _shown(reach.place(self.drive, "the key 'drive' of [check]"))
         return stated

@@ -10,6 +10,7 @@ import click
 
 from drivegate.commands.conduct import Outcome
 from drivegate.commands.options import (
+    WholeNumber,
     bounded,
     drive_option,
     isolation_options,
@@ -32,7 +33,7 @@ from drivegate.output.failure import ExitCode
 @drive_option
 @click.option(
     "--workers",
-    type=click.IntRange(1, 1024),
+    type=WholeNumber(1, 1024),
     help="Local processes; by default as many as there are processors.",
 )
 @click.option(

@@ -12,6 +12,7 @@ import click
 from drivegate.commands.completion import complete_candidate, complete_checks
 from drivegate.commands.conduct import Outcome
 from drivegate.commands.options import (
+    WholeNumber,
     bounded,
     drive_option,
     effort_option,
@@ -37,7 +38,7 @@ DEFAULT_OUTPUT = "drivegate-report"
 @drive_option
 @effort_option("Number of scenarios that are drawn.")
 @click.option(
-    "--seed", type=click.IntRange(0, 2**63 - 1), default=0, show_default=True, help="Seed of the search."
+    "--seed", type=WholeNumber(0, 2**63 - 1), default=0, show_default=True, help="Seed of the search."
 )
 @workers_option
 @isolation_options

@@ -78,6 +78,12 @@ class LazyGroup(click.Group):
     ) -> tuple[str | None, click.Command | None, list[str]]:
         from drivegate_cases.documents.wording import nearest, one_line
 
+        if args == ["help"]:
+            click.echo(ctx.get_help())
+            ctx.exit()
+        if args[0] == "help":
+            # Of a command, or of a check.
+            args = [*args[1:2], "--help"] if args[1:2] and args[1] in COMMANDS else ["checks", *args[1:]]
         if args[0] not in COMMANDS and not ctx.resilient_parsing and not args[0].startswith("-"):
             raise click.UsageError(
                 f"the command '{one_line(args[0])}' is unknown, the nearest is "

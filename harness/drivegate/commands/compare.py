@@ -10,6 +10,7 @@ import click
 from drivegate.commands.completion import complete_candidate
 from drivegate.commands.conduct import Outcome
 from drivegate.commands.options import (
+    WholeNumber,
     drives_option,
     effort_option,
     folder_option,
@@ -35,7 +36,7 @@ DEFAULT_OUTPUT = "drivegate-comparison"
 @effort_option("Number of operating points, disturbances and repetitions.")
 @click.option(
     "--seed",
-    type=click.IntRange(0, 2**63 - 1),
+    type=WholeNumber(0, 2**63 - 1),
     show_default="0",
     help="Seed of noise, of drawn plants, and of the checks' search.",
 )

@@ -10,6 +10,7 @@ import click
 from drivegate.commands.completion import complete_candidate, complete_case
 from drivegate.commands.conduct import Outcome
 from drivegate.commands.options import (
+    WholeNumber,
     bounded,
     chosen_scenario,
     drive_options,
@@ -50,7 +51,7 @@ _AROUND_IN_FIGURE = 100
 )
 @click.option(
     "--before",
-    type=click.IntRange(0, 1000),
+    type=WholeNumber(0, 1000),
     default=3,
     show_default=True,
     metavar="N",

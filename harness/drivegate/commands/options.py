@@ -32,9 +32,16 @@ def json_flag(*, exposed: bool) -> Callable[[_Function], _Function]:
 json_option = json_flag(exposed=False)
 """The flag that the command line has read before; here it is only accepted and described."""
 
+
+class WholeNumber(click.IntRange):
+    """A whole number within limits, under a name that people use."""
+
+    name = "whole number"
+
+
 workers_option = click.option(
     "--workers",
-    type=click.IntRange(1, 1024),
+    type=WholeNumber(1, 1024),
     help="Processes; by default one for each processor, fewer where memory is short.",
 )
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from drivegate.commands.conduct import Outcome
-from drivegate.commands.options import bounded, chosen_drive, drive_options, json_option
+from drivegate.commands.options import WholeNumber, bounded, chosen_drive, drive_options, json_option
 from drivegate.drives.kinds import DEFAULT_DRIVE
 
 
@@ -18,7 +18,7 @@ from drivegate.drives.kinds import DEFAULT_DRIVE
 @click.option("--current-a", type=bounded(0.0, 1e5), help="Current reference.")
 @click.option(
     "--cycles",
-    type=click.IntRange(1, 100_000),
+    type=WholeNumber(1, 100_000),
     help="Start with no current, run this many electrical cycles and average over the last.",
 )
 @drive_options

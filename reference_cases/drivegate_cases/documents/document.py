@@ -7,7 +7,7 @@ single sentence that names the document, each offending key, and what would be r
 import json
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, ClassVar, Self, TypeVar
+from typing import Any, ClassVar, Final, Self, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
 
@@ -18,6 +18,17 @@ from drivegate_cases.documents.wording import LONGEST_MESSAGE, shown, shown_path
 from drivegate_models.errors import InputError
 
 DocumentT = TypeVar("DocumentT", bound="Document")
+
+_MARKS: Final = {
+    "exit_code": "the result of a check",
+    "measured": "a counterexample",
+    "entry": "the manifest of a candidate",
+    "waiver": "a file of waivers",
+    "candidates": "a campaign",
+    "duration_s": "a scenario",
+    "machine": "the file of a drive",
+}
+"""A key that each kind of file has, and no other kind."""
 
 
 class Section(BaseModel):
@@ -101,12 +112,25 @@ def parse_document(
             f"{shown_path(where)} holds {shown(mapping)}, but must hold a table of keys and values"
         )
     values = dict(mapping)
+    _refuse_other_kind(values, model, where)
     chosen: Any = model.of_kind(values)
     model = chosen
     schema = _supported_schema(values.pop("schema", None), model, where)
     if schema < model.schema_current:
         values = model.from_previous(values)
     return _validated(_frozen(values), model, where, folder, reach)
+
+
+def _refuse_other_kind(values: Mapping[str, Any], model: type[Document], where: str) -> None:
+    """Refuse a file of another kind in one sentence, in place of one for each of its keys."""
+    own = [mark for mark in _MARKS if mark in model.model_fields]
+    if not own or any(mark in values for mark in own):
+        return
+    for mark, words in _MARKS.items():
+        if mark in values:
+            raise InputError(
+                f"{shown_path(where)} is {words}, as its key '{mark}' shows, but {_MARKS[own[0]]} is required here"
+            )
 
 
 def _supported_schema(number: object, model: type[Document], where: str) -> int:

@@ -55,3 +55,14 @@ def test_one_check_is_explained_with_its_limit_on_the_drive_formula_and_causes(c
     assert [row["drive"] for row in both] == ["paper-5-phase", "pm-ac-interior"]
     assert "the nearest is 'STP-1'" in refused("checks", "STP-2")
     assert "is not judged by STP-1" in refused("checks", "STP-1", "--drive", "paper-5-phase")
+
+
+def test_help_of_a_command_and_of_a_check_is_also_asked_for_by_a_word(command):
+    assert command("help").out == command("--help").out
+    assert command("help", "check").out == command("check", "--help").out
+    assert command("help", "STP-1").out == command("checks", "STP-1").out
+    assert "the nearest is 'STP-1'" in command("help", "STP1").err
+
+
+def test_a_number_that_is_none_is_called_a_whole_number(command):
+    assert "'abc' is not a valid whole number" in command("check", "foc", "--seed", "abc").err

@@ -123,7 +123,11 @@ def test_several_candidates_take_nothing_from_a_manifest(command, engine, writte
         ('[check]\neffort = "quik"\n', "check.effort"),
         ('[check]\noutptu = "out"\n', "nearest known key is 'output'"),
         ("[check]\nseed = -1\n", "check.seed"),
-        ('[check]\nwaivers = "missing.toml"\n', "missing.toml"),
+        (
+            '[check]\nwaivers = "missing.toml"\n',
+            "the key 'waivers' of [check] names missing.toml, which does not",
+        ),
+        ('[check]\ncorpus = "none"\n', "the key 'corpus' of [check] names none, which does not exist"),
     ],
 )
 def test_what_a_manifest_may_not_state_is_refused(refused, engine, written, table, sentence):

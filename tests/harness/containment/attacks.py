@@ -41,6 +41,8 @@ LEVELS: dict[str, tuple[Layer, ...]] = {
     "none": (),
 }
 """Each level of isolation in the table, and its layers."""
+ORDINARY = "none, ordinary user"
+"""The last column: what an ordinary user's candidate does without isolation, where that of root does all."""
 
 _SECRET = "the-secret-of-this-machine"
 
@@ -639,7 +641,7 @@ def _remove_message_queue(name: str) -> None:
 def read_table(page: str) -> dict[str, dict[str, str]]:
     """Read the table of docs/containment.md: what is stated of each attack at each level."""
     rows = [line.strip("| ").split(" | ") for line in page.splitlines() if line.startswith("| ")]
-    return {row[0]: dict(zip(LEVELS, row[1:], strict=True)) for row in rows if row[0] in NAMES}
+    return {row[0]: dict(zip((*LEVELS, ORDINARY), row[1:], strict=True)) for row in rows if row[0] in NAMES}
 
 
 def table() -> str:
@@ -649,9 +651,10 @@ def table() -> str:
         # Without layers, root's candidate does all that an ordinary user's does.
         others = (of_ordinary_user(level) if layers else None) or {}
         found[level] = {name: done or others.get(name, False) for name, done in outcomes(layers).items()}
-    lines = [f"| a candidate | {' | '.join(LEVELS)} |", "|---|" + "---|" * len(LEVELS)]
+    found[ORDINARY] = of_ordinary_user("none") or {}
+    lines = [f"| a candidate | {' | '.join(found)} |", "|---|" + "---|" * len(found)]
     for name in NAMES:
-        cells = ["neither" if found[level][name] else "prevented" for level in LEVELS]
+        cells = ["neither" if column[name] else "prevented" for column in found.values()]
         lines.append(f"| {name} | {' | '.join(cells)} |")
     return "\n".join(lines) + "\n"
 

@@ -16,7 +16,7 @@ import psutil
 import pytest
 from tests.harness import worker_jobs
 from tests.harness.beside_templates import children
-from tests.harness.containment.attacks import LEVELS, NAMES, of_ordinary_user, outcomes, read_table
+from tests.harness.containment.attacks import LEVELS, NAMES, ORDINARY, of_ordinary_user, outcomes, read_table
 
 from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.candidates.resolution import resolve_candidate
@@ -84,6 +84,16 @@ def test_what_the_page_says_of_each_attack_is_so(level: str, no_process_left: No
     assert set(stated) == set(NAMES)
     found = {name: "neither" if done else "prevented" for name, done in outcomes(LEVELS[level]).items()}
     assert found == {name: row[level] for name, row in stated.items()}
+
+
+@pytest.mark.skipif(os.getuid() != 0, reason="becomes an ordinary user")
+def test_what_the_page_says_of_an_ordinary_user_without_isolation_is_so(no_process_left: None) -> None:
+    stated = read_table(PAGE.read_text(encoding="utf-8"))
+    done = of_ordinary_user("none")
+    assert done is not None
+    assert {name for name in done if done[name]} == {
+        name for name, row in stated.items() if row[ORDINARY] == "neither"
+    }
 
 
 @pytest.mark.parametrize("level", [level for level in LEVELS if LEVELS[level] and os.getuid() == 0])

@@ -122,9 +122,11 @@ def _loaded(library: Path, name: str) -> tuple[Any, ContractName]:
     required = (*COMMON, RESETS[contract], STEPS[contract])
     missing = [function for function in required if not hasattr(functions, function)]
     if missing:
+        # Without any step function, the contract is not known either.
+        other = f", or those of {HEADERS['duty']} for duty ratios" if STEPS[contract] in missing else ""
         raise InputError(
             f"{name} does not export {', '.join(missing)}; a controller exports the functions that "
-            f"{HEADERS[contract]} declares"
+            f"{HEADERS[contract]} declares{other}"
         )
     functions.drivegate_abi_version.restype = ctypes.c_int64
     functions.drivegate_state_size.restype = ctypes.c_int64
