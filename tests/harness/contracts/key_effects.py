@@ -385,10 +385,9 @@ _OTHERS_ALONE: Final = {
     "load[hoist]": ("'hoist'", '"pm-ac"'),
     "failure": ("failure", '"pm-ac"'),
     "turns_before": ("turns_before", '"pm-ac"'),
-    "winding_temperature_c": ("winding_temperature_c", '"pm-ac"'),
-    "drive.sensing": ("drive.sensing", "unknown"),
-    "drive.thermal": ("drive.thermal", "unknown"),
+    "winding_temperature_c": ("[thermal]", '"pm-ac"'),
     "drive.sensing": ("[sensing]", '"pm-ac"'),
+    "drive.thermal": ("[thermal]", '"pm-ac"'),
     "drive.link": ("[link]", '"pm-ac"'),
 }
 _REFUSED_TABLES: Final[dict[str, dict[str, tuple[str, ...]]]] = {
