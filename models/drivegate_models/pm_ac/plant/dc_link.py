@@ -113,4 +113,4 @@ def charge_link(link: LinkState, voltage: float) -> None:
 def capacitor_energy(constants: DcLink, link: LinkState) -> float:
     """Return the energy of the capacitor (J)."""
     voltage = link.state[VOLTAGE]
-    return 0.5 * constants.capacitance * voltage * voltage
+    return float(0.5 * constants.capacitance * voltage * voltage)

@@ -153,7 +153,7 @@ def _own_rate(feed: Feed, link: LinkState, k: int) -> float:
     source = feed.source if k == 0 else 0.0
     voltage = link.voltage[k]
     current = (source - voltage) * feed.per_resistance - link.bridge[k] - feed.conductance * voltage
-    return feed.per_capacitance * current
+    return float(feed.per_capacitance * current)
 
 
 @unallocating

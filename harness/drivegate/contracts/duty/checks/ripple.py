@@ -138,18 +138,22 @@ def _is_rippling(record: DutyRecord, window: DutyWindow) -> bool:
     speed = record.run.column("speed")[record.periods(window.start_s, window.end_s)]
     if np.max(np.abs(speed - window.speed_reference)) > HELD_SHARE * base:
         return False
-    link = record.run.column("link")[_swing_rows(record, window)]
-    if not is_ideal(record.plant.dc_link) and np.ptp(link) > LINK_SWING_SHARE * record.plant.link_voltage:
-        # The swing is followed at the mean voltage, for which the duty ratios of a swinging link are not.
-        return False
     is_slow = abs(window.speed) < LEAST_SPEED_SHARE * base
     is_weak = abs(window.torque) < LEAST_TORQUE_SHARE * record.document.rating.rated_torque_nm
     greatest = undistorted(record.plant, window.link)
-    if is_slow or is_weak or window.voltage > VOLTAGE_SHARE * greatest:
+    if is_slow or is_weak or window.voltage > VOLTAGE_SHARE * greatest or _link_swings(record, window):
         return False
     # Legs that ignore their duty ratios make another voltage than these ask for; the currents show the true one.
     own = steady_state(record.plant, window.speed, window.direct, window.quadrature)
     return bool(own.voltage >= LEAST_VOLTAGE_SHARE * greatest)
+
+
+def _link_swings(record: DutyRecord, window: DutyWindow) -> bool:
+    """Return True if the link is not as steady as the mean voltage, at which the swing of a window is followed."""
+    if is_ideal(record.plant.dc_link):
+        return False
+    link = record.run.column("link")[_swing_rows(record, window)]
+    return bool(np.ptp(link) > LINK_SWING_SHARE * record.plant.link_voltage)
 
 
 def modulation_ripple(record: DutyRecord) -> Margin | None:
