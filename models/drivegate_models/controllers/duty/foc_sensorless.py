@@ -42,6 +42,7 @@ from drivegate_models.controllers.duty.turning_field import (
     follow_induced,
     place_field,
     reset_field,
+    rotor_of_field,
     turn_field,
 )
 from drivegate_models.machine.rotor_frame import from_phases
@@ -54,9 +55,10 @@ LOST_ROTOR: Final = 7
 _WATCHED: Final = 60
 _FOLLOWED: Final = 100
 _TURNS: Final = 0.5
-# Speeds over the least one: of handover, of the return to the turning vector, and from which the rotor is lost.
+# Speeds over the least one: of handover, from which the observer is left to itself in a ramp, of the return to the turning vector, and from which the rotor is lost.
 # References below the last share stop the drive.
 _HANDOVER: Final = 1.05
+_FREE: Final = 0.6
 _RETURN: Final = 0.7
 _STALLED: Final = 0.5
 _STOPPED: Final = 0.5
@@ -69,6 +71,10 @@ _AGREED: Final = 0.02
 _WAITED_PERIODS: Final = 3.0
 _WAITED: Final = 0.15
 _FLUX_ERROR: Final = 0.5
+# Time for which the vector holds a rotor whose reference is 0 (s), and the speed regulator's bandwidth over that of
+# `foc`: a load must not stop the shaft at the least speed.
+_HELD: Final = 0.5
+_FASTER: Final = 2.5
 _LOST: Final = 0.02
 # Share of the link voltage between lines from which legs that are off rectify.
 _RECTIFIES: Final = 1.0
@@ -79,6 +85,8 @@ def reset_state(state: Any, nameplate: Any) -> None:
     """Write the constants and reset everything else."""
     machine = state.machine
     foc.reset_state(machine, nameplate)
+    machine.speed_gain *= _FASTER
+    machine.speed_integral_step *= _FASTER * _FASTER
     state.fault = 0
     least = nameplate.least_speed if nameplate.least_speed > 0.0 else _LEAST_SHARE * nameplate.base_speed
     state.least_speed = nameplate.pole_pairs * least
@@ -194,10 +202,17 @@ def _observed_currents(state: Any, sense: Any) -> tuple[float, float]:
 def _ramp(state: Any, sense: Any, command: Any) -> None:
     """Turn the current vector up to the speed of handover; hand over once the observer agrees."""
     machine = state.machine
-    target = state.sense_of_start * state.handover_speed
+    wanted = _wanted_sense(state, sense)
+    target = wanted * state.handover_speed
     turn_field(state, sense, command, target)
+    if abs(state.field_speed) < _FREE * state.least_speed:
+        place_rotor(state, rotor_of_field(state), state.field_speed, state.along_before, state.across_before)
     if state.field_speed != target:
         state.age = 0
+        return
+    if wanted == 0.0:
+        if state.age * machine.control_period > _HELD:
+            _enter(state, WATCHING)
         return
     agrees = abs(state.speed - target) < _AGREEMENT * abs(target)
     agrees = agrees and abs(state.flux_error) < _FLUX_ERROR
@@ -238,11 +253,7 @@ def _drive(state: Any, sense: Any, command: Any) -> None:
         else:
             machine.seen.reference = 0.0
             if abs(state.speed) < _RETURN * state.least_speed:
-                if wanted == 0.0:
-                    _enter(state, WATCHING)
-                else:
-                    state.sense_of_start = wanted
-                    _return_to_field(state, direct, quadrature)
+                _return_to_field(state, direct, quadrature)
     elif abs(state.speed) < _STALLED * state.least_speed:
         _enter(state, WATCHING)
     seen = machine.seen

@@ -7,26 +7,31 @@ from typing import Any, Final
 
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.controllers.duty.current_regulator import regulate_currents, rotor_currents
+from drivegate_models.controllers.duty.flux_observer import argument
 from drivegate_models.controllers.duty.sensorless_state import ALIGNING
 from drivegate_models.machine.cycle import within_half_turn
 from drivegate_models.machine.sine import cosine_sine
 
 # Current of a start and the greatest one with damping, over the limit. Alignment lasts for so many periods of the
-# rotor's swing, up to a time (s) and a share of the start time; the ramp for one such period at least.
+# rotor's swing, up to a time (s) and a share of the start time; the ramp for some at least.
 _START_CURRENT: Final = 0.8
 _MOST_CURRENT: Final = 0.95
 _ALIGNED_PERIODS: Final = 4.0
 _LONGEST_ALIGNED: Final = 0.5
 _ALIGNED_SHARE: Final = 0.3
+_RAMP_PERIODS: Final = 2.0
 # Share of the pull-out torque that the load of a start, half of rated torque, and the acceleration use; and the least
 # share for the acceleration.
 _USED_TORQUE: Final = 0.8
 _LEAST_USED: Final = 0.1
 _START_LOAD: Final = 0.5
 # Damping ratio of the swing, and rates by which the induced voltage and its mean follow, over the swing's.
-_DAMPING: Final = 0.6
+_DAMPING: Final = 0.9
 _FAST: Final = 10.0
 _SLOW: Final = 0.3
+_SALIENT: Final = 0.5
+# Speed over the least one from which the induced voltage shows the rotor.
+_SHOWN: Final = 0.2
 
 
 @inlined
@@ -44,10 +49,13 @@ def reset_field(state: Any, nameplate: Any) -> None:
     state.align_periods = int(aligned / nameplate.control_period) + 1
     load = _START_LOAD * nameplate.rated_power / nameplate.base_speed
     left = max(_USED_TORQUE * torque - load, _LEAST_USED * torque)
-    slowest = state.handover_speed / state.swing_period
+    slowest = state.handover_speed / (_RAMP_PERIODS * state.swing_period)
     state.acceleration = min(nameplate.pole_pairs * left / nameplate.inertia, slowest)
     state.damping = rate * nameplate.magnet_flux / (2.0 * _DAMPING * current)
-    state.fast_share = min(_FAST * rate * nameplate.control_period, 0.5)
+    # The induced voltage is computed with the mean inductance, whose error must not make the damping swing by itself.
+    saliency = 0.5 * abs(nameplate.quadrature_inductance - nameplate.direct_inductance)
+    fastest = min(_FAST * rate, _SALIENT * state.damping / max(saliency, 1e-9))
+    state.fast_share = min(fastest * nameplate.control_period, 0.5)
     state.slow_share = _SLOW * rate * nameplate.control_period
     place_field(state, 0.0, 0.0)
 
@@ -64,7 +72,7 @@ def place_field(state: Any, angle: float, speed: float) -> None:
 
 @inlined
 def follow_induced(state: Any, along: float, across: float, voltage: tuple[float, float]) -> None:
-    """Follow the induced voltage along and across the current vector.
+    """Follow the induced voltage along and across the current vector, without that of a rotor that follows.
 
     `along`, `across`: currents in the stationary frame (A). `voltage`: what acted on them in that frame (V).
     """
@@ -76,8 +84,10 @@ def follow_induced(state: Any, along: float, across: float, voltage: tuple[float
     across_induced = voltage[1] - half * (across + across_before) - rate * (across - across_before)
     cosine, sine = cosine_sine(state.field)
     parts = cosine * induced + sine * across_induced, cosine * across_induced - sine * induced
+    # A rotor that follows without a load induces this across the vector.
+    followed = 0.0, state.field_speed * machine.magnet_flux
     for axis in range(2):
-        state.induced[axis] += state.fast_share * (parts[axis] - state.induced[axis])
+        state.induced[axis] += state.fast_share * (parts[axis] - followed[axis] - state.induced[axis])
         state.mean_induced[axis] += state.slow_share * (state.induced[axis] - state.mean_induced[axis])
 
 
@@ -102,6 +112,19 @@ def turn_field(state: Any, sense: Any, command: Any, target: float) -> None:
     most, size = _MOST_CURRENT * machine.current_limit, sqrt(along * along + across * across)
     share = most / size if size > most else 1.0
     regulate_currents(machine, seen, command, direct, quadrature, share * along, share * across)
+
+
+@inlined
+def rotor_of_field(state: Any) -> float:
+    """Return the angle of the rotor that follows the current vector (rad), by the voltage that it induces.
+
+    That is a quarter turn ahead of the magnet in the sense of rotation, and too small at low speed to show anything.
+    """
+    along, across = state.induced[0], state.induced[1] + state.field_speed * state.machine.magnet_flux
+    if abs(state.field_speed) < _SHOWN * state.least_speed or (along == 0.0 and across == 0.0):
+        return float(state.field)
+    ahead = 0.5 * pi if state.field_speed > 0.0 else -0.5 * pi
+    return float(state.field) + argument(along, across) - ahead
 
 
 @inlined
