@@ -55,8 +55,8 @@ LOST_ROTOR: Final = 7
 _WATCHED: Final = 60
 _FOLLOWED: Final = 100
 _TURNS: Final = 0.5
-# Speeds over the least one: of handover, from which the observer is left to itself in a ramp, of the return to the turning vector, and from which the rotor is lost.
-# References below the last share stop the drive.
+# Speeds over the least one: of handover, from which the observer is left to itself in a ramp, of the return to the
+# turning vector, and from which the rotor is lost. References below the last share stop the drive.
 _HANDOVER: Final = 1.05
 _FREE: Final = 0.6
 _RETURN: Final = 0.7
