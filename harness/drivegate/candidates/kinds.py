@@ -48,7 +48,7 @@ INNER_PREFIX: Final = "inner:"
 
 MANIFEST_SUFFIX: Final = ".toml"
 
-_COUNTED: Final = "C, C++ and Python"
+_COUNTED: Final = "C, C++ and Python, and images with lines in DWARF"
 
 COMPILED_FOLDER: Final = "native"
 """Folder of the kinds whose code is compiled for this processor."""
@@ -168,6 +168,7 @@ _ALL: Final = (
             "pause",
         ),
         compiles_own_code=True,
+        is_counted=True,
         way_of_running="an emulated target",
         untimed_because="the speed of the emulator says nothing of the target, so the manifest states limits of a step "
         "instead, such as 'step_cycles'",

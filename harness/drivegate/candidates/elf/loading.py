@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 from drivegate.candidates.candidate import WAIT_FOR_INTERRUPT, Candidate, Target
 from drivegate.candidates.contract import HEADERS, AnyNameplate, ContractName, require_nameplate_of
 from drivegate.candidates.elf import step as words_of_step
+from drivegate.candidates.elf.coverage import write_blocks
 from drivegate.candidates.elf.evaluation import program_of, run_program
 from drivegate.candidates.elf.exchange import LAYOUTS, MOST_PHASES, records_in
 from drivegate.candidates.elf.hints import passing_function
@@ -63,7 +65,10 @@ def load_controller(candidate: Candidate) -> TargetController:
             "keeps their names when it is linked (not with -s)"
         )
     try:
-        return TargetController(image, target, contract, name)
+        controller = TargetController(image, target, contract, name)
+        if candidate.instrumented is not None:
+            controller.count_into(candidate.instrumented.folder)
+        return controller
     except TargetFault as fault:
         raise InputError(f"{name} {bounded_line(str(fault))}") from fault
 
@@ -83,6 +88,7 @@ class TargetController:
         self._fault: Fault | None = None
         self._processor = CortexM(image, target.ram)
         self._stack_depth = 0
+        self._counted: tuple[set[tuple[int, int]], Path] | None = None
         step = self._functions[target.step or STEPS[contract]]
         paused_at = self._let_pause(target)
         self._looping = None if paused_at is None else step
@@ -140,6 +146,16 @@ class TargetController:
         self._step = words_of_step.step_function()
         self.step_address: int = self._step.address
         self.state_address: int = words.ctypes.data
+
+    def count_into(self, folder: Path) -> None:
+        """Count from now on which blocks of instructions run, and write them into a folder after each run."""
+        blocks: set[tuple[int, int]] = set()
+        self._processor.watch_blocks(blocks)
+        self._counted = blocks, folder
+
+    def write_counters(self) -> None:
+        if self._counted is not None:
+            write_blocks(*self._counted)
 
     def watch_accesses(self) -> None:
         """End at an access that is not aligned from now on."""

@@ -137,6 +137,14 @@ class CortexM:
         self._watch_divisions()
         self.power_on()
 
+    def watch_blocks(self, blocks: set[tuple[int, int]]) -> None:
+        """Add each block of instructions that runs from now on, its address and size, to a set."""
+
+        def note(_engine: Any, address: int, size: int, _data: object) -> None:
+            blocks.add((address, size))
+
+        self._engine.hook_add(unicorn.UC_HOOK_BLOCK, note)
+
     def map_mail(self, size: int) -> NDArray[np.uint8]:
         """Make the memory that records are exchanged in."""
         self._add(Stretch(self.mail, size, True, False))

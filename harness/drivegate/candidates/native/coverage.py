@@ -22,7 +22,6 @@ from drivegate.candidates.native.coverage_tools import (
 )
 from drivegate.candidates.native.second_build import LIBRARY, compilers_of, is_clang, second_build
 from drivegate.candidates.reached_code import SourceFile
-from drivegate_cases.documents.wording import one_line
 from drivegate_models.errors import InputError
 
 _COUNTED: Final = ("--coverage", "-g", "-DDRIVEGATE_COUNTS")
@@ -32,21 +31,18 @@ _WORK: Final = "work"
 def counted_candidate(candidate: Candidate, folder: Path) -> Candidate:
     """Return a candidate whose processes also run a build that counts, and write the counters into a folder."""
     require_package("gcovr", "--coverage")
-    plan = plan_of(candidate, "--coverage")
+    plan = plan_of(candidate)
     reader_of(plan)
     paths = () if any(map(is_clang, compilers_of(plan).values())) else ("-fprofile-abs-path",)
     built = second_build(plan, (*_COUNTED, *paths))
     return replace(candidate, instrumented=Instrumented("coverage", folder, built / LIBRARY))
 
 
-def plan_of(candidate: Candidate, option: str) -> Compilation:
-    """Return how a candidate is compiled; refuse one that drivegate does not compile."""
+def plan_of(candidate: Candidate) -> Compilation:
+    """Return how a candidate of the kind `c` is compiled."""
     details = candidate.details
-    if not isinstance(details, NativeBuild) or not isinstance(details.made_by, Compilation):
-        raise InputError(
-            f"{option} needs the sources of '{one_line(candidate.name)}', which is a library; name the sources in a "
-            'manifest of kind = "c"'
-        )
+    assert isinstance(details, NativeBuild), "it is compiled code"
+    assert isinstance(details.made_by, Compilation), "drivegate compiles it"
     return details.made_by
 
 
@@ -70,7 +66,7 @@ def measured_files(candidate: Candidate, output: Path) -> tuple[SourceFile, ...]
     instrumented = candidate.instrumented
     assert instrumented is not None
     assert instrumented.library is not None, "it was compiled to count"
-    plan = plan_of(candidate, "--coverage")
+    plan = plan_of(candidate)
     work = instrumented.folder / _WORK
     work.mkdir()
     # Objects are numbered, drivegate's own the last. libgcov makes the folders in which an object was compiled.

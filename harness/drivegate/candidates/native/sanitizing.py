@@ -50,7 +50,7 @@ _MOST_SUSPECTS: Final = 3
 
 def sanitized_candidate(candidate: Candidate, sanitizers: Sequence[str], folder: Path) -> Candidate:
     """Return a candidate whose processes also run a build with sanitizers."""
-    plan = plan_of(candidate, "--sanitize")
+    plan = plan_of(candidate)
     for name in sanitizers:
         _require(plan, name)
     # Older compilers cannot choose what is in a variable that nothing has written.

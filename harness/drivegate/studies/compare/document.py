@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any, Final
 
 from drivegate.candidates.fault import Fault, bounded_line
@@ -151,7 +151,9 @@ def _candidate(compared: Compared) -> dict[str, Any]:
 
 
 def _fault(fault: Fault) -> dict[str, Any]:
-    document = asdict(fault)
+    # A comparison states its scenarios once, for all candidates.
+    document = asdict(replace(fault, scenario=None))
+    del document["scenario"]
     document["kind"] = fault.kind.value
     document["time_s"] = document.pop("time")
     return document

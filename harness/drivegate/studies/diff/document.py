@@ -30,9 +30,8 @@ def document_of(
     if fault is not None:
         verdict = fault.kind.value
         who = candidates[0 if comparison.faulted == FIRST else 1].name
-        reported = (
-            {"candidate": who, "place": comparison.faulted} | asdict(fault) | {"kind": fault.kind.value}
-        )
+        stated = {key: value for key, value in asdict(fault).items() if key != "scenario"}
+        reported = {"candidate": who, "place": comparison.faulted} | stated | {"kind": fault.kind.value}
     return {
         "schema": SCHEMA,
         "kind": "diff",

@@ -1,0 +1,171 @@
+"""What runs reach of an image on the emulated processor: blocks of instructions, mapped to lines by DWARF.
+
+Only lines are counted: what a block branches to is not followed.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, Final
+
+from drivegate.candidates.candidate import Candidate, Instrumented, Target
+from drivegate.candidates.native.coverage_tools import (
+    COBERTURA,
+    LCOV,
+    TRACE,
+    files_of_trace,
+    gcovr,
+    require_package,
+)
+from drivegate_cases.documents.atomic_write import write_atomically
+from drivegate_cases.documents.wording import one_line
+from drivegate_models.errors import InputError
+
+_WORK: Final = "work"
+_OF_DIRECTORIES: Final = 5
+"""Version of DWARF from which on the first folder and file are those of the unit."""
+_EXCLUDED: Final = ("GCOVR_EXCL_LINE", "GCOV_EXCL_LINE", "LCOV_EXCL_LINE")
+
+
+def counted_candidate(candidate: Candidate, folder: Path) -> Candidate:
+    """Return a candidate whose processes write into a folder which blocks of its image ran."""
+    require_package("gcovr", "--coverage")
+    if not _lines_of(candidate):
+        raise InputError(
+            f"--coverage finds no lines of the sources of '{one_line(candidate.name)}' in its image; compile it with "
+            "-g, and name its sources in the key 'sources' of its manifest"
+        )
+    return replace(candidate, instrumented=Instrumented("coverage", folder))
+
+
+def write_blocks(blocks: Iterable[tuple[int, int]], folder: Path) -> None:
+    """Write which blocks of instructions a process has run: addresses and sizes."""
+    write_atomically(folder / f"blocks-{os.getpid()}.json", json.dumps(sorted(blocks)))
+
+
+def measured_files(candidate: Candidate, output: Path) -> tuple[Any, ...]:
+    """Read what was counted, and write the files for services into a folder."""
+    assert candidate.instrumented is not None, "it was counted"
+    folder = candidate.instrumented.folder
+    work = folder / _WORK
+    work.mkdir()
+    ran = _addresses(folder)
+    lines = _lines_of(candidate)
+    common = Path(os.path.commonpath([candidate.folder, *(source.parent for source in lines)]))
+    files = [
+        {
+            "file": str(source.relative_to(common)),
+            "functions": [],
+            "lines": [
+                {"line_number": number, "count": int(bool(places & ran)), "branches": []}
+                for number, places in sorted(numbers.items())
+            ],
+        }
+        for source, numbers in lines.items()
+    ]
+    trace = work / TRACE
+    trace.write_text(
+        json.dumps({"gcovr/format_version": _format_version(), "files": files}), encoding="utf-8"
+    )
+    words = ["--root", str(common), "--add-tracefile", str(trace)]
+    outputs = ("--lcov", str(work / LCOV), "--cobertura", str(work / COBERTURA))
+    gcovr([*words, *outputs], work, (common,), work)
+    for name in (LCOV, COBERTURA):
+        shutil.copy(work / name, output)
+    return files_of_trace(trace, common)
+
+
+def _format_version() -> str:
+    from gcovr.version import FORMAT_VERSION
+
+    return str(FORMAT_VERSION)
+
+
+def _addresses(folder: Path) -> set[int]:
+    """Return the addresses of all halfwords that have run in any process."""
+    ran: set[int] = set()
+    for file in folder.glob("blocks-*.json"):
+        for address, size in json.loads(file.read_text(encoding="utf-8")):
+            ran.update(range(int(address), int(address) + int(size), 2))
+    return ran
+
+
+def _lines_of(candidate: Candidate) -> Mapping[Path, dict[int, set[int]]]:
+    """Return the addresses at which each line of the candidate's sources begins."""
+    assert isinstance(candidate.details, Target), "it is an image"
+    found: dict[Path, dict[int, set[int]]] = {}
+    excluded: dict[Path, set[int]] = {}
+    for path, number, address in _rows(candidate.details.image):
+        source = _source_of(path, candidate.sources)
+        if source is None:
+            continue
+        if source not in excluded:
+            excluded[source] = _excluded_lines(source)
+        if number not in excluded[source]:
+            found.setdefault(source, {}).setdefault(number, set()).add(address)
+    return found
+
+
+def _excluded_lines(source: Path) -> set[int]:
+    text = source.read_text(encoding="utf-8", errors="replace").splitlines()
+    return {number for number, line in enumerate(text, 1) if any(word in line for word in _EXCLUDED)}
+
+
+def _source_of(path: str, sources: Iterable[Path]) -> Path | None:
+    """Return the source that a path is of, which may be that of a copy in which the image was built."""
+    for source in sources:
+        if path == str(source):
+            return source
+    parts = Path(path).parts
+    same = [source for source in sources if source.parts[-1:] == parts[-1:]]
+    return max(same, key=lambda source: _same_parts(source.parts, parts), default=None)
+
+
+def _same_parts(first: tuple[str, ...], second: tuple[str, ...]) -> int:
+    same = 0
+    for one, other in zip(reversed(first), reversed(second), strict=False):
+        if one != other:
+            break
+        same += 1
+    return same
+
+
+def _rows(image: Path) -> Iterator[tuple[str, int, int]]:
+    """List the file, line and address of each row of the image's tables of lines at which a statement begins."""
+    from elftools.elf.elffile import ELFFile
+
+    with image.open("rb") as stream:
+        file = ELFFile(stream)
+        if not file.has_dwarf_info():
+            return
+        information = file.get_dwarf_info()
+        for unit in information.iter_CUs():
+            program = information.line_program_for_CU(unit)
+            if program is None:
+                continue
+            folder = unit.get_top_DIE().attributes.get("DW_AT_comp_dir")
+            unit_folder = "" if folder is None else folder.value.decode(errors="replace")
+            paths = _paths(program.header, unit_folder)
+            for entry in program.get_entries():
+                state = entry.state
+                if state is not None and state.is_stmt and not state.end_sequence and state.line:
+                    yield paths.get(state.file, ""), int(state.line), int(state.address) & ~1
+
+
+def _paths(header: Any, unit_folder: str) -> dict[int, str]:
+    """Return the files of a table of lines by their numbers."""
+    is_new = header.version >= _OF_DIRECTORIES
+    folders = [name.decode(errors="replace") for name in header.include_directory]
+    if not is_new:
+        folders = [unit_folder, *folders]
+    paths = {}
+    for number, entry in enumerate(header.file_entry, 0 if is_new else 1):
+        folder = folders[entry.dir_index] if entry.dir_index < len(folders) else ""
+        name = entry.name.decode(errors="replace")
+        paths[number] = os.path.normpath(Path(unit_folder) / folder / name)
+    return paths
