@@ -5,6 +5,7 @@ Only lines are counted: what a block branches to is not followed.
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 import shutil
@@ -58,20 +59,11 @@ def measured_files(candidate: Candidate, output: Path) -> tuple[Any, ...]:
     lines = _lines_of(candidate)
     common = Path(os.path.commonpath([candidate.folder, *(source.parent for source in lines)]))
     files = [
-        {
-            "file": str(source.relative_to(common)),
-            "functions": [],
-            "lines": [
-                {"line_number": number, "count": int(bool(places & ran)), "branches": []}
-                for number, places in sorted(numbers.items())
-            ],
-        }
+        {"file": str(source.relative_to(common)), "functions": [], "lines": _counted(source, numbers, ran)}
         for source, numbers in lines.items()
     ]
     trace = work / TRACE
-    trace.write_text(
-        json.dumps({"gcovr/format_version": _format_version(), "files": files}), encoding="utf-8"
-    )
+    trace.write_text(json.dumps(_empty_trace(work) | {"files": files}), encoding="utf-8")
     words = ["--root", str(common), "--add-tracefile", str(trace)]
     outputs = ("--lcov", str(work / LCOV), "--cobertura", str(work / COBERTURA))
     gcovr([*words, *outputs], work, (common,), work)
@@ -80,10 +72,27 @@ def measured_files(candidate: Candidate, output: Path) -> tuple[Any, ...]:
     return files_of_trace(trace, common)
 
 
-def _format_version() -> str:
-    from gcovr.version import FORMAT_VERSION
+def _counted(source: Path, numbers: Mapping[int, set[int]], ran: set[int]) -> list[dict[str, Any]]:
+    """Return the lines of a source as gcovr lists them, with a digest of each, by which services compare versions."""
+    text = source.read_text(encoding="utf-8", errors="replace").splitlines()
+    return [
+        {
+            "line_number": number,
+            "count": int(bool(places & ran)),
+            "branches": [],
+            "gcovr/md5": hashlib.md5(text[number - 1].encode(), usedforsecurity=False).hexdigest(),
+        }
+        for number, places in sorted(numbers.items())
+        if number <= len(text)
+    ]
 
-    return str(FORMAT_VERSION)
+
+def _empty_trace(work: Path) -> dict[str, Any]:
+    """Have gcovr write a trace of nothing, which has the version of its format."""
+    trace = work / f"empty-{TRACE}"
+    gcovr(["--root", str(work), "--json", str(trace), str(work)], work, (), work)
+    empty: dict[str, Any] = json.loads(trace.read_text(encoding="utf-8"))
+    return empty
 
 
 def _addresses(folder: Path) -> set[int]:
