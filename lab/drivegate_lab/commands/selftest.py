@@ -15,6 +15,7 @@ from drivegate.output.failure import ExitCode
 if TYPE_CHECKING:
     from drivegate_lab.selftest.drawn.run import DrivesRequest
     from drivegate_lab.selftest.run import SelftestEffort
+    from drivegate_lab.selftest.unfair import DrawnDrives
 
 ALL_SEEDS = 1000
 MOST_DRIVES = 10_000
@@ -119,7 +120,7 @@ def command(
 
     With --unfair each correct controller is searched with as a candidate is, and the others are its witnesses. A
     failure that no witness avoids is a fault of the check or of what counts as fair: the exit code is 1, and the
-    scenario is shrunk and kept.
+    scenario is shrunk and kept. With --drives N it is done on N drawn drives.
     """
     if drives is None:
         given = {
@@ -129,19 +130,16 @@ def command(
             "--output": output is not None and not unfair,
         }
         _refuse(given, "goes with --drives N only")
-        given = {"--fault": bool(faults), "--rare": rare, "--drawn-only": drawn_only}
-        _refuse(
-            {option: unfair and is_given for option, is_given in given.items()}, "does not go with --unfair"
-        )
     else:
         given = {
             "--drive": drive is not None,
             "--drawn-only": drawn_only,
             "--fault": bool(faults) and every_fault,
             "--rare": rare,
-            "--unfair": unfair,
         }
         _refuse(given, f"does not go with {'--faults' if faults and every_fault else '--drives'}")
+    given = {"--fault": bool(faults), "--faults": every_fault, "--rare": rare, "--drawn-only": drawn_only}
+    _refuse({option: unfair and is_given for option, is_given in given.items()}, "does not go with --unfair")
     from drivegate_lab.selftest.run import chosen_names, selftested
 
     drawn_kind = kind or DRAWN[0]
@@ -151,7 +149,11 @@ def command(
     from drivegate_lab.selftest.display import show_matrix
     from drivegate_lab.selftest.drawn.run import DrivesRequest
     from drivegate_lab.selftest.run import SelftestEffort
+    from drivegate_lab.selftest.unfair import DrawnDrives
 
+    if drives is not None and unfair:
+        amount = SelftestEffort(effort or "quick", seeds, workers, search)
+        return _for_unfair(amount, output or OUTPUT, DrawnDrives(drawn_kind, drives, drawing_seed or 0))
     if drives is not None:
         named = names if faults or every_fault else ()
         request = DrivesRequest(
@@ -187,13 +189,15 @@ def _on_drives(request: DrivesRequest) -> Outcome:
     return Outcome(document, lambda console: show_drives(console, document), code)
 
 
-def _for_unfair(effort: SelftestEffort, folder: Path) -> Outcome:
+def _for_unfair(effort: SelftestEffort, folder: Path, drives: DrawnDrives | None = None) -> Outcome:
     from drivegate.output.progress import progress_on
     from drivegate_lab.selftest.display import show_unfair
-    from drivegate_lab.selftest.unfair import keep_unfair, unfair_document
+    from drivegate_lab.selftest.unfair import keep_unfair, unfair_document, unfair_on_drives
 
     with progress_on(sys.stderr) as display:
-        document = unfair_document(effort, display)
+        document = (
+            unfair_document(effort, display) if drives is None else unfair_on_drives(drives, effort, display)
+        )
     kept = keep_unfair(document, folder)
     code = ExitCode.PASSED if document["passed"] else ExitCode.FAILED
     return Outcome(document, lambda console: show_unfair(console, document, kept), code)

@@ -60,7 +60,8 @@ def show_unfair(console: Console, document: Mapping[str, Any], kept: Sequence[Pa
         sentence = f"{row['check']} is met by no controller in {path}: {row['candidate']}, {row['measured']}"
         console.print(plain(sentence, "bold red"))
     for row in document["met_by_a_witness"]:
-        sentence = f"{row['candidate']} fails {row['check']}, which a witness meets there: {row['measured']}"
+        failed = f"{row['candidate']} on {row['drive']} fails {row['check']}"
+        sentence = f"{failed}, which a witness meets there: {row['measured']}"
         console.print(plain(sentence, "yellow"))
     for fault in document["faults"]:
         console.print(plain(fault, "bold red"))

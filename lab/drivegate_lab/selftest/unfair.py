@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -27,6 +27,7 @@ from drivegate.gate.witnesses import Accusation, Acquittal, hear_witnesses
 from drivegate.output.progress import Display
 from drivegate.scenarios.simplification import size_of
 from drivegate_cases.documents.atomic_write import write_atomically
+from drivegate_lab.drawn.kinds import DRAWN_KINDS
 from drivegate_lab.selftest.run import SHRINKING_RUNS, SelftestEffort
 from drivegate_lab.selftest.subjects import correct_designs
 
@@ -57,8 +58,9 @@ class Failure:
     is_unfair: bool
     """Whether no witness meets the check there either."""
 
-    def row(self, seed: int) -> dict[str, Any]:
+    def row(self, seed: int, drive: str) -> dict[str, Any]:
         return {
+            "drive": drive,
             "seed": seed,
             "candidate": self.candidate,
             "check": self.check,
@@ -158,15 +160,16 @@ def unfair_document(effort: SelftestEffort, display: Display) -> dict[str, Any]:
     """Search with all good controllers, and sum up what was found; it passes where nothing is unfair."""
     shards = good_shards(effort)
     display.begin(_TITLE, len(shards))
+    drive = drive_for(None, effort.drive)
     runs, rows, faults = 0, [], []
     for number, (shard, outcome) in enumerate(zip(shards, _searched(shards, effort), strict=True), start=1):
         runs += outcome.runs
-        rows += [failure.row(shard.runs.seed // SHARDS) for failure in outcome.failures]
+        rows += [failure.row(shard.runs.seed // SHARDS, drive.name) for failure in outcome.failures]
         faults += [] if outcome.fault is None else [outcome.fault]
         display.advance(number, len(shards), f"{shard.candidate.name}: {runs} runs")
     return {
         "kind": "selftest-unfair",
-        "drive": drive_for(None, effort.drive).identity(),
+        "drive": drive.identity(),
         "effort": effort.name,
         "seeds": effort.seeds,
         "runs": runs,
@@ -174,6 +177,36 @@ def unfair_document(effort: SelftestEffort, display: Display) -> dict[str, Any]:
         "met_by_a_witness": [row for row in rows if not row["unfair"]],
         "faults": faults,
         "passed": not faults and not any(row["unfair"] for row in rows),
+    }
+
+
+@dataclass(frozen=True)
+class DrawnDrives:
+    """Drives that are drawn at random."""
+
+    kind: str
+    """One of `drivegate_lab.drawn.kinds.DRAWN_KINDS`."""
+    count: int
+    seed: int
+
+
+def unfair_on_drives(drives: DrawnDrives, effort: SelftestEffort, display: Display) -> dict[str, Any]:
+    """Search with all good controllers on each of some drawn drives, and sum up what was found."""
+    kind = DRAWN_KINDS[drives.kind]
+    drawn = [kind.draw(drives.seed, number).document for number in range(1, drives.count + 1)]
+    parts = [unfair_document(replace(effort, drive=document), display) for document in drawn]
+    listed = {
+        name: [each for part in parts for each in part[name]]
+        for name in ("unfair", "met_by_a_witness", "faults")
+    }
+    return {
+        "kind": "selftest-unfair",
+        "drives": [part["drive"] for part in parts],
+        "effort": effort.name,
+        "seeds": effort.seeds,
+        "runs": sum(part["runs"] for part in parts),
+        **listed,
+        "passed": all(part["passed"] for part in parts),
     }
 
 

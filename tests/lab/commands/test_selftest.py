@@ -81,6 +81,8 @@ def test_the_kinds_of_drives_that_can_be_drawn_are_those_of_the_option() -> None
         (("--drives", "1", "--drive", "paper-5-phase"), "--drive does not go with --drives"),
         (("--drives", "1", "--drawn-only"), "--drawn-only does not go with --drives"),
         (("--drives", "1", "--faults", "--fault", "drifts"), "--fault does not go with --faults"),
+        (("--drives", "1", "--unfair", "--faults"), "--faults does not go with --unfair"),
+        (("--unfair", "--rare"), "--rare does not go with --unfair"),
     ],
 )
 def test_options_that_do_not_fit_are_refused(words, stated, refused) -> None:

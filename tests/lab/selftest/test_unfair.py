@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from drivegate.gate.witnesses import Accusation, Acquittal, Defence
 from drivegate.output.progress import Display
 from drivegate.results.document import WitnessedSection
 from drivegate_cases.drive.drive_document import load_drive
+from drivegate_lab.drawn.kinds import DRAWN_KINDS
 from drivegate_lab.selftest import unfair
 from drivegate_lab.selftest.run import SelftestEffort
 from drivegate_lab.selftest.unfair import GoodShard, ShardFailures, keep_unfair, run_good, unfair_document
@@ -87,6 +89,22 @@ def test_only_what_is_unfair_fails_the_checks_and_is_kept(
     first, *_ = keep_unfair(failed, tmp_path)
     assert first.name == "unfair-001-CNV-1.json"
     assert json.loads(first.read_text(encoding="utf-8"))["duration_s"] == 3.0
+
+
+def test_drawn_drives_are_searched_in_turn_and_summed_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    unmet = found(monkeypatch, {3.0: -0.4}, unmet_from_s=3.0, shrunk_s=3.0)
+    monkeypatch.setattr(unfair, "_searched", lambda shards, _: [unmet] * len(shards))
+    effort, drawn = (
+        SelftestEffort("quick", workers=1),
+        [DRAWN_KINDS["star"].draw(7, number) for number in (1, 2)],
+    )
+    both = unfair.unfair_on_drives(unfair.DrawnDrives("star", 2, 7), effort, Display())
+    one = unfair_document(replace(effort, drive=drawn[0].document), Display())
+    assert [drive["name"] for drive in both["drives"]] == [each.document.name for each in drawn]
+    assert both["runs"] == 2 * one["runs"]
+    assert both["unfair"][: len(one["unfair"])] == one["unfair"]
+    assert {row["drive"] for row in both["unfair"]} == {each.document.name for each in drawn}
+    assert not both["passed"]
 
 
 def test_a_fault_of_a_correct_controller_is_no_pass(monkeypatch: pytest.MonkeyPatch) -> None:
