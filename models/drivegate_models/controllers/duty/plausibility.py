@@ -185,7 +185,9 @@ def _is_shaft_wrong(state: Any, sense: Any, turned: float, shows_speed: bool) ->
     # wait: at low speed the shaft could stop within the periods for which that must last.
     waits = sense.hall < 0 and state.speed_count > 0
     slowed = state.speed_seen if waits else state.speed_seen - state.slowing_step
-    state.speed_seen = max(speed if shows_speed else 0.0, slowed)
+    # While the shaft is braked, an encoder without a new edge still shows the speed of a while ago.
+    is_old = turned == 0.0 and state.torque * sense.speed < 0.0
+    state.speed_seen = max(speed if shows_speed and not is_old else 0.0, slowed)
     stops = speed < _STOPPED * state.speed_seen and state.speed_seen > _SLOW * state.base_speed
     state.speed_count = state.speed_count + 1 if stops else 0
     return bool(state.speed_count >= _SEEN)

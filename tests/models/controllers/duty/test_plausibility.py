@@ -214,6 +214,22 @@ def test_a_shaft_that_stops_faster_than_it_can_is_locked(share: float, fault: in
     assert drive.steps_to_fault(800, slowing(drive, share))[0] == fault
 
 
+@pytest.mark.parametrize(("torque", "fault"), [(-GREATEST_TORQUE, 0), (RATED_TORQUE, SHAFT_FAULT)])
+def test_a_braked_shaft_may_reverse_between_the_edges_of_its_encoder(torque: float, fault: int) -> None:
+    """The shown speed is one from before the last edge, and then falls at once to what the time since then allows."""
+    drive = Drive(0.1 * BASE_SPEED, reference=-100.0)
+    drive.state.torque = torque
+    last = 10.0 * PERIOD * drive.sense.speed
+
+    def reverse(step: int) -> None:
+        if step >= 10:
+            drive.sense.angle = last
+        if step >= 45:
+            drive.sense.speed = 0.03 * BASE_SPEED
+
+    assert drive.steps_to_fault(80, reverse)[0] == fault
+
+
 @pytest.mark.parametrize(("periods", "fault"), [(5, SHAFT_FAULT), (4, 0)])
 def test_a_slow_speed_that_vanishes_at_once_is_lost_although_the_shaft_could_soon_stop(
     periods: int, fault: int
