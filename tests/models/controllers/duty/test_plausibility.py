@@ -69,6 +69,7 @@ class Drive:
         self.state.pole_pairs = POLE_PAIRS
         self.state.control_period = PERIOD
         self.state.current_limit = LIMIT
+        self.state.full_current = LIMIT
         self.state.greatest_torque = GREATEST_TORQUE
         self.state.regulates_speed = 1
         reset_plausibility(self.state, duty_nameplate_record(NAMEPLATE).view(np.recarray)[0])

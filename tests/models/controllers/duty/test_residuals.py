@@ -67,6 +67,7 @@ MACHINE = {
             "magnet_flux",
         )
     },
+    "full_current": LIMIT,
     "greatest_torque": GREATEST_TORQUE,
     "regulates_speed": 1,
     "along_voltage": nan,
@@ -173,7 +174,7 @@ def test_an_encoder_that_is_lost_hides_no_speed_that_it_does_not_resolve() -> No
     drive = Drive(speed)
     drive.sense.supply_voltage = 450.0
     # So little current of so much shows no missing phase.
-    drive.machine.current_limit = 100.0
+    drive.machine.current_limit = drive.machine.full_current = 100.0
 
     def lose(k: int) -> None:
         if k >= 50:
