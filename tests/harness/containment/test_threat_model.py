@@ -14,6 +14,7 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.check import judged
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job
+from drivegate.containment.protocol import _HEADER, WORD, Ending
 from drivegate.containment.watches import WorkerLimits
 from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
@@ -194,12 +195,14 @@ def test_nothing_of_a_candidate_is_a_fault_of_the_harness(attempt, step):
     assert fault.kind in (FaultKind.CRASH, FaultKind.HANG), fault
 
 
+FORGED_REFUSAL = f'struct.pack({_HEADER.format!r}, {WORD!r}, {Ending.REFUSED:d}, *[0] * 7, b"")'
+"""An expression for the beginning of a reply; what follows is its text."""
+
+
 @pytest.mark.parametrize("text", ["in a stranger's words", other_contract("duty", "current")])
 def test_a_refusal_that_is_forged_in_a_run_is_a_crash(attempt, text):
     """Believed, it would end the check without a report, and in the candidate's own words."""
-    forged = (
-        f'connection().send(struct.pack("=8sqqqqq16s", b"drivegat", 2, 0, 0, 0, 0, b"") + {text.encode()!r})'
-    )
+    forged = f"connection().send({FORGED_REFUSAL} + {text.encode()!r})"
     fault = attempt(step=forged)
     assert isinstance(fault, Fault)
     assert fault.kind is FaultKind.CRASH
@@ -207,9 +210,10 @@ def test_a_refusal_that_is_forged_in_a_run_is_a_crash(attempt, text):
 
 
 def test_a_refusal_that_is_forged_while_loading_is_shown_as_the_candidates(attempt):
-    header = 'struct.pack("=8sqqqqq16s", b"drivegat", 2, 0, 0, 0, 0, b"")'
     with pytest.raises(InputError) as refused:
-        attempt(top=f"connection().send({header} + b'all passed\\x1b[2K' + b'!' * 30_000); time.sleep(60)")
+        attempt(
+            top=f"connection().send({FORGED_REFUSAL} + b'all passed\\x1b[2K' + b'!' * 30_000); time.sleep(60)"
+        )
     said = str(refused.value)
     assert said.startswith("all passed")
     assert said.endswith("(reported by the candidate's process)")
