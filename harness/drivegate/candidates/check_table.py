@@ -54,7 +54,7 @@ class CheckTable(Section):
                 place = reach.place(stated[key], f"the key '{key}' of [check]")
                 if key != "output" and not place.exists():
                     raise InputError(
-                        f"the key '{key}' of [check] names {shown_path(place)}, which does not exist; name an "
+                        f"the key '{key}' of [check] names {shown_path(_shown(place))}, which does not exist; name an "
                         "existing one, or leave the key out"
                     )
                 stated[key] = _shown(place)

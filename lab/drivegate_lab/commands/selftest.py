@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from drivegate.commands.conduct import Outcome
-from drivegate.commands.options import drive_option, json_option, named_drive, workers_option
+from drivegate.commands.options import WholeNumber, drive_option, json_option, named_drive, workers_option
 from drivegate.output.failure import ExitCode
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ DRAWN = ("half-bridge", "star", "pm-ac")
 )
 @click.option(
     "--seeds",
-    type=click.IntRange(1, ALL_SEEDS),
+    type=WholeNumber(1, ALL_SEEDS),
     default=1,
     show_default=True,
     help="Number of seeds of the search, from 0 on.",
@@ -68,7 +68,7 @@ DRAWN = ("half-bridge", "star", "pm-ac")
 @workers_option
 @click.option(
     "--drives",
-    type=click.IntRange(1, MOST_DRIVES),
+    type=WholeNumber(1, MOST_DRIVES),
     metavar="N",
     help="Draw N drives, and see on how many of them the reference, or foc, passes.",
 )
@@ -77,7 +77,7 @@ DRAWN = ("half-bridge", "star", "pm-ac")
     type=click.Choice(DRAWN),
     help="With --drives: kind of the drives that are drawn; half-bridge by default.",
 )
-@click.option("--drawing-seed", type=click.IntRange(0), help="Seed of the drawn drives; by default 0.")
+@click.option("--drawing-seed", type=WholeNumber(0), help="Seed of the drawn drives; by default 0.")
 @click.option(
     "--faults",
     "every_fault",

@@ -243,7 +243,10 @@ def test_a_contested_failure_is_listed_first_and_passes(command, engine, tmp_pat
     assert ended.code == 0
     rows = [line for line in ended.out.splitlines() if line.startswith((" CNV-1", " CNV-2"))]
     assert [row.split()[0] for row in rows] == ["CNV-2", "CNV-1"], "what is contested is listed first"
-    assert "contested: CNV-2: no known good controller meets them" in ended.out
+    assert (
+        "contested: CNV-2: no known good controller meets it in the same scenario either, so it does"
+        in ended.out
+    )
     summary = (tmp_path / "drivegate-report" / "summary.md").read_text(encoding="utf-8")
     assert summary.index("## Contested") < summary.index("**CNV-2** contested") < summary.index("| check |")
     cases = ElementTree.parse(tmp_path / "drivegate-report" / "junit.xml").iter("testcase")
@@ -288,3 +291,11 @@ def test_a_witness_is_named_with_its_margin(command, engine):
 def test_what_is_contested_counts_only_where_the_user_says_so(command, engine, counts):
     command("check", "reference", "--contested", counts)
     assert engine.options.contested == counts
+
+
+def test_after_a_quick_pass_the_next_step_is_more_scenarios(command, engine):
+    assert (
+        "next: open the report; --effort default draws nine times as many"
+        in command("check", "reference", "--effort", "quick").out
+    )
+    assert "nine times" not in command("check", "reference").out

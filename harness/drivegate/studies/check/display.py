@@ -30,7 +30,7 @@ COVERAGE_PAGE: Final = "coverage/index.html"
 QUIET_VERDICTS: Final = ("pass", "not applicable", "waived", "inconclusive")
 """Verdicts of checks that a quiet run does not print."""
 _UNCOUNTED: Final = {
-    "contested": "no known good controller meets them in the same scenarios either",
+    "contested": "no known good controller meets {them} in the same {scenario} either",
     NOT_WITNESSED: "the check ended before known good controllers were run there",
 }
 
@@ -81,9 +81,15 @@ def show_checked(console: Console, checked: Checked, again: str | None = None) -
 def _show_uncounted(console: Console, document: dict[str, Any]) -> None:
     """Print the failures that do not count, since no witness meets the requirement, or none was run."""
     for verdict, because in _UNCOUNTED.items():
-        names = ", ".join(check["id"] for check in document["checks"] if check["verdict"] == verdict)
+        names = [check["id"] for check in document["checks"] if check["verdict"] == verdict]
         if names:
-            print_line(console, f"{verdict}: {names}: {because}, so they do not count", "bold yellow")
+            them, scenario, rest = (
+                ("it", "scenario", "it does") if len(names) == 1 else ("them", "scenarios", "they do")
+            )
+            reason = because.format(them=them, scenario=scenario)
+            print_line(
+                console, f"{verdict}: {', '.join(names)}: {reason}, so {rest} not count", "bold yellow"
+            )
 
 
 def show_code_coverage(console: Console, document: dict[str, Any], folder: Path | None) -> None:
@@ -147,6 +153,8 @@ def _next_step(checked: Checked, folder: Path, again: str | None) -> str:
         )
     if document.get("focus") is not None or document.get("incomplete"):
         return f"the whole check: {again or plain}"
+    if document["effort"] == "quick":
+        return "open the report; --effort default draws nine times as many scenarios"
     return "open the report; drivegate checks lists what was required"
 
 
