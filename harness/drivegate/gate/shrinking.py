@@ -28,6 +28,7 @@ from drivegate_cases.documents.document import parse_document
 from drivegate_cases.scenario.scenario import Scenario
 
 FoundT = TypeVar("FoundT")
+FoundT_co = TypeVar("FoundT_co", covariant=True)
 
 _ROUNDING: Final = 1e-9
 """Share of a margin by which rounding may make a simpler failure worse (1)."""
@@ -165,14 +166,14 @@ def is_as_fair(scenario: Scenario, start: Scenario, declaration: Declaration) ->
     return declared and contract_of(scenario.drive).is_as_fair(scenario, start)
 
 
-class Trials(Protocol[FoundT]):
+class Trials(Protocol[FoundT_co]):
     """Runs that show whether a scenario still fails."""
 
     @property
     def spent(self) -> bool:
         """Whether no more run may be made."""
 
-    def failure(self, scenario: Scenario) -> FoundT | None:
+    def failure(self, scenario: Scenario) -> FoundT_co | None:
         """Run a scenario, and return what is wrong; None if it is not what is looked for."""
 
     def is_due(self, scenario: Scenario) -> bool:

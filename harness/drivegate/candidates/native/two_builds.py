@@ -84,6 +84,7 @@ class TwoBuilds:
         self.state_size = plain.state_size
         self._layout: Layout = DUTY if plain.contract == "duty" else CURRENT
         sense, command = self._layout.sense, self._layout.command
+        fields: Any = sense.fields
         assert command.itemsize <= _LONGEST_ANSWER
         self._sense, self._command = ExactMemory(sense.itemsize), ExactMemory(command.itemsize)
         self._currents: ExactMemory | None = None
@@ -98,7 +99,7 @@ class TwoBuilds:
             command=self._command.address,
             sense_size=sense.itemsize,
             command_size=command.itemsize,
-            currents_offset=(sense.fields or {})["phase_currents"][1],
+            currents_offset=fields["phase_currents"][1],
         )
         self.state_address = ctypes.addressof(self._builds)
 

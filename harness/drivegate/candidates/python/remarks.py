@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from pathlib import Path
-from typing import Any, Final
+from typing import Final, TextIO
 
 from drivegate.candidates.fault import bounded_reason
 
@@ -21,12 +21,20 @@ class Remarks:
         self._show = warnings.showwarning
         warnings.showwarning = self._kept
 
-    def _kept(self, message: Any, category: type[Warning], filename: str, lineno: int, *further: Any) -> None:
+    def _kept(
+        self,
+        message: Warning | str,
+        category: type[Warning],
+        filename: str,
+        lineno: int,
+        file: TextIO | None = None,
+        line: str | None = None,
+    ) -> None:
         if issubclass(category, RuntimeWarning) and len(self._lines) < MOST_REMARKS:
-            file = Path(filename)
-            shown = file.relative_to(self._folder) if file.is_relative_to(self._folder) else file
+            place = Path(filename)
+            shown = place.relative_to(self._folder) if place.is_relative_to(self._folder) else place
             self._lines[bounded_reason(f"{shown}, line {lineno}: {message}")] = None
-        self._show(message, category, filename, lineno, *further)
+        self._show(message, category, filename, lineno, file, line)
 
     def lines(self) -> tuple[str, ...]:
         """Return what was warned of in this process so far."""
