@@ -76,10 +76,10 @@ def run_shrink(loaded: JudgedCandidate, plan: ShrinkPlan) -> Shrunk | None:
     scenario, margin = _witnessed(plan, trials, scenario, margin)
     trials.begin(scenario)
     trials.worst = margin.value if plan.worst is None else min(margin.value, plan.worst)
-    simplest, margin = simplest_of(scenario, margin, trials)
+    simplest, found = simplest_of(scenario, margin, trials)
     if simplest is not scenario:
         simplest = titled(simplest)
-    return Shrunk(simplest.to_mapping(), margin, trials.runs)
+    return Shrunk(simplest.to_mapping(), found, trials.runs)
 
 
 def _witnessed(

@@ -31,7 +31,7 @@ int main(void) { return 0; }
 @pytest.mark.parametrize("version", [4, 5])
 def test_lines_that_ran_are_read_from_all_processes(load: Load, tmp_path: Path, version: int) -> None:
     flags = ("-O0", "-g", f"-gdwarf-{version}")
-    loaded = load(SOURCE, flags, sources=["mine.c"], read={"torque": "steps"})
+    loaded = load(SOURCE, flags, sources=["mine.c"])
     plain = resolve_candidate(str(tmp_path / "candidate.toml"))
     folder, output = tmp_path / "counted", tmp_path / "output"
     folder.mkdir()
@@ -52,6 +52,6 @@ def test_lines_that_ran_are_read_from_all_processes(load: Load, tmp_path: Path, 
 
 
 def test_an_image_without_lines_is_refused(load: Load, tmp_path: Path) -> None:
-    load(SOURCE, ("-O1",), sources=["mine.c"], read={"torque": "0"})
+    load(SOURCE, ("-O1",), sources=["mine.c"])
     with pytest.raises(InputError, match="compile it with -g, and name its sources"):
         KINDS["elf"].counted_candidate(resolve_candidate(str(tmp_path / "candidate.toml")), tmp_path)
