@@ -19,8 +19,9 @@ def checked(folder: Path, source: str, *options: str) -> tuple[int, str, dict[st
     file.write_text(source, encoding="utf-8")
     words = [str(file), "--drive", "pm-ac-interior", "--output", str(output), *CHECK, *options]
     ended = CliRunner().invoke(command, words)
-    assert (output / "result.json").is_file(), ended.output
-    return ended.exit_code, ended.output, json.loads((output / "result.json").read_text(encoding="utf-8"))
+    assert (output / "result.json").is_file(), (ended.output, ended.exception)
+    result = json.loads((output / "result.json").read_text(encoding="utf-8"))
+    return result["exit_code"], ended.output, result
 
 
 @pytest.mark.nightly
