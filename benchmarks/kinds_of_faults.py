@@ -11,8 +11,8 @@ import argparse
 import sys
 from collections.abc import Iterable, Sequence
 
+from drivegate.candidates.declaration import NOTHING_DECLARED
 from drivegate.contracts.catalogue import contract_of
-from drivegate.gate.plan import NOTHING_DECLARED
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_lab.candidates.faults.seeded_fault import SeededFault
 from drivegate_lab.selftest.matrix import FaultRow
