@@ -89,8 +89,11 @@ void firmware_start(void) {
 }
 
 /* Measure the offsets of the amplifiers after a reset, with the bridge off and without currents. */
-static void calibrate(const float *counts) {
+static void calibrate(const float *counts, float link) {
+    float electrical = (float)motor.pole_pairs * motor.speed_per_count * fabsf((float)shaft_speed);
     if (samples == DECAY + CALIBRATION) return;
+    /* At this speed the magnets drive a current through the diodes. */
+    if (ROOT_THREE * electrical * motor.magnet_flux > 0.9F * link) return;
     samples++;
     if (samples <= DECAY) return;
     for (int phase = 0; phase < 3; phase++) offsets[phase] += (counts[phase] - offsets[phase]) / (float)(samples - DECAY);
@@ -107,14 +110,14 @@ static void modulate(float alpha, float beta, float link) {
 
 void ADC_IRQHandler(void) {
     float counts[] = {(float)ADC1->JDR1, (float)ADC1->JDR2, (float)ADC1->JDR3};
+    float link = fmaxf((float)ADC1->JDR4 * motor.volts_per_count, 1.0F), limit = link / ROOT_THREE;
     if (!bridge_is_on) {
-        calibrate(counts);
+        calibrate(counts, link);
         return;
     }
     float a = (counts[0] - offsets[0]) * motor.amperes_per_count;
     float b = (counts[1] - offsets[1]) * motor.amperes_per_count;
     float c = (counts[2] - offsets[2]) * motor.amperes_per_count;
-    float link = fmaxf((float)ADC1->JDR4 * motor.volts_per_count, 1.0F), limit = link / ROOT_THREE;
     float speed = (float)shaft_speed * motor.speed_per_count, electrical = (float)motor.pole_pairs * speed;
     uint16_t angle = (uint16_t)((uint32_t)motor.pole_pairs * TIM2->CNT);
 
