@@ -51,10 +51,12 @@ LOST_ROTOR: Final = 7
 """Fault code of a rotor that the observer has lost."""
 
 # Control periods in which the terminals are watched before a start, and in which an observer follows a turning shaft
-# before it is driven. Speed from which a shaft turns, over the least one.
+# before it is driven where it rectifies. Speed from which a shaft turns, over the least one, and sum of the currents
+# from which it rectifies, over the limit.
 _WATCHED: Final = 60
 _FOLLOWED: Final = 100
 _TURNS: Final = 0.5
+_RECTIFIED: Final = 0.02
 # Speeds over the least one: of handover, from which the observer is left to itself in a ramp, of the return to the
 # turning vector, and from which the rotor is lost. References below the last share stop the drive.
 _HANDOVER: Final = 1.05
@@ -71,11 +73,11 @@ _AGREED: Final = 0.02
 _WAITED_PERIODS: Final = 3.0
 _WAITED: Final = 0.15
 _FLUX_ERROR: Final = 0.5
-# Time for which the vector holds a rotor whose reference is 0 (s), and the speed regulator's bandwidth over that of
-# `foc`: a load must not stop the shaft at the least speed.
-_HELD: Final = 0.5
-_FASTER: Final = 2.5
 _LOST: Final = 0.02
+# Time for which the vector holds a rotor whose reference is 0 (s), and least bandwidth of the speed regulator
+# (rad/s): a load must not stop the shaft at the least speed.
+_HELD: Final = 0.5
+_SPEED_BANDWIDTH: Final = 80.0
 # Share of the link voltage between lines from which legs that are off rectify.
 _RECTIFIES: Final = 1.0
 
@@ -85,8 +87,9 @@ def reset_state(state: Any, nameplate: Any) -> None:
     """Write the constants and reset everything else."""
     machine = state.machine
     foc.reset_state(machine, nameplate)
-    machine.speed_gain *= _FASTER
-    machine.speed_integral_step *= _FASTER * _FASTER
+    faster = max(_SPEED_BANDWIDTH * nameplate.inertia / machine.speed_gain, 1.0)
+    machine.speed_gain *= faster
+    machine.speed_integral_step *= faster * faster
     state.fault = 0
     least = nameplate.least_speed if nameplate.least_speed > 0.0 else _LEAST_SHARE * nameplate.base_speed
     state.least_speed = nameplate.pole_pairs * least
@@ -156,7 +159,8 @@ def _watch(state: Any, sense: Any, command: Any, before: tuple[float, float]) ->
             )
             state.agreed = 1
     if state.agreed == 1:
-        if state.age >= _WATCHED + _FOLLOWED:
+        rectified = abs(state.along_before) + abs(state.across_before) > _RECTIFIED * machine.current_limit
+        if not rectified or state.age >= _WATCHED + _FOLLOWED:
             _run(state, 0.0)
         return
     state.age = machine.delay + 1
