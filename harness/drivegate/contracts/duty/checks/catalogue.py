@@ -14,6 +14,9 @@ from drivegate.contracts.duty.checks.estimate import EST_1
 from drivegate.contracts.duty.checks.failures import SAF_1
 from drivegate.contracts.duty.checks.power import DUTY_PWR_1
 from drivegate.contracts.duty.checks.ripple import DTM_1, RIP_4
+from drivegate.contracts.duty.checks.sensorless.changes import SLS_4, SLS_5, SLS_7
+from drivegate.contracts.duty.checks.sensorless.starting import SLS_1, SLS_6
+from drivegate.contracts.duty.checks.sensorless.steady import SLS_2, SLS_3, SLS_8
 from drivegate.contracts.duty.checks.speed_response import ROB_4
 from drivegate.contracts.duty.checks.starting import STA_1
 from drivegate.contracts.duty.checks.steps import STP_1
@@ -45,6 +48,14 @@ DUTY_CHECKS: Final[tuple[Check, ...]] = (
     THM_1,
     THM_2,
     THM_3,
+    SLS_1,
+    SLS_2,
+    SLS_3,
+    SLS_4,
+    SLS_5,
+    SLS_6,
+    SLS_7,
+    SLS_8,
     DET_1,
     TIM_1,
 )

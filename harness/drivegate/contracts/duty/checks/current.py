@@ -12,10 +12,12 @@ from numpy.typing import NDArray
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, Mark, Moment, Point, at_most
 from drivegate.contracts.duty.checks.judged import (
+    LOST_SHARE,
     STEADY_FAMILIES,
     UNWEAKENED_FAMILIES,
     at,
     greatest_required,
+    if_unsensed,
     least_free,
     least_within,
     undistorted,
@@ -219,9 +221,11 @@ def _current_excess(record: DutyRecord, window: DutyWindow) -> Margin | None:
         return None
     excess = window.current / least.current - 1.0
     measured = f"{100.0 * excess:.3g} % above {least.current:.4g} A for {window.torque:.4g} N·m {at(window)}"
-    by_current = Margin("MTP-1", at_most(excess, record.limits.current_excess), measured)
+    # An angle that is off costs current.
+    allowed = record.limits.current_excess + if_unsensed(record, LOST_SHARE)
+    by_current = Margin("MTP-1", at_most(excess, allowed), measured)
     # More current is no waste where it saves more in the iron.
-    by_loss = at_most(_loss_above_least(record, window), record.limits.current_excess)
+    by_loss = at_most(_loss_above_least(record, window), allowed)
     return by_current if by_current.value >= by_loss else replace(by_current, value=by_loss)
 
 
@@ -253,7 +257,9 @@ def efficiency_windows(record: DutyRecord) -> Iterator[DutyWindow]:
 def _loss_excess(record: DutyRecord, window: DutyWindow) -> Margin:
     excess = _loss_above_least(record, window)
     measured = f"{100.0 * excess:.3g} % above the least loss for {window.torque:.4g} N·m {at(window)}"
-    return Margin("EFF-1", at_most(excess, record.limits.loss_excess), measured)
+    # The loss of a winding goes with the square of a current.
+    allowed = record.limits.loss_excess + if_unsensed(record, 2.0 * LOST_SHARE)
+    return Margin("EFF-1", at_most(excess, allowed), measured)
 
 
 OVC_1 = Check(

@@ -30,6 +30,12 @@ _KEPT: Final = 20_000
 _UNLIMITED_V: Final = 1e9
 SUPPLIED_SHARE: Final = 0.9
 """Share of what source and chopper supply, or take back, within which they limit no current (1)."""
+SENSORLESS_ANGLE_DEG: Final = 5.0
+"""Greatest mean error of the angle without a position sensor (electrical degrees)."""
+TURNED_SHARE: Final = 0.0872
+"""Share of the q current that this angle turns into the d axis: its sine (1)."""
+LOST_SHARE: Final = 0.0038
+"""Current that it costs: the inverse of its cosine, less 1 (1)."""
 UNWEAKENED_FAMILIES: Final = (
     "torque step",
     "speed step",
@@ -51,6 +57,11 @@ STEADY_FAMILIES: Final = ("torque step", "weakening", "overspeed", *UNWEAKENED_F
 def unless_sensed(_declaration: Declaration, drive: DriveDocument) -> str | None:
     """Return why a check that is judged with a position sensor does not apply."""
     return None if duty_document(drive).has_sensor else "the drive has no position sensor"
+
+
+def if_unsensed(record: DutyRecord, share: float) -> float:
+    """Return the share of a current or loss that an angle without a sensor may cost; 0 with one (1)."""
+    return 0.0 if record.document.has_sensor else share
 
 
 def undistorted(drive: PmAcDrive, link: float) -> float:

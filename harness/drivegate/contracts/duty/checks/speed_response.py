@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, Mark, Moment, Point, at_most
 from drivegate.contracts.duty.checks.accuracy import ERROR_FACTOR, reference_error
-from drivegate.contracts.duty.checks.judged import at, worst
+from drivegate.contracts.duty.checks.judged import at, unless_sensed, worst
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
 from drivegate.contracts.duty.right_trips import claimed_safe
 from drivegate.contracts.duty.scenarios.reaching import greatest_torque, load_on_shaft, reaction_s
@@ -333,4 +333,6 @@ ROB_4 = Check(
     "of their own; the nameplate stays.",
     evaluate=speed_response,
     moment=speed_moment,
+    # Without a sensor, SLS-4 and SLS-8 have limits of their own.
+    reason_not_applicable=unless_sensed,
 )

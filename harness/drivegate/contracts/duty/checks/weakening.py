@@ -14,10 +14,12 @@ from drivegate.checks.margin import Margin, Mark, Moment, Point, at_most, normal
 from drivegate.contracts.duty.checks.current import FREE_SHARE
 from drivegate.contracts.duty.checks.judged import (
     STEADY_FAMILIES,
+    TURNED_SHARE,
     Purpose,
     at,
     greatest_at,
     greatest_required,
+    if_unsensed,
     is_within_reach,
     least_free,
     undistorted,
@@ -102,7 +104,9 @@ def _direct_error(record: DutyRecord, window: DutyWindow) -> Margin | None:
     measured = (
         f"d current {window.direct:.4g} A, {best:.4g} A is best for {window.torque:.4g} N·m {at(window)}"
     )
-    return Margin("FWK-2", at_most(error, record.limits.direct_error_a), measured)
+    # The current turns with an angle that is off.
+    allowed = record.limits.direct_error_a + if_unsensed(record, TURNED_SHARE) * abs(window.quadrature)
+    return Margin("FWK-2", at_most(error, allowed), measured)
 
 
 def way_out_of_weakening(record: DutyRecord) -> Margin | None:

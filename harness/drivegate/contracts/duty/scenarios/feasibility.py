@@ -26,6 +26,7 @@ from drivegate.contracts.duty.scenarios.reaching import (
     runs_away,
 )
 from drivegate.contracts.duty.scenarios.released import is_stalled, unfair_release
+from drivegate.contracts.duty.scenarios.unsensed import unfair_without_sensor
 from drivegate.contracts.duty.scenarios.windows import duty_dwells, shaft_inertia
 from drivegate.scenarios.drive_scale import rated_torque_at
 from drivegate.scenarios.rotation import needs_reverse
@@ -60,7 +61,15 @@ _ROUNDING: Final = 0.01
 
 def unfair_because(scenario: Scenario) -> str | None:
     """State why a candidate may not be judged on a scenario; a torque reference out of reach is judged as such."""
-    reasons = (_unfair_begin, unnoticed_because, _unfair_position, unfair_release, unfair_heat, _unfair_load)
+    reasons = (
+        _unfair_begin,
+        unnoticed_because,
+        _unfair_position,
+        unfair_without_sensor,
+        unfair_release,
+        unfair_heat,
+        _unfair_load,
+    )
     return next((because for reason in reasons if (because := reason(scenario)) is not None), None)
 
 
@@ -133,7 +142,8 @@ def _shows_a_failure(scenario: Scenario) -> bool:
 def _stops_at_low_speed(scenario: Scenario) -> bool:
     """Return True if a load at low speed is more than its share of what may be drawn at the end of that range."""
     load, drive = scenario.load, scenario.drive
-    if isinstance(load, (LockedLoad, DynamometerLoad, VehicleLoad)):
+    # Without a sensor, loads at low speed have a rule of their own.
+    if isinstance(load, (LockedLoad, DynamometerLoad, VehicleLoad)) or drive.position == "none":
         return False
     end = TURNING_SHARE * drive.rating.base_speed_rpm
     return any(

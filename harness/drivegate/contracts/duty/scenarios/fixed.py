@@ -36,6 +36,7 @@ from drivegate.contracts.duty.scenarios.drawn_range import BEYOND_SHARE, SLOW_SH
 from drivegate.contracts.duty.scenarios.hot import hot_scenarios
 from drivegate.contracts.duty.scenarios.rare import nightly_scenarios, rare_scenarios
 from drivegate.contracts.duty.scenarios.released import free_shaft_scenarios
+from drivegate.contracts.duty.scenarios.sensorless import sensorless_scenarios
 from drivegate.scenarios.changes import with_real_sensors, with_scales
 from drivegate.scenarios.drive_scale import rated_torque_at, tidy
 from drivegate.scenarios.rotation import mirrored, needs_reverse
@@ -80,6 +81,21 @@ def fixed_scenarios(
     """
     reverses = reverses and drive.one_way_because is None
     every = (
+        tuple(sensorless_scenarios(drive))
+        if not drive.has_sensor
+        else _every(drive, detected, reverses=reverses)
+    )
+    followed = [
+        scenario
+        for scenario in reversed(every)
+        if reference_of(scenario) in references and (reverses or not needs_reverse(scenario))
+    ]
+    return tuple(dict.fromkeys(followed))[::-1]
+
+
+def _every(drive: PmAcDocument, detected: Collection[FailureKind], *, reverses: bool) -> tuple[Scenario, ...]:
+    """List the fixed runs of a drive with a position sensor."""
+    return (
         *_torques(drive),
         *_speeds(drive),
         *_slow_speeds(drive),
@@ -97,12 +113,6 @@ def fixed_scenarios(
         *rare_scenarios(drive, reverses=reverses),
         *(run for run in _failures(drive) if run.failure is not None and run.failure.kind in detected),
     )
-    followed = [
-        scenario
-        for scenario in reversed(every)
-        if reference_of(scenario) in references and (reverses or not needs_reverse(scenario))
-    ]
-    return tuple(dict.fromkeys(followed))[::-1]
 
 
 def _sensed(drive: PmAcDocument) -> list[Scenario]:

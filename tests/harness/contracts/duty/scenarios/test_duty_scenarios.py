@@ -18,7 +18,11 @@ from drivegate.contracts.duty.scenarios.building import (
     torque_scenario,
 )
 from drivegate.contracts.duty.scenarios.drawn.failures import failure_scenarios
-from drivegate.contracts.duty.scenarios.drawn.families import FAMILY_GROUPS, drawn_scenarios
+from drivegate.contracts.duty.scenarios.drawn.families import (
+    FAMILY_GROUPS,
+    SENSORLESS_GROUPS,
+    drawn_scenarios,
+)
 from drivegate.contracts.duty.scenarios.drawn.hot import hot_winding_scenarios
 from drivegate.contracts.duty.scenarios.feasibility import unfair_because
 from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios
@@ -87,7 +91,8 @@ def test_what_a_family_draws_is_judged_somewhere(family: object) -> None:
 
 
 def test_every_family_and_every_check_has_its_row() -> None:
-    assert {family_name(family.__name__) for family in FAMILIES} == set(contract_named("duty").families)
+    every = (*FAMILIES, *(family for group in SENSORLESS_GROUPS for family in group))
+    assert {family_name(family.__name__) for family in every} == set(contract_named("duty").families)
     known = {check.id for check in contract_named("duty").checks}
     assert all(row["families"] for row in traced_checks(INTERIOR))
     assert {row["id"] for row in traced_checks(INTERIOR)} == known

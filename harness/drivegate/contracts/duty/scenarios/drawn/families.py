@@ -33,6 +33,15 @@ from drivegate.contracts.duty.scenarios.drawn.circumstances import (
 from drivegate.contracts.duty.scenarios.drawn.failures import failure_scenarios, that_can_fail
 from drivegate.contracts.duty.scenarios.drawn.hot import hot_winding_scenarios, may_be_hot
 from drivegate.contracts.duty.scenarios.drawn.released import released_scenarios
+from drivegate.contracts.duty.scenarios.drawn.sensorless import (
+    flying_start_scenarios,
+    lost_rotor_scenarios,
+    sensorless_load_scenarios,
+    sensorless_load_step_scenarios,
+    sensorless_parameter_scenarios,
+    sensorless_reversal_scenarios,
+    sensorless_start_scenarios,
+)
 from drivegate.contracts.duty.scenarios.drawn.steps import Drawn
 from drivegate.scenarios.rotation import goes_backward, is_mirrored, mirrored, needs_reverse
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
@@ -67,6 +76,13 @@ FAMILY_GROUPS: Final[tuple[tuple[Family, ...], ...]] = (
     (weakening_scenarios, parameter_scenarios, joint_change_scenarios),
 )
 """Families of scenarios that a shard of the search draws from; shards take turns at them."""
+SENSORLESS_GROUPS: Final[tuple[tuple[Family, ...], ...]] = (
+    (sensorless_start_scenarios, flying_start_scenarios),
+    (sensorless_load_scenarios, torque_step_scenarios),
+    (sensorless_load_step_scenarios, sensorless_reversal_scenarios),
+    (sensorless_parameter_scenarios, lost_rotor_scenarios, weakening_scenarios),
+)
+"""The same of a drive without a position sensor."""
 _OF_BOTH_SENSES: Final = frozenset({reversal_scenarios, hoist_scenarios})
 _BACKWARD_SHARE: Final = 4
 """One run in so many is drawn backward."""
@@ -117,7 +133,7 @@ def drawn_scenarios(
             and (is_heated or family is not hot_winding_scenarios)
             and (can_fail if family is failure_scenarios else _reference(family) in (*references, None))
         ]
-        for families in FAMILY_GROUPS
+        for families in (FAMILY_GROUPS if drive.has_sensor else SENSORLESS_GROUPS)
     ]
     groups = [families for families in followed if families]
     chosen = groups if group is None else [groups[group % len(groups)]]

@@ -33,8 +33,9 @@ def speeds_between(drive: PmAcDocument, lowest: float, highest: float) -> st.Sea
 
 
 def any_speed(drive: PmAcDocument) -> st.SearchStrategy[float]:
-    """Draw a speed from standstill to the highest one (rpm)."""
-    return speeds_between(drive, 0.0, drive.rating.highest_speed_rpm)
+    """Draw a speed from standstill, or without a sensor from twice the least speed, to the highest one (rpm)."""
+    highest = drive.rating.highest_speed_rpm
+    return speeds_between(drive, min(2.0 * drive.least_speed_rpm, highest), highest)
 
 
 def turning_speeds(drive: PmAcDocument) -> st.SearchStrategy[float]:

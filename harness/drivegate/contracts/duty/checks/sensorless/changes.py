@@ -1,0 +1,194 @@
+"""Checks of a load that steps, of a reversal, and of a lost rotor without a position sensor."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+
+from drivegate.checks.check import Check
+from drivegate.checks.margin import Margin, at_most
+from drivegate.contracts.duty.checks.judged import worst
+from drivegate.contracts.duty.checks.sensorless.judged import (
+    if_speed,
+    least_speed,
+    regulates_speed,
+)
+from drivegate.contracts.duty.checks.sensorless.measures import back_after_s, longest_s, time_below_s
+from drivegate.contracts.duty.record import DutyRecord
+from drivegate.contracts.duty.right_trips import legs_are_off
+from drivegate.contracts.duty.run import LEGS
+from drivegate.contracts.duty.scenarios.reaching import load_on_shaft
+from drivegate.contracts.duty.scenarios.sensorless import BACK_S, LOADED_SHARE, LOSS_S
+from drivegate.contracts.duty.scenarios.unsensed import REACTION_S
+from drivegate.contracts.duty.scenarios.windows import duty_dwells
+from drivegate_cases.drive.pm_ac.greatest_torque import greatest_within
+from drivegate_cases.scenario.profile import Dwell
+from drivegate_models.contract.duty.signals import LEG_LOW
+from drivegate_models.pm_ac.oracle import undistorted_limits
+from drivegate_models.units import RADIANS_PER_RPM
+
+LEAST_DIP_SHARE = 0.05
+"""Speed that a load may always move the shaft by, over base speed (1)."""
+HALF = 0.5
+"""Share of the reference that the speed may be off by for a short time (1)."""
+OUT_OF_STEP_S = 0.2
+"""That time (s)."""
+SLOWER, ADDED_S, ADDED_SHARE = 2.0, 0.5, 0.5
+"""Time below the least speed in a reversal: over that of the reference (1), and added (s), or in start times (1).
+
+A rotor that passes standstill swings about the current that takes it through, as in a start without its alignment."""
+SWING = 1.2
+"""Greatest torque of a lost rotor over that of the current limit (1)."""
+
+
+def load_step(record: DutyRecord) -> Margin | None:
+    """Judge the steps of a load at a steady speed."""
+    if not regulates_speed(record) or not record.is_nominal:
+        return None
+    settled = {window[0].start for window in record.windows}
+    steps = pairwise(duty_dwells(record.scenario))
+    return worst(
+        margin
+        for before, dwell in steps
+        if before.end == dwell.start and before.start in settled and dwell.duration > BACK_S
+        for margin in _step_margins(record, before, dwell)
+    )
+
+
+def _step_margins(record: DutyRecord, before: Dwell, dwell: Dwell) -> list[Margin]:
+    reference = dwell.speed_rpm * RADIANS_PER_RPM
+    loads = [load_on_shaft(record.scenario, each, reference) for each in (before, dwell)]
+    if before.speed_rpm != dwell.speed_rpm or loads[0] == loads[1]:
+        return []
+    rating, machine, period = (
+        record.document.rating,
+        record.document.machine,
+        record.scenario.control_period_s,
+    )
+    speed = record.run.column("speed")[record.periods(dwell.start, dwell.end)]
+    error = speed - reference
+    floor = LEAST_DIP_SHARE * rating.base_speed_rpm * RADIANS_PER_RPM
+    allowed = max(LOADED_SHARE * rating.rated_torque_nm * REACTION_S / machine.inertia_kg_m2, floor)
+    dip = float(np.max(np.abs(error)))
+    back = min(back_after_s(error, floor, period), dwell.duration)
+    out = longest_s(np.abs(error) > HALF * abs(reference), period)
+    after = f"after the load step at {dwell.start:.4g} s"
+    return [
+        Margin("SLS-4", at_most(dip, allowed), f"{dip / RADIANS_PER_RPM:.4g} rpm off {after}"),
+        Margin("SLS-4", at_most(back, BACK_S), f"speed back {back:.3g} s {after}"),
+        Margin(
+            "SLS-4",
+            at_most(out, OUT_OF_STEP_S),
+            f"speed off by half of its reference for {out:.3g} s {after}",
+        ),
+    ]
+
+
+def reversal(record: DutyRecord) -> Margin | None:
+    """Judge the time for which a reversal is slower than the least speed."""
+    if not regulates_speed(record) or not record.is_nominal or (ramp := _reversal(record)) is None:
+        return None
+    begin, end = ramp
+    period, least = record.scenario.control_period_s, least_speed(record)
+    first = round(begin / period)
+    wanted, speed = (record.run.column(name)[first:] for name in ("speed_reference", "speed"))
+    added = max(ADDED_S, ADDED_SHARE * record.document.start_time_s)
+    allowed = SLOWER * time_below_s(wanted, least, period) + added
+    found = time_below_s(speed, least, period)
+    measured = (
+        f"{found:.4g} s below the least speed, {allowed:.4g} s are allowed, in the reversal at {begin:.4g} s"
+    )
+    last = float(speed[-1] * wanted[-1])
+    turned = Margin("SLS-5", 1.0 if last > 0.0 else -1.0, f"the shaft turns the wrong way after {end:.4g} s")
+    return worst((Margin("SLS-5", at_most(found, allowed), measured), turned))
+
+
+def _reversal(record: DutyRecord) -> tuple[float, float] | None:
+    """Return start and end of the ramp of the reference from one sense to the other (s); None without any."""
+    for (begin, before), (end, after) in pairwise(record.scenario.speed_rpm):
+        if before * after < 0.0 and end > begin and begin > 0.0:
+            return begin, end
+    return None
+
+
+def lost_rotor(record: DutyRecord) -> Margin | None:
+    """Judge the time in which a controller tells that the rotor is locked, and the torque until then."""
+    failure = record.scenario.failure
+    if not regulates_speed(record) or failure is None or failure.kind != "locked-rotor":
+        return None
+    if not record.has_nominal_plant:
+        return None
+    period = record.scenario.control_period_s
+    first = failure.first_period(period)
+    # A start may be tried twice.
+    starts = failure.time_s == 0.0 and record.scenario.initial_speed_rpm == 0.0
+    allowed = LOSS_S + (2.0 * record.document.start_time_s if starts else 0.0)
+    commands = record.run.commands
+    low = np.logical_and.reduce([commands[leg] == LEG_LOW for leg in LEGS])
+    told = (commands["fault"] != 0) & (legs_are_off(commands) | low)
+    if len(told) - first < allowed / period:
+        return None
+    silent = np.flatnonzero(~told[first:])
+    time = float(silent[-1] + 1) * period if silent.size else 0.0
+    reached = first + round(time / period) < len(told)
+    words = f"told {time:.4g} s after" if reached else f"not told within {time:.4g} s of"
+    greatest = float(np.max(np.abs(record.run.column("torque")[first:])))
+    limits = undistorted_limits(record.plant, float(record.run.column("link")[first]))
+    most = SWING * greatest_within(record.plant, limits, 0.0, weakens=True).torque
+    return worst(
+        (
+            Margin("SLS-7", at_most(time, allowed), f"{words} the lock at {failure.time_s:.4g} s"),
+            Margin("SLS-7", at_most(greatest, most), f"torque {greatest:.4g} N·m at a locked rotor"),
+        )
+    )
+
+
+SLS_4 = Check(
+    id="SLS-4",
+    families=("sensorless load step",),
+    requirement=(
+        "Without a position sensor, from twice the least speed on, a load of 80 % of rated torque that comes on or "
+        "goes moves the speed by at most what 80 % of rated torque does in 50 ms, or 5 % of base speed. After 2 s the "
+        "speed is within 5 % of base speed, and it is off by half of its reference for at most 200 ms."
+    ),
+    limit="80 % of rated torque for 50 ms on the inertia, at least 5 % of base speed; back within 2 s",
+    scenarios="steps of the load at a steady speed of the nominal drive",
+    formula="the least of 1 - speed change / limit, 1 - time until the speed is back / 2 s, and 1 - time off by half / "
+    "200 ms",
+    why="An observer loses the rotor when the torque changes faster than it follows.",
+    evaluate=load_step,
+    reason_not_applicable=if_speed,
+)
+SLS_5 = Check(
+    id="SLS-5",
+    families=("sensorless reversal",),
+    requirement=(
+        "Without a position sensor, a ramp of the reference through zero reverses the shaft under up to half of rated "
+        "torque. The shaft is below the least speed for at most twice as long as the reference, and half of the start "
+        "time or 0.5 s."
+    ),
+    limit="twice the reference's time below the least speed, and half of the start time or 0.5 s, whichever is more",
+    scenarios="reversals of the nominal drive by a ramp that changes the reference by base speed in 1 s",
+    formula="1 - time below the least speed / limit; -1 where the shaft turns the wrong way at the end",
+    why="No observer of the EMF sees a rotor at standstill; a sign that holds one way only shows here.",
+    evaluate=reversal,
+    reason_not_applicable=lambda declaration, drive: (
+        if_speed(declaration, drive) or (None if declaration.reverses else "the candidate does not reverse")
+    ),
+)
+SLS_7 = Check(
+    id="SLS-7",
+    families=("lost rotor",),
+    requirement=(
+        "Without a position sensor, a rotor that locks is told by a fault code within 500 ms, with all legs off or all "
+        "low; before a start, after twice the start time more. Until then the torque is at most 1.2 times that of the "
+        "current limit."
+    ),
+    limit="500 ms, twice the start time more before a start; 1.2 times the torque of the current limit",
+    scenarios="runs of the nominal drive whose shaft locks before a start, or at a steady speed under a load",
+    formula="the lesser of 1 - time until it is told for good / limit and 1 - greatest torque / limit",
+    why="A start that goes on for ever before a locked rotor burns the winding.",
+    evaluate=lost_rotor,
+    reason_not_applicable=if_speed,
+)
