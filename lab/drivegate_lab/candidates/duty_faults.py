@@ -11,7 +11,7 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.duty.document import duty_document
 from drivegate_cases.drive.drive_document import DriveDocument
-from drivegate_lab.candidates.faults.seeded_fault import FaultOnDrive, SeededFault
+from drivegate_lab.candidates.faults.seeded_fault import NEEDS_ANGLE, FaultOnDrive, SeededFault
 from drivegate_models.contract.duty.signals import SPEED_REFERENCE, TORQUE_REFERENCE, DutyNameplate
 
 STUCK_SHARE: Final = 0.3
@@ -64,6 +64,8 @@ class DutyFault(SeededFault):
     def on(self, drive: DriveDocument) -> FaultOnDrive:
         """Return what the fault is on a drive; it idles where its check, or its wrong number, does."""
         plate, named = _nameplate(drive), self.check_on(drive)
+        if drive.position == "none":
+            return FaultOnDrive(named, self.sentence, "", NEEDS_ANGLE)
         # A drive without dead time is also run with some, which is on the nameplate then.
         blanked = plate._replace(dead_time=plate.dead_time or plate.control_period)
         if self.believes and self.believed(blanked) == blanked:

@@ -27,13 +27,17 @@ class FaultyControllers(PrefixedControllers):
         """Return the contract of a faulty controller."""
         from drivegate_lab.candidates.duty_faults import DUTY_FAULTS
         from drivegate_lab.candidates.field_faults import FIELD_FAULTS
+        from drivegate_lab.candidates.sensorless_faults import SENSORLESS_FAULTS
 
-        return "duty" if name in DUTY_FAULTS or name in FIELD_FAULTS else "current"
+        of_duty = name in DUTY_FAULTS or name in FIELD_FAULTS or name in SENSORLESS_FAULTS
+        return "duty" if of_duty else "current"
 
     def declaration(self, name: str) -> Declaration:
         """Return what the correct controller declares."""
         if self.contract(name) == "duty":
-            return DUTY_CANDIDATES["foc"]
+            from drivegate_lab.candidates.sensorless_faults import SENSORLESS_FAULTS
+
+            return DUTY_CANDIDATES["foc-sensorless" if name in SENSORLESS_FAULTS else "foc"]
         from drivegate_lab.candidates.faults.catalogue import MUTATIONS, find_fault
 
         return BUILTIN_CANDIDATES[find_fault(name, MUTATIONS).base]

@@ -11,6 +11,8 @@ from drivegate.candidates.controller import CompiledController
 from drivegate_lab.candidates.duty_faults import DUTY_FAULTS, DutyFault
 from drivegate_lab.candidates.field_controller import FieldController
 from drivegate_lab.candidates.field_faults import FIELD_FAULTS
+from drivegate_lab.candidates.sensorless_controller import SensorlessController
+from drivegate_lab.candidates.sensorless_faults import SENSORLESS_FAULTS
 from drivegate_lab.kernels.faults.duty.perturbed import perturbed_state, perturbed_step_function
 
 
@@ -54,9 +56,13 @@ class PerturbedController(CompiledController):
         return perturbed_state(self._inner.step_address, self._inner.state_address, changes)
 
 
-def load_faulty_duty_controller(name: str) -> FaultyDutyController | PerturbedController | FieldController:
+def load_faulty_duty_controller(
+    name: str,
+) -> FaultyDutyController | PerturbedController | FieldController | SensorlessController:
     """Make a new instance of a faulty controller."""
     if name in FIELD_FAULTS:
         return FieldController(FIELD_FAULTS[name])
+    if name in SENSORLESS_FAULTS:
+        return SensorlessController(SENSORLESS_FAULTS[name])
     fault = DUTY_FAULTS[name]
     return PerturbedController(fault) if fault.changes else FaultyDutyController(fault)

@@ -8,7 +8,7 @@ from typing import Final, TypeAlias
 
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
-from drivegate_lab.candidates.faults.seeded_fault import FaultOnDrive, SeededFault
+from drivegate_lab.candidates.faults.seeded_fault import NEEDS_ANGLE, FaultOnDrive, SeededFault
 from drivegate_lab.kernels.faults.duty.field import state as faults
 from drivegate_models.contract.duty.signals import SPEED_REFERENCE, TORQUE_REFERENCE, DutyNameplate
 
@@ -38,6 +38,8 @@ class FieldFault(SeededFault):
         idle = None
         if self.needs_weakening and isinstance(drive, PmAcDocument) and not drive.weakens:
             idle = "this drive does not weaken its field"
+        if drive.position == "none":
+            idle = NEEDS_ANGLE
         return FaultOnDrive(self.check, self.sentence, self.kind, idle)
 
     def sizes_on(self, plate: DutyNameplate) -> tuple[float, float]:

@@ -207,7 +207,7 @@ def selftested(names: Sequence[str], effort: SelftestEffort, *, designs: bool) -
 
     drive = drive_for(None, effort.drive)
     rows = _tried(chosen_faults(names, drive), effort)
-    judged = _judged(drive.contract, effort) if designs else ()
+    judged = _judged(drive, effort) if designs else ()
     return Matrix(tuple(check.id for check in contract_of(drive).checks), rows, judged)
 
 
@@ -224,11 +224,11 @@ def _tried(faults: Sequence[SeededFault], effort: SelftestEffort) -> tuple[Fault
     return tuple(rows)
 
 
-def _judged(contract: str, effort: SelftestEffort) -> tuple[DesignRow, ...]:
+def _judged(drive: DriveDocument, effort: SelftestEffort) -> tuple[DesignRow, ...]:
     from drivegate_lab.selftest.subjects import correct_designs
 
     rows = []
-    for design in correct_designs(contract):
+    for design in correct_designs(drive.contract, sensed=drive.position != "none"):
         for seed in range(effort.seeds):
             with progress_on(sys.stderr) as display:
                 result = finished(design_check(design, seed, effort), display)

@@ -17,11 +17,14 @@ from drivegate_lab.candidates.faults.catalogue import MUTATIONS, find_fault
 from drivegate_lab.candidates.faults.seeded_fault import SeededFault
 from drivegate_lab.candidates.faults.tolerances import NEAR_DESIGNS
 from drivegate_lab.candidates.field_faults import FIELD_FAULTS
+from drivegate_lab.candidates.sensorless_faults import SENSORLESS_FAULTS
 
-_WITHOUT_WEAKENING: Final = "foc-mtpa"
+SENSORLESS: Final = "foc-sensorless"
+"""The controller that needs no position sensor."""
+_NOT_EVERYWHERE: Final = ("foc-mtpa", SENSORLESS)
 FAULTS_OF: Final[Mapping[str, Mapping[str, SeededFault]]] = {
     "current": MUTATIONS,
-    "duty": {**DUTY_FAULTS, **FIELD_FAULTS},
+    "duty": {**DUTY_FAULTS, **FIELD_FAULTS, **SENSORLESS_FAULTS},
 }
 """The faulty controllers of each contract, by their names."""
 
@@ -38,13 +41,13 @@ class CorrectDesign:
     """Whether it is near a limit by design."""
 
 
-def correct_designs(contract: str = "current") -> tuple[CorrectDesign, ...]:
-    """List the controllers of a contract that must pass.
+def correct_designs(contract: str = "current", *, sensed: bool = True) -> tuple[CorrectDesign, ...]:
+    """List the controllers of a contract that must pass, on drives with a position sensor or without.
 
     The published search fails what its lock-up fails, but follows its own flowchart. Of the field-oriented ones, the
     one without weakening gives less torque above base speed than there is.
     """
-    return _CORRECT[contract]
+    return _CORRECT[contract] if sensed else (CorrectDesign(SENSORLESS),)
 
 
 _CORRECT: Final = {
@@ -54,14 +57,19 @@ _CORRECT: Final = {
         *(CorrectDesign(NEAR_PREFIX + name, near=True) for name in NEAR_DESIGNS),
         CorrectDesign("published", frozenset({"FLO-1"})),
     ),
-    "duty": tuple(CorrectDesign(name) for name in DUTY_CANDIDATES if name != _WITHOUT_WEAKENING),
+    "duty": tuple(CorrectDesign(name) for name in DUTY_CANDIDATES if name not in _NOT_EVERYWHERE),
 }
 
 
 def chosen_faults(names: Sequence[str], drive: DriveDocument) -> tuple[SeededFault, ...]:
-    """Find faulty controllers of a drive's contract by their names; without any, all of them."""
+    """Find faulty controllers of a drive's contract by their names; without any, all of them.
+
+    On a drive without a position sensor these are others than on one with a sensor.
+    """
     known = FAULTS_OF[drive.contract]
-    chosen = dict.fromkeys(name.removeprefix(FAULTY_PREFIX) for name in names) or known
+    unsensed = drive.position == "none"
+    every = [name for name, fault in known.items() if (fault.base == SENSORLESS) is unsensed]
+    chosen = list(dict.fromkeys(name.removeprefix(FAULTY_PREFIX) for name in names)) or every
     for name in chosen:
         if any(name in faults for faults in FAULTS_OF.values()):
             require_contract(resolve_candidate(FAULTY_PREFIX + name), drive)

@@ -134,7 +134,7 @@ def good_shards(effort: SelftestEffort) -> list[GoodShard]:
             SHRINKING_RUNS[effort.name],
         )
         for seed in range(effort.seeds)
-        for design in correct_designs(drive.contract)
+        for design in correct_designs(drive.contract, sensed=drive.position != "none")
         # Those near a limit and those that are judged by one check are no witnesses.
         if design.checks is None and not design.near
         for number in range(SHARDS)

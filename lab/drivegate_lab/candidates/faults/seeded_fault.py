@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 if TYPE_CHECKING:
     from drivegate_cases.drive.drive_document import DriveDocument
+
+NEEDS_ANGLE: Final = "its controller needs a position sensor"
+"""Why a fault does nothing on a drive without one."""
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,83 @@
+"""Faulty controllers without a position sensor: each is caught by its check in one run that is made for it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from drivegate.candidates.builtin.duty_loading import SENSORLESS, DutyController
+from drivegate.candidates.declaration import NOTHING_DECLARED
+from drivegate.checks.margin import Margin
+from drivegate.contracts.catalogue import check_of
+from drivegate.contracts.duty.contract import DUTY
+from drivegate.contracts.duty.document import duty_document
+from drivegate.contracts.duty.scenarios.building import share_scenario
+from drivegate.contracts.duty.scenarios.sensorless import (
+    flying_start,
+    least_rpm,
+    lost_rotor,
+    sensorless_load_step,
+    sensorless_start,
+    slowly_loaded,
+)
+from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.scenario.scenario import Scenario
+from drivegate_lab.candidates.sensorless_controller import SensorlessController
+from drivegate_lab.candidates.sensorless_faults import SENSORLESS_FAULTS
+from drivegate_models.pm_ac.closed_loop import prepared_duty_loop
+
+SENSED, DRIVE = load_drive("pm-ac-2kw"), duty_document(load_drive("pm-ac-2kw-sensorless"))
+FAST = duty_document(load_drive("pm-ac-servo-sensorless"))
+LEAST, BASE, TOP = least_rpm(DRIVE), DRIVE.rating.base_speed_rpm, DRIVE.rating.highest_speed_rpm
+TWICE = least_rpm(DRIVE, 2.0)
+SHOWN_BY: dict[str, Callable[[], Scenario]] = {
+    "observer-without-resistance": lambda: slowly_loaded(DRIVE, LEAST, 0.8),
+    "long-dead-time-assumed": lambda: slowly_loaded(DRIVE, LEAST, 0.8),
+    "observer-voltage-too-new": lambda: share_scenario(FAST, FAST.rating.highest_speed_rpm, 0.0, 0.5),
+    "angle-negated": lambda: slowly_loaded(DRIVE, TWICE, 0.0),
+    "observer-gain-signed": lambda: slowly_loaded(DRIVE, -BASE, 0.8),
+    "standstill-presumed": lambda: flying_start(DRIVE, BASE),
+    "start-for-ever": lambda: lost_rotor(DRIVE, BASE, 0.0, from_standstill=True),
+    "angle-reported-late": lambda: flying_start(DRIVE, TOP),
+    "loss-untold": lambda: lost_rotor(DRIVE, BASE, 0.5),
+    "electrical-angle-reported": lambda: slowly_loaded(DRIVE, TWICE, 0.0),
+    "starts-forward-only": lambda: sensorless_start(DRIVE, TWICE, 0.0, 0.0).replaced(
+        speed_rpm=((0.0, -TWICE),)
+    ),
+    "forward-presumed": lambda: flying_start(DRIVE, -BASE),
+    "weak-start": lambda: sensorless_start(DRIVE, TWICE, 0.5, 90.0),
+    "slow-observer": lambda: sensorless_load_step(DRIVE, BASE, 0.8),
+}
+
+
+def _margin(
+    check: str, scenario: Scenario, controller: DutyController | SensorlessController
+) -> Margin | None:
+    record = DUTY.record(prepared_duty_loop, NOTHING_DECLARED, scenario, controller)
+    return check_of("duty", check, NOTHING_DECLARED).evaluate(record)
+
+
+def test_every_fault_has_a_run() -> None:
+    assert set(SHOWN_BY) == set(SENSORLESS_FAULTS)
+
+
+@pytest.mark.parametrize("name", SHOWN_BY)
+def test_a_fault_is_caught_where_the_controller_without_it_passes(name: str) -> None:
+    fault, scenario = SENSORLESS_FAULTS[name], SHOWN_BY[name]()
+    assert DUTY.unfair_because(scenario) is None
+    right = _margin(fault.check, scenario, DutyController(SENSORLESS))
+    wrong = _margin(fault.check, scenario, SensorlessController(fault))
+    assert right is not None
+    assert right.met, right
+    assert wrong is not None
+    assert not wrong.met, wrong
+
+
+def test_a_fault_idles_on_a_drive_with_a_sensor() -> None:
+    assert {fault.on(SENSED).idle_because for fault in SENSORLESS_FAULTS.values()} == {
+        "this drive has a position sensor"
+    }
+    idle = [name for name, fault in SENSORLESS_FAULTS.items() if fault.on(DRIVE).idle_because is not None]
+    assert idle == ["observer-voltage-too-new"], "3.4 degrees at its highest speed"
+    assert all(fault.on(FAST).idle_because is None for fault in SENSORLESS_FAULTS.values())
