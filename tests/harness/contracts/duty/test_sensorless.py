@@ -14,6 +14,7 @@ from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.python.bridge import PythonController
 from drivegate.contracts.duty.checks.accuracy import ROB_5
 from drivegate.contracts.duty.checks.starting import STA_1
+from drivegate.contracts.duty.run import refusal_of
 from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios
 from drivegate.drives.running import run_scenario
 from drivegate_cases.drive.drive_document import load_drive
@@ -21,8 +22,10 @@ from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.failure_kind import FAILURE_KINDS
 from drivegate_cases.scenario.load import ConstantTorqueLoad
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_models.contract.duty.signals import LEG_OFF, LEG_PWM
+from drivegate_models.contract.duty.records import duty_command_record
+from drivegate_models.contract.duty.signals import LEG_OFF
 from drivegate_models.errors import InputError
+from drivegate_models.loop.exchange import NOT_FINITE
 from drivegate_models.units import RADIANS_PER_RPM
 
 
@@ -85,12 +88,9 @@ def test_a_controller_that_needs_the_angle_is_refused_in_one_sentence() -> None:
 
 
 def test_a_candidate_that_uses_the_angle_is_told_why_it_failed() -> None:
-    class Blind(Idle):
-        def step(self, sense: DutySense) -> DutyCommand:
-            return DutyCommand((0.5 + 0.1 * sense.speed, 0.5, 0.5), (LEG_PWM, LEG_PWM, LEG_PWM))
-
-    with pytest.raises(Exception, match="this drive has no position sensor, so angle and speed are NaN"):
-        run_scenario(speed_run((0.0, 500.0), end_s=1e-3), PythonController(Blind()))
+    command = duty_command_record()[0]
+    told = "; this drive has no position sensor, so angle and speed are NaN"
+    assert refusal_of(command, NOT_FINITE, has_sensor=False) == refusal_of(command, NOT_FINITE) + told
 
 
 def test_checks_of_a_sensor_do_not_apply() -> None:

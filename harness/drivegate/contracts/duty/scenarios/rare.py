@@ -122,7 +122,8 @@ def _rated_lowering(drive: PmAcDocument) -> list[Scenario]:
 def _lost_samples(drive: PmAcDocument) -> list[Scenario]:
     """Make the runs in which samples of each signal are lost twenty times."""
     slow = speed_of(drive, -0.5)
-    signals, shares = ("currents", "speed", "supply"), tuple(0.1 + 0.01 * number for number in range(TWENTY))
+    signals = ("currents", *(("speed",) if drive.has_sensor else ()), "supply")
+    shares = tuple(0.1 + 0.01 * number for number in range(TWENTY))
     runs = (
         share_scenario(drive, slow, 0.6),
         speed_scenario(drive, (slow,), torque_nm=torque_of(drive, slow, 0.6)),
