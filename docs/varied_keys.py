@@ -87,6 +87,7 @@ NOT_VARIED: Final[Mapping[str, str]] = {
             "load.torque_reference_nm",
             "load.released_s",
             "turns_before",
+            "winding_temperature_c",
             "failure.kind",
             "failure.time_s",
             "failure.phase",

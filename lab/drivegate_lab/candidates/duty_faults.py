@@ -40,6 +40,8 @@ class DutyFault(SeededFault):
     """Changed fields of `PERTURBED_STATE`."""
     under: int | None = None
     """The one kind of reference under which they are changed; None for all."""
+    source: str | None = None
+    """The source of the link that the fault shows with, "battery" or "rectifier"; None for any."""
     less_salient: tuple[float, str] | None = None
     """Ratio of the inductances across the magnet's axis and along it up to which another check must catch it,
     and that check: the less reluctance torque there is, the less torque and current a wrong angle or
@@ -70,6 +72,9 @@ class DutyFault(SeededFault):
         blanked = plate._replace(dead_time=plate.dead_time or plate.control_period)
         if self.believes and self.believed(blanked) == blanked:
             return FaultOnDrive(named, self.sentence, "", _TRUE_HERE)
+        link = duty_document(drive).real_link
+        if self.source is not None and (link is None or link.source != self.source):
+            return FaultOnDrive(named, self.sentence, "", f"it shows on a link with a {self.source}")
         check = next(check for check in contract_of(drive).checks if check.id == named)
         reason = check.reason_not_applicable(resolve_candidate(self.base).declaration, drive)
         return FaultOnDrive(named, self.sentence, "", reason)
@@ -135,6 +140,33 @@ def _continuous_torque(plate: DutyNameplate) -> float:
     hot = plate.resistance * (1.0 + plate.temperature_coefficient * _rise(plate))
     current = sqrt(_rise(plate) / (plate.thermal_resistance * 1.5 * hot))
     return 1.5 * plate.pole_pairs * plate.magnet_flux * current
+
+
+def _links(
+    check: str,
+    sentence: str,
+    source: str | None = None,
+    alter: Callable[[Any], None] | None = None,
+    **believes: Amount,
+) -> DutyFault:
+    return DutyFault("", sentence, check, kind="DC link", source=source, alter=alter, believes=believes)
+
+
+def _most_current(plate: DutyNameplate) -> float:
+    """Return the current that the current limit takes from the source at base speed (A)."""
+    torque = 1.5 * plate.pole_pairs * plate.magnet_flux * plate.current_limit
+    loss = 1.5 * plate.resistance * plate.current_limit**2
+    return (torque * plate.base_speed + loss) / plate.supply_voltage
+
+
+def _discharges_more(plate: DutyNameplate) -> float:
+    """Return three times the limit of discharging, where the current limit takes that much."""
+    limit = plate.discharge_limit
+    return 3.0 * limit if _most_current(plate) > 1.2 * limit else limit
+
+
+def _charges_nervously(state: Any) -> None:
+    state["charging_gain"] *= 60.0
 
 
 def _derates(
@@ -558,6 +590,64 @@ _UNNAMED: Final = {
         "ACC-1",
         "Sums all edges of an encoder in single precision.",
         summed_step=2.0 * pi / 4096,
+    ),
+    "link-limit-overestimated": _links(
+        "LNK-1",
+        "Takes a limit of the link that is a fifth too high.",
+        "rectifier",
+        link_limit=lambda plate: 1.2 * plate.link_limit,
+    ),
+    "rectifier-taken-for-battery": _links(
+        "LNK-1",
+        "Takes a rectifier for a battery that may be charged.",
+        "rectifier",
+        link_limit=lambda plate: 10.0 * plate.link_limit,
+        charge_limit=lambda plate: plate.discharge_limit,
+    ),
+    "link-taken-for-ideal": _links(
+        "LNK-1", "Brakes as if the link were ideal.", "rectifier", link_capacitance=0.0
+    ),
+    "charging-unlimited": _links(
+        "LNK-2",
+        "Takes three times the current that the battery may be charged with.",
+        "battery",
+        charge_limit=lambda plate: 3.0 * plate.charge_limit,
+    ),
+    "discharging-unlimited": _links(
+        "LNK-2",
+        "Takes three times the current that the source may supply.",
+        discharge_limit=_discharges_more,
+    ),
+    "battery-charged-shyly": _links(
+        "LNK-3",
+        "Charges the battery with a third of what it takes, and brakes as little.",
+        "battery",
+        charge_limit=lambda plate: plate.charge_limit / 3.0,
+    ),
+    "chopper-forgotten": _links(
+        "LNK-3",
+        "Brakes as if there were no chopper.",
+        chopper_resistance=0.0,
+        chopper_voltage=0.0,
+    ),
+    "chopper-overestimated": _links(
+        "LNK-1",
+        "Counts on a chopper that burns three times the power.",
+        chopper_resistance=lambda plate: plate.chopper_resistance / 3.0,
+    ),
+    "windings-burn-little": _links(
+        "LNK-3",
+        "Counts on a quarter of what the windings burn, and brakes as little.",
+        "rectifier",
+        resistance=lambda plate: (
+            0.25 * plate.resistance if plate.link_capacitance > 0.0 else plate.resistance
+        ),
+    ),
+    "link-regulated-nervously": _links(
+        "LNK-4",
+        "Regulates the link while braking with sixty times the gain.",
+        "rectifier",
+        alter=_charges_nervously,
     ),
     "temperature-limit-raised": _derates(
         "THM-1",

@@ -38,6 +38,11 @@ LINKED = ["pm-ac-hub", "pm-ac-servo-48v", "pm-ac-chopper"]
 """Drives whose link is not ideal; each states all that the nameplate has of it."""
 
 
+def _of_windings(drive: PmAcDocument, key: str) -> float:
+    """Return a thermal value of the windings, 0 where there is none."""
+    return float(getattr(drive.thermal, key, None) or 0.0)
+
+
 def _of_link(drive: PmAcDocument, key: str) -> float:
     """Return a stated value of the link, 0 where there is none."""
     return float(getattr(drive.link, key, None) or 0.0)
@@ -80,17 +85,12 @@ OF_DUTY_RATIOS: Final[dict[str, Callable[[PmAcDocument], float]]] = {
     "least_speed": lambda _drive: 0.0,
     "start_time": lambda _drive: 0.0,
     "is_reversing": lambda _drive: 1,
-    **dict.fromkeys(
-        (
-            "heat_capacity",
-            "thermal_resistance",
-            "ambient_temperature",
-            "temperature_limit",
-            "temperature_coefficient",
-            "temperature_lag",
-        ),
-        lambda _drive: 0.0,
-    ),
+    "heat_capacity": lambda drive: _of_windings(drive, "heat_capacity_j_per_k"),
+    "thermal_resistance": lambda drive: _of_windings(drive, "thermal_resistance_k_per_w"),
+    "ambient_temperature": lambda drive: _of_windings(drive, "ambient_c"),
+    "temperature_limit": lambda drive: _of_windings(drive, "limit_c"),
+    "temperature_coefficient": lambda drive: _of_windings(drive, "temperature_coefficient_per_k"),
+    "temperature_lag": lambda drive: _of_windings(drive, "sensor_lag_s"),
 }
 """What each field of a nameplate of duty ratios is of a drive's file."""
 

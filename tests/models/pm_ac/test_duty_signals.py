@@ -115,6 +115,10 @@ def is_the_mean_of_the_period_before(shown: Recorded, _position: str) -> None:
     assert shown.senses["supply_current"][-300:].min() > 0.0, "a drive that motors takes it from the link"
 
 
+def is_not_sensed(shown: Recorded, _position: str) -> None:
+    assert np.isnan(shown.senses["winding_temperature"]).all(), "the drive has no thermal data"
+
+
 def is_that_of_the_bridge(shown: Recorded, _position: str) -> None:
     assert (shown.senses["source_current"] == shown.senses["supply_current"]).all(), "the link is ideal"
 
@@ -188,6 +192,7 @@ SENSED: Final[dict[str, Callable[[Recorded, str], None]]] = {
     "supply_voltage": is_the_whole_link_now,
     "supply_current": is_the_mean_of_the_period_before,
     "source_current": is_that_of_the_bridge,
+    "winding_temperature": is_not_sensed,
     "angle": is_the_angle_of_the_shaft,
     "speed": is_the_speed_of_the_shaft,
     "hall": are_the_states_of_the_switches,

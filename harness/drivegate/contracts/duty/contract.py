@@ -79,6 +79,7 @@ class _DutyContract(DutyColumns):
         "restart",
         "released",
         "hot winding",
+        "link",
         "parameter",
         "supply step",
         "torque supply step",

@@ -161,6 +161,21 @@ class PmAcRequirements(Section):
     modulation_ripple: Annotated[_Ratio, Limit("modulation_ripple")] = Field(
         default=1.2, description="greatest torque ripple over that of ideal modulation on the same drive"
     )
+    source_current_percent: Annotated[float, Field(ge=100.0, le=1000.0), Limit("source_current", _SHARE)] = (
+        Field(
+            default=105.0,
+            description="greatest mean current of the source over 10 ms, in percent of charge_limit_a and "
+            "discharge_limit_a",
+        )
+    )
+    link_braking_percent: Annotated[float, Field(gt=0.0, le=100.0), Limit("link_braking", _SHARE)] = Field(
+        default=80.0,
+        description="least braking torque on a link with a capacitor, in percent of the greatest that it allows",
+    )
+    link_swing_percent: Annotated[_Percent, Limit("link_swing", _SHARE)] = Field(
+        default=2.0,
+        description="greatest swing of the link in steady state, peak to peak, in percent of its nominal voltage",
+    )
     temperature_rise_percent: Annotated[
         float, Field(ge=100.0, le=200.0), Limit("temperature_rise", _SHARE)
     ] = Field(

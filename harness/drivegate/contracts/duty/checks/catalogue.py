@@ -12,6 +12,7 @@ from drivegate.contracts.duty.checks.current import EFF_1, MTP_1, OVC_1, OVC_2
 from drivegate.contracts.duty.checks.decoupling import DEC_1
 from drivegate.contracts.duty.checks.estimate import EST_1
 from drivegate.contracts.duty.checks.failures import SAF_1
+from drivegate.contracts.duty.checks.link import LNK_1, LNK_2, LNK_3, LNK_4
 from drivegate.contracts.duty.checks.power import DUTY_PWR_1
 from drivegate.contracts.duty.checks.ripple import DTM_1, RIP_4
 from drivegate.contracts.duty.checks.sensorless.changes import SLS_4, SLS_5, SLS_7
@@ -45,6 +46,10 @@ DUTY_CHECKS: Final[tuple[Check, ...]] = (
     ROB_4,
     ROB_5,
     SAF_1,
+    LNK_1,
+    LNK_2,
+    LNK_3,
+    LNK_4,
     THM_1,
     THM_2,
     THM_3,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,10 +12,12 @@ from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, Mark, Moment, Point, at_most
 from drivegate.contracts.duty.record import DutyRecord
 from drivegate.contracts.duty.right_trips import claimed_safe
+from drivegate.contracts.duty.run import LEGS
 from drivegate.contracts.duty.scenarios.drawn_range import unnoticed_because
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.failure import SURVIVABLE
 from drivegate_cases.scenario.load import DynamometerLoad
+from drivegate_models.contract.duty.signals import LEG_LOW
 
 
 def safe_state(record: DutyRecord) -> Margin | None:
@@ -26,7 +30,7 @@ def safe_state(record: DutyRecord) -> Margin | None:
     if failure.kind in SURVIVABLE and not isinstance(record.scenario.load, DynamometerLoad):
         # What torque a speed regulator wants, nobody else knows, and the speed hardly shows it.
         return None
-    claimed = claimed_safe(record.run.commands)
+    claimed = _claimed(record)
     if len(claimed) - begin < _longest_s(record) / period:
         return None
     if claimed[:begin].any():
@@ -48,7 +52,7 @@ def failure_moment(record: DutyRecord) -> Moment | None:
     if failure is None or margin is None:
         return None
     begin, longest = failure.first_period(period) * period, _longest_s(record)
-    claimed, torque = claimed_safe(record.run.commands), record.run.column("torque")
+    claimed, torque = _claimed(record), record.run.column("torque")
     first = failure.first_period(period)
     if claimed[:first].any():
         place = int(np.argmax(claimed))
@@ -77,6 +81,28 @@ def failure_moment(record: DutyRecord) -> Moment | None:
     )
 
 
+def _claimed(record: DutyRecord) -> NDArray[np.bool_]:
+    """Return in which control periods the controller says that it is in a safe state, shape (n,)."""
+    claimed: NDArray[np.bool_] = claimed_safe(record.run.commands) | _is_shorted(record)
+    return claimed
+
+
+def _is_shorted(record: DutyRecord) -> NDArray[np.bool_]:
+    """Return where all legs are low while the EMF would charge the link beyond its limit, shape (n,).
+
+    Legs that are off are no safe state then: the diodes charge the capacitor. The torque is that of the short circuit.
+    """
+    commands, link = record.run.commands, record.document.real_link
+    if link is None:
+        return np.zeros(len(commands), np.bool_)
+    low = np.logical_and.reduce([commands[leg] == LEG_LOW for leg in LEGS])
+    induced = math.sqrt(3.0) * record.plant.magnet_flux * record.plant.pole_pairs
+    shorted: NDArray[np.bool_] = low & (
+        induced * np.abs(record.run.column("speed")) > record.plant.dc_link.limit
+    )
+    return shorted
+
+
 def _longest_s(record: DutyRecord) -> float:
     """Return the longest time from the failure of a run to the safe state (s)."""
     failure, limits = record.scenario.failure, record.limits
@@ -102,6 +128,7 @@ def _reached(record: DutyRecord, claimed: NDArray[np.bool_], begin: int) -> Marg
 def _unsafe_s(record: DutyRecord, claimed: NDArray[np.bool_], begin: int) -> float:
     """Return the time from the failure on after which the drive is safe for good (s)."""
     still = np.abs(record.run.column("torque")) <= record.limits.failure_torque_nm
+    still = still | _is_shorted(record)
     unsafe = np.flatnonzero(~(claimed & still)[begin:])
     return float(unsafe[-1] + 1) * record.scenario.control_period_s if unsafe.size else 0.0
 

@@ -34,6 +34,7 @@ from drivegate.contracts.duty.scenarios.building import (
 )
 from drivegate.contracts.duty.scenarios.drawn_range import BEYOND_SHARE, SLOW_SHARE, speed_of
 from drivegate.contracts.duty.scenarios.hot import hot_scenarios
+from drivegate.contracts.duty.scenarios.linked import linked_scenarios
 from drivegate.contracts.duty.scenarios.rare import nightly_scenarios, rare_scenarios
 from drivegate.contracts.duty.scenarios.released import free_shaft_scenarios
 from drivegate.contracts.duty.scenarios.sensorless import sensorless_scenarios
@@ -109,6 +110,7 @@ def _every(drive: PmAcDocument, detected: Collection[FailureKind], *, reverses: 
         *free_shaft_scenarios(drive),
         turned_scenario(drive),
         *hot_scenarios(drive),
+        *linked_scenarios(drive),
         *(_backward(drive) if reverses else ()),
         *rare_scenarios(drive, reverses=reverses),
         *(run for run in _failures(drive) if run.failure is not None and run.failure.kind in detected),

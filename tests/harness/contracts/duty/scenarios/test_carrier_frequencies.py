@@ -17,6 +17,7 @@ from drivegate.contracts.duty.scenarios.building import PERIODS_AT_A_TIME, dwell
 from drivegate.contracts.duty.scenarios.drawn.failures import failure_scenarios
 from drivegate.contracts.duty.scenarios.drawn.families import FAMILY_GROUPS
 from drivegate.contracts.duty.scenarios.drawn.hot import hot_winding_scenarios
+from drivegate.contracts.duty.scenarios.drawn.linked import link_scenarios
 from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios
 from drivegate.contracts.duty.scenarios.simplification import DUTY_SIMPLIFICATIONS
 from drivegate.contracts.duty.scenarios.windows import duty_windows
@@ -69,8 +70,8 @@ KILOHERTZ = (
 FAMILIES = [
     family
     for family in dict.fromkeys(family for group in FAMILY_GROUPS for family in group)
-    # These drives have no thermal data.
-    if family is not hot_winding_scenarios
+    # These drives have neither thermal data nor a link with a capacitor.
+    if family not in (hot_winding_scenarios, link_scenarios)
 ]
 SURFACE = load_drive("pm-ac-surface")
 FRACTION = 1e-3

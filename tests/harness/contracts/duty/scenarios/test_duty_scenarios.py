@@ -24,6 +24,7 @@ from drivegate.contracts.duty.scenarios.drawn.families import (
     drawn_scenarios,
 )
 from drivegate.contracts.duty.scenarios.drawn.hot import hot_winding_scenarios
+from drivegate.contracts.duty.scenarios.drawn.linked import link_scenarios
 from drivegate.contracts.duty.scenarios.feasibility import unfair_because
 from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios
 from drivegate.contracts.duty.scenarios.simplification import DUTY_SIMPLIFICATIONS
@@ -53,6 +54,10 @@ HEATED = INTERIOR.replaced(
     }
 )
 FAMILIES = list(dict.fromkeys(family for group in FAMILY_GROUPS for family in group))
+SPECIAL_DRIVES = {
+    hot_winding_scenarios: HEATED,
+    link_scenarios: next(drive for drive in DRIVES if drive.name == "pm-ac-chopper"),
+}
 # What is true of every draw is looked at in the first one, which need not become simple.
 FIRST = settings(max_examples=10, phases=[Phase.generate], database=None, derandomize=True)
 
@@ -81,7 +86,7 @@ def test_what_a_family_draws_is_judged_somewhere(family: object) -> None:
         phases=[Phase.generate],
         suppress_health_check=list(HealthCheck),
     )
-    @given(family(HEATED if family is hot_winding_scenarios else INTERIOR))  # type: ignore[operator]
+    @given(family(SPECIAL_DRIVES.get(family, INTERIOR)))  # type: ignore[operator]
     def draw(scenario: Scenario) -> None:
         drawn.append(scenario)
 

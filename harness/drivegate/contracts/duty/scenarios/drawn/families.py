@@ -32,6 +32,7 @@ from drivegate.contracts.duty.scenarios.drawn.circumstances import (
 )
 from drivegate.contracts.duty.scenarios.drawn.failures import failure_scenarios, that_can_fail
 from drivegate.contracts.duty.scenarios.drawn.hot import hot_winding_scenarios, may_be_hot
+from drivegate.contracts.duty.scenarios.drawn.linked import link_scenarios
 from drivegate.contracts.duty.scenarios.drawn.released import released_scenarios
 from drivegate.contracts.duty.scenarios.drawn.sensorless import (
     flying_start_scenarios,
@@ -63,6 +64,7 @@ FAMILY_GROUPS: Final[tuple[tuple[Family, ...], ...]] = (
         restart_scenarios,
         released_scenarios,
         hot_winding_scenarios,
+        link_scenarios,
     ),
     (parameter_scenarios,),
     (
@@ -103,6 +105,7 @@ _OF_TORQUE: Final = frozenset(
         overspeed_scenarios,
         released_scenarios,
         hot_winding_scenarios,
+        link_scenarios,
     }
 )
 _OF_WEAKENING: Final = frozenset({weakening_scenarios, overspeed_scenarios})
@@ -131,6 +134,7 @@ def drawn_scenarios(
             if (reverses or family not in _OF_BOTH_SENSES)
             and (drive.weakens or family not in _OF_WEAKENING)
             and (is_heated or family is not hot_winding_scenarios)
+            and (drive.real_link is not None or family is not link_scenarios)
             and (can_fail if family is failure_scenarios else _reference(family) in (*references, None))
         ]
         for families in (FAMILY_GROUPS if drive.has_sensor else SENSORLESS_GROUPS)

@@ -1,0 +1,51 @@
+"""Controllers that ask too much of a dc link, or too little, are caught by the checks that are named for them."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import pytest
+
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.checks.check import judged
+from drivegate.containment.judge import own_candidate
+from drivegate.contracts.catalogue import contract_of
+from drivegate.contracts.duty.scenarios.linked import linked_scenarios
+from drivegate.drives.running import recorded
+from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_lab.candidates.duty_faults import DUTY_FAULTS
+
+DRIVES = ("pm-ac-servo-48v", "pm-ac-chopper", "pm-ac-hub")
+CASES = [
+    (drive, name)
+    for drive in DRIVES
+    for name, fault in DUTY_FAULTS.items()
+    if fault.check.startswith("LNK-") and fault.on(load_drive(drive)).idle_because is None
+]
+
+
+@cache
+def failed(drive_name: str, candidate: str) -> frozenset[str]:
+    """Return the checks that a candidate fails in the runs that strain a link."""
+    drive = load_drive(drive_name).replaced(settling_s=0.2)
+    assert isinstance(drive, PmAcDocument)
+    loaded = own_candidate(resolve_candidate(candidate))
+    checks = contract_of(drive).checks
+    return frozenset(
+        margin.check
+        for scenario in linked_scenarios(drive)
+        for margin in judged(recorded(loaded, scenario, loaded.controller()), checks).margins
+        if not margin.met
+    )
+
+
+@pytest.mark.parametrize(("drive", "name"), CASES)
+def test_each_is_caught_by_the_check_that_is_named_for_it(drive: str, name: str) -> None:
+    assert DUTY_FAULTS[name].check in failed(drive, f"faulty:{name}")
+
+
+@pytest.mark.parametrize("drive", DRIVES)
+@pytest.mark.parametrize("name", ["foc", "load-observer"])
+def test_no_controller_that_heeds_the_link_is_accused(drive: str, name: str) -> None:
+    assert failed(drive, name) == frozenset()
