@@ -189,7 +189,9 @@ def drawn_by_family(drive: DriveDocument) -> dict[str, list[Scenario]]:
 
 
 def _drawn_of_pm_ac(drive: PmAcDocument) -> dict[str, list[Scenario]]:
-    families = dict.fromkeys(family for group in duty.FAMILY_GROUPS for family in group)
+    families = dict.fromkeys(
+        family for group in duty.FAMILY_GROUPS for family in group if duty.serves(family, drive)
+    )
     drawn = {family_name(family.__name__): draws(family(drive)) for family in families}
     return {FIXED: list(fixed_duty_scenarios(drive, detected=FAILURE_KINDS)), **drawn}
 

@@ -116,7 +116,7 @@ def resistance_factor(winding: Winding) -> float:
     """Return the resistance of the windings over its nominal value (1)."""
     if not winding.is_heated:
         return 1.0
-    return 1.0 + winding.coefficient * (winding.state[TRUE] - winding.ambient)
+    return float(1.0 + winding.coefficient * (winding.state[TRUE] - winding.ambient))
 
 
 @inlined

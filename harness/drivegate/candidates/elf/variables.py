@@ -186,10 +186,10 @@ class Variables:
             known = f"; the nearest field is '{nearest(part, list(fields))}'" if fields else ""
             raise InputError(f"'{place.text}' has no field '{short_line(part)}'{known}")
         offset, field = fields[part]
-        inner, bits = type_of(field, self.types), bits_of(field, self.types)
-        if bits is None or bits == (0, 8 * size_of(inner)):
-            return _Part(offset, inner)
-        return _Part(offset + bits.begin // 8, inner, bits.begin % 8, bits.width)
+        kind, bits = type_of(field, self.types), bits_of(field, self.types)
+        if bits is None or bits == (0, 8 * size_of(kind)):
+            return _Part(offset, kind)
+        return _Part(offset + bits.begin // 8, kind, bits.begin % 8, bits.width)
 
     def _form(self, typed: Typed | None, text: str) -> tuple[int, int]:
         size = size_of(typed)

@@ -153,9 +153,9 @@ def _watch(state: Any, sense: Any, command: Any, before: tuple[float, float]) ->
         speed = state.turned / (state.magnitudes * machine.control_period)
         if state.agreed == 0 and abs(speed) > _TURNS * state.least_speed:
             # The induced voltage is a quarter turn ahead of the magnet in the sense of rotation.
-            ahead = 0.5 * pi if speed > 0.0 else -0.5 * pi
+            quarter = 0.5 * pi if speed > 0.0 else -0.5 * pi
             place_rotor(
-                state, argument(along, across) - ahead, speed, state.along_before, state.across_before
+                state, argument(along, across) - quarter, speed, state.along_before, state.across_before
             )
             state.agreed = 1
     if state.agreed == 1:

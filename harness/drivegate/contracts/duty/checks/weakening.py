@@ -78,7 +78,8 @@ def _share_of_greatest(record: DutyRecord, window: DutyWindow) -> Margin:
 
 
 def needless_direct_current(record: DutyRecord) -> Margin | None:
-    free, used = [], []
+    free: list[DutyWindow] = []
+    used: list[DutyWindow] = []
     for window in record.nominal:
         is_free = window.voltage < FREE_SHARE * undistorted(record.plant, window.link)
         (free if is_free else used).append(window)

@@ -15,9 +15,7 @@ from drivegate.contracts.comparison import ComparisonRequest
 from drivegate.contracts.duty.comparison.declaration import planned_duty_runs
 from drivegate.contracts.duty.scenarios.building import PERIODS_AT_A_TIME, dwell_periods, torque_scenario
 from drivegate.contracts.duty.scenarios.drawn.failures import failure_scenarios
-from drivegate.contracts.duty.scenarios.drawn.families import FAMILY_GROUPS
-from drivegate.contracts.duty.scenarios.drawn.hot import hot_winding_scenarios
-from drivegate.contracts.duty.scenarios.drawn.linked import link_scenarios
+from drivegate.contracts.duty.scenarios.drawn.families import FAMILY_GROUPS, serves
 from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios
 from drivegate.contracts.duty.scenarios.simplification import DUTY_SIMPLIFICATIONS
 from drivegate.contracts.duty.scenarios.windows import duty_windows
@@ -67,13 +65,11 @@ KILOHERTZ = (
     *(32, 33, 35, 36, 37, 40, 42, 44, 45, 48, 50, 53, 55, 60, 64, 66, 70, 72, 75, 80, 85, 90, 96, 99, 100),
     *(3.3, 7.8125, 10.007, 13.333, 14.4, 17.77, 21.739, 31.25, 33.333, 44.1, 47.619, 61.803, 97.6561),
 )
-FAMILIES = [
-    family
-    for family in dict.fromkeys(family for group in FAMILY_GROUPS for family in group)
-    # These drives have neither thermal data nor a link with a capacitor.
-    if family not in (hot_winding_scenarios, link_scenarios)
-]
 SURFACE = load_drive("pm-ac-surface")
+assert isinstance(SURFACE, PmAcDocument)
+FAMILIES = list(
+    dict.fromkeys(family for group in FAMILY_GROUPS for family in group if serves(family, SURFACE))
+)
 FRACTION = 1e-3
 """Greatest distance of a time from a whole number of control periods (periods)."""
 

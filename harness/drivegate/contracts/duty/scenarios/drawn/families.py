@@ -111,6 +111,15 @@ _OF_TORQUE: Final = frozenset(
 _OF_WEAKENING: Final = frozenset({weakening_scenarios, overspeed_scenarios})
 
 
+def serves(family: Family, drive: PmAcDocument) -> bool:
+    """Return True if a drive has what a family's runs are about: field weakening, thermal data, a link of its own."""
+    if family in _OF_WEAKENING:
+        return drive.weakens
+    if family is hot_winding_scenarios:
+        return may_be_hot(drive)
+    return family is not link_scenarios or drive.real_link is not None
+
+
 def drawn_scenarios(
     drive: PmAcDocument,
     group: int | None = None,
@@ -126,15 +135,12 @@ def drawn_scenarios(
     reverses = reverses and drive.one_way_because is None
     failures = partial(failure_scenarios, detected=detected, references=references)
     can_fail = bool(that_can_fail(drive, detected, references))
-    is_heated = may_be_hot(drive)
     followed = [
         [
             failures if family is failure_scenarios else partial(_following, family, references)
             for family in families
             if (reverses or family not in _OF_BOTH_SENSES)
-            and (drive.weakens or family not in _OF_WEAKENING)
-            and (is_heated or family is not hot_winding_scenarios)
-            and (drive.real_link is not None or family is not link_scenarios)
+            and serves(family, drive)
             and (can_fail if family is failure_scenarios else _reference(family) in (*references, None))
         ]
         for families in (FAMILY_GROUPS if drive.has_sensor else SENSORLESS_GROUPS)
