@@ -11,6 +11,7 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.duty.document import duty_document
 from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.pm_ac.link import PmAcLink
 from drivegate_lab.candidates.faults.seeded_fault import NEEDS_ANGLE, FaultOnDrive, SeededFault
 from drivegate_models.contract.duty.signals import SPEED_REFERENCE, TORQUE_REFERENCE, DutyNameplate
 
@@ -41,7 +42,7 @@ class DutyFault(SeededFault):
     under: int | None = None
     """The one kind of reference under which they are changed; None for all."""
     source: str | None = None
-    """The source of the link that the fault shows with, "battery" or "rectifier"; None for any."""
+    """The source of the link that the fault shows with, "battery", or "rectifier" without a chopper; None for any."""
     less_salient: tuple[float, str] | None = None
     """Ratio of the inductances across the magnet's axis and along it up to which another check must catch it,
     and that check: the less reluctance torque there is, the less torque and current a wrong angle or
@@ -73,11 +74,15 @@ class DutyFault(SeededFault):
         if self.believes and self.believed(blanked) == blanked:
             return FaultOnDrive(named, self.sentence, "", _TRUE_HERE)
         link = duty_document(drive).real_link
-        if self.source is not None and (link is None or link.source != self.source):
+        if self.source is not None and (link is None or _source_of(link) != self.source):
             return FaultOnDrive(named, self.sentence, "", f"it shows on a link with a {self.source}")
         check = next(check for check in contract_of(drive).checks if check.id == named)
         reason = check.reason_not_applicable(resolve_candidate(self.base).declaration, drive)
         return FaultOnDrive(named, self.sentence, "", reason)
+
+
+def _source_of(link: PmAcLink) -> str:
+    return "chopper" if link.chopper_on_v is not None else link.source
 
 
 def _nameplate(drive: DriveDocument) -> DutyNameplate:
@@ -163,6 +168,16 @@ def _discharges_more(plate: DutyNameplate) -> float:
     """Return three times the limit of discharging, where the current limit takes that much."""
     limit = plate.discharge_limit
     return 3.0 * limit if _most_current(plate) > 1.2 * limit else limit
+
+
+def _burns_more(plate: DutyNameplate) -> float:
+    """Return a third of the chopper's resistance, where the shaft can supply more than it burns."""
+    resistance = plate.chopper_resistance
+    if resistance == 0.0:
+        return resistance
+    shaft = 1.5 * plate.pole_pairs * plate.magnet_flux * plate.current_limit * plate.base_speed
+    is_saturated = shaft > 1.5 * plate.chopper_voltage**2 / resistance
+    return resistance / 3.0 if is_saturated else resistance
 
 
 def _charges_nervously(state: Any) -> None:
@@ -624,27 +639,13 @@ _UNNAMED: Final = {
         "battery",
         charge_limit=lambda plate: plate.charge_limit / 3.0,
     ),
-    "chopper-forgotten": _links(
-        "LNK-3",
-        "Brakes as if there were no chopper.",
-        chopper_resistance=0.0,
-        chopper_voltage=0.0,
-    ),
     "chopper-overestimated": _links(
         "LNK-1",
         "Counts on a chopper that burns three times the power.",
-        chopper_resistance=lambda plate: plate.chopper_resistance / 3.0,
-    ),
-    "windings-burn-little": _links(
-        "LNK-3",
-        "Counts on a quarter of what the windings burn, and brakes as little.",
-        "rectifier",
-        resistance=lambda plate: (
-            0.25 * plate.resistance if plate.link_capacitance > 0.0 else plate.resistance
-        ),
+        chopper_resistance=_burns_more,
     ),
     "link-regulated-nervously": _links(
-        "LNK-4",
+        "LNK-3",
         "Regulates the link while braking with sixty times the gain.",
         "rectifier",
         alter=_charges_nervously,

@@ -42,10 +42,12 @@ def _is_judged(record: DutyRecord) -> bool:
 def link_limit(record: DutyRecord) -> Margin | None:
     if not _is_judged(record):
         return None
-    highest = record.run.column("link_highest")
-    place = int(np.argmax(highest))
+    highest, limit = record.run.column("link_highest"), record.plant.dc_link.limit
+    # What the diodes alone have charged before the first answer acts, nobody prevents.
+    begin = int(np.argmax(highest <= limit))
+    place = begin + int(np.argmax(highest[begin:]))
     found = f"link at {highest[place]:.4g} V at {place * record.scenario.control_period_s:.4g} s"
-    return Margin("LNK-1", at_most(float(highest[place]), record.plant.dc_link.limit), found)
+    return Margin("LNK-1", at_most(float(highest[place]), limit), found)
 
 
 def source_current(record: DutyRecord) -> Margin | None:

@@ -17,7 +17,6 @@ from drivegate.contracts.duty.scenarios.drawn_range import (
     unnoticed_because,
 )
 from drivegate.contracts.duty.scenarios.hot import unfair_heat
-from drivegate.contracts.duty.scenarios.linked import unfair_link
 from drivegate.contracts.duty.scenarios.reaching import (
     BRAKING_SHARE,
     greatest_braking,
@@ -69,7 +68,6 @@ def unfair_because(scenario: Scenario) -> str | None:
         unfair_without_sensor,
         unfair_release,
         unfair_heat,
-        unfair_link,
         _unfair_load,
     )
     return next((because for reason in reasons if (because := reason(scenario)) is not None), None)

@@ -9,8 +9,7 @@ import pytest
 from tests.harness.contracts.duty.checks.conftest import CHECKS, Run, judged, with_column, with_command
 
 from drivegate.candidates.declaration import Declaration
-from drivegate.contracts.duty.scenarios.building import failing, restarted, share_scenario, torque_scenario
-from drivegate.contracts.duty.scenarios.feasibility import unfair_because
+from drivegate.contracts.duty.scenarios.building import failing, restarted, share_scenario
 from drivegate.contracts.duty.scenarios.linked import linked_scenarios
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
@@ -84,15 +83,20 @@ def test_nothing_is_judged_on_an_ideal_link_and_after_a_restart(
     assert linked_scenarios(interior) == []
 
 
-def test_a_start_that_charges_the_link_to_its_limit_is_unfair(servo: PmAcDocument) -> None:
-    drive = servo.replaced(link_limit_v=49.0)
-    assert "diodes alone" in str(
-        unfair_because(
-            torque_scenario(drive, 8000.0, (0.0,)).replaced(
-                drive=drive.replaced(overspeed_rpm=9000.0, highest_speed_rpm=8500.0)
-            )
-        )
-    )
+def test_what_the_diodes_charge_before_the_first_answer_is_not_judged(braking: Scenario, run: Run) -> None:
+    def charged(values: Any) -> Any:
+        values[:3] = 70.0
+        return values
+
+    def charged_later(values: Any) -> Any:
+        values[5] = 70.0
+        return values
+
+    margins = [
+        judged("LNK-1", with_column(run(braking), "link_highest", change))
+        for change in (charged, charged_later)
+    ]
+    assert [margin is not None and margin.met for margin in margins] == [True, False]
 
 
 def test_above_the_limit_of_the_link_a_short_circuit_is_the_safe_state(servo: PmAcDocument, run: Run) -> None:
@@ -109,7 +113,7 @@ def test_above_the_limit_of_the_link_a_short_circuit_is_the_safe_state(servo: Pm
         record = with_command(record, leg, short)
     record = with_command(record, "fault", lambda values: 0 * values)
     record = with_column(
-        record, "torque", lambda values: np.where(np.arange(len(values)) < begin, values, -0.2)
+        record, "torque", lambda values: np.where(np.arange(len(values)) <= begin, values, -0.2)
     )
     taken = judged("SAF-1", record)
     assert taken is not None

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from drivegate.contracts.duty.scenarios.building import share_scenario
 from drivegate.contracts.duty.scenarios.drawn.steps import Drawn, shares_between, speeds_between
 from drivegate.contracts.duty.scenarios.drawn_range import TURNING_SHARE
-from drivegate.contracts.duty.scenarios.linked import BRAKING, DRIVING, unfair_link
+from drivegate.contracts.duty.scenarios.linked import BRAKING, DRIVING
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 
 
@@ -19,4 +19,4 @@ def link_scenarios(drive: PmAcDocument) -> Drawn:
         lambda speed, shares: share_scenario(drive, speed, *shares),
         speeds_between(drive, TURNING_SHARE * base, highest),
         st.tuples(torques, shares_between(BRAKING, 0.0), torques),
-    ).filter(lambda run: unfair_link(run) is None)
+    )
