@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from copy import deepcopy
 from dataclasses import dataclass, field
+from math import isnan
 from typing import Any, Final, TypeAlias, get_args
 
-from drivegate import Command, DutyCommand
+from drivegate import Command, DutyCommand, DutySense
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.python.bridge import PythonController
 from drivegate.contracts.catalogue import TEXTS, contract_named, contract_of, on_drive
@@ -500,6 +501,9 @@ class _Noting:
 
     def step(self, sense: Any) -> Any:
         """Note what is sensed."""
+        if isinstance(sense, DutySense) and isnan(sense.winding_temperature):
+            # NaN equals nothing, and the same senses have to be equal.
+            sense = sense._replace(winding_temperature=None)
         self.senses.append(sense)
         return self.answers[len(self.senses) % len(self.answers)]
 
