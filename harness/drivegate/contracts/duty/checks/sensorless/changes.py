@@ -34,10 +34,8 @@ HALF = 0.5
 """Share of the reference that the speed may be off by for a short time (1)."""
 OUT_OF_STEP_S = 0.2
 """That time (s)."""
-SLOWER, ADDED_S, ADDED_SHARE = 2.0, 0.5, 0.5
-"""Time below the least speed in a reversal: over that of the reference (1), and added (s), or in start times (1).
-
-A rotor that passes standstill swings about the current that takes it through, as in a start without its alignment."""
+SLOWER, ADDED_S = 2.0, 0.5
+"""Time below the least speed in a reversal: over that of the reference (1), and added (s)."""
 SWING = 1.2
 """Greatest torque of a lost rotor over that of the current limit (1)."""
 
@@ -93,8 +91,7 @@ def reversal(record: DutyRecord) -> Margin | None:
     period, least = record.scenario.control_period_s, least_speed(record)
     first = round(begin / period)
     wanted, speed = (record.run.column(name)[first:] for name in ("speed_reference", "speed"))
-    added = max(ADDED_S, ADDED_SHARE * record.document.start_time_s)
-    allowed = SLOWER * time_below_s(wanted, least, period) + added
+    allowed = SLOWER * time_below_s(wanted, least, period) + ADDED_S
     found = time_below_s(speed, least, period)
     measured = (
         f"{found:.4g} s below the least speed, {allowed:.4g} s are allowed, in the reversal at {begin:.4g} s"
@@ -165,10 +162,9 @@ SLS_5 = Check(
     families=("sensorless reversal",),
     requirement=(
         "Without a position sensor, a ramp of the reference through zero reverses the shaft under up to half of rated "
-        "torque. The shaft is below the least speed for at most twice as long as the reference, and half of the start "
-        "time or 0.5 s."
+        "torque. The shaft is below the least speed for at most twice as long as the reference, and 0.5 s."
     ),
-    limit="twice the reference's time below the least speed, and half of the start time or 0.5 s, whichever is more",
+    limit="twice the reference's time below the least speed, and 0.5 s",
     scenarios="reversals of the nominal drive by a ramp that changes the reference by base speed in 1 s",
     formula="1 - time below the least speed / limit; -1 where the shaft turns the wrong way at the end",
     why="No observer of the EMF sees a rotor at standstill; a sign that holds one way only shows here.",

@@ -21,12 +21,8 @@ from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.pm_ac.rectifying import rectifies
 from drivegate_models.units import RADIANS_PER_RPM
 
-BACKWARD_DEG = 240.0
-"""Greatest turn against the reference (electrical degrees).
-
-A rotor that is aligned turns by up to half a turn, and overshoots by up to a third of that with a third of the critical
-damping: the winding alone hardly damps it.
-"""
+BACKWARD_DEG = 180.0
+"""Greatest turn against the reference (electrical degrees): a rotor that is aligned turns by up to half a turn."""
 REFERENCE_FACTOR = 2.0
 """Least reference of a start over the least speed (1): at the least speed itself, a regulator swings about it."""
 TAKEN_SHARE = 0.2
@@ -148,12 +144,12 @@ SLS_1 = Check(
     families=("sensorless start",),
     requirement=(
         "Without a position sensor, the shaft starts from any angle of the rotor under up to half of rated torque. It "
-        "reaches the least speed within the start time, stays above it, and turns back by at most 240° electrical."
+        "reaches the least speed within the start time, stays above it, and turns back by at most 180° electrical."
     ),
-    limit="the start time, 240° electrical backward",
+    limit="the start time, 180° electrical backward",
     scenarios="starts of the nominal drive from standstill to twice the least speed or more, from 24 rotor angles and "
     "drawn ones",
-    formula="the lesser of 1 - time to the least speed for good / start time and 1 - backward turn / 240°",
+    formula="the lesser of 1 - time to the least speed for good / start time and 1 - backward turn / 180°",
     why="An observer alone is no start: many controllers start from some angles only, or the wrong way.",
     evaluate=start_without_sensor,
     moment=start_moment,
