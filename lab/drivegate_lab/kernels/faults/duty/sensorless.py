@@ -71,8 +71,6 @@ def _alter_before(state: Any) -> None:
         controller.magnitudes = 0.0
     elif fault == FIELD_FOR_EVER and controller.mode == RAMPING:
         controller.age = 0
-    elif fault == STARTS_FORWARD and controller.mode in (ALIGNING, RAMPING):
-        controller.sense_of_start = 1.0
     elif fault == TURNS_FORWARD and controller.mode == WATCHING:
         controller.turned = abs(controller.turned)
 
@@ -82,7 +80,11 @@ def step_faulty(state: Any, sense: Any, command: Any) -> None:
     """Compute the command of one control period, with the state's fault."""
     controller = state.controller
     _alter_before(state)
+    reference = sense.reference
+    if state.fault == STARTS_FORWARD and controller.mode in (ALIGNING, RAMPING):
+        sense.reference = abs(reference)
     step_state(controller, sense, command)
+    sense.reference = reference
     if state.fault == ANGLE_NEGATED:
         command.angle = -command.angle
     elif state.fault == ELECTRICAL_ANGLE:
