@@ -221,6 +221,10 @@ class Contract(ABC):
         """Return one column of a run's trace, one of `signal_names`."""
         return self.signals(run)[name]
 
+    def signal_names_on(self, _drive: DriveDocument, /) -> tuple[str, ...]:
+        """Return those of `signal_names` that runs on a drive show."""
+        return self.signal_names
+
     def recorded_signals(self, run: Any) -> Columns:
         """Return the columns of a run's trace that a result keeps."""
         return self.signals(run)

@@ -81,17 +81,18 @@ def require_fitting(declaration: Declaration, drive: DriveDocument) -> None:
 def _problems(row: Row, contract: Contract, drive: DriveDocument) -> Iterator[str]:
     if row.id.upper() in all_checks():
         yield "has the identifier of a check of drivegate; give it another one"
-    known = [each.name for each in quantities_of(contract.signal_names)]
+    shown = contract.signal_names_on(drive)
+    known = [each.name for each in quantities_of(shown)]
     if row.quantity not in known:
         yield (
             f"limits {row.quantity}, which runs on the drive '{drive.name}' do not show; the nearest that they show is "
             f"'{nearest(row.quantity, known)}'"
         )
     for name in row.when.ranges():
-        if name not in contract.signal_names and name != "link_voltage_v":
+        if name not in shown and name != "link_voltage_v":
             yield f"has a state of {name}, which runs on the drive '{drive.name}' do not have"
     signal = _OF_DUTY.get(row.when.event or "")
-    if signal is not None and signal not in contract.signal_names:
+    if signal is not None and signal not in shown:
         yield f"waits for a {row.when.event}, which cannot occur on a drive of the contract '{contract.name}'"
     if row.when.direction == "backward" and drive.one_way_because is not None:
         yield f"waits for a shaft that turns backward, which cannot occur, since {drive.one_way_because}"

@@ -239,6 +239,13 @@ _ALL: Final = (
     _signal(
         "voltage_v", "phase voltage", "V", voltage_scale, remark="its peak, which the duty ratios request"
     ),
+    _signal(
+        "winding_temperature_c",
+        "temperature of the windings",
+        "°C",
+        _of_hundred,
+        remark="of a drive with a table [thermal]; a row does not apply to others",
+    ),
 )
 QUANTITIES: Final[Mapping[str, Quantity]] = MappingProxyType({quantity.name: quantity for quantity in _ALL})
 """All of them by name, in the order in which they are listed."""

@@ -128,6 +128,10 @@ def test_rows_are_checked_reported_waived_and_replayed(
             {"quantity": "advance_deg"},
             "limits advance_deg, which runs on the drive 'pm-ac-interior' do not show",
         ),
+        (
+            {"quantity": "winding_temperature_c"},
+            "limits winding_temperature_c, which runs on the drive 'pm-ac-interior' do not show",
+        ),
         ({"at_most": 2e9}, "is it in another unit?"),
         ({"id": "ovc-1"}, "has the identifier of a check of drivegate"),
         ({"between_s": (300.0,)}, "has a window that begins after 300 s, but the drive settles in 0.2 s"),

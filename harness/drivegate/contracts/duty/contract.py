@@ -12,7 +12,7 @@ from drivegate.containment.messages import AnyController
 from drivegate.contracts.contract import Witness
 from drivegate.contracts.drawings import Panel
 from drivegate.contracts.duty.checks.catalogue import DUTY_CHECKS
-from drivegate.contracts.duty.columns import DutyColumns
+from drivegate.contracts.duty.columns import OPTIONAL, DutyColumns
 from drivegate.contracts.duty.current_reference import STEPPED, is_current_in_reach, without_weakening
 from drivegate.contracts.duty.document import duty_document
 from drivegate.contracts.duty.figures import observe, signal, signals, summary
@@ -121,6 +121,10 @@ class _DutyContract(DutyColumns):
 
     def settled_until(self, scenario: Scenario, /) -> tuple[float, ...]:
         return tuple(end for _, _, end in duty_windows(scenario))
+
+    def signal_names_on(self, drive: DriveDocument, /) -> tuple[str, ...]:
+        is_heated = duty_document(drive).thermal is not None
+        return tuple(name for name in self.signal_names if is_heated or name not in OPTIONAL)
 
     def panels_of(self, scenario: Scenario, /) -> tuple[Panel, ...]:
         return self.panels if isinstance(scenario.load, DynamometerLoad) else self.panels_of_speed
