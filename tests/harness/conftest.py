@@ -89,7 +89,7 @@ def _descends_from(processes: list[psutil.Process], process: psutil.Process) -> 
 @pytest.fixture
 def little_shrunk(monkeypatch: pytest.MonkeyPatch) -> None:
     """Make counterexamples little simpler, where that is not the subject: it takes most runs of a check that fails."""
-    monkeypatch.setattr("drivegate.gate.shrinking._BUDGET", {"quick": 3})
+    monkeypatch.setattr("drivegate.gate.shrinking.BUDGET", {"quick": 3})
 
 
 @pytest.fixture
