@@ -18,7 +18,7 @@ _MOST_USED = 1.5
 # Voltage reserve of a speed regulator during braking, the share of the maximum torque from which it is complete, and
 # the greatest share of the voltage beyond that of the weakest field, which is all that torque has. With the share for
 # the current regulators it is less than a tenth: where more is free, the field is not weakened.
-_BRAKING_RESERVE = 0.08
+_BRAKING_RESERVE = 0.05
 _WHOLE_RESERVE_FROM = 0.2
 _GREATEST_RESERVE = 0.5
 
@@ -42,14 +42,15 @@ def with_reserve(
     """
     if torque * electrical >= 0.0:
         return voltage, state.resistance
-    if state.regulates_speed == 1:
-        # Braking currents beyond the voltage limit move further away from their references.
-        braking = min(requested / (_WHOLE_RESERVE_FROM * state.greatest_torque), 1.0)
-        weakest = state.magnet_flux + state.direct_inductance * state.deepest
-        left = max(voltage - abs(electrical) * max(weakest, 0.0), 0.0)
-        voltage -= min(_BRAKING_RESERVE * braking * voltage, _GREATEST_RESERVE * left)
-    # The voltage across the resistance helps to brake.
-    return voltage, -state.resistance
+    if state.regulates_speed == 0:
+        # The voltage across the resistance helps to brake.
+        return voltage, -state.resistance
+    # Braking currents beyond the voltage limit move further away from their references, on a machine of other
+    # inductances and flux too, so that what the resistance helps is not counted on here.
+    braking = min(requested / (_WHOLE_RESERVE_FROM * state.greatest_torque), 1.0)
+    weakest = state.magnet_flux + state.direct_inductance * state.deepest
+    left = max(voltage - abs(electrical) * max(weakest, 0.0), 0.0)
+    return voltage - min(_BRAKING_RESERVE * braking * voltage, _GREATEST_RESERVE * left), state.resistance
 
 
 @inlined

@@ -73,7 +73,8 @@ def _current_of(drive: DriveValues, torque: float) -> float:
     low, high = 0.0, float(drive.rating.current_limit_a)
     for _ in range(_HALVINGS):
         current = 0.5 * (low + high)
-        root = sqrt(flux * flux + 8.0 * (saliency * current) ** 2)
+        turned = saliency * current
+        root = sqrt(flux * flux + 8.0 * turned * turned)
         direct = -2.0 * saliency * current * current / (flux + root)
         quadrature = sqrt(max(current * current - direct * direct, 0.0))
         if 1.5 * machine.pole_pairs * (flux - saliency * direct) * quadrature < torque:

@@ -105,10 +105,8 @@ class PmAcThermal(Section):
             )
         continuous = self.continuous_current(resistance)
         if not LEAST_CONTINUOUS * limit <= continuous <= MOST_CONTINUOUS * limit:
-            squares = (1.0 / MOST_CONTINUOUS**2, 1.0 / LEAST_CONTINUOUS**2)
-            least, most = (
-                square * self.thermal_resistance_k_per_w * (continuous / limit) ** 2 for square in squares
-            )
+            shares = (continuous / (share * limit) for share in (MOST_CONTINUOUS, LEAST_CONTINUOUS))
+            least, most = (self.thermal_resistance_k_per_w * share * share for share in shares)
             raise ValueError(
                 f"the key 'thermal_resistance_k_per_w' in [thermal] is {self.thermal_resistance_k_per_w:g}, with which "
                 f"the windings bear {continuous:.3g} A for good, but a current limit of {limit:g} A requires "

@@ -56,9 +56,12 @@ def angle_errors(estimate: Array, angle: Array, pole_pairs: int) -> Array:
 def mean_and_peak_deg(errors: Array) -> tuple[float, float]:
     """Return the size of the mean and the greatest size of angle errors (electrical degrees).
 
-    Errors near half a turn are of either sign, so their mean follows from the mean unit vector.
+    Errors near half a turn are of either sign, so their mean is taken around the first one.
     """
-    mean = float(np.arctan2(np.mean(np.sin(errors)), np.mean(np.cos(errors))))
+    turn = 2.0 * pi
+    apart = errors - errors[0]
+    mean = float(errors[0] + np.mean(apart - turn * np.round(apart / turn)))
+    mean -= turn * round(mean / turn)
     return degrees(abs(mean)), degrees(float(np.max(np.abs(errors))))
 
 
