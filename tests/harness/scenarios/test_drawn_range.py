@@ -12,6 +12,7 @@ from varied_keys import draws
 from drivegate.contracts.catalogue import contract_named, contract_of
 from drivegate.contracts.current.scenarios.building import steady_scenario
 from drivegate.contracts.current.scenarios.drawn import families
+from drivegate.contracts.duty.document import duty_document
 from drivegate.contracts.duty.scenarios.building import failing, speed_scenario, torque_of, torque_scenario
 from drivegate.contracts.duty.scenarios.drawn import families as duty
 from drivegate.contracts.traceability import family_name
@@ -61,7 +62,15 @@ DUTY_RANGES = {
     "failure": ((0.2, 1.0), (0.3, 0.6)),
 }
 OUTER_FAMILIES = [family for group in families.FAMILY_GROUPS for family in group]
-DUTY_FAMILIES = list(dict.fromkeys(family for group in duty.FAMILY_GROUPS for family in group))
+# Those of drives with thermal data or a link of their own are drawn in test_duty_scenarios.py.
+DUTY_FAMILIES = list(
+    dict.fromkeys(
+        family
+        for group in duty.FAMILY_GROUPS
+        for family in group
+        if duty.serves(family, duty_document(INTERIOR))
+    )
+)
 
 
 def simplifications(scenario: Scenario) -> Iterator[Scenario]:

@@ -34,6 +34,7 @@ OPTIONAL: Final = frozenset({"winding_temperature_c"})
 """Columns that are NaN throughout for a drive without the quantity."""
 VOLTAGE: Final = "voltage_v"
 """One more column: the peak phase voltage that the duty ratios request."""
+_ALWAYS: Final = (*(name for name in COLUMNS if name not in OPTIONAL), VOLTAGE)
 
 
 class DutyColumns(Contract):
@@ -123,9 +124,10 @@ class DutyColumns(Contract):
         *panels[1:],
     )
     """Panels of a run without a torque reference."""
-    recorded_names = (*COLUMNS, VOLTAGE)
-    signal_names = recorded_names
+    signal_names = (*COLUMNS, VOLTAGE)
+    recorded_names = _ALWAYS
     further_names = (
+        *OPTIONAL,
         *LINK_COLUMNS,
         "sensed_direct_current_a",
         "sensed_quadrature_current_a",

@@ -97,6 +97,8 @@ def answer(controller: TargetController, **sensed: float) -> Any:
     controller.reset(NAMEPLATE)
     currents = np.array([1.0, -2.0, 1.0])
     sense, command = duty_sense_record(currents), duty_command_record()
+    # A NaN, which means no answer, would not be equal to itself.
+    command["brake_duty"] = 0.0
     for name, value in sensed.items():
         sense[name] = value
     step = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 3)(controller.step_address)

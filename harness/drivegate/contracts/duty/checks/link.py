@@ -130,7 +130,7 @@ def _swing(record: DutyRecord, window: DutyWindow) -> Margin | None:
 LNK_1 = Check(
     id="LNK-1",
     families=LINK_FAMILIES,
-    requirement="The voltage of the link never exceeds its limit, whatever reference, load and source do.",
+    requirement="The voltage of the link is at most 100 % of its limit, whatever reference, load and source do.",
     limit="the drive's link_limit_v",
     scenarios="every run of the nominal drive on a link with a capacitor",
     formula="1 - greatest voltage of the link / its limit",
