@@ -177,7 +177,19 @@ def repeated_runs() -> dict[str, Scenario]:
     }
 
 
-@pytest.mark.parametrize("name", [name for name in DUTY_FAULTS if name not in rarer_runs() | repeated_runs()])
+def shown_on_any_drive() -> list[str]:
+    """List the faults of common operation; those that idle here need a link or a sensor of another drive."""
+    rarer = rarer_runs() | repeated_runs()
+    faults = DUTY_FAULTS.items()
+    return [name for name, fault in faults if name not in rarer and not fault.on(INTERIOR).idle_because]
+
+
+def test_faults_that_idle_here_are_those_of_link_and_heat_with_tests_of_their_own() -> None:
+    idle = {name for name, fault in DUTY_FAULTS.items() if fault.on(INTERIOR).idle_because}
+    assert idle == {name for name, fault in DUTY_FAULTS.items() if fault.check.startswith(("LNK-", "THM-"))}
+
+
+@pytest.mark.parametrize("name", shown_on_any_drive())
 def test_a_faulty_controller_is_caught_by_its_check(name: str) -> None:
     assert is_caught(name, revealing_runs())
 

@@ -30,6 +30,8 @@ def test_each_names_a_check_of_its_contract_and_a_kind() -> None:
         "Regulation",
         "Senses and answers",
         "Instances and resets",
+        "DC link",
+        "Temperature of the windings",
     }
 
 
