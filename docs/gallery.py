@@ -156,7 +156,7 @@ FAULTS: Final = (
         "FWK-1",
         (
             (
-                "direct_for(fminf(fabsf(torque), rtP.GreatestTorque), fabsf(electrical), allowed)",
+                "direct_for(fminf(fabsf(torque), rtP.GreatestTorque), turning, allowed)",
                 "direct_for(fminf(fabsf(torque), rtP.GreatestTorque), electrical, allowed)",
             ),
         ),
