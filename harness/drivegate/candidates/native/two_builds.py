@@ -13,7 +13,7 @@ from drivegate.candidates.fault import CandidateFault, Fault, FaultKind
 from drivegate.candidates.native.controller import NativeController
 from drivegate.candidates.native.exact_memory import ExactMemory
 from drivegate_models.contract.duty.signals import DutyNameplate
-from drivegate_models.contract.layout import CURRENT, DUTY, Layout
+from drivegate_models.contract.layout import LAYOUTS, Layout
 
 STEP_BOTH: Final = "drivegate_step_two_builds"
 """Name of the function in `two_builds.c` that steps both builds."""
@@ -82,7 +82,7 @@ class TwoBuilds:
         self.contract = plain.contract
         self.step_address = step
         self.state_size = plain.state_size
-        self._layout: Layout = DUTY if plain.contract == "duty" else CURRENT
+        self._layout: Layout = next(each for each in LAYOUTS.values() if each.name == plain.contract)
         sense, command = self._layout.sense, self._layout.command
         fields: Any = sense.fields
         assert command.itemsize <= _LONGEST_ANSWER

@@ -210,6 +210,31 @@ LIKELY_CAUSES: Final = (
         "braking-ends-at-highest-speed overspeed-taken-early torque-ramped-after-stall "
         "reference-clipped reference-missed-with-link reference-missed-with-sample",
     ),
+    _cause(
+        "braking charges the link, or loads its source, beyond what they bear: by a wrong limit or source of the link",
+        "LNK-1 LNK-2 LNK-4",
+        "LNK-1: the link exceeds its limit; LNK-2: the source takes back or supplies too much",
+        "link-limit-overestimated rectifier-taken-for-battery link-taken-for-ideal charging-unlimited "
+        "discharging-unlimited chopper-overestimated",
+    ),
+    _cause(
+        "the link is used for less braking than it bears: by a limit that is taken too low, or too high a gain",
+        "LNK-3",
+        "LNK-3: braking lacks torque that the link allows",
+        "battery-charged-shyly link-regulated-nervously",
+    ),
+    _cause(
+        "the windings get too hot: their temperature, or its limit, is wrong",
+        "THM-1 THM-2",
+        "THM-1: the windings exceed their limit; THM-2: their current does not fall there",
+        "temperature-limit-raised temperature-read-low torque-alone-derated",
+    ),
+    _cause(
+        "the torque is derated otherwise than hot windings require: too early, or at once",
+        "THM-3",
+        "THM-3: torque is missing, or jumps",
+        "derated-while-cool derated-at-once torque-off-until-cool",
+    ),
 )
 """All of them."""
 _SHOWN: Final = (
