@@ -65,6 +65,15 @@ class Controller:
         raise ValueError(f"no speed at {sense.supply_voltage:.0f} V")
 """
 
+_WRITE_CHANGED: Final = """
+import sys
+from pathlib import Path
+from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.drive.drive_file import drive_toml
+Path("changed.toml").write_text(drive_toml(load_drive(sys.argv[1]).with_overrides(sys.argv[2:])), encoding="utf-8")
+"""
+"""Writes the file of a drive with other values."""
+
 
 @dataclass(frozen=True)
 class Row:
@@ -165,12 +174,15 @@ def _faults() -> Iterator[Row]:
     """Check each faulty controller up to its first failure of the check that must catch it."""
     tables = tomllib.loads((_HERE / "proof_faults.toml").read_text(encoding="utf-8"))
     for drive, names_of in tables.items():
+        named, *changes = drive.split(" --set ")
+        written = (("python", "-c", _WRITE_CHANGED, named, *changes),) if changes else ()
         for check, names in names_of.items():
             for start in range(0, len(names), _AT_ONCE):
                 chosen = (f"faulty:{name}" for name in names[start : start + _AT_ONCE])
-                words = ("check", *chosen, "--drive", drive, *_QUICK, "--only", check, "--stop-at-first")
+                words = ("check", *chosen, "--drive", "changed.toml" if changes else named, *_QUICK)
+                words = (*words, "--only", check, "--stop-at-first")
                 name = f"faults {drive} {check} {start // _AT_ONCE + 1}"
-                yield Row(name, (*words, "--json"), files=False)
+                yield Row(name, (*words, "--json"), written, files=False)
 
 
 def _kinds() -> Iterator[Row]:
