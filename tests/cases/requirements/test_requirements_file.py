@@ -139,6 +139,7 @@ def test_every_quantity_has_its_unit_in_its_name() -> None:
         "N·m": "_nm",
         "A": "_a",
         "°": "_deg",
+        "°C": "_c",
         "W": "_w",
         "V": "_v",
     }
