@@ -165,6 +165,7 @@ LNK_3 = Check(
 )
 LNK_4 = Check(
     id="LNK-4",
+    level="advisory",
     families=LINK_FAMILIES,
     requirement="In steady state the voltage of the link swings by at most {link_swing} of the nominal voltage.",
     limit="{link_swing} of the nominal voltage, peak to peak",
