@@ -267,6 +267,19 @@ def finish(phases: PmAcPhases, frame: RotorFrame) -> None:
 
 
 @inlined
+def pass_without_current(
+    phases: PmAcPhases, circuit: Circuit, frame: RotorFrame, after: RotorFrame
+) -> tuple[float, float]:
+    """Observe a stretch without a current, whose torque is 0, and return the change of the stator flux in it (V s)."""
+    before = stator_flux(circuit, frame)
+    behind = stator_flux(circuit, after)
+    if phases.torque_bounds.size > 0:
+        phases.torque_bounds[0] = min(phases.torque_bounds[0], 0.0)
+        phases.torque_bounds[1] = max(phases.torque_bounds[1], 0.0)
+    return behind[0] - before[0], behind[1] - before[1]
+
+
+@inlined
 def begin_observation(phases: PmAcPhases) -> None:
     """Reset the observations of the last advance."""
     for leg in range(3):
@@ -365,14 +378,10 @@ def advance_period(
             is_whole = event.kind == NOTHING and limit - time <= longest and passed == length
             time += passed
             if held == EMPTY:
-                before = stator_flux(circuit, frame)
-                behind = stator_flux(circuit, after)
-                along += behind[0] - before[0]
-                across += behind[1] - before[1]
+                turned = pass_without_current(phases, circuit, frame, after)
+                along += turned[0]
+                across += turned[1]
                 idle += passed
-                if phases.torque_bounds.size > 0:
-                    phases.torque_bounds[0] = min(phases.torque_bounds[0], 0.0)
-                    phases.torque_bounds[1] = max(phases.torque_bounds[1], 0.0)
             after, fixed, excluded = after_event(legs, event, after)
         if is_whole:
             # Use the limit itself, not the sum, so that every edge is passed exactly once.

@@ -61,13 +61,26 @@ def _following(circuit: Circuit, legs: Legs, gates: Gates, leg: int, sign: int) 
 
 
 @inlined
+def sooner(gates: Gates, leg: int, number: int, limit: float) -> float:
+    """Return the time of a leg's edge by its number, or a limit that comes before it (s)."""
+    return min(limit, gates.times[leg, number]) if number < gates.counts[leg] else limit
+
+
+@inlined
+def pass_before(circuit: Circuit, legs: Legs, gates: Gates, leg: int, number: int) -> None:
+    """Pass the edges of a leg before the one with a number, which have no effect."""
+    if number > legs.positions[leg] + 1:
+        legs.positions[leg] = number - 1
+        set_gate(circuit, legs, leg, gates.gates[leg, number - 1])
+
+
+@inlined
 def distant_edge(circuit: Circuit, legs: Legs, gates: Gates, duration: float) -> float:
     """Return the time of the next change of a leg's voltage by its gate, if no current changes its sign (s)."""
     limit = duration
     for leg in range(3):
         following = _following(circuit, legs, gates, leg, legs.signs[leg])
-        if following < gates.counts[leg]:
-            limit = min(limit, gates.times[leg, following])
+        limit = sooner(gates, leg, following, limit)
     return limit
 
 
@@ -77,11 +90,8 @@ def next_edge(circuit: Circuit, legs: Legs, gates: Gates, duration: float) -> fl
     limit = duration
     for leg in range(3):
         following = _following(circuit, legs, gates, leg, legs.sure[leg])
-        if following > legs.positions[leg] + 1:
-            legs.positions[leg] = following - 1
-            set_gate(circuit, legs, leg, gates.gates[leg, following - 1])
-        if following < gates.counts[leg]:
-            limit = min(limit, gates.times[leg, following])
+        pass_before(circuit, legs, gates, leg, following)
+        limit = sooner(gates, leg, following, limit)
     return limit
 
 

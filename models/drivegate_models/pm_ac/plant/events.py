@@ -72,13 +72,9 @@ def zero_of_current(
     return first
 
 
-@unallocating
-def end_of_hold(legs: Legs, series: Series, held: int, count: int) -> Event:
-    """Return the first event in a segment in which a leg is held.
-
-    `series`: series of the currents and of the held leg's voltage in the segment. `held`: index of the held leg.
-    `count`: number of coefficients. Result: `RELEASE`, `LAST_ZERO` or `NOTHING`.
-    """
+@inlined
+def last_zero(legs: Legs, series: Series, held: int, count: int) -> Event:
+    """Return the event at which the current of the two other legs ends while one is held: `LAST_ZERO` or `NOTHING`."""
     first = Event(NOTHING, 1.0, -1, 0)
     ahead = (held + 1) % 3
     behind = (held + 2) % 3
@@ -92,6 +88,17 @@ def end_of_hold(legs: Legs, series: Series, held: int, count: int) -> Event:
         share = first_fall(series.current, count, float(sign), 0.0, slack) if slack > 0.0 else NOWHERE
         if share <= 1.0:
             first = Event(LAST_ZERO, share, -1, 0)
+    return first
+
+
+@unallocating
+def end_of_hold(legs: Legs, series: Series, held: int, count: int) -> Event:
+    """Return the first event in a segment in which a leg is held.
+
+    `series`: series of the currents and of the held leg's voltage in the segment. `held`: index of the held leg.
+    `count`: number of coefficients. Result: `RELEASE`, `LAST_ZERO` or `NOTHING`.
+    """
+    first = last_zero(legs, series, held, count)
     level = series.holding[0]
     scale = SLACK * (size_of(series.holding, count) + abs(legs.low[held]) + abs(legs.high[held]))
     for side in (-1, 1):

@@ -221,18 +221,37 @@ def add_charge(
     totals: NDArray[np.float64],
 ) -> None:
     """Add a leg's charge and magnitude (A s) in a segment to magnitudes, drops and the link's energies."""
-    magnitudes[leg] += magnitude
-    totals[ledger.MAGNITUDE] += magnitude
-    totals[ledger.DEVICE] += drop_of(circuit, legs.gates[leg], legs.signs[leg]) * magnitude
+    add_magnitude(circuit, legs, leg, magnitude, magnitudes, totals)
     if leg == supply:
         exchanged = circuit.link * magnitude
         drawn = circuit.link * charge
         if not is_on_upper_rail(legs.gates[leg], legs.signs[leg]):
             drawn = -drawn
-        totals[ledger.UPPER] += 0.5 * drawn
-        totals[ledger.LOWER] += 0.5 * drawn
-        totals[ledger.EXCHANGED] += exchanged
-        totals[ledger.RETURNED] += 0.5 * (exchanged - drawn)
+        add_exchange(drawn, exchanged, totals)
+
+
+@inlined
+def add_magnitude(
+    circuit: Circuit,
+    legs: Legs,
+    leg: int,
+    magnitude: float,
+    magnitudes: NDArray[np.float64],
+    totals: NDArray[np.float64],
+) -> None:
+    """Add the magnitude of a leg's charge (A s) in a segment to magnitudes and drops."""
+    magnitudes[leg] += magnitude
+    totals[ledger.MAGNITUDE] += magnitude
+    totals[ledger.DEVICE] += drop_of(circuit, legs.gates[leg], legs.signs[leg]) * magnitude
+
+
+@inlined
+def add_exchange(drawn: float, exchanged: float, totals: NDArray[np.float64]) -> None:
+    """Add the energy drawn from the link, and that exchanged with it either way (J), to the link's energies."""
+    totals[ledger.UPPER] += 0.5 * drawn
+    totals[ledger.LOWER] += 0.5 * drawn
+    totals[ledger.EXCHANGED] += exchanged
+    totals[ledger.RETURNED] += 0.5 * (exchanged - drawn)
 
 
 @unallocating

@@ -24,6 +24,7 @@ from drivegate_models.pm_ac.plant.advance import (
     after_event,
     begin_observation,
     finish,
+    pass_without_current,
     stator_flux,
 )
 from drivegate_models.pm_ac.plant.circuit import Circuit, drop_of, is_on_upper_rail, leg_voltages, sagitta
@@ -38,7 +39,7 @@ from drivegate_models.pm_ac.plant.dc_link import (
     LinkState,
 )
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
-from drivegate_models.pm_ac.plant.edges import begin_schedule, pass_edges
+from drivegate_models.pm_ac.plant.edges import begin_schedule, pass_before, pass_edges, sooner
 from drivegate_models.pm_ac.plant.events import NOTHING, Event, zero_of_current
 from drivegate_models.pm_ac.plant.linked_events import (
     LinkEvent,
@@ -57,12 +58,11 @@ from drivegate_models.pm_ac.plant.linked_series import (
     idle_series,
     linked_circuit,
     longest_linked,
-    shorten_link,
 )
 from drivegate_models.pm_ac.plant.modulator import Gates, schedule_gates
 from drivegate_models.pm_ac.plant.polynomial import value_at
-from drivegate_models.pm_ac.plant.series import at_end, shorten
-from drivegate_models.pm_ac.plant.settling import EMPTY, FREE, Legs, set_gate, settle, show_voltages
+from drivegate_models.pm_ac.plant.series import at_end, shorten, shorten_both
+from drivegate_models.pm_ac.plant.settling import EMPTY, FREE, Legs, settle, show_voltages
 
 _LEAST_SUPPLYING: Final = 0.2
 """Voltage over the nominal one below which the link supplies core and switching losses only in part (1)."""
@@ -87,6 +87,15 @@ def _feed(constants: DcLink, link: LinkState, source: float, lost: float) -> Fee
         lost + chopper,
         0.0 if state[CLAMPED] != 0.0 else 1.0 / constants.capacitance,
     )
+
+
+@inlined
+def _end_braking(link: LinkState, end: float, time: float) -> float:
+    """Turn a commanded chopper off at the end of its time (s); return that end, 0 once it is over."""
+    if not 0.0 < end <= time:
+        return end
+    link.state[CHOPPER] = 0.0
+    return 0.0
 
 
 @inlined
@@ -121,11 +130,8 @@ def _next_edge(circuit: Circuit, legs: Legs, gates: Gates, duration: float) -> f
     limit = duration
     for leg in range(3):
         following = _changing_edge(circuit, legs, gates, leg, legs.sure[leg])
-        if following > legs.positions[leg] + 1:
-            legs.positions[leg] = following - 1
-            set_gate(circuit, legs, leg, gates.gates[leg, following - 1])
-        if following < gates.counts[leg]:
-            limit = min(limit, gates.times[leg, following])
+        pass_before(circuit, legs, gates, leg, following)
+        limit = sooner(gates, leg, following, limit)
     return limit
 
 
@@ -190,19 +196,7 @@ def _segment(
     """
     link, series = phases.dc_link, phases.series
     electrical = circuit.electrical
-    bounded, event, change, count, after = _first_events(
-        drive,
-        circuit,
-        feed,
-        phases,
-        frame,
-        held,
-        begin_angle + electrical * length,
-        length,
-        follows_thresholds,
-    )
-    while LEAST_SHARE < min(event.share, change.share) < SHORT_SHARE:
-        length *= SOON_AFTER * min(event.share, change.share)
+    while True:
         bounded, event, change, count, after = _first_events(
             drive,
             circuit,
@@ -214,6 +208,9 @@ def _segment(
             length,
             follows_thresholds,
         )
+        if not LEAST_SHARE < min(event.share, change.share) < SHORT_SHARE:
+            break
+        length *= SOON_AFTER * min(event.share, change.share)
     kind = change.kind
     share = event.share
     if kind != NOTHING and (event.kind == NOTHING or change.share < event.share):
@@ -224,7 +221,7 @@ def _segment(
     if event.kind != NOTHING or kind != NOTHING:
         length *= share
         cosine, sine = cosine_sine(begin_angle + electrical * length)
-        shorten_link(link, count, share)
+        shorten_both(link.voltage, link.bridge, count, share)
         after = RotorFrame(0.0, 0.0, cosine, sine)
         if held != EMPTY:
             shorten(series, count, share)
@@ -257,8 +254,7 @@ def _distant_edge(circuit: Circuit, legs: Legs, gates: Gates, duration: float) -
     limit = duration
     for leg in range(3):
         following = _changing_edge(circuit, legs, gates, leg, legs.signs[leg])
-        if following < gates.counts[leg]:
-            limit = min(limit, gates.times[leg, following])
+        limit = sooner(gates, leg, following, limit)
     return limit
 
 
@@ -396,9 +392,7 @@ def advance_linked_period(
                 if is_quiet:
                     time = far
                     circuit = _follow_link(circuit, legs, state[VOLTAGE])
-                    if 0.0 < brake_end <= time:
-                        state[CHOPPER] = 0.0
-                        brake_end = 0.0
+                    brake_end = _end_braking(link, brake_end, time)
                     totals[ledger.SWITCHING] += pass_edges(circuit, legs, gates, time)
                     settled = settle(circuit, legs, after, NO_LEG, 0)
                     continue
@@ -419,22 +413,16 @@ def advance_linked_period(
         is_whole = event.kind == NOTHING and kind == NOTHING and limit - time <= longest and passed == length
         time += passed
         if held == EMPTY:
-            before = stator_flux(circuit, frame)
-            behind = stator_flux(circuit, after)
-            along += behind[0] - before[0]
-            across += behind[1] - before[1]
+            turned = pass_without_current(phases, circuit, frame, after)
+            along += turned[0]
+            across += turned[1]
             idle += passed
-            if phases.torque_bounds.size > 0:
-                phases.torque_bounds[0] = min(phases.torque_bounds[0], 0.0)
-                phases.torque_bounds[1] = max(phases.torque_bounds[1], 0.0)
         after, fixed, excluded = after_event(legs, event, after)
         circuit = _follow_link(circuit, legs, state[VOLTAGE])
         if is_whole:
             # Use the limit itself, not the sum, so that every edge is passed exactly once.
             time = limit
-            if 0.0 < brake_end <= time:
-                state[CHOPPER] = 0.0
-                brake_end = 0.0
+            brake_end = _end_braking(link, brake_end, time)
             totals[ledger.SWITCHING] += pass_edges(circuit, legs, gates, time)
         settled = settle(circuit, legs, after, fixed, excluded)
     flux = stator_flux(circuit, settled.frame)

@@ -14,18 +14,18 @@ from drivegate_models.pm_ac.plant.dc_link import BATTERY, CHOPPER, CLAMPED, SOUR
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
 from drivegate_models.pm_ac.plant.events import (
     BEYOND,
-    LAST_ZERO,
     NOTHING,
     ONSET,
     RELEASE,
     SLACK,
     Event,
     emf_series,
+    last_zero,
 )
 from drivegate_models.pm_ac.plant.modulator import LOWER, UPPER
 from drivegate_models.pm_ac.plant.polynomial import NOWHERE, first_fall, size_of
 from drivegate_models.pm_ac.plant.series import Series, turning_series
-from drivegate_models.pm_ac.plant.settling import Legs, is_relay
+from drivegate_models.pm_ac.plant.settling import Legs
 
 BLOCKED: Final = 10
 """The current of a source that takes none back has fallen to zero."""
@@ -127,19 +127,7 @@ def end_of_linked_hold(legs: Legs, series: Series, link: LinkState, held: int, c
 
     The voltages at which the held leg conducts follow the link.
     """
-    first = Event(NOTHING, 1.0, -1, 0)
-    ahead = (held + 1) % 3
-    behind = (held + 2) % 3
-    sign = 0
-    if is_relay(legs, ahead):
-        sign = legs.signs[ahead]
-    elif is_relay(legs, behind):
-        sign = -legs.signs[behind]
-    if sign != 0:
-        slack = SLACK * size_of(series.current, count)
-        share = first_fall(series.current, count, float(sign), 0.0, slack) if slack > 0.0 else NOWHERE
-        if share <= 1.0:
-            first = Event(LAST_ZERO, share, -1, 0)
+    first = last_zero(legs, series, held, count)
     scale = SLACK * (size_of(series.holding, count) + abs(legs.low[held]) + abs(legs.high[held]))
     gap = link.product
     for side in (-1, 1):

@@ -12,7 +12,7 @@ from drivegate_models.machine import ledger
 from drivegate_models.machine.rotor_frame import RotorFrame, of_phase
 from drivegate_models.machine.sine import small_cosine_sine
 from drivegate_models.pm_ac.plant import dc_link
-from drivegate_models.pm_ac.plant.circuit import Circuit, drop_of
+from drivegate_models.pm_ac.plant.circuit import Circuit
 from drivegate_models.pm_ac.plant.dc_link import CHOPPER, DcLink, LinkState
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
 from drivegate_models.pm_ac.plant.integrals import (
@@ -20,7 +20,9 @@ from drivegate_models.pm_ac.plant.integrals import (
     PLACES,
     THREE_POINTS,
     WEIGHTS,
+    add_exchange,
     add_leg,
+    add_magnitude,
     extend_torque_range,
     magnitude_of,
     supply_leg,
@@ -202,17 +204,12 @@ def add_linked_segment(
         magnitude, peak = add_leg(
             circuit, series, frame, after, leg, charge, count, length, held == FREE, peak
         )
-        magnitudes[leg] += magnitude
-        totals[ledger.MAGNITUDE] += magnitude
-        totals[ledger.DEVICE] += drop_of(circuit, legs.gates[leg], legs.signs[leg]) * magnitude
+        add_magnitude(circuit, legs, leg, magnitude, magnitudes, totals)
         if leg == supply and magnitude - abs(charge) > _ROUNDING * magnitude:
             exchanged = length * _exchanged(series, link, count)
     totals[ledger.PEAK] = peak
     drawn = length * power
-    totals[ledger.UPPER] += 0.5 * drawn
-    totals[ledger.LOWER] += 0.5 * drawn
-    totals[ledger.EXCHANGED] += exchanged
-    totals[ledger.RETURNED] += 0.5 * (exchanged - drawn)
+    add_exchange(drawn, exchanged, totals)
     link.totals[dc_link.BRIDGE] += drawn
     link.totals[dc_link.THROUGHPUT] += exchanged
     if bounds.size > 0:

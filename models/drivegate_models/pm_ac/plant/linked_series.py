@@ -321,13 +321,3 @@ def held_linked_series(
         series.direct[k] = product_term(currents, sines, k)
         series.quadrature[k] = product_term(currents, cosines, k)
     return used
-
-
-@inlined
-def shorten_link(link: LinkState, count: int, share: float) -> None:
-    """Rescale the series of the link to a share of their segment."""
-    power = 1.0
-    for k in range(count):
-        link.voltage[k] *= power
-        link.bridge[k] *= power
-        power *= share

@@ -232,10 +232,16 @@ def held_series(
 @inlined
 def shorten(series: Series, count: int, share: float) -> None:
     """Rescale the series of the currents to a share of their segment."""
+    shorten_both(series.direct, series.quadrature, count, share)
+
+
+@inlined
+def shorten_both(first: NDArray[np.float64], second: NDArray[np.float64], count: int, share: float) -> None:
+    """Rescale two series, shape (n,), to a share of their segment."""
     power = 1.0
     for k in range(count):
-        series.direct[k] *= power
-        series.quadrature[k] *= power
+        first[k] *= power
+        second[k] *= power
         power *= share
 
 
