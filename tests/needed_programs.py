@@ -15,6 +15,7 @@ IN_WORDS = {
     "c++": "a C++ compiler (c++)",
     "rustc": "the Rust compiler (rustc)",
     "cargo": "Rust's build system (cargo)",
+    "man": "the reader of manual pages (man)",
     "arm-none-eabi-gcc": "the compiler for Arm microcontrollers (arm-none-eabi-gcc, with newlib)",
 }
 

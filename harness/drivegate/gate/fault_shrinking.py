@@ -70,7 +70,7 @@ class _Trials:
 
 
 def _is_same(fault: Fault, other: Fault) -> bool:
-    """Return True if two faults are one; a sanitizer's are told apart by their place."""
+    """Return True if two faults are one; a sanitizer's differ by their place."""
     return (fault.kind, fault.error) == (other.kind, other.error)
 
 

@@ -42,8 +42,10 @@ def load_drive(
     """
     name = str(name_or_path)
     sensed = name.removesuffix(SENSORLESS)
-    if name != sensed and sensed in drive_names() and "sensing" in load_drive(sensed).tables:
-        return load_drive(sensed).replaced(name=name, sensing={"position": "none"})
+    if name != sensed and sensed in drive_names():
+        drive = load_drive(sensed)
+        if "sensing" in drive.tables:
+            return drive.replaced(name=name, sensing={"position": "none"})
     return load_named(name_or_path, DriveDocument, "drives", "drive", relative_to=relative_to, reach=reach)
 
 

@@ -1,6 +1,5 @@
 """`drivegate man`: pages that man understands, of every command and option."""
 
-import shutil
 import subprocess
 
 import click
@@ -27,7 +26,7 @@ def test_every_command_has_a_page_with_its_options(command, tmp_path):
         ), line
 
 
-@pytest.mark.skipif(shutil.which("man") is None, reason="man is not installed")
+@pytest.mark.needs("man")
 def test_man_shows_a_page_without_a_warning(command, tmp_path):
     command("man", "pages")
     for page in ("drivegate.1", "drivegate-check.1", "drivegate-new.1"):

@@ -5,13 +5,9 @@ from __future__ import annotations
 from functools import cache
 
 import pytest
+from tests.lab.failed_checks import failed_checks
 
-from drivegate.candidates.resolution import resolve_candidate
-from drivegate.checks.check import judged
-from drivegate.containment.judge import own_candidate
-from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.duty.scenarios.rare import RARE, RARE_BACKWARD
-from drivegate.drives.running import recorded
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.scenario import Scenario
@@ -29,12 +25,6 @@ def runs_of(kind: str) -> tuple[Scenario, ...]:
 
 
 @cache
-def failed_checks(name: str, run: Scenario) -> frozenset[str]:
-    loaded = own_candidate(resolve_candidate(name))
-    margins = judged(recorded(loaded, run, loaded.controller()), contract_of(run.drive).checks).margins
-    return frozenset(margin.check for margin in margins if not margin.met)
-
-
 @pytest.mark.parametrize("name", FIELD_FAULTS)
 def test_a_fault_from_the_field_is_caught_in_a_run_of_its_kind(name: str) -> None:
     fault = FIELD_FAULTS[name]

@@ -5,13 +5,9 @@ from __future__ import annotations
 from functools import cache
 
 import pytest
+from tests.lab.failed_checks import failed_checks
 
-from drivegate.candidates.resolution import resolve_candidate
-from drivegate.checks.check import judged
-from drivegate.containment.judge import own_candidate
-from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.duty.scenarios.hot import hot_scenarios
-from drivegate.drives.running import recorded
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_lab.candidates.duty_faults import DUTY_FAULTS
@@ -30,14 +26,7 @@ FAULTS = [name for name, fault in DUTY_FAULTS.items() if fault.check.startswith(
 def failed(candidate: str) -> frozenset[str]:
     """Return the checks that a candidate fails in the runs with hot windings."""
     assert isinstance(HEATED, PmAcDocument)
-    loaded = own_candidate(resolve_candidate(candidate))
-    checks = contract_of(HEATED).checks
-    return frozenset(
-        margin.check
-        for scenario in hot_scenarios(HEATED)
-        for margin in judged(recorded(loaded, scenario, loaded.controller()), checks).margins
-        if not margin.met
-    )
+    return failed_checks(candidate, *hot_scenarios(HEATED))
 
 
 def test_there_are_six() -> None:

@@ -5,13 +5,9 @@ from __future__ import annotations
 from functools import cache
 
 import pytest
+from tests.lab.failed_checks import failed_checks
 
-from drivegate.candidates.resolution import resolve_candidate
-from drivegate.checks.check import judged
-from drivegate.containment.judge import own_candidate
-from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.duty.scenarios.linked import linked_scenarios
-from drivegate.drives.running import recorded
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_lab.candidates.duty_faults import DUTY_FAULTS
@@ -34,14 +30,7 @@ def failed(drive_name: str, candidate: str) -> frozenset[str]:
     """Return the checks that a candidate fails in the runs that strain a link."""
     drive = DRIVES[drive_name].replaced(settling_s=0.2)
     assert isinstance(drive, PmAcDocument)
-    loaded = own_candidate(resolve_candidate(candidate))
-    checks = contract_of(drive).checks
-    return frozenset(
-        margin.check
-        for scenario in linked_scenarios(drive)
-        for margin in judged(recorded(loaded, scenario, loaded.controller()), checks).margins
-        if not margin.met
-    )
+    return failed_checks(candidate, *linked_scenarios(drive))
 
 
 @pytest.mark.parametrize(("drive", "name"), CASES)

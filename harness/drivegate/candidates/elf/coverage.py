@@ -8,7 +8,6 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-import shutil
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -21,13 +20,14 @@ from drivegate.candidates.native.coverage_tools import (
     TRACE,
     files_of_trace,
     gcovr,
+    hand_over,
     require_package,
+    work_folder,
 )
 from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.documents.wording import one_line
 from drivegate_models.errors import InputError
 
-_WORK: Final = "work"
 _OF_DIRECTORIES: Final = 5
 """Version of DWARF from which on the first folder and file are those of the unit."""
 _EXCLUDED: Final = ("GCOVR_EXCL_LINE", "GCOV_EXCL_LINE", "LCOV_EXCL_LINE")
@@ -51,11 +51,8 @@ def write_blocks(blocks: Iterable[tuple[int, int]], folder: Path) -> None:
 
 def measured_files(candidate: Candidate, output: Path) -> tuple[Any, ...]:
     """Read what was counted, and write the files for services into a folder."""
-    assert candidate.instrumented is not None, "it was counted"
-    folder = candidate.instrumented.folder
-    work = folder / _WORK
-    work.mkdir()
-    ran = _addresses(folder)
+    work = work_folder(candidate)
+    ran = _addresses(work.parent)
     lines = _lines_of(candidate)
     common = Path(os.path.commonpath([candidate.folder, *(source.parent for source in lines)]))
     files = [
@@ -67,8 +64,7 @@ def measured_files(candidate: Candidate, output: Path) -> tuple[Any, ...]:
     words = ["--root", str(common), "--add-tracefile", str(trace)]
     outputs = ("--lcov", str(work / LCOV), "--cobertura", str(work / COBERTURA))
     gcovr([*words, *outputs], work, (common,), work)
-    for name in (LCOV, COBERTURA):
-        shutil.copy(work / name, output)
+    hand_over(work, output)
     return files_of_trace(trace, common)
 
 

@@ -18,14 +18,15 @@ from drivegate.candidates.native.coverage_tools import (
     TRACE,
     files_of_trace,
     gcovr,
+    hand_over,
     require_package,
+    work_folder,
 )
 from drivegate.candidates.native.second_build import LIBRARY, compilers_of, is_clang, second_build
 from drivegate.candidates.reached_code import SourceFile
 from drivegate_models.errors import InputError
 
 _COUNTED: Final = ("--coverage", "-g", "-DDRIVEGATE_COUNTS")
-_WORK: Final = "work"
 
 
 def counted_candidate(candidate: Candidate, folder: Path) -> Candidate:
@@ -67,8 +68,7 @@ def measured_files(candidate: Candidate, output: Path) -> tuple[SourceFile, ...]
     assert instrumented is not None
     assert instrumented.library is not None, "it was compiled to count"
     plan = plan_of(candidate)
-    work = instrumented.folder / _WORK
-    work.mkdir()
+    work = work_folder(candidate)
     # Objects are numbered, drivegate's own the last. libgcov makes the folders in which an object was compiled.
     for number in range(len(plan.sources)):
         shutil.copy(instrumented.library.with_name(f"{number}.gcno"), work)
@@ -87,6 +87,5 @@ def measured_files(candidate: Candidate, output: Path) -> tuple[SourceFile, ...]
         str(work),
     ]
     gcovr(words, work, readable, work)
-    for name in (LCOV, COBERTURA):
-        shutil.copy(work / name, output)
+    hand_over(work, output)
     return files_of_trace(work / TRACE, Path(own))

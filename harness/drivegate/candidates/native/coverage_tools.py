@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import importlib.util
 import json
+import shutil
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
+from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import bounded_reason
 from drivegate.candidates.native.bounded_command import Bounds, run_bounded
 from drivegate.candidates.reached_code import Line, SourceFile
@@ -20,7 +22,22 @@ COBERTURA: Final = "coverage.xml"
 """Names of the files that services read."""
 
 TRACE: Final = "trace.json"
+_WORK: Final = "work"
 _READING: Final = Bounds(120.0)
+
+
+def work_folder(candidate: Candidate) -> Path:
+    """Make the folder of the tools in that of what a candidate's processes have counted."""
+    assert candidate.instrumented is not None, "it was counted"
+    work = candidate.instrumented.folder / _WORK
+    work.mkdir()
+    return work
+
+
+def hand_over(work: Path, output: Path) -> None:
+    """Copy the files that services read into a folder."""
+    for name in (LCOV, COBERTURA):
+        shutil.copy(work / name, output)
 
 
 def require_package(name: str, option: str) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import shutil
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -13,12 +12,18 @@ from typing import Any, Final
 
 from drivegate.candidates.candidate import Candidate, Instrumented
 from drivegate.candidates.contract import AnyNameplate
-from drivegate.candidates.native.coverage_tools import COBERTURA, LCOV, require_package, run_tool
+from drivegate.candidates.native.coverage_tools import (
+    COBERTURA,
+    LCOV,
+    hand_over,
+    require_package,
+    run_tool,
+    work_folder,
+)
 from drivegate.candidates.python.bridge import PythonController
 from drivegate.candidates.reached_code import Line, SourceFile
 
 _DATA: Final = ".coverage"
-_WORK: Final = "work"
 _JSON: Final = "coverage.json"
 
 
@@ -68,10 +73,8 @@ class CountedController(PythonController):
 
 def measured_files(candidate: Candidate, output: Path) -> tuple[SourceFile, ...]:
     """Read what was counted, and write the files for services into a folder."""
-    assert candidate.instrumented is not None, "it was counted"
-    folder = candidate.instrumented.folder
-    work = folder / _WORK
-    work.mkdir()
+    work = work_folder(candidate)
+    folder = work.parent
     if not list(folder.glob(f"{_DATA}.*")):
         return ()
     for words in (
@@ -85,8 +88,7 @@ def measured_files(candidate: Candidate, output: Path) -> tuple[SourceFile, ...]
         options = ("--rcfile=/dev/null", f"--data-file={work / _DATA}", "-q")
         tool = [sys.executable, "-P", "-m", "coverage", command, *options, *further]
         run_tool(tool, candidate.folder, (folder, *candidate.sources), work, "coverage")
-    for name in (LCOV, COBERTURA):
-        shutil.copy(work / name, output)
+    hand_over(work, output)
     document = json.loads((work / _JSON).read_text(encoding="utf-8"))
     return tuple(_file(name, file, candidate.folder) for name, file in sorted(document["files"].items()))
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.checks.means import exact_mean
+from drivegate.checks.stretches import lasting_from
 
 Values: TypeAlias = NDArray[np.float64]
 
@@ -132,8 +133,7 @@ def place_reached(values: Values, low: float, high: float, stretch: int | None) 
     """Return the first place from which values stay in a range: for a stretch, or to the end; None if they never do."""
     inside = (values >= low) & (values <= high)
     if stretch is None:
-        outside = np.flatnonzero(~inside)
-        first = 0 if len(outside) == 0 else int(outside[-1]) + 1
+        first = lasting_from(inside)
         return first if first < len(values) else None
     counted = np.concatenate(([0], np.cumsum(inside)))
     length = max(stretch, 1)

@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegate.checks.stretches import stretches
 from drivegate.contracts.contract import Contract
 from drivegate.contracts.rows.events import Occurrence, changes, follows, is_alone, occurrences
 from drivegate_cases.requirements.quantities import QUANTITIES, Columns
@@ -119,7 +120,7 @@ def judged_spans(row: Row, contract: Contract, scenario: Scenario, columns: Colu
         None if end is None else first_period_from(end, scenario.control_period_s),
     )
     inside = np.ones(last, dtype=np.bool_) if state is None else state[:last]
-    for entered, left in _stretches(inside):
+    for entered, left in stretches(inside):
         until = left if length is None else min(entered + length, left)
         if entered + first < until:
             whole = length is None or entered + length <= left
@@ -141,9 +142,3 @@ def in_state(when: When, contract: Contract, columns: Columns) -> NDArray[np.boo
         speed = columns["speed_rpm"]
         inside &= speed > 0.0 if when.direction == "forward" else speed < 0.0
     return inside
-
-
-def _stretches(inside: NDArray[np.bool_]) -> Iterator[tuple[int, int]]:
-    """Go through the stretches that are inside, as their first place and the one after their last."""
-    edges = np.flatnonzero(np.diff(inside.astype(np.int8), prepend=0, append=0))
-    yield from ((int(first), int(last)) for first, last in zip(edges[::2], edges[1::2], strict=True))

@@ -72,10 +72,6 @@ class PmAcThermal(Section):
         """Permitted rise of the temperature above the surroundings (K)."""
         return self.limit_c - self.ambient_c
 
-    @property
-    def time_constant_s(self) -> float:
-        return self.heat_capacity_j_per_k * self.thermal_resistance_k_per_w
-
     def resistance_at(self, temperature_c: float, resistance: float) -> float:
         """Return a winding resistance (ohm) at a temperature, by that at `ambient_c`."""
         return resistance * (1.0 + self.temperature_coefficient_per_k * (temperature_c - self.ambient_c))

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from drivegate.candidates.declaration import Declaration
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, Mark, Moment, Point, at_most
+from drivegate.checks.stretches import lasting_from
 from drivegate.contracts.duty.record import DutyRecord
 from drivegate.contracts.duty.right_trips import claimed_safe
 from drivegate.contracts.duty.run import LEGS
@@ -129,8 +130,7 @@ def _unsafe_s(record: DutyRecord, claimed: NDArray[np.bool_], begin: int) -> flo
     """Return the time from the failure on after which the drive is safe for good (s)."""
     still = np.abs(record.run.column("torque")) <= record.limits.failure_torque_nm
     still = still | _is_shorted(record)
-    unsafe = np.flatnonzero(~(claimed & still)[begin:])
-    return float(unsafe[-1] + 1) * record.scenario.control_period_s if unsafe.size else 0.0
+    return lasting_from((claimed & still)[begin:]) * record.scenario.control_period_s
 
 
 def _torque_until_then(record: DutyRecord, claimed: NDArray[np.bool_], begin: int) -> Margin:

@@ -8,6 +8,7 @@ import numpy as np
 
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, at_most
+from drivegate.checks.stretches import lasting_from
 from drivegate.contracts.duty.checks.judged import worst
 from drivegate.contracts.duty.checks.sensorless.judged import (
     if_speed,
@@ -110,7 +111,7 @@ def _reversal(record: DutyRecord) -> tuple[float, float] | None:
 
 
 def lost_rotor(record: DutyRecord) -> Margin | None:
-    """Judge the time in which a controller tells that the rotor is locked, and the torque until then."""
+    """Judge the time in which a controller reports that the rotor is locked, and the torque until then."""
     failure = record.scenario.failure
     if not regulates_speed(record) or failure is None or failure.kind != "locked-rotor":
         return None
@@ -123,13 +124,13 @@ def lost_rotor(record: DutyRecord) -> Margin | None:
     allowed = LOSS_S + (2.0 * record.document.start_time_s if starts else 0.0)
     commands = record.run.commands
     low = np.logical_and.reduce([commands[leg] == LEG_LOW for leg in LEGS])
-    told = (commands["fault"] != 0) & (legs_are_off(commands) | low)
-    if len(told) - first < allowed / period:
+    reported = (commands["fault"] != 0) & (legs_are_off(commands) | low)
+    if len(reported) - first < allowed / period:
         return None
-    silent = np.flatnonzero(~told[first:])
-    time = float(silent[-1] + 1) * period if silent.size else 0.0
-    reached = first + round(time / period) < len(told)
-    words = f"told {time:.4g} s after" if reached else f"not told within {time:.4g} s of"
+    count = lasting_from(reported[first:])
+    time = count * period
+    verb = "reported" if first + count < len(reported) else "not reported"
+    words = f"{verb} {time:.4g} s after"
     greatest = float(np.max(np.abs(record.run.column("torque")[first:])))
     limits = undistorted_limits(record.plant, float(record.run.column("link")[first]))
     most = SWING * greatest_within(record.plant, limits, 0.0, weakens=True).torque
@@ -177,13 +178,13 @@ SLS_7 = Check(
     id="SLS-7",
     families=("lost rotor",),
     requirement=(
-        "Without a position sensor, a rotor that locks is told by a fault code within 500 ms, with all legs off or all "
-        "low; before a start, after twice the start time more. Until then the torque is at most 1.2 times that of the "
-        "current limit."
+        "Without a position sensor, a rotor that locks is reported by a fault code within 500 ms, with all legs off or "
+        "all low; before a start, after twice the start time more. Until then the torque is at most 1.2 times that of "
+        "the current limit."
     ),
     limit="500 ms, twice the start time more before a start; 1.2 times the torque of the current limit",
     scenarios="runs of the nominal drive whose shaft locks before a start, or at a steady speed under a load",
-    formula="the lesser of 1 - time until it is told for good / limit and 1 - greatest torque / limit",
+    formula="the lesser of 1 - time until it is reported for good / limit and 1 - greatest torque / limit",
     why="A start that goes on for ever before a locked rotor burns the winding.",
     evaluate=lost_rotor,
     reason_not_applicable=if_speed,

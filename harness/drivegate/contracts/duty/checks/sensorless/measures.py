@@ -8,6 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drivegate.checks.stretches import lasting_from, stretches
+
 Array = NDArray[np.float64]
 
 
@@ -36,11 +38,8 @@ def start_of(speed: Array, least: float, sense: float, pole_pairs: int, period: 
         Control period (s).
     """
     ahead = sense * speed
-    below = np.flatnonzero(ahead < least)
-    last = int(below[-1]) + 1 if below.size else 0
-    reached = last * period if last < len(speed) else float("inf")
     turned = np.cumsum(ahead) * period * pole_pairs
-    return Start(reached, max(-float(np.min(turned)), 0.0))
+    return Start(_lasting_after_s(ahead >= least, period), max(-float(np.min(turned)), 0.0))
 
 
 def angle_errors(estimate: Array, angle: Array, pole_pairs: int) -> Array:
@@ -67,15 +66,18 @@ def mean_and_peak_deg(errors: Array) -> tuple[float, float]:
 
 def longest_s(marked: NDArray[np.bool_], period: float) -> float:
     """Return the length of the longest unbroken stretch of marked control periods (s)."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], marked.astype(np.int8), [0]))))
-    return float(np.max(edges[1::2] - edges[::2])) * period if edges.size else 0.0
+    return max((last - first for first, last in stretches(marked)), default=0) * period
 
 
 def back_after_s(error: Array, band: float, period: float) -> float:
     """Return the time after which an error stays within a band (s); infinite if it is outside at the end."""
-    outside = np.flatnonzero(np.abs(error) > band)
-    last = int(outside[-1]) + 1 if outside.size else 0
-    return last * period if last < len(error) else float("inf")
+    return _lasting_after_s(np.abs(error) <= band, period)
+
+
+def _lasting_after_s(inside: NDArray[np.bool_], period: float) -> float:
+    """Return the time after which all control periods are inside (s); infinite if the last one is not."""
+    first = lasting_from(inside)
+    return first * period if first < len(inside) else float("inf")
 
 
 def time_below_s(speed: Array, least: float, period: float) -> float:
