@@ -10,7 +10,7 @@ from drivegate.candidates.fault import CandidateFault, Fault, FaultKind
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.drives.running import recorded
 from drivegate.gate.shard import content_key
-from drivegate.gate.shrinking import BUDGET, is_as_fair, simplest_of
+from drivegate.gate.shrinking import BUDGET, Trials, simplest_of
 from drivegate.scenarios.title import titled
 from drivegate_cases.documents.document import parse_document
 from drivegate_cases.scenario.scenario import Scenario
@@ -44,29 +44,21 @@ def run_fault_shrink(loaded: JudgedCandidate, plan: FaultPlan) -> Fault:
     return replace(fault, scenario=shown.to_mapping())
 
 
-class _Trials:
+class _Trials(Trials[Fault]):
+    """Runs that end by one fault; that of the first scenario is known."""
+
     def __init__(self, loaded: JudgedCandidate, plan: FaultPlan, start: Scenario) -> None:
-        self._loaded, self._plan, self._start = loaded, plan, start
-        self._known = {content_key(start.to_mapping())}
-        self._runs = 0
+        super().__init__(loaded.candidate.declaration, start, plan.budget)
+        self._loaded, self._fault = loaded, plan.fault
+        self._known.add(content_key(start.to_mapping()))
 
-    @property
-    def spent(self) -> bool:
-        return self._runs >= self._plan.budget
-
-    def failure(self, scenario: Scenario) -> Fault | None:
-        self._known.add(content_key(scenario.to_mapping()))
-        self._runs += 1
+    def _found(self, scenario: Scenario) -> Fault | None:
         try:
             # The process of the last instance has ended with it.
             recorded(self._loaded, scenario, self._loaded.controller())
         except CandidateFault as ended:
-            return ended.fault if _is_same(ended.fault, self._plan.fault) else None
+            return ended.fault if _is_same(ended.fault, self._fault) else None
         return None
-
-    def is_due(self, scenario: Scenario) -> bool:
-        is_new = content_key(scenario.to_mapping()) not in self._known
-        return is_new and is_as_fair(scenario, self._start, self._loaded.candidate.declaration)
 
 
 def _is_same(fault: Fault, other: Fault) -> bool:

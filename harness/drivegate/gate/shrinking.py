@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Final, Protocol, TypeVar
+from typing import Any, Final, Generic, TypeVar
 
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind
@@ -28,7 +29,6 @@ from drivegate_cases.documents.document import parse_document
 from drivegate_cases.scenario.scenario import Scenario
 
 FoundT = TypeVar("FoundT")
-FoundT_co = TypeVar("FoundT_co", covariant=True)
 
 _ROUNDING: Final = 1e-9
 """Share of a margin by which rounding may make a simpler failure worse (1)."""
@@ -96,36 +96,58 @@ def _witnessed(
     return scenario, margin
 
 
-class _Trials:
-    """Runs of one check, each scenario at most once."""
+class Trials(ABC, Generic[FoundT]):
+    """Runs that show whether a simpler scenario still fails, each scenario at most once."""
+
+    def __init__(self, declaration: Declaration, start: Scenario, budget: int) -> None:
+        self._declaration = declaration
+        self._start = start
+        self._budget = budget
+        self._known: set[str] = set()
+        self.runs = 0
+
+    @property
+    def spent(self) -> bool:
+        """Whether no more run may be made."""
+        return self.runs >= self._budget
+
+    def failure(self, scenario: Scenario) -> FoundT | None:
+        """Run a scenario, and return what is wrong; None if it is not what is looked for."""
+        # Different simplifications often lead to the same scenario, and a run costs far more than its key.
+        self._known.add(content_key(scenario.to_mapping()))
+        self.runs += 1
+        return self._found(scenario)
+
+    @abstractmethod
+    def _found(self, scenario: Scenario) -> FoundT | None:
+        """Run a scenario that counts already."""
+
+    def is_due(self, scenario: Scenario) -> bool:
+        """Return True if a scenario was not run yet, is what the candidate declares, and is as fair as the first."""
+        is_new = content_key(scenario.to_mapping()) not in self._known
+        return is_new and _is_as_fair(scenario, self._start, self._declaration)
+
+
+class _Trials(Trials[Margin]):
+    """Runs of one check."""
 
     def __init__(self, loaded: JudgedCandidate, plan: ShrinkPlan, scenario: Scenario) -> None:
+        super().__init__(loaded.candidate.declaration, scenario, plan.budget)
         self._loaded = loaded
         self._controller = loaded.controller()
-        self._check = check_of(scenario.drive.contract, plan.check, loaded.candidate.declaration)
-        self._budget = plan.budget
+        self._check = check_of(scenario.drive.contract, plan.check, self._declaration)
         self.has_witnesses = plan.check not in UNWITNESSED and bool(witnesses_on(plan.check, scenario.drive))
-        self._start = scenario
-        self._known: set[str] = set()
         self.worst = -math.inf
         self.witness: Witness | None = None
         """What meets the check in the first scenario, and may not be lost; None before it is known."""
-        self.runs = 0
 
     def begin(self, scenario: Scenario) -> None:
         """Set what every simpler scenario is compared with."""
         self._start = scenario
         self.witness = self.witness_in(scenario)
 
-    @property
-    def spent(self) -> bool:
-        return self.runs >= self._budget
-
-    def failure(self, scenario: Scenario) -> Margin | None:
+    def _found(self, scenario: Scenario) -> Margin | None:
         """Run a scenario, and return the margin if the check fails, and no worse than it is reported."""
-        # Different simplifications often lead to the same scenario, and a run costs far more than its key.
-        self._known.add(content_key(scenario.to_mapping()))
-        self.runs += 1
         try:
             record = recorded(self._loaded, scenario, self._controller)
         except CandidateFault as ended:
@@ -147,37 +169,17 @@ class _Trials:
         return margin
 
     def witness_in(self, scenario: Scenario) -> Witness | None:
-        declaration = self._loaded.candidate.declaration
         first = () if self.witness is None else (self.witness,)
-        return witness_that_meets(self._check.id, scenario, declaration, first)
-
-    def is_due(self, scenario: Scenario) -> bool:
-        """Return True if a scenario was not run yet, is what the candidate declares, and is as fair as the first."""
-        is_new = content_key(scenario.to_mapping()) not in self._known
-        return is_new and is_as_fair(scenario, self._start, self._loaded.candidate.declaration)
+        return witness_that_meets(self._check.id, scenario, self._declaration, first)
 
 
-def is_as_fair(scenario: Scenario, start: Scenario, declaration: Declaration) -> bool:
+def _is_as_fair(scenario: Scenario, start: Scenario, declaration: Declaration) -> bool:
     """Return True if a simpler scenario is what a candidate declares, and as fair as the one that it came from."""
     lowest, highest = declaration.speed_range_rpm or (-math.inf, math.inf)
     declared = all(lowest <= speed <= highest for _, speed in scenario.speed_rpm) and (
         declaration.reverses or needs_reverse(start) or not needs_reverse(scenario)
     )
     return declared and contract_of(scenario.drive).is_as_fair(scenario, start)
-
-
-class Trials(Protocol[FoundT_co]):
-    """Runs that show whether a scenario still fails."""
-
-    @property
-    def spent(self) -> bool:
-        """Whether no more run may be made."""
-
-    def failure(self, scenario: Scenario) -> FoundT_co | None:
-        """Run a scenario, and return what is wrong; None if it is not what is looked for."""
-
-    def is_due(self, scenario: Scenario) -> bool:
-        """Return True if a scenario is worth a run."""
 
 
 def simplest_of(scenario: Scenario, found: FoundT, trials: Trials[FoundT]) -> tuple[Scenario, FoundT]:

@@ -11,7 +11,7 @@ from drivegate_models.units import RADIANS_PER_RPM
 START_CURRENT: Final = 0.8
 """Current by which a shaft starts without a sensor, over the current limit (1)."""
 START_TORQUE: Final = 0.5
-"""Greatest load of such a start, over rated torque (1)."""
+"""Greatest load of a start without a sensor, over rated torque (1)."""
 _LEAST_SHARE: Final = 0.05
 # EMF over the fundamental of the dead time's error, and torque that the resistance's error is stated for, over the
 # rated one. A resistance that is 30 % off must cost 30 % of the EMF at most, so both are equal.

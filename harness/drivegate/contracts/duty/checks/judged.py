@@ -106,7 +106,7 @@ def _least(drive: PmAcDrive, limits: Limits, speed: float, torque: float, purpos
 
 
 def _is_supplied(drive: PmAcDrive, power: float) -> bool:
-    """Return True if a link supplies a power, or takes it back (W), with some in hand for its regulation."""
+    """Return True if a link supplies a power, or takes it back (W), with a margin for its regulation."""
     link = drive.dc_link
     if is_ideal(link):
         return True

@@ -40,7 +40,7 @@ HOLDING_SHARE: Final = 0.7
 APPROACH: Final = 1.5
 """Length of a run that heats the windings, over the time in which the whole current does (1)."""
 SETTLED_S: Final = 2.0
-"""Time of such a run beyond that (s)."""
+"""Time of a run with heated windings beyond that (s)."""
 LONGEST_S: Final = 20.0
 """Longest run that heats the windings (s)."""
 _KEPT: Final = 1000
