@@ -2,18 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import Any
+from collections import Counter
 
 import pytest
-
-
-def one_in(step: int, cases: Iterable[Any]) -> list[Any]:
-    """Mark all cases of a sweep as nightly but the first one of so many."""
-    return [
-        case if place % step == 0 else pytest.param(case, marks=pytest.mark.nightly)
-        for place, case in enumerate(cases)
-    ]
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -22,13 +13,29 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """State what the marker is for."""
+    """State what the markers are for."""
     config.addinivalue_line(
         "markers", "nightly: shows once more what another test shows; left out without --nightly"
+    )
+    config.addinivalue_line(
+        "markers", "one_in(step): of the cases of this test, the first one of so many runs without --nightly"
     )
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leave nightly tests out, unless nothing else is chosen."""
-    if not config.getoption("--nightly"):
-        items[:] = [item for item in items if item.get_closest_marker("nightly") is None] or items
+    """Leave nightly tests and cases out, unless nothing else is chosen."""
+    if config.getoption("--nightly"):
+        return
+    cases: Counter[str] = Counter()
+    daily = []
+    for item in items:
+        sweep = item.get_closest_marker("one_in")
+        if item.get_closest_marker("nightly"):
+            continue
+        if sweep is not None:
+            name = item.nodeid.partition("[")[0]
+            cases[name] += 1
+            if (cases[name] - 1) % sweep.args[0]:
+                continue
+        daily.append(item)
+    items[:] = daily or items

@@ -2,9 +2,12 @@
 
 from concurrent.futures import ThreadPoolExecutor
 
+import pytest
+
 from one_verdict import here, restrictions
 
 
+@pytest.mark.nightly
 def test_restricted_targets_give_the_same_bits():
     # The processor's own instructions, and the fewest that any has.
     targets = {name: given for name, given in restrictions().items() if name in ("as it is", "x86-64")}

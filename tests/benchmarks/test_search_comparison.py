@@ -5,7 +5,6 @@ from math import dist
 from statistics import median
 
 import pytest
-from tests.nightly import one_in
 
 from rare_severities import rareness
 from search_methods import METHODS, SHARD_ALLOWANCE, Trial, random_points
@@ -60,7 +59,8 @@ def test_points_lie_on_the_grid_inside_the_cube() -> None:
     assert on_grid((-0.2, 1.7, 0.12345)) == (0.0, 1.0, 123 / GRID)
 
 
-@pytest.mark.parametrize("fault", one_in(3, SUDDEN), ids=lambda fault: fault.name)
+@pytest.mark.one_in(3)
+@pytest.mark.parametrize("fault", SUDDEN, ids=lambda fault: fault.name)
 def test_a_pocket_takes_up_the_share_that_its_level_says(fault: WeakenedFault) -> None:
     share = 1.0 / expected_draws(0)
     trial = Trial(lambda _point: 1.0, 40_000)

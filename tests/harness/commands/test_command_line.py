@@ -11,7 +11,6 @@ from pathlib import Path
 
 import click
 import pytest
-from tests.nightly import one_in
 
 from drivegate import __version__
 from drivegate.candidates.kinds import KINDS, MANIFEST_SUFFIX
@@ -242,7 +241,8 @@ def test_a_check_whose_terminal_is_closed_exits_with_130_and_leaves_nothing(tmp_
     assert list(tmp_path.iterdir()) == [], "an interrupted check leaves no folder behind"
 
 
-@pytest.mark.parametrize("ending", one_in(2, [signal.SIGINT, signal.SIGTERM]))
+@pytest.mark.one_in(2)
+@pytest.mark.parametrize("ending", [signal.SIGINT, signal.SIGTERM])
 def test_a_check_that_is_terminated_exits_with_130_and_leaves_what_it_knows(tmp_path, ending):
     document = ended_by(ending, tmp_path, "--workers", "1")
     assert [path.name for path in tmp_path.iterdir()] == ["drivegate-report"], "nothing unfinished stays"

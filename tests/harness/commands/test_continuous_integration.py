@@ -187,6 +187,7 @@ def filled_condition(text: str, values: dict[str, str]) -> str:
     return re.sub(r"(inputs|runner|steps)(\.[a-z-]+)+", lambda found: repr(values[found[0]]), text)
 
 
+@pytest.mark.nightly
 def test_only_the_gate_fails_and_every_other_step_runs(github: Job) -> None:
     shell = [
         step["name"]

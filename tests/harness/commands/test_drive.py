@@ -238,6 +238,7 @@ def test_constants_are_fitted_to_published_points_and_can_be_set_as_printed(comm
     assert again["points"][0]["fitted_torque_nm"] == pytest.approx(9.8)
 
 
+@pytest.mark.nightly
 def test_what_a_fit_cannot_show_is_stated(command, tmp_path):
     rows = "".join(f"5,0,{1.2 * current},{current}\n" for current in (1, 2, 3, 4, 5))
     (tmp_path / "slow.csv").write_text(f"speed_rpm,advance_deg,torque_nm,current_a\n{rows}", encoding="utf-8")
@@ -295,6 +296,7 @@ def test_a_pm_ac_drive_is_reported_by_its_limits_of_current_and_voltage(command,
     assert "900 W needs 4.09 N·m at 2100 rpm" in much["unreachable"][0]["message"]
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("name", "changes", "value"),
     [

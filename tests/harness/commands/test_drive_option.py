@@ -34,6 +34,7 @@ def test_a_drive_that_there_is_not_is_refused(refused, name, drive, reason):
     assert reason in refused(name, *COMMANDS[name], "--drive", drive)
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("name", ["check", "compare"])
 def test_a_rating_that_no_controller_can_meet_is_refused_before_any_run(refused, tmp_path, name):
     weak = load_drive("paper-5-phase").replaced(name="weak", current_limit_a=20.0)

@@ -10,7 +10,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.nightly import one_in
 
 from drivegate.candidates.fault import Fault
 from drivegate.candidates.resolution import resolve_candidate
@@ -70,7 +69,8 @@ def plain_runs(drive: str) -> tuple[Scenario, Scenario, Scenario]:
 
 
 @pytest.mark.parametrize("kind", DUTY_KINDS)
-@pytest.mark.parametrize("drive", one_in(2, DRIVES))
+@pytest.mark.one_in(2)
+@pytest.mark.parametrize("drive", DRIVES)
 def test_it_follows_steps_into_weakening_on_every_packaged_drive(written, kind: str, drive: str) -> None:
     candidate = resolve_candidate(str(written(kind) / "candidate.toml"))
     required = {"ACC-1", "DUT-1", "OVC-1"}

@@ -111,6 +111,7 @@ with Judge(resolve_candidate({specification!r})) as worker:
 """
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(
     ("ending", "isolation"),
     [(signal.SIGKILL, "auto"), (signal.SIGTERM, "auto"), (signal.SIGINT, "auto"), (signal.SIGKILL, "none")],

@@ -16,7 +16,6 @@ import psutil
 import pytest
 from tests.harness import worker_jobs
 from tests.harness.beside_templates import copies
-from tests.nightly import one_in
 
 from drivegate.candidates.fault import Fault
 from drivegate.candidates.resolution import resolve_candidate
@@ -130,7 +129,8 @@ def look(judge: Callable[..., Judge]) -> Callable[[], tuple[dict[str, Any], list
     return looked
 
 
-@pytest.mark.parametrize("isolation", one_in(2, ["auto", "none"]))
+@pytest.mark.one_in(2)
+@pytest.mark.parametrize("isolation", ["auto", "none"])
 def test_a_copy_finds_around_it_what_a_new_process_finds(
     look: Callable[[], Any], own_templates: Templates, monkeypatch: pytest.MonkeyPatch, isolation: str
 ) -> None:
@@ -192,7 +192,8 @@ def test_judges_that_start_together_are_copies(own_templates: Templates) -> None
     assert found[0] == found[1]
 
 
-@pytest.mark.parametrize("kind", one_in(2, ["own", "python"]))
+@pytest.mark.one_in(2)
+@pytest.mark.parametrize("kind", ["own", "python"])
 def test_a_judge_that_is_a_copy_has_what_was_prepared_before_it_started(
     own_templates: Templates, tmp_path: Path, kind: str
 ) -> None:
@@ -232,7 +233,8 @@ UNSTEADY = {
 }
 
 
-@pytest.mark.parametrize("source", one_in(2, UNSTEADY))
+@pytest.mark.one_in(3)
+@pytest.mark.parametrize("source", UNSTEADY)
 def test_what_copies_share_does_not_pass_for_deterministic(
     judge: Callable[..., Judge], monkeypatch: pytest.MonkeyPatch, source: str
 ) -> None:
@@ -257,6 +259,7 @@ def test_what_copies_share_does_not_pass_for_deterministic(
     assert len({first, *repeated}) == 3
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("harm", [signal.SIGKILL, signal.SIGSTOP])
 def test_without_its_template_a_candidate_has_a_new_process(
     judge: Callable[..., Judge], own_templates: Templates, monkeypatch: pytest.MonkeyPatch, harm: int
@@ -289,7 +292,8 @@ with Judge(resolve_candidate(sys.argv[1])) as judge:
 """
 
 
-@pytest.mark.parametrize("ending", one_in(2, [signal.SIGKILL, signal.SIGTERM]))
+@pytest.mark.one_in(2)
+@pytest.mark.parametrize("ending", [signal.SIGKILL, signal.SIGTERM])
 def test_a_template_and_its_copies_end_with_the_harness(tmp_path: Path, ending: int) -> None:
     scratch = tmp_path / "scratch"
     scratch.mkdir()

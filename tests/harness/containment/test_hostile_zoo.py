@@ -432,6 +432,7 @@ def assert_well_reported(fault):
     assert fault.traceback.replace("\n", "").isprintable()
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("harm", IN_PYTHON)
 def test_harm_in_a_step_of_a_python_candidate(python_candidate, harm):
     statement, kind, message = IN_PYTHON[harm]
@@ -466,6 +467,7 @@ def test_a_candidate_without_a_method_is_refused(tmp_path, method):
         outcome_of(resolve_candidate(f"{file}:Mine"))
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("harm", IN_PROGRAM)
 def test_harm_in_a_step_of_a_program(program, harm):
     statement, kind, message = IN_PROGRAM[harm]
@@ -540,6 +542,7 @@ UNSTEADY = {
 }
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("source", UNSTEADY)
 def test_an_answer_that_depends_on_anything_else_is_non_deterministic(tmp_path, source, not_isolated):
     file = tmp_path / "mine.py"
@@ -573,6 +576,7 @@ def harmful(folder: Path, name: str, step: str) -> str:
     return f"{folder / name}.py:Mine"
 
 
+@pytest.mark.nightly
 def test_candidates_beside_a_harmful_one_have_their_usual_results(tmp_path, monkeypatch, capfd):
     monkeypatch.setattr(engine, "planned_work", lambda *given, **named: planned_work(*given, **named)[:2])
     chosen = [

@@ -117,6 +117,7 @@ for check in catalogue.CHECKS:
 """
 
 
+@pytest.mark.nightly
 def test_a_candidate_that_replaces_the_checks_is_judged_all_the_same(attempt):
     plain, forged = attempt(target=margins_of), attempt(top=REPLACED, target=margins_of)
     assert [margin for margin in forged if margin.check != "TIM-1"] == [

@@ -101,6 +101,7 @@ def test_a_failure_with_everything_in_it_becomes_a_plain_one() -> None:
     assert scenario.scales == type(scenario.scales)(), scenario.description
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("budget", [15, 40])
 @pytest.mark.parametrize(
     ("name", "scenario", "check"),

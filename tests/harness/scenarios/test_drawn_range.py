@@ -110,6 +110,7 @@ def test_every_family_is_tried() -> None:
     )
 
 
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize("family", DUTY_FAMILIES, ids=lambda family: family_name(family.__name__))
 def test_what_duty_ratios_are_judged_on_stays_in_the_range_of_its_family(family: Any) -> None:
     (slowest, fastest), (least, greatest) = DUTY_RANGES[family_name(family.__name__)]
@@ -123,6 +124,7 @@ def test_what_duty_ratios_are_judged_on_stays_in_the_range_of_its_family(family:
                 assert least - 0.01 <= share <= greatest + 0.01, f"{simpler.name} of {scenario.name}"
 
 
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize("family", OUTER_FAMILIES, ids=lambda family: family_name(family.__name__))
 def test_what_angles_are_judged_on_stays_in_the_range_of_its_family(family: Any) -> None:
     for scenario in draws(family(PAPER, None), 2, start=1):

@@ -117,6 +117,7 @@ def test_a_drive_as_plain_data_has_the_same_scale() -> None:
     assert scale_of_mapping(SMALL.to_mapping()) == scale_of(SMALL)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     "family", [family for group in FAMILY_GROUPS for family in group], ids=lambda family: family.__name__
 )
@@ -152,6 +153,7 @@ def test_joint_runs_are_drawn_for_another_drive() -> None:
     assert all(scenario.drive == SMALL for scenario in drawn)
 
 
+@pytest.mark.nightly
 def test_a_star_is_run_through_hall_switches_which_see_no_false_edges() -> None:
     star = load_drive("star-3-phase")
     drawn = (*fixed_scenarios(star), *combined_scenarios(star, None, 0))

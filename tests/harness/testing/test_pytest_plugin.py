@@ -359,6 +359,7 @@ def test_candidates_of_the_same_name_get_a_folder_each(pytester: pytest.Pytester
     assert len(list((pytester.path / "found").iterdir())) == 2
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("arguments", "options", "reason"),
     [
@@ -426,6 +427,7 @@ def test_importing_drivegate_brings_neither_pytest_nor_anything_heavy() -> None:
     assert ended.stdout.strip() == "[]"
 
 
+@pytest.mark.nightly
 def test_the_items_of_the_reference_come_out_as_the_gate_has_them_for_real(
     pytester: pytest.Pytester, few_runs: None
 ) -> None:

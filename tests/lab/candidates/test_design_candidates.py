@@ -34,6 +34,7 @@ def failed_margins(name: str, scenario: Scenario) -> list[Margin]:
     return [margin for margin in margins if margin is not None and not margin.met and not margin.advisory]
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", DESIGN_CANDIDATES)
 @pytest.mark.parametrize("scenario_name", HARD)
 def test_a_design_rests_at_the_optimum(name: str, scenario_name: str) -> None:
@@ -74,6 +75,7 @@ def test_an_edge_that_a_long_stride_has_shown_is_looked_for_again_by_small_ones(
     assert not failed, failed
 
 
+@pytest.mark.nightly
 def test_a_search_has_its_time_from_the_moment_on_at_which_the_load_changes() -> None:
     steady = steady_scenario(load_drive("star-24v-3-phase"), 5350.0, power_share=1.0, constant_power=False)
     changing = with_load_shares(steady, (0.0, 0.8), (3.5, 1.0), (4.9, 0.8))
@@ -99,6 +101,7 @@ def test_a_design_does_not_rest_where_regulator_and_band_beat() -> None:
     assert not failed, failed
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", DESIGN_CANDIDATES)
 def test_a_design_does_not_rest_where_the_current_sum_swings_within_a_step_of_the_encoder(name: str) -> None:
     steady = steady_scenario(load_drive("paper-5-phase"), 1440.0, power_share=1.0, constant_power=False)

@@ -202,6 +202,7 @@ def test_a_faulty_controller_is_caught_by_its_check_on_a_machine_without_salienc
     assert check in failed_checks(f"faulty:{name}", revealing_runs(drive)[1:2])
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", rarer_runs())
 def test_a_fault_of_a_rarer_operation_is_caught_there_alone(name: str) -> None:
     run = rarer_runs()[name]

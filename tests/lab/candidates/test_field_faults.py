@@ -24,6 +24,7 @@ def runs_of(kind: str) -> tuple[Scenario, ...]:
     return tuple(KINDS[kind](INTERIOR))
 
 
+@pytest.mark.one_in(3)
 @cache
 @pytest.mark.parametrize("name", FIELD_FAULTS)
 def test_a_fault_from_the_field_is_caught_in_a_run_of_its_kind(name: str) -> None:

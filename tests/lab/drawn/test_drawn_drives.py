@@ -154,6 +154,7 @@ def test_packaged_drives_lie_within_the_bounds(name: str) -> None:
 
 
 # Numbers that have one, and are drawn quickly; the last is too slow to be checked.
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(("name", "number"), [("half-bridge", 5), ("star", 35), ("pm-ac", 7), ("pm-ac", 39)])
 def test_a_drive_that_a_check_refuses_is_rejected(name: str, number: int) -> None:
     kind = DRAWN_KINDS[name]

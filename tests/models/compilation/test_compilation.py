@@ -11,7 +11,6 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
-from tests.nightly import one_in
 
 import drivegate_models
 from drivegate_models.compilation import kernels as compilation
@@ -227,7 +226,8 @@ def test_a_function_is_compiled_once_for_all_constants_and_callable_all_the_same
     assert _printed(tmp_path, f"from constants import scaled, three; {shown}") == "6.0 [(int64, float64)] 2.0"
 
 
-@pytest.mark.parametrize("decorator", one_in(2, ["inlined", "unallocating"]))
+@pytest.mark.one_in(2)
+@pytest.mark.parametrize("decorator", ["inlined", "unallocating"])
 def test_an_inner_function_has_machine_code_in_its_callers_alone(tmp_path: Path, decorator: str) -> None:
     """Another process takes its code from the cache, for a caller that is compiled there."""
     constants = _CONSTANTS.replace("@inlined", f"@{decorator}")

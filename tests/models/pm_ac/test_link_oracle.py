@@ -68,6 +68,7 @@ def on_a_grid(drive: PmAcDrive, speed: float, sign: float) -> float:
     return float(np.max(np.where(inside, sign * torque, -np.inf)))
 
 
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize("saliency", [1.0, 2.5])
 @pytest.mark.parametrize("speed", [100.0, 470.0, 900.0])
 @pytest.mark.parametrize("link", [SUPPLY, PACK, BURNER], ids=["supply", "battery", "chopper"])

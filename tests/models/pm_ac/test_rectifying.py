@@ -86,6 +86,7 @@ def test_below_the_speed_at_which_the_diodes_conduct_there_is_nothing_to_settle(
     assert not phases.currents.any()
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("angle", [0.0, 2.0])
 @pytest.mark.parametrize("rpm", [4500.0, 9000.0, -6000.0])
 def test_the_steady_state_repeats_itself_in_a_simulation_that_shares_no_code(

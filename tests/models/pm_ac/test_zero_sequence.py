@@ -98,6 +98,7 @@ def farthest_flux(ratios: NDArray[np.float64], *, is_symmetric: bool) -> float:
     return float(np.max(np.abs(np.cumsum(voltages * lengths)), initial=0.0))
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize(("is_symmetric", "most"), [(True, 1.0 / 12.0), (False, 1.0 / 6.0)])
 @pytest.mark.parametrize("kind", MODULATION_NUMBERS.values(), ids=MODULATION_NUMBERS)
 @given(angle=st.floats(-pi, pi), size=st.floats(0.0, 1.0))

@@ -63,6 +63,7 @@ def step_of_load(drive: DriveDocument, speed: float, share: float, time: float) 
     )
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize(("speed", "share"), [(1.3, 1.0), (3.0, 1.0), (2.0, 0.3)])
 @pytest.mark.parametrize("name", ["initial", "reference", EXAMPLE])
 def test_a_drive_in_other_units_is_controlled_alike(name: str, speed: float, share: float) -> None:

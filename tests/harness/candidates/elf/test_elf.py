@@ -267,6 +267,7 @@ def test_the_cycles_of_an_instruction_are_those_of_the_manual(
     assert cycles_of(*halfwords) == cycles
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(
     ("limit", "is_met"),
     [
@@ -349,6 +350,7 @@ def test_an_image_gives_the_commands_of_a_build_for_this_machine(
         assert judge.once(Job(digests_of_two_runs, scenario)) == [on_target, on_target]
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(
     ("step", "reported"),
     [
@@ -432,6 +434,7 @@ READ_TWO = 'ldrd%s r2, r3, [%%0]" :: "r"((char *)self + 1) : "r2", "r3", "cc");'
 DIVIDE = '*(volatile int *)0xE000ED14 = {}; __asm__ volatile("udiv r2, r2, %0" :: "r"({}) : "r2");'
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(
     ("step", "target", "reported"),
     [

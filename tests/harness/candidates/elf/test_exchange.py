@@ -164,6 +164,7 @@ def test_a_function_is_answered_in_the_registers_of_its_type(made: Make, target:
     assert controller.taken_costs().instructions > 10
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(
     ("tables", "reason"),
     [

@@ -43,6 +43,7 @@ def by_registers(tmp_path_factory: pytest.TempPathFactory) -> NDArray[np.float64
     return torque
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(
     ("manifest", "debug"),
     [

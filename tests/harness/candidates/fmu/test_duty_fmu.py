@@ -134,6 +134,7 @@ def test_a_drive_of_the_other_contract_is_refused_in_one_sentence(made) -> None:
         load_controller(candidate).reset(currents.nameplate())
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(
     ("old", "new", "reason"),
     [

@@ -12,7 +12,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from tests.harness import worker_jobs
-from tests.nightly import one_in
 
 from drivegate.candidates.fault import CandidateFault, FaultKind
 from drivegate.candidates.fmu.instance import FmuError
@@ -328,7 +327,8 @@ FAULTS = {
 }
 
 
-@pytest.mark.parametrize("version", one_in(2, VERSIONS))
+@pytest.mark.one_in(3)
+@pytest.mark.parametrize("version", VERSIONS)
 @pytest.mark.parametrize("fault", FAULTS)
 def test_a_fault_in_a_step_gets_its_verdict_and_the_next_job_works(fault, version, workshop):
     statement, kind, message = FAULTS[fault]
@@ -374,6 +374,7 @@ def test_no_instance_is_a_fault_of_the_reset(version, workshop, altered):
     assert fault.message.endswith("returned no instance: modelDescription.xml belongs to another build")
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("version", VERSIONS)
 @pytest.mark.parametrize(
     ("status", "name", "freed"),
@@ -423,7 +424,8 @@ UNUSABLE = {
 }
 
 
-@pytest.mark.parametrize("version", one_in(2, VERSIONS))
+@pytest.mark.one_in(2)
+@pytest.mark.parametrize("version", VERSIONS)
 @pytest.mark.parametrize("case", UNUSABLE)
 def test_variables_that_do_not_fit_are_all_reported(case, version, workshop, altered):
     replacements, reason = UNUSABLE[case]
@@ -521,6 +523,7 @@ REFUSED = {
 }
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("case", REFUSED)
 def test_an_fmu_that_is_not_for_this_is_refused(case, workshop, altered):
     version, replacement, reason = REFUSED[case]

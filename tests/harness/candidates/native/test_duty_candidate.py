@@ -103,6 +103,7 @@ def test_a_duty_ratio_beyond_its_range_fails_its_check(ended) -> None:
     assert "to 1.2" in margins["DUT-1"].measured
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(
     ("statement", "message"),
     [
@@ -121,6 +122,7 @@ def test_an_answer_that_is_none_is_reported_with_its_inputs(ended, statement: st
     assert len(fault.sense["phase_currents"]) == 3
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(
     ("parts", "kind", "message"),
     [

@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.nightly import one_in
 
 from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.resolution import resolve_candidate
@@ -49,7 +48,8 @@ def controllers(tmp_path_factory):
 
 
 @pytest.mark.needs("rustc")
-@pytest.mark.parametrize("name", one_in(6, SCENARIOS))
+@pytest.mark.one_in(12)
+@pytest.mark.parametrize("name", SCENARIOS)
 def test_every_language_gives_the_same_trace(controllers, name):
     runs = {
         language: run_scenario(SCENARIOS[name], controller, trace_every=1)
@@ -64,7 +64,8 @@ def test_every_language_gives_the_same_trace(controllers, name):
 
 
 @pytest.mark.needs("rustc")
-@pytest.mark.parametrize("name", one_in(6, SCENARIOS))
+@pytest.mark.one_in(12)
+@pytest.mark.parametrize("name", SCENARIOS)
 def test_the_example_meets_every_required_check_on_the_fixed_scenarios(controllers, name):
     scenario = SCENARIOS[name]
     declaration = resolve_candidate(str(EXAMPLES / "c" / "candidate.toml")).declaration

@@ -88,6 +88,7 @@ def test_what_has_not_changed_is_not_compiled_again(folder, monkeypatch, written
     assert libraries(folder)[0].stat().st_mtime_ns == built
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("change", ["source", "header", "flags", "further"])
 def test_whatever_changes_is_compiled_again_and_changes_the_hash(folder, change, written, controller_source):
     written(folder, controller_source(top='#include "gains.h"\n'))
@@ -236,6 +237,7 @@ def test_a_manifest_that_cannot_be_built_is_reported(
     assert sentence in refusal(manifest(folder, *lines, entry=entry))
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(
     ("source", "sentence"),
     [
@@ -302,6 +304,7 @@ def test_a_controller_that_warns_of_nothing_is_not_reported(folder, caplog, writ
     assert caplog.records == []
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(
     ("source", "bounds", "reason"),
     [
@@ -407,6 +410,7 @@ def test_a_wrapper_that_is_a_script_compiles_with_a_cache_of_its_own(
     assert resolve_candidate("mine.c").kind == "c"
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("name", ["-mine.c", "my drive$.c", "mine.C", "Größe.c"])
 def test_a_source_may_have_any_name(folder, name, written, controller_source):
     written(folder, controller_source(), name)

@@ -72,6 +72,7 @@ def test_a_controller_without_fault_runs_to_the_end(ended):
     assert run.steps == 500
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(
     ("statement", "kind", "message"),
     [
@@ -92,6 +93,7 @@ def test_a_fault_of_the_process_is_reported_with_its_step(ended, statement, kind
     assert fault.sense["time"] == pytest.approx(4 * 0.0005)
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(
     ("statement", "kind", "message"),
     [
@@ -109,6 +111,7 @@ def test_a_fault_in_reset_is_reported(ended, statement, kind, message):
     assert message in fault.message
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(
     ("statement", "message"),
     [
@@ -134,6 +137,7 @@ def test_another_size_of_the_command_changes_nothing(ended, size):
     assert run.digest == ended().digest
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(
     ("parts", "message"),
     [
@@ -149,6 +153,7 @@ def test_a_fault_while_loading_is_reported(ended, parts, message):
     assert "while loading the candidate" in fault.message
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(
     ("parts", "sentence"),
     [
@@ -181,6 +186,7 @@ def test_a_newer_minor_version_is_accepted(loaded):
     loaded(version="int64_t drivegate_abi_version(void) { return 1007; }\n")
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(
     ("statement", "check", "column", "clamped"),
     [

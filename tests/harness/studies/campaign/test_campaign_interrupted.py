@@ -29,6 +29,7 @@ def wait_for(output: Path, files: int, process) -> None:
         time.sleep(0.01)
 
 
+@pytest.mark.nightly
 def test_killed_at_any_moment_it_goes_on_to_the_same_bytes(write, start, finish, folder, bytes_of):
     # Of short runs nothing would be left to go on with a tenth of a second later.
     long = load_scenario("fig5-search").replaced(name="long", duration_s=30.0)

@@ -133,6 +133,7 @@ def test_no_worker_outlives_a_map():
     assert [name for name in names if "LokyProcess" in name] == []
 
 
+@pytest.mark.nightly
 def test_the_command_writes_the_same_files_whatever_the_workers(command, tmp_path):
     axes = ("--speed-rpm", "400:2000:41", "--advance-deg", "0:90:46", "--current-a", "6:26:11")
     files = ("--parquet", "map.parquet", "--csv", "map.csv", "--plot", "map.svg")

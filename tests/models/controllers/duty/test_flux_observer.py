@@ -64,6 +64,7 @@ def test_the_argument_of_a_half_turn() -> None:
     assert abs(argument(-1.0, 0.0)) == pytest.approx(pi)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("speed", [80.0, 800.0, -80.0, -800.0])
 @pytest.mark.parametrize("off_deg", [0.0, 60.0, -60.0])
 def test_it_converges_to_angle_and_speed(speed: float, off_deg: float) -> None:

@@ -380,6 +380,7 @@ POINTS = [
 ]
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.kernel
 @pytest.mark.parametrize("point", POINTS, ids=str)
 def test_cycles_from_rest_match_numerical_integration(motor: Callable[..., Drive], point: Point) -> None:

@@ -15,7 +15,6 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from tests.models.pm_ac.plant.test_independent_solver import AXES, BLOCKED, MODULATED, Law, Point, Solver
-from tests.nightly import one_in
 
 from drivegate_models.machine import ledger
 from drivegate_models.machine.advance_status import COMPLETED
@@ -334,11 +333,12 @@ def differences(interior: Callable[..., PmAcDrive], point: LinkedPoint) -> dict[
     }
 
 
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize(
     "point",
     [
         *(pytest.param(point, marks=pytest.mark.kernel) for point in POINTS),
-        *one_in(4, map(_drawn, range(48))),
+        *map(_drawn, range(48)),
     ],
     ids=str,
 )

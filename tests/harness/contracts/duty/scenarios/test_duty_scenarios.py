@@ -62,6 +62,7 @@ SPECIAL_DRIVES = {
 FIRST = settings(max_examples=10, phases=[Phase.generate], database=None, derandomize=True)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("drive", DRIVES, ids=lambda drive: drive.name)
 def test_the_fixed_scenarios_are_fair_judged_somewhere_and_reported_apart(drive: PmAcDocument) -> None:
     fixed = fixed_scenarios(drive, detected=FAILURE_KINDS)

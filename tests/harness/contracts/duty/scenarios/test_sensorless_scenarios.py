@@ -36,6 +36,7 @@ LEAST = least_rpm(INTERIOR)
 FAMILIES = list(dict.fromkeys(family for group in SENSORLESS_GROUPS for family in group))
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("drive", DRIVES, ids=lambda drive: drive.name)
 def test_the_fixed_scenarios_are_fair_judged_somewhere_and_reported_apart(drive: PmAcDocument) -> None:
     fixed = fixed_scenarios(drive)

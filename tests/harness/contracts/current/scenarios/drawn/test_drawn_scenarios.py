@@ -41,6 +41,7 @@ def load_torque(scenario: Scenario, time: float, at: Callable[..., float]) -> fl
     return scenario.load.torque_at(speed, share)
 
 
+@pytest.mark.one_in(3)
 @each_family
 def test_every_drawn_scenario_is_fair(family: Family) -> None:
     @MANY
@@ -59,6 +60,7 @@ def test_every_drawn_scenario_is_fair(family: Family) -> None:
     holds()
 
 
+@pytest.mark.one_in(4)
 @each_family
 def test_no_loaded_reference_falls_faster_than_the_load_slows_the_shaft(family: Family) -> None:
     """Written down without the harness's own rule: J·|dω/dt| is at most the least load torque on the way."""
@@ -79,6 +81,7 @@ def test_no_loaded_reference_falls_faster_than_the_load_slows_the_shaft(family: 
     holds()
 
 
+@pytest.mark.one_in(4)
 @each_family
 def test_drawn_scenarios_are_whole_steps_and_survive_json(family: Family) -> None:
     @MANY
@@ -95,6 +98,7 @@ def test_drawn_scenarios_are_whole_steps_and_survive_json(family: Family) -> Non
     holds()
 
 
+@pytest.mark.one_in(4)
 @each_family
 def test_the_last_steady_stretch_can_be_judged(family: Family) -> None:
     @MANY
