@@ -2,7 +2,7 @@
  * each operation on a double. */
 #include <math.h>
 
-#define REAL float
+#define real float
 #define sin sinf
 #define cos cosf
 #define sqrt sqrtf

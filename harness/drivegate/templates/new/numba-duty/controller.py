@@ -1,7 +1,7 @@
 """Field-oriented control.
 
-Speed, least current for a torque, field weakening, current regulators with decoupling, and a min-max zero sequence.
-Every constant follows from the nameplate; all quantities are in SI units.
+A speed regulator, the least current for a torque, field weakening, current regulators with decoupling and anti-windup,
+and min-max modulation. Every constant follows from the nameplate; all quantities are in SI units.
 """
 
 from math import cos, sin, sqrt
@@ -69,11 +69,11 @@ def step(state, sense, command):
         command.first_duty = command.second_duty = command.third_duty = 0.5
         return
     currents = phase_current(sense, 0), phase_current(sense, 1), phase_current(sense, 2)
-    direct, quadrature = rotor_components(currents, angle)
+    direct, quadrature = park(currents, angle)
     wanted = references(state, sense.reference, sense.speed, electrical, limit)
     error = wanted[0] - direct, wanted[1] - quadrature
     voltage = regulate(state, error, (direct, quadrature), electrical, limit)
-    ratios = duty_ratios(voltage, angle + electrical * state.lead, supply)
+    ratios = modulate(voltage, angle + electrical * state.lead, supply)
     command.first_duty, command.second_duty, command.third_duty = ratios
     command.torque = per_ampere(state, direct) * quadrature
 
@@ -83,7 +83,7 @@ def preload(state, terminals, angle, electrical, supply):
     """Let the integrals begin at what the back-EMF adds to the nominal one, while the bridge is off."""
     # Terminals at the rail of a conducting diode do not show it.
     if max(terminals) < supply:
-        state.direct_integral, induced = rotor_components(terminals, angle)
+        state.direct_integral, induced = park(terminals, angle)
         state.quadrature_integral = induced - electrical * state.flux
 
 
@@ -108,29 +108,29 @@ def regulate(state, error, current, electrical, limit):
     state.direct_integral += state.direct_step * (error[0] + cut * direct / state.direct_gain)
     state.quadrature_integral += state.quadrature_step * (error[1] + cut * quadrature / state.quadrature_gain)
     # A machine that differs from the nameplate shows in the voltage that is requested.
-    state.weakening += state.weakening_step * (0.5 * (1.0 + VOLTAGE_SHARE) * limit - used)
-    state.weakening = min(max(state.weakening, -0.3 * state.limit), 0.0)
+    weakening = state.weakening + state.weakening_step * (0.5 * (1.0 + VOLTAGE_SHARE) * limit - used)
+    state.weakening = between(weakening, -0.3 * state.limit, 0.0)
     return share * direct, share * quadrature
 
 
 @numba.njit
 def references(state, reference, speed, electrical, limit):
     """Return the currents for what the reference requests, as far as the limits allow (A)."""
-    error, torque, voltage = reference - speed, reference, VOLTAGE_SHARE * limit
-    if not state.regulates_torque:
-        state.speed_integral += state.speed_step * error
-        torque = state.speed_gain * error + state.speed_integral
-        if torque * speed < 0.0:
-            voltage -= BRAKING_SHARE * limit * min(abs(torque) / (0.2 * state.greatest), 1.0)
+    error = reference - speed
+    integral = state.speed_integral + state.speed_step * error
+    torque = reference if state.regulates_torque else state.speed_gain * error + integral
     # Negative where the torque brakes: the drop of the resistance is then against the back-EMF.
     turning = -electrical if torque < 0.0 else electrical
+    voltage = VOLTAGE_SHARE * limit
+    if not state.regulates_torque and turning < 0.0:
+        voltage -= BRAKING_SHARE * limit * min(abs(torque) / (0.2 * state.greatest), 1.0)
     direct = direct_for(state, min(abs(torque), state.greatest), turning, voltage)
     direct = max(direct + state.weakening, state.deepest)
     most = max(possible(state, direct, turning, voltage), 0.0)
     # The integral of the speed waits while the limits allow less than it requests.
-    if not state.regulates_torque and abs(torque) > most and torque * error > 0.0:
-        state.speed_integral -= state.speed_step * error
-    return direct, between(torque, most) / per_ampere(state, direct)
+    if abs(torque) <= most or torque * error <= 0.0:
+        state.speed_integral = integral
+    return direct, between(torque, -most, most) / per_ampere(state, direct)
 
 
 @numba.njit
@@ -183,9 +183,9 @@ def per_ampere(state, direct):
 
 
 @numba.njit
-def between(value, bound):
-    """Keep a value within a bound on either side."""
-    return min(max(value, -bound), bound)
+def between(value, least, greatest):
+    """Return a value within bounds."""
+    return min(max(value, least), greatest)
 
 
 @numba.njit
@@ -195,25 +195,24 @@ def magnitude(along, across):
 
 
 @numba.njit
-def rotor_components(phases, angle):
-    """Transform currents (A) or voltages (V) of the phases into the frame of the rotor."""
+def park(phases, angle):
+    """Transform currents (A) or voltages (V) of the phases into the frame of the rotor, by Clarke and Park."""
     first, second, third = phases
     along, across = (2.0 * first - second - third) / 3.0, (second - third) / ROOT_THREE
     return cos(angle) * along + sin(angle) * across, cos(angle) * across - sin(angle) * along
 
 
 @numba.njit
-def duty_ratios(voltage, angle, supply):
-    """Return the duty ratios for a voltage (V), centred in the link by a zero sequence."""
+def modulate(voltage, angle, supply):
+    """Return the duty ratios for a voltage (V), by inverse Park and Clarke, centred in the link by a zero sequence."""
     along = cos(angle) * voltage[0] - sin(angle) * voltage[1]
-    across = sin(angle) * voltage[0] + cos(angle) * voltage[1]
-    second = -0.5 * along + 0.5 * ROOT_THREE * across
-    third = -0.5 * along - 0.5 * ROOT_THREE * across
+    across = 0.5 * ROOT_THREE * (sin(angle) * voltage[0] + cos(angle) * voltage[1])
+    second, third = across - 0.5 * along, -across - 0.5 * along
     middle = 0.5 * (max(along, second, third) + min(along, second, third))
     return (
-        min(max(0.5 + (along - middle) / supply, 0.0), 1.0),
-        min(max(0.5 + (second - middle) / supply, 0.0), 1.0),
-        min(max(0.5 + (third - middle) / supply, 0.0), 1.0),
+        between(0.5 + (along - middle) / supply, 0.0, 1.0),
+        between(0.5 + (second - middle) / supply, 0.0, 1.0),
+        between(0.5 + (third - middle) / supply, 0.0, 1.0),
     )
 
 

@@ -1,7 +1,7 @@
 """Field-oriented control.
 
-Speed, least current for a torque, field weakening, current regulators with decoupling, and a min-max zero sequence.
-Every constant follows from the nameplate; all quantities are in SI units.
+A speed regulator, the least current for a torque, field weakening, current regulators with decoupling and anti-windup,
+and min-max modulation. Every constant follows from the nameplate; all quantities are in SI units.
 """
 
 from math import cos, sin, sqrt
@@ -57,11 +57,11 @@ class Controller:
         if not sense.enable:
             self.preload(sense.phase_voltages, angle, electrical, supply)
             return DutyCommand(duty_ratios=(0.5, 0.5, 0.5))
-        direct, quadrature = rotor_components(sense.phase_currents, angle)
+        direct, quadrature = park(sense.phase_currents, angle)
         wanted = self.references(sense.reference, sense.speed, electrical, limit)
         error = wanted[0] - direct, wanted[1] - quadrature
         voltage = self.regulate(error, (direct, quadrature), electrical, limit)
-        ratios = duty_ratios(voltage, angle + electrical * self.lead, supply)
+        ratios = modulate(voltage, angle + electrical * self.lead, supply)
         return DutyCommand(duty_ratios=ratios, torque=self.per_ampere(direct) * quadrature)
 
     def preload(
@@ -70,7 +70,7 @@ class Controller:
         """Let the integrals begin at what the back-EMF adds to the nominal one, while the bridge is off."""
         # Terminals at the rail of a conducting diode do not show it.
         if max(terminals) < supply:
-            self.direct_integral, induced = rotor_components(terminals, angle)
+            self.direct_integral, induced = park(terminals, angle)
             self.quadrature_integral = induced - electrical * self.flux
 
     def regulate(
@@ -97,29 +97,29 @@ class Controller:
             error[1] + cut * quadrature / self.quadrature_gain
         )
         # A machine that differs from the nameplate shows in the voltage that is requested.
-        self.weakening += self.weakening_step * (0.5 * (1.0 + VOLTAGE_SHARE) * limit - used)
-        self.weakening = min(max(self.weakening, -0.3 * self.limit), 0.0)
+        weakening = self.weakening + self.weakening_step * (0.5 * (1.0 + VOLTAGE_SHARE) * limit - used)
+        self.weakening = between(weakening, -0.3 * self.limit, 0.0)
         return share * direct, share * quadrature
 
     def references(
         self, reference: float, speed: float, electrical: float, limit: float
     ) -> tuple[float, float]:
         """Return the currents for what the reference requests, as far as the limits allow (A)."""
-        error, torque, voltage = reference - speed, reference, VOLTAGE_SHARE * limit
-        if not self.regulates_torque:
-            self.speed_integral += self.speed_step * error
-            torque = self.speed_gain * error + self.speed_integral
-            if torque * speed < 0.0:
-                voltage -= BRAKING_SHARE * limit * min(abs(torque) / (0.2 * self.greatest), 1.0)
+        error = reference - speed
+        integral = self.speed_integral + self.speed_step * error
+        torque = reference if self.regulates_torque else self.speed_gain * error + integral
         # Negative where the torque brakes: the drop of the resistance is then against the back-EMF.
         turning = -electrical if torque < 0.0 else electrical
+        voltage = VOLTAGE_SHARE * limit
+        if not self.regulates_torque and turning < 0.0:
+            voltage -= BRAKING_SHARE * limit * min(abs(torque) / (0.2 * self.greatest), 1.0)
         direct = self.direct_for(min(abs(torque), self.greatest), turning, voltage)
         direct = max(direct + self.weakening, self.deepest)
         most = max(self.possible(direct, turning, voltage), 0.0)
         # The integral of the speed waits while the limits allow less than it requests.
-        if not self.regulates_torque and abs(torque) > most and torque * error > 0.0:
-            self.speed_integral -= self.speed_step * error
-        return direct, between(torque, most) / self.per_ampere(direct)
+        if abs(torque) <= most or torque * error <= 0.0:
+            self.speed_integral = integral
+        return direct, between(torque, -most, most) / self.per_ampere(direct)
 
     def direct_for(self, torque: float, electrical: float, voltage: float) -> float:
         """Return the direct current (A) for a torque: the least, weakened for the voltage, or that of most torque."""
@@ -163,9 +163,9 @@ class Controller:
         return 1.5 * self.pole_pairs * (self.flux - self.saliency * direct)
 
 
-def between(value: float, bound: float) -> float:
-    """Keep a value within a bound on either side."""
-    return min(max(value, -bound), bound)
+def between(value: float, least: float, greatest: float) -> float:
+    """Return a value within bounds."""
+    return min(max(value, least), greatest)
 
 
 def magnitude(along: float, across: float) -> float:
@@ -173,22 +173,18 @@ def magnitude(along: float, across: float) -> float:
     return sqrt(along * along + across * across)
 
 
-def rotor_components(phases: tuple[float, float, float], angle: float) -> tuple[float, float]:
-    """Transform currents (A) or voltages (V) of the phases into the frame of the rotor."""
+def park(phases: tuple[float, float, float], angle: float) -> tuple[float, float]:
+    """Transform currents (A) or voltages (V) of the phases into the frame of the rotor, by Clarke and Park."""
     first, second, third = phases
     along, across = (2.0 * first - second - third) / 3.0, (second - third) / ROOT_THREE
     return cos(angle) * along + sin(angle) * across, cos(angle) * across - sin(angle) * along
 
 
-def duty_ratios(voltage: tuple[float, float], angle: float, supply: float) -> tuple[float, float, float]:
-    """Return the duty ratios for a voltage (V), centred in the link by a zero sequence."""
+def modulate(voltage: tuple[float, float], angle: float, supply: float) -> tuple[float, float, float]:
+    """Return the duty ratios for a voltage (V), by inverse Park and Clarke, centred in the link by a zero sequence."""
     along = cos(angle) * voltage[0] - sin(angle) * voltage[1]
-    across = sin(angle) * voltage[0] + cos(angle) * voltage[1]
-    second = -0.5 * along + 0.5 * ROOT_THREE * across
-    third = -0.5 * along - 0.5 * ROOT_THREE * across
-    middle = 0.5 * (max(along, second, third) + min(along, second, third))
-    return (
-        min(max(0.5 + (along - middle) / supply, 0.0), 1.0),
-        min(max(0.5 + (second - middle) / supply, 0.0), 1.0),
-        min(max(0.5 + (third - middle) / supply, 0.0), 1.0),
-    )
+    across = 0.5 * ROOT_THREE * (sin(angle) * voltage[0] + cos(angle) * voltage[1])
+    phases = along, across - 0.5 * along, -across - 0.5 * along
+    middle = 0.5 * (max(phases) + min(phases))
+    first, second, third = (between(0.5 + (phase - middle) / supply, 0.0, 1.0) for phase in phases)
+    return first, second, third

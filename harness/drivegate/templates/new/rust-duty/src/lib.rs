@@ -1,5 +1,6 @@
-//! Field-oriented control: speed, least current for a torque, field weakening, current regulators with decoupling, and
-//! a min-max zero sequence. Every constant follows from the nameplate; all quantities are in SI units.
+//! Field-oriented control: a speed regulator, the least current for a torque, field weakening, current regulators with
+//! decoupling and anti-windup, and min-max modulation. Every constant follows from the nameplate; all quantities are in
+//! SI units.
 
 const TORQUE_REFERENCE: i64 = 1;
 const ROOT_THREE: f64 = 1.7320508075688772;
@@ -152,14 +153,14 @@ impl Controller {
             command.duty_ratios = [0.5; 3];
             return;
         }
-        let current = rotor_components(phase_currents, angle);
+        let current = park(phase_currents, angle);
         let wanted = self.references(sense.reference, sense.speed, electrical, limit);
         let error = Rotor {
             direct: wanted.direct - current.direct,
             quadrature: wanted.quadrature - current.quadrature,
         };
         let voltage = self.regulate(error, current, electrical, limit);
-        command.duty_ratios = duty_ratios(voltage, angle + electrical * self.lead, supply);
+        command.duty_ratios = modulate(voltage, angle + electrical * self.lead, supply);
         command.torque = self.per_ampere(current.direct) * current.quadrature;
     }
 
@@ -169,7 +170,7 @@ impl Controller {
         if terminals[0].max(terminals[1]).max(terminals[2]) >= supply {
             return;
         }
-        let induced = rotor_components(terminals, angle);
+        let induced = park(terminals, angle);
         self.direct_integral = induced.direct;
         self.quadrature_integral = induced.quadrature - electrical * self.flux;
     }
@@ -190,31 +191,30 @@ impl Controller {
         self.quadrature_integral +=
             self.quadrature_step * (error.quadrature + cut * quadrature / self.quadrature_gain);
         // A machine that differs from the nameplate shows in the voltage that is requested.
-        self.weakening += self.weakening_step * (0.5 * (1.0 + VOLTAGE_SHARE) * limit - used);
-        self.weakening = self.weakening.max(-0.3 * self.limit).min(0.0);
+        let weakening = self.weakening + self.weakening_step * (0.5 * (1.0 + VOLTAGE_SHARE) * limit - used);
+        self.weakening = between(weakening, -0.3 * self.limit, 0.0);
         Rotor { direct: share * direct, quadrature: share * quadrature }
     }
 
     /// Return the currents for what the reference requests, as far as the limits allow (A).
     fn references(&mut self, reference: f64, speed: f64, electrical: f64, limit: f64) -> Rotor {
-        let (error, mut torque, mut voltage) = (reference - speed, reference, VOLTAGE_SHARE * limit);
-        if !self.regulates_torque {
-            self.speed_integral += self.speed_step * error;
-            torque = self.speed_gain * error + self.speed_integral;
-            if torque * speed < 0.0 {
-                voltage -= BRAKING_SHARE * limit * (torque.abs() / (0.2 * self.greatest)).min(1.0);
-            }
-        }
+        let error = reference - speed;
+        let integral = self.speed_integral + self.speed_step * error;
+        let torque = if self.regulates_torque { reference } else { self.speed_gain * error + integral };
         // Negative where the torque brakes: the drop of the resistance is then against the back-EMF.
         let turning = if torque < 0.0 { -electrical } else { electrical };
+        let mut voltage = VOLTAGE_SHARE * limit;
+        if !self.regulates_torque && turning < 0.0 {
+            voltage -= BRAKING_SHARE * limit * (torque.abs() / (0.2 * self.greatest)).min(1.0);
+        }
         let direct = self.direct_for(torque.abs().min(self.greatest), turning, voltage);
         let direct = (direct + self.weakening).max(self.deepest);
         let most = self.possible(direct, turning, voltage).max(0.0);
         // The integral of the speed waits while the limits allow less than it requests.
-        if !self.regulates_torque && torque.abs() > most && torque * error > 0.0 {
-            self.speed_integral -= self.speed_step * error;
+        if torque.abs() <= most || torque * error <= 0.0 {
+            self.speed_integral = integral;
         }
-        Rotor { direct, quadrature: between(torque, most) / self.per_ampere(direct) }
+        Rotor { direct, quadrature: between(torque, -most, most) / self.per_ampere(direct) }
     }
 
     /// Return the direct current (A) for a torque: the least, weakened for the voltage, or that of most torque.
@@ -268,9 +268,9 @@ impl Controller {
     }
 }
 
-/// Keep a value within a bound on either side.
-fn between(value: f64, bound: f64) -> f64 {
-    value.max(-bound).min(bound)
+/// Return a value within bounds.
+fn between(value: f64, least: f64, greatest: f64) -> f64 {
+    value.max(least).min(greatest)
 }
 
 /// Return the length of a vector.
@@ -278,8 +278,8 @@ fn magnitude(along: f64, across: f64) -> f64 {
     (along * along + across * across).sqrt()
 }
 
-/// Transform currents (A) or voltages (V) of the phases into the frame of the rotor.
-fn rotor_components(phases: &[f64; 3], angle: f64) -> Rotor {
+/// Transform currents (A) or voltages (V) of the phases into the frame of the rotor, by Clarke and Park.
+fn park(phases: &[f64; 3], angle: f64) -> Rotor {
     let [first, second, third] = *phases;
     let (along, across) = ((2.0 * first - second - third) / 3.0, (second - third) / ROOT_THREE);
     Rotor {
@@ -288,14 +288,13 @@ fn rotor_components(phases: &[f64; 3], angle: f64) -> Rotor {
     }
 }
 
-/// Return the duty ratios for a voltage (V), centred in the link by a zero sequence.
-fn duty_ratios(voltage: Rotor, angle: f64, supply: f64) -> [f64; 3] {
+/// Return the duty ratios for a voltage (V), by inverse Park and Clarke, centred in the link by a zero sequence.
+fn modulate(voltage: Rotor, angle: f64, supply: f64) -> [f64; 3] {
     let along = angle.cos() * voltage.direct - angle.sin() * voltage.quadrature;
-    let across = angle.sin() * voltage.direct + angle.cos() * voltage.quadrature;
-    let second = -0.5 * along + 0.5 * ROOT_THREE * across;
-    let third = -0.5 * along - 0.5 * ROOT_THREE * across;
+    let across = 0.5 * ROOT_THREE * (angle.sin() * voltage.direct + angle.cos() * voltage.quadrature);
+    let (second, third) = (across - 0.5 * along, -across - 0.5 * along);
     let middle = 0.5 * (along.max(second).max(third) + along.min(second).min(third));
-    [along, second, third].map(|phase| (0.5 + (phase - middle) / supply).max(0.0).min(1.0))
+    [along, second, third].map(|phase| between(0.5 + (phase - middle) / supply, 0.0, 1.0))
 }
 
 #[no_mangle]
