@@ -200,8 +200,7 @@ def _kinds() -> Iterator[Row]:
         yield Row(
             "kind elf", ("check", "m/candidate.toml", *_FEW, "--json"), ((*new, "cortex-m", "m", *paper),)
         )
-    build = ("python", str(_EXAMPLES / "fmu" / "build_fmu.py"), str(_EXAMPLES / "c" / "controller.c"))
-    yield Row("kind fmu", ("check", "c.fmu", *_FEW, "--json"), ((*build, "--output", "c.fmu"),))
+    yield Row("kind fmu", ("check", "f/candidate.toml", *_FEW, "--json"), ((*new, "fmu", "f", *paper),))
     objects = str(_EXAMPLES / "firmware" / "objects" / "candidate.toml")
     words = ("check", objects, "--drive", "pm-ac-interior", *_QUICK, "--only", "STP-1", "--json")
     yield Row("kind c++", words)

@@ -29,7 +29,7 @@ _LARGEST_BYTES: Final = 2**30
 
 @dataclass(frozen=True)
 class NativeBuild:
-    """Where the code of a native candidate is."""
+    """Where the code of a native candidate is, or the FMU that has it."""
 
     library: Path
     made_by: object | None = None

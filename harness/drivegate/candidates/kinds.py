@@ -178,7 +178,7 @@ _ALL: Final = (
         "fmu",
         ways=("file.fmu",),
         suffixes=(".fmu",),
-        manifest_keys=("sources",),
+        manifest_keys=("sources", "build"),
         way_of_running="FMU",
     ),
     Kind(

@@ -242,7 +242,8 @@ class Manifest(Document):
     def _has_no_key_of_another_kind(self) -> Self:
         for key, kinds in _KINDS_OF_KEY.items():
             if getattr(self, key) and self.kind not in kinds:
-                named = " and ".join(f"'{kind}'" for kind in kinds)
+                *others, last = (f"'{kind}'" for kind in kinds)
+                named = " and ".join(filter(None, (", ".join(others), last)))
                 raise ValueError(
                     f"the key '{key}' is for the kind{'s' if len(kinds) > 1 else ''} {named}, but the kind is "
                     f"'{self.kind}'"

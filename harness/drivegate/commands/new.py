@@ -25,7 +25,7 @@ SCENARIO = "scenario"
 FILES = {DRIVE: "a drive", SCENARIO: "a scenario", REQUIREMENTS: "requirements"}
 """The kinds that are no candidates but single files, in words."""
 CHOICES = (
-    *("python", "numba", "c", "rust", "cortex-m", "exec", "embedded-coder"),
+    *("python", "numba", "c", "c++", "rust", "cortex-m", "fmu", "exec", "embedded-coder"),
     *FILES,
 )
 
@@ -61,8 +61,8 @@ def command(
 
     The kind drive is no controller: NAME is then a new file such as my-drive.toml. With --from-datasheet it asks for
     Kv, Kt or Ke, for resistance, inductance, currents and speeds in the units of your data sheet, and states each
-    conversion. Otherwise the file has a comment for each key and the values of the paper's drive, or of that of
-    --drive, to be replaced by your own.
+    conversion. Otherwise the file has a comment for each key and the values of the drive of --drive, by default
+    pm-ac-interior, to be replaced by your own.
 
     The kind scenario is one run on the drive of --drive, by default the PM AC drive pm-ac-interior: NAME is a new file
     such as my-run.toml with a step, and with a comment for every other key.
@@ -70,11 +70,11 @@ def command(
     The kind requirements is no controller either: NAME is then a new file such as requirements.toml, with five usual
     requirements for the drive of --drive, by default the one of duty ratios.
 
-    The controller is field-oriented control in the language of the kind: python, numba, c, rust, cortex-m (the image
-    for a microcontroller, emulated), exec, or embedded-coder (C as generated from Simulink). It passes every required
-    check on pm-ac-interior. With --drive its manifest names that drive, whose file is copied into the folder. For a
-    drive that takes a current reference and an advance angle, such as paper-5-phase, the controller is a speed
-    regulator with a line of angles; what it fails is waived for 90 days and is the exercise.
+    The controller is field-oriented control in the language of the kind: python, numba, c, c++, rust, cortex-m (the
+    image for a microcontroller, emulated), fmu, exec (any program), or embedded-coder (C as generated from Simulink).
+    It passes every required check on pm-ac-interior. With --drive its manifest names that drive, whose file is copied
+    into the folder. For a drive that takes a current reference and an advance angle, such as paper-5-phase, the
+    controller is a speed regulator with a line of angles; what it fails is waived for 90 days and is the exercise.
     """
     if kind in FILES and output is not None:
         raise click.UsageError(f"--output goes with a candidate only; NAME is the file of {FILES[kind]}")
@@ -143,10 +143,11 @@ def _new_drive(file: Path, start: str | None, from_datasheet: bool) -> Outcome:
         raise click.UsageError("--drive and --from-datasheet do not go together")
 
     from drivegate.commands.file_schemas import write_missing
-    from drivegate.drives.kinds import drive_for
+    from drivegate.drives.kinds import DEFAULT_DRIVES
     from drivegate.output.new_file import refuse_new_file
     from drivegate.studies.data_sheet_drive import QUESTIONS, data_sheet_drive
     from drivegate.studies.new import drive_to_edit, write_drive
+    from drivegate_cases.drive.drive_document import load_drive
 
     # Refused ahead of all questions.
     refuse_new_file(file, "a drive's")
@@ -154,7 +155,7 @@ def _new_drive(file: Path, start: str | None, from_datasheet: bool) -> Outcome:
         answers = {key: _answer(question) for key, question in QUESTIONS.items()}
         written = looked_at(data_sheet_drive(file.stem, answers))
     else:
-        written = drive_to_edit(file.stem, drive_for(None, named_drive(start)))
+        written = drive_to_edit(file.stem, named_drive(start) or load_drive(DEFAULT_DRIVES["duty"]))
     write_drive(file, written)
     write_missing("drive", file.parent)
     look = f"drivegate drive {quote(str(file))}"

@@ -81,11 +81,17 @@ KINDS: Final = MappingProxyType(
         "python": Template("controller.py", {"duty": ("python-duty",), "current": ("python",)}),
         "numba": Template("controller.py", {"duty": ("numba-duty",), "current": ("numba",)}),
         "c": Template("controller.c", {"duty": ("c-duty",), "current": ("c",)}),
+        "c++": Template("controller.cpp", {"duty": ("cpp-duty",), "current": ("cpp",)}),
         "rust": Template("src/lib.rs", {"duty": ("rust-duty",), "current": ("rust",)}),
         "cortex-m": Template(
             "controller.c",
             {"duty": ("c-duty", "cortex-m-duty"), "current": ("c", "cortex-m")},
             extra="[elf]",
+        ),
+        "fmu": Template(
+            "controller.c",
+            {"duty": ("c-duty", "fmu", "fmu-duty"), "current": ("c", "fmu", "fmu-current")},
+            extra="[fmu]",
         ),
         "exec": Template("controller.py", {"duty": ("exec-duty",), "current": ("exec",)}),
         "embedded-coder": Template("adapter.c", {"duty": ("embedded-coder",)}),

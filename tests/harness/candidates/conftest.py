@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-BUILDER = Path(__file__).parents[3] / "examples" / "fmu" / "build_fmu.py"
+BUILDER = Path(__file__).parents[3] / "harness/drivegate/templates/new/fmu/fmi/build_fmu.py"
 
 
 @pytest.fixture(scope="session")

@@ -70,7 +70,7 @@ def test_a_map_is_of_the_drive_that_the_candidate_s_manifest_names(command, tmp_
 
 
 def test_a_new_drive_is_written_with_a_comment_for_each_key_and_taken_as_it_is(command, tmp_path):
-    ended = command("new", "drive", "my-drive.toml")
+    ended = command("new", "drive", "my-drive.toml", "--drive", "paper-5-phase")
     assert ended.code == 0
     assert "next: put your values into my-drive.toml, then drivegate drive my-drive.toml" in ended.out
     written, paper = load_drive(tmp_path / "my-drive.toml"), load_drive("paper-5-phase")
@@ -82,6 +82,8 @@ def test_a_new_drive_is_written_with_a_comment_for_each_key_and_taken_as_it_is(c
     )
     assert vars(limits_of(written)) == vars(limits_of(paper))
     assert written.provenance["machine"]["phases"] == "not stated; as in paper-5-phase, which has 5"
+    command("new", "drive", "usual.toml")
+    assert load_drive(tmp_path / "usual.toml").machine == load_drive("pm-ac-interior").machine
     again = command("new", "drive", "other.toml", "--drive", "my-drive.toml", "--json").document
     assert again["drive"] == load_drive(tmp_path / "other.toml").identity()
 
@@ -136,7 +138,7 @@ def test_a_data_sheet_that_makes_no_drive_writes_nothing(command, answering, tmp
 
 
 def test_a_new_drive_keeps_no_number_that_follows_from_those_that_are_to_be_changed(command, tmp_path):
-    command("new", "drive", "mine.toml")
+    command("new", "drive", "mine.toml", "--drive", "paper-5-phase")
     text = (tmp_path / "mine.toml").read_text(encoding="utf-8")
     (tmp_path / "mine.toml").write_text(
         text.replace("base_speed_rpm = 500.0", "base_speed_rpm = 3000.0")

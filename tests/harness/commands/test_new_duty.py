@@ -145,7 +145,7 @@ def test_it_is_judged_on_the_drive_that_is_named(written, kind: str) -> None:
 def test_a_template_of_one_contract_is_not_written_for_a_drive_of_the_other(written) -> None:
     with pytest.raises(
         InputError,
-        match=r"'paper-5-phase' .* takes a current reference .* take one of python, numba, c, rust",
+        match=r"'paper-5-phase' .* takes a current reference .* take one of python, numba, c, c\+\+, rust",
     ):
         written("embedded-coder", "paper-5-phase")
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from drivegate.candidates.candidate import Candidate, hash_of
+from drivegate.candidates.candidate import Candidate, NativeBuild, existing_folder, hash_of
+from drivegate.candidates.native.resolution import built_or_given, project_build
 from drivegate_cases.documents.reach import existing_file
 
 if TYPE_CHECKING:
@@ -14,17 +15,31 @@ if TYPE_CHECKING:
 
 
 def from_text(specification: str) -> Candidate:
-    return _candidate(specification, existing_file(Path(specification)), ())
+    file = existing_file(Path(specification))
+    return _candidate(specification, file, file, (file,))
 
 
 def from_manifest(manifest: Manifest, specification: str, reach: Reach) -> Candidate:
     file, further = manifest.files(specification, reach)
-    return _candidate(specification, file, further)
+    build = project_build(manifest, further, specification, reach.folder)
+    fmu, sources = built_or_given(build, file, further)
+    return _candidate(specification, file, fmu, sources, manifest.build)
 
 
-def _candidate(specification: str, file: Path, further: tuple[Path, ...]) -> Candidate:
+def _candidate(
+    specification: str, file: Path, fmu: Path, sources: tuple[Path, ...], commands: tuple[str, ...] = ()
+) -> Candidate:
     name = Path(specification).name
-    sources = tuple(dict.fromkeys((file, *further)))
-    digest = hash_of(sources, "")
+    digest = hash_of(sources, repr(commands) if commands else "")
     # Its variables show its contract, which only a worker process reads.
-    return Candidate(name, "fmu", specification, str(file), file.parent, sources, digest, contract=None)
+    return Candidate(
+        name,
+        "fmu",
+        specification,
+        str(fmu),
+        existing_folder(file),
+        sources,
+        digest,
+        details=NativeBuild(fmu),
+        contract=None,
+    )

@@ -29,7 +29,7 @@ from drivegate_models.errors import InputError
 
 ROOT = Path(__file__).parents[4]
 EXAMPLES = ROOT / "examples"
-BUILDER = EXAMPLES / "fmu" / "build_fmu.py"
+BUILDER = ROOT / "harness/drivegate/templates/new/fmu/fmi/build_fmu.py"
 QUICK = WorkerLimits(step_processor_seconds=0.3, start_processor_seconds=30.0, idle_seconds=30.0)
 NAMEPLATE = Nameplate(
     *(5, 11, 48.0, 52.36, 1500.0, 26.0, 0.0005, 0.25, 0.08, 0.00288, 0.339, 0.05),

@@ -112,8 +112,8 @@ def test_sources_outside_of_the_folder_lie_where_the_project_expects_them(
         ({"entry": "../mine.so"}, r"'../mine.so', which leads out of the manifest's folder"),
         ({"sources": None}, r"the key 'build' needs 'sources'"),
         (
-            {"kind": "fmu", "entry": "a.fmu"},
-            r"the key 'build' is for the kinds 'so' and 'elf', but the kind is",
+            {"kind": "c", "entry": "a.c"},
+            r"the key 'build' is for the kinds 'so', 'elf' and 'fmu', but the kind is",
         ),
     ],
 )
