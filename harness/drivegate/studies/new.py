@@ -58,6 +58,8 @@ _COMMON: Final[Mapping[ContractName, tuple[str, ...]]] = MappingProxyType(
 HOST_MANIFEST: Final = "host.toml"
 """Manifest of an image's sources, compiled for this machine; few templates have one."""
 _QUICK: Final = "drivegate check --effort quick"
+_FIRST: Final = "STP-1"
+"""Check of duty ratios that has a verdict within a minute where all checks take longer."""
 _NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,63}")
 _IGNORED: Final = "gitignore"
 """Name of a template that means nothing to the tools of this repository; those of several folders are joined."""
@@ -74,11 +76,13 @@ class Template:
     The first contract is that of a candidate for which no drive is named."""
     extra: str = ""
     """Optional dependencies of drivegate that such a candidate needs; empty for none."""
+    is_slow: bool = False
+    """Whether steps of duty ratios take so long that a whole check at quick effort takes minutes."""
 
 
 KINDS: Final = MappingProxyType(
     {
-        "python": Template("controller.py", {"duty": ("python-duty",), "current": ("python",)}),
+        "python": Template("controller.py", {"duty": ("python-duty",), "current": ("python",)}, is_slow=True),
         "numba": Template("controller.py", {"duty": ("numba-duty",), "current": ("numba",)}),
         "c": Template("controller.c", {"duty": ("c-duty",), "current": ("c",)}),
         "c++": Template("controller.cpp", {"duty": ("cpp-duty",), "current": ("cpp",)}),
@@ -92,8 +96,9 @@ KINDS: Final = MappingProxyType(
             "controller.c",
             {"duty": ("c-duty", "fmu", "fmu-duty"), "current": ("c", "fmu", "fmu-current")},
             extra="[fmu]",
+            is_slow=True,
         ),
-        "exec": Template("controller.py", {"duty": ("exec-duty",), "current": ("exec",)}),
+        "exec": Template("controller.py", {"duty": ("exec-duty",), "current": ("exec",)}, is_slow=True),
         "embedded-coder": Template("adapter.c", {"duty": ("embedded-coder",)}),
     }
 )
@@ -149,17 +154,9 @@ def write_candidate(
         "@here@": pipeline.here,
         "@pipeline@": pipeline.rows(),
     }
-    root = files("drivegate").joinpath(_TEMPLATES)
-    texts: dict[str, str] = {}
-    for part in (*_COMMON[contract], *template.folders[contract]):
-        added = {place: data.decode() for place, data in _contents(root.joinpath(part))}
-        ignored = texts.get(_IGNORED, "") + added.get(_IGNORED, "")
-        texts |= added | {_IGNORED: ignored}
-    for word, value in words.items():
-        texts = {place: text.replace(word, value) for place, text in texts.items()}
-    first_check = _QUICK
-    if HOST_MANIFEST in texts:
-        first_check = f"drivegate check {HOST_MANIFEST} --effort quick"
+    texts = _texts_of(template, contract, words)
+    first_check = _first_check(template, contract, texts)
+    if first_check != _QUICK:
         texts["README.md"] = texts["README.md"].replace(_QUICK, f"{first_check}\n{_QUICK}")
     contents = {place: text.encode() for place, text in texts.items() if place not in pipeline.left_out}
     contents[".gitignore"] = contents.pop(_IGNORED)
@@ -192,6 +189,25 @@ def write_candidate(
         ) from error
     above = [Path(relpath(target, folder.resolve())) for target in outside]
     return Written(tuple(sorted([*map(Path, contents), *above])), pipeline.hint, first_check)
+
+
+def _texts_of(template: Template, contract: ContractName, words: Mapping[str, str]) -> dict[str, str]:
+    """Join the folders of a template, and fill in its words."""
+    root = files("drivegate").joinpath(_TEMPLATES)
+    texts: dict[str, str] = {}
+    for part in (*_COMMON[contract], *template.folders[contract]):
+        added = {place: data.decode() for place, data in _contents(root.joinpath(part))}
+        ignored = texts.get(_IGNORED, "") + added.get(_IGNORED, "")
+        texts |= added | {_IGNORED: ignored}
+    for word, value in words.items():
+        texts = {place: text.replace(word, value) for place, text in texts.items()}
+    return texts
+
+
+def _first_check(template: Template, contract: ContractName, texts: Mapping[str, str]) -> str:
+    if HOST_MANIFEST in texts:
+        return f"drivegate check {HOST_MANIFEST} --effort quick"
+    return f"{_QUICK} --only {_FIRST}" if template.is_slow and contract == "duty" else _QUICK
 
 
 def _move_pipeline(contents: dict[str, bytes], pipeline: Pipeline) -> dict[Path, bytes]:
