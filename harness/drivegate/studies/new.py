@@ -62,7 +62,9 @@ _FIRST: Final = "STP-1"
 """Check of duty ratios that has a verdict within a minute where all checks take longer."""
 _NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,63}")
 _IGNORED: Final = "gitignore"
-"""Name of a template that means nothing to the tools of this repository; those of several folders are joined."""
+"""Name of a template that means nothing to the tools of this repository."""
+_JOINED: Final = (_IGNORED, "requirements.txt")
+"""Files of which those of several folders are joined."""
 
 
 @dataclass(frozen=True)
@@ -197,8 +199,7 @@ def _texts_of(template: Template, contract: ContractName, words: Mapping[str, st
     texts: dict[str, str] = {}
     for part in (*_COMMON[contract], *template.folders[contract]):
         added = {place: data.decode() for place, data in _contents(root.joinpath(part))}
-        ignored = texts.get(_IGNORED, "") + added.get(_IGNORED, "")
-        texts |= added | {_IGNORED: ignored}
+        texts |= added | {name: texts.get(name, "") + added.get(name, "") for name in _JOINED}
     for word, value in words.items():
         texts = {place: text.replace(word, value) for place, text in texts.items()}
     return texts

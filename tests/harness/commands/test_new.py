@@ -201,6 +201,20 @@ def test_for_gitlab_there_is_one_file_that_includes_others(command, tmp_path):
     assert (tmp_path / "second" / ".gitlab-ci.yml").is_file()
 
 
+def test_the_pipeline_of_an_fmu_installs_fmpy_too(tmp_path):
+    for kind in ("c", "fmu"):
+        write_candidate(kind, "mine", tmp_path / kind, TODAY)
+    usual, more = (
+        (tmp_path / kind / f"{WHEELS}/requirements.txt").read_text(encoding="utf-8") for kind in ("c", "fmu")
+    )
+    assert more.startswith(usual)
+    listed = re.findall(r"^([a-z0-9-]+)==", more, re.MULTILINE)
+    assert "fmpy" in listed[usual.count("==") :]
+    assert not set(re.findall(r"^([a-z0-9-]+)==", more[len(usual) :], re.MULTILINE)) & set(
+        re.findall(r"^([a-z0-9-]+)==", usual, re.MULTILINE)
+    ), "pip refuses what is listed twice"
+
+
 def test_git_ignores_what_checks_and_builds_write(tmp_path):
     write_candidate("rust", "mine", tmp_path / "mine", TODAY)
     ignored = (tmp_path / "mine" / ".gitignore").read_text(encoding="utf-8").split()
