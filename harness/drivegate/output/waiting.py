@@ -18,7 +18,6 @@ LONG_CHECK: Final = 300.0
 """Time that is left of a check from which on it is long (s)."""
 CHECK_KNOWN_AFTER: Final = 5.0
 """Time between two looks at a check from which its pace is known (s)."""
-_SHORTER: Final = "--effort quick or --only makes it shorter, and --max-time ends it"
 
 
 def with_compiled_kernels(drives: Iterable[DriveDocument]) -> None:
@@ -39,10 +38,16 @@ def compiling_in_words(kinds: Iterable[str]) -> str:
 
 
 class CheckPace:
-    """Follows the runs of a check."""
+    """Follows the runs of a check, which may be quick or of some checks alone already."""
 
-    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(
+        self, clock: Callable[[], float] = time.monotonic, *, is_quick: bool = False, is_part: bool = False
+    ) -> None:
         self._clock = clock
+        ways = [way for way, is_used in (("--effort quick", is_quick), ("--only", is_part)) if not is_used]
+        self._shorter = (
+            f"{' or '.join(ways)} makes it shorter, and --max-time ends it" if ways else "--max-time ends it"
+        )
         self._pace = Pace()
         self._reported = False
         self._shared_runs: float | None = None
@@ -61,7 +66,7 @@ class CheckPace:
         if left < LONG_CHECK:
             return ""
         self._reported = True
-        return f"at this pace this check takes about {duration_in_words(left)} more; {_SHORTER}"
+        return f"at this pace this check takes about {duration_in_words(left)} more; {self._shorter}"
 
     def slow_run_in_words(self, run: SlowRun) -> str:
         """Project the whole check from its first slow run."""
@@ -70,7 +75,7 @@ class CheckPace:
             return words
         self._reported = True
         whole = duration_in_words(self._shared_runs * run.seconds)
-        return f"{words}, and this check about {whole}; {_SHORTER}"
+        return f"{words}, and this check about {whole}; {self._shorter}"
 
 
 def slow_in_words(run: SlowRun) -> str:

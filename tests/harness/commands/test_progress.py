@@ -207,6 +207,22 @@ def test_the_first_slow_run_projects_the_whole_check_at_once():
     assert pace.slow_in_words(60, 120) == "", "it is projected once"
 
 
+@pytest.mark.parametrize(
+    ("used", "words"),
+    [
+        ({"is_quick": True}, "; --only makes it shorter, and --max-time ends it"),
+        ({"is_part": True}, "; --effort quick makes it shorter, and --max-time ends it"),
+        ({"is_quick": True, "is_part": True}, " more; --max-time ends it"),
+    ],
+)
+def test_what_makes_it_shorter_is_not_what_was_asked_for_already(used, words):
+    now = [0.0]
+    pace = CheckPace(clock=lambda: now[0], **used)
+    for now[0], done in ((30.0, 2), (34.0, 4), (130.0, 6)):
+        stated = pace.slow_in_words(done, 302)
+    assert stated.endswith(words)
+
+
 def test_a_check_of_a_few_minutes_is_not_announced_as_long():
     now = [0.0]
     pace = CheckPace(clock=lambda: now[0])

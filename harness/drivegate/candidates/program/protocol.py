@@ -20,6 +20,7 @@ LONGEST_LINE: Final = 65536
 HELLO: Final = f'{{"drivegate":{PROTOCOL_VERSION},"message":"hello"}}\n'.encode()
 
 _LONGEST_SHOWN = 200
+_DUTY_KEYS: Final = tuple(f'"{name}":' for name in DutySense._fields)
 
 
 class WrongAnswer(Exception):
@@ -42,8 +43,12 @@ def sense_message(sense: Sense) -> bytes:
 
 def duty_sense_message(sense: DutySense) -> bytes:
     """Write the message of one control period to a controller of duty ratios; what is not known is left out."""
-    known = {name: value for name, value in sense._asdict().items() if value == value}
-    return json.dumps({"sense": known}, separators=(",", ":")).encode() + b"\n"
+    known = [
+        f"{key}{list(value) if type(value) is tuple else value!r}"
+        for key, value in zip(_DUTY_KEYS, sense, strict=True)
+        if value == value
+    ]
+    return f'{{"sense":{{{",".join(known)}}}}}\n'.encode()
 
 
 def check_hello(line: bytes) -> None:

@@ -222,7 +222,7 @@ def _check(
             # The engine brings the compiled plant, which a candidate that is refused does not need.
             from drivegate.gate.engine import check_candidate
 
-            pace = CheckPace()
+            pace = CheckPace(is_quick=options.effort == "quick", is_part=bool(options.focus.only))
             followed_options = replace(
                 options,
                 on_slow=lambda run: display.announce(pace.slow_run_in_words(run)),
