@@ -23,6 +23,7 @@ from drivegate.version import __version__
 
 COMMANDS: Final = MappingProxyType(
     {
+        "new": "Write a small candidate to start from, with a test and a gate for CI.",
         "check": "Check candidates: a verdict, and a report in a folder.",
         "compare": "Compare candidates: who wins where, and by how much, in one report.",
         "simulate": "Run a candidate once through a scenario: summary, trace and plot.",
@@ -37,7 +38,6 @@ COMMANDS: Final = MappingProxyType(
         "selftest": "Check the checks: faulty controllers must be caught, correct ones must pass.",
         "reproduce": "Compute every published figure and number, and compare it with the paper.",
         "bench": "Measure how fast drivegate is on this machine.",
-        "new": "Write a small candidate to start from, with a test and a gate for CI.",
         "checks": "List the checks with their requirements and limits.",
         "schema": "Print the JSON Schema of a file that you write, for editors.",
         "include-dir": "Print the folder of drivegate.h and drivegate_duty.h, for a C compiler.",
