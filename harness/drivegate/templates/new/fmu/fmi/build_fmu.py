@@ -168,7 +168,9 @@ def header_folder(package: str, folder: str) -> Path:
     """Find the headers that a Python package brings."""
     spec = find_spec(package)
     if spec is None or not spec.submodule_search_locations:
-        raise SystemExit(f"the package {package} is missing; pip install {package}")
+        raise SystemExit(
+            f"{sys.executable} has no {package}; activate drivegate's environment with drivegate[fmu]"
+        )
     return Path(spec.submodule_search_locations[0]) / folder
 
 
