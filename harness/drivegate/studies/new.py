@@ -58,7 +58,7 @@ _COMMON: Final[Mapping[ContractName, tuple[str, ...]]] = MappingProxyType(
 HOST_MANIFEST: Final = "host.toml"
 """Manifest of an image's sources, compiled for this machine; few templates have one."""
 _QUICK: Final = "drivegate check --effort quick"
-_FIRST: Final = "STP-1"
+_FIRST: Final = "DEC-1"
 """Check of duty ratios that has a verdict within a minute where all checks take longer."""
 _NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,63}")
 _IGNORED: Final = "gitignore"

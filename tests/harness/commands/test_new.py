@@ -59,7 +59,7 @@ def test_every_kind_is_written_whole_and_states_the_next_step(command, tmp_path,
     assert set(document["files"]) >= COMMON | {KINDS[kind].source}
     assert document["next"][0] == "cd my-own"
     host = " host.toml" if kind == "cortex-m" else ""
-    only = " --only STP-1" if kind in {"python", "fmu", "exec"} else ""
+    only = " --only DEC-1" if kind in {"python", "fmu", "exec"} else ""
     assert document["next"][-1] == f"drivegate check{host} --effort quick{only}"
     listed = (folder / "README.md").read_text(encoding="utf-8").splitlines()
     assert {document["next"][-1], "drivegate check --effort quick"} <= set(listed)
