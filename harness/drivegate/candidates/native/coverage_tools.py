@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import json
+import os
 import shutil
 import sys
 from collections.abc import Iterable, Mapping, Sequence
@@ -15,7 +16,7 @@ from drivegate.candidates.fault import bounded_reason
 from drivegate.candidates.native.bounded_command import Bounds, run_bounded
 from drivegate.candidates.reached_code import Line, SourceFile
 from drivegate.isolation.layers import Places, isolated_command, requested_layers
-from drivegate_models.errors import HarnessFault, InputError
+from drivegate_models.errors import InputError
 
 LCOV: Final = "coverage.info"
 COBERTURA: Final = "coverage.xml"
@@ -57,12 +58,21 @@ def run_tool(words: Sequence[str], folder: Path, readable: Iterable[Path], writa
     if ended.status != 0:
         printed = [line for line in ended.output.splitlines() if line.strip()]
         reason = bounded_reason(printed[-1]) if printed else f"it ended with status {ended.status}"
-        raise HarnessFault(f"{name} cannot read what was counted: {reason}")
+        raise InputError(
+            f"--coverage: {name} cannot read what the candidate's processes counted: {reason}; leave the option out"
+        )
     return ended.output
 
 
 def gcovr(words: Sequence[str], folder: Path, readable: Iterable[Path], writable: Path) -> None:
-    run_tool([sys.executable, "-P", "-m", "gcovr", *words], folder, readable, writable, "gcovr")
+    # A file of settings in the candidate's folder is for its own tests.
+    run_tool(
+        [sys.executable, "-P", "-m", "gcovr", "--config", os.devnull, *words],
+        folder,
+        readable,
+        writable,
+        "gcovr",
+    )
 
 
 def files_of_trace(trace: Path, folder: Path) -> tuple[SourceFile, ...]:

@@ -66,7 +66,11 @@ def counted_runs(candidate: Candidate, scenario: Scenario, times: int = 1) -> li
 @pytest.fixture
 def counted(tmp_path: Path, written: Callable[..., Path]) -> Callable[[str], Candidate]:
     def make(source: str) -> Candidate:
-        candidate = resolve_candidate(str(written(tmp_path, source)))
+        # A name that a shell would split, and settings that leave out everything.
+        project = tmp_path / "größer als 1"
+        project.mkdir()
+        (project / "pyproject.toml").write_text('[tool.gcovr]\nexclude = [".*"]\n', encoding="utf-8")
+        candidate = resolve_candidate(str(written(project, source)))
         folder = tmp_path / "counted"
         folder.mkdir()
         return KINDS["c"].counted_candidate(candidate, folder)
