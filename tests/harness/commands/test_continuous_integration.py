@@ -245,6 +245,7 @@ def test_what_is_installed_has_its_version_and_hash() -> None:
     wanted = [
         *project["project"]["dependencies"],
         *project["build-system"]["requires"],
+        *extras["coverage"],
         *extras["elf"],
         "pytest>=9.0",
     ]
@@ -415,12 +416,13 @@ def words_of_the_check(
     return [*ended.stdout.splitlines(), str(ended.returncode)]
 
 
-def test_drive_baseline_seed_and_waivers_reach_the_check(tmp_path: Path) -> None:
+def test_what_is_given_reaches_the_check(tmp_path: Path) -> None:
     given = {
         "DRIVE": "my drive.toml",
         "BASELINE": "b.json",
         "SEED": "7",
         "WAIVERS": "w.toml",
+        "COVERAGE": "100,95",
         "CANDIDATE": "a b.toml",
     }
     words = words_of_the_check(tmp_path, given)
@@ -430,6 +432,7 @@ def test_drive_baseline_seed_and_waivers_reach_the_check(tmp_path: Path) -> None
         ("baseline", "b.json"),
         ("seed", "7"),
         ("waivers", "w.toml"),
+        ("coverage-at-least", "100,95"),
     ):
         assert words[words.index(f"--{name}") + 1] == word
 
