@@ -15,6 +15,7 @@ IN_WORDS = {
     "c++": "a C++ compiler (c++)",
     "rustc": "the Rust compiler (rustc)",
     "cargo": "Rust's build system (cargo)",
+    "llvm": "the tools of Rust's LLVM (llvm-profdata and llvm-cov of the version that rustc -vV prints)",
     "man": "the reader of manual pages (man)",
     "arm-none-eabi-gcc": "the compiler for Arm microcontrollers (arm-none-eabi-gcc, with newlib)",
 }
@@ -24,7 +25,7 @@ IN_WORDS = {
 def found(program: str) -> str | None:
     """Find a program that works; the first browser that does."""
     if program != "browser":
-        return shutil.which(program) if works(program) else None
+        return (shutil.which(program) or program) if works(program) else None
     installed = next(filter(works, BROWSERS), None)
     return _browser_of_playwright() if installed is None else shutil.which(installed)
 

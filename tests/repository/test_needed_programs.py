@@ -57,14 +57,16 @@ def test_what_cannot_run_is_left_out_and_reported(suite: Path) -> None:
         "left out: every test that needs a C++ compiler",
         "left out: every test that needs the Rust compiler",
         "left out: every test that needs Rust's build system",
+        "left out: every test that needs the tools of Rust's LLVM",
         "left out: every test that needs the reader of manual pages",
         "left out: every test that needs the compiler for Arm microcontrollers",
     ]
     assert "`tox -e programs`" in shown
 
 
-# A compiler that compiles, as far as `works` looks, and a browser that starts.
+# A compiler that compiles, as far as `works` looks, a browser that starts, and LLVM of one version.
 WORKING = """#!/bin/sh
+echo 'LLVM version: 9.0, LLVM version 9.0'
 for word; do [ "$last" = -o ] && : > "$word"; last=$word; done
 """
 BROKEN = "#!/bin/sh\necho 'error: no override and no default toolchain set' >&2\nexit 1\n"
@@ -73,7 +75,16 @@ BROKEN = "#!/bin/sh\necho 'error: no override and no default toolchain set' >&2\
 def programs(tmp_path: Path, content: str) -> Path:
     folder = tmp_path / "programs"
     folder.mkdir()
-    for name in ("c++", "rustc", "cargo", "chromium", "man", "arm-none-eabi-gcc"):
+    for name in (
+        "c++",
+        "rustc",
+        "cargo",
+        "chromium",
+        "man",
+        "arm-none-eabi-gcc",
+        "llvm-profdata",
+        "llvm-cov",
+    ):
         (folder / name).write_text(content, encoding="utf-8")
         (folder / name).chmod(0o755)
     return folder
@@ -92,7 +103,7 @@ def test_a_program_that_does_not_work_counts_as_missing(suite: Path, tmp_path: P
     path = programs(tmp_path, BROKEN)
     code, shown = stated(suite, path=path)
     assert (code, "1 passed, 4 deselected" in shown) == (0, True), shown
-    assert shown.count("which is missing or does not work") == 6
+    assert shown.count("which is missing or does not work") == 7
     code, shown = stated(suite, "--require-programs", path=path)
     assert (code, "this test needs the Rust compiler (rustc)" in shown) == (1, True), shown
 

@@ -112,6 +112,10 @@ class Instrumented:
     """Variables that the processes start with, and their values."""
     suspects: tuple[str, ...] = ()
     """Places of which the compiler says that something may be read there before it is written."""
+    stepper: Path | None = None
+    """The library with the function that steps both builds; None where it is in the second build."""
+    counts_branches: bool = True
+    """Whether branches are counted, not lines alone."""
 
 
 @dataclass(frozen=True)

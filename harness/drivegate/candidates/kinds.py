@@ -48,7 +48,7 @@ INNER_PREFIX: Final = "inner:"
 
 MANIFEST_SUFFIX: Final = ".toml"
 
-_COUNTED: Final = "C, C++ and Python, and images with lines in DWARF"
+_COUNTED: Final = "C, C++, Rust and Python, and images with lines in DWARF"
 
 COMPILED_FOLDER: Final = "native"
 """Folder of the kinds whose code is compiled for this processor."""
@@ -113,7 +113,7 @@ class Kind:
         """Return a candidate whose processes also run a build with sanitizers."""
         if not self.is_counted or self.folder != COMPILED_FOLDER:
             raise InputError(
-                f"--sanitize serves candidates in C and C++, but '{one_line(candidate.name)}' is of the kind "
+                f"--sanitize serves candidates in C, C++ and Rust, but '{one_line(candidate.name)}' is of the kind "
                 f"'{self.name}'; leave the option out"
             )
         sanitized: Candidate = self._module("sanitizing").sanitized_candidate(candidate, sanitizers, folder)
@@ -145,7 +145,14 @@ _ALL: Final = (
         manifest_keys=("sources", "include", "flags"),
         is_counted=True,
     ),
-    Kind("so", "native", ways=("file.so",), suffixes=(".so",), manifest_keys=("sources", "build")),
+    Kind(
+        "so",
+        "native",
+        ways=("file.so",),
+        suffixes=(".so",),
+        manifest_keys=("sources", "build"),
+        is_counted=True,
+    ),
     Kind(
         "elf",
         "elf",

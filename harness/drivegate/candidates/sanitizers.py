@@ -42,6 +42,17 @@ _UNDEFINED: Final = re.compile(
 _ADDRESS: Final = re.compile(r"^==\d+==ERROR: AddressSanitizer: (?P<what>[^\n]*)$", re.MULTILINE)
 _ACCESS: Final = re.compile(r"^(?P<what>(?:READ|WRITE) of size \d+)", re.MULTILINE)
 _FRAME: Final = re.compile(r"^\s+#\d+ 0x[0-9a-f]+ in .*? (?P<file>/[^:\n]*):(?P<line>\d+)", re.MULTILINE)
+# At the end of a report, whose beginning is lost where a trace is very long.
+_SUMMARY: Final = re.compile(
+    r"^SUMMARY: AddressSanitizer: (?P<what>\S+) (?P<file>/[^:\n]*):(?P<line>\d+)", re.MULTILINE
+)
+# A panic of Rust, as versions before 1.73 print it too.
+_PANIC: Final = re.compile(
+    r"^thread '[^'\n]*'(?: \(\d+\))? panicked at (?:'(?P<old>.*)', )?(?P<file>[^:\n]+):(?P<line>\d+):\d+:?$"
+    r"(?:\n(?P<what>.*))?",
+    re.MULTILINE,
+)
+_PANIC_FRAME: Final = re.compile(r"^\s+at (?P<file>/[^:\n]*):(?P<line>\d+)", re.MULTILINE)
 # Where in memory differs from run to run.
 _WHERE: Final = re.compile(r" on (?:unknown )?address 0x[0-9a-f]+.*$")
 
@@ -51,19 +62,34 @@ def read_report(output: str, folder: Path, sources: Sequence[Path]) -> Report | 
 
     `folder`, `sources`: the candidate's; the place is the innermost one in its sources.
     """
+    panic = _PANIC.search(output)
+    if panic is not None:
+        frames = _frames(_PANIC_FRAME, output[panic.end() :], sources)
+        is_own = (folder / panic["file"]).resolve() in sources
+        place = _place(*((panic["file"], panic["line"]) if is_own or not frames else frames[0]), folder)
+        return Report(place, bounded_line(f"{place}: {panic['old'] or panic['what'] or 'panic'}"))
     undefined, address = _UNDEFINED.search(output), _ADDRESS.search(output)
     if undefined is not None and (address is None or undefined.start() < address.start()):
         place = _place(undefined["file"], undefined["line"], folder)
         return Report(place, bounded_line(f"{place}: {undefined['what']}"))
     if address is None:
-        return None
+        summary = _SUMMARY.search(output)
+        if summary is None:
+            return None
+        place = _place(summary["file"], summary["line"], folder)
+        return Report(place, bounded_line(f"{place}: {summary['what']}"))
     rest = output[address.end() :]
-    frames = [(found["file"], found["line"]) for found in _FRAME.finditer(rest)]
-    own = [frame for frame in frames if Path(frame[0]).resolve() in sources]
-    place = _place(*(own or frames)[0], folder) if frames else "no line is known"
+    frames = _frames(_FRAME, rest, sources)
+    place = _place(*frames[0], folder) if frames else "no line is known"
     access = _ACCESS.search(rest)
     what = _WHERE.sub("", address["what"]) + (f", {access['what']}" if access else "")
     return Report(place, bounded_line(f"{place}: {what}"))
+
+
+def _frames(pattern: re.Pattern[str], output: str, sources: Sequence[Path]) -> list[tuple[str, str]]:
+    """List files and lines in a trace, the innermost first; those in a candidate's sources alone where it has any."""
+    frames = [(found["file"], found["line"]) for found in pattern.finditer(output)]
+    return [frame for frame in frames if Path(frame[0]).resolve() in sources] or frames
 
 
 def _place(file: str, line: str, folder: Path) -> str:

@@ -24,7 +24,8 @@ def _own_places(candidate: Candidate) -> list[Path]:
     if isinstance(details, NativeBuild):
         places.append(details.library)
         if candidate.instrumented is not None:
-            places += filter(None, (candidate.instrumented.library, candidate.instrumented.reference))
+            looking = candidate.instrumented
+            places += filter(None, (looking.library, looking.reference, looking.stepper))
     elif isinstance(details, Target):
         places.append(details.image)
     elif isinstance(details, Program):

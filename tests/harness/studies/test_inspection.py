@@ -1,7 +1,12 @@
 """What a check makes of the shares that are reached of a candidate's code."""
 
+from contextlib import nullcontext
+from dataclasses import replace
+from pathlib import Path
+
 import pytest
 
+from drivegate.candidates.candidate import Instrumented
 from drivegate.candidates.reached_code import Line, SourceFile
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.results.document import ResultDocument
@@ -11,7 +16,9 @@ from drivegate.studies.check.inspection import (
     inspected,
     read_inspection,
     read_shares,
+    require_branches,
     with_coverage,
+    with_findings,
 )
 from drivegate_models.errors import InputError
 
@@ -66,3 +73,31 @@ def test_coverage_and_sanitizers_do_not_go_together() -> None:
 def test_unknown_sanitizers_are_refused() -> None:
     with pytest.raises(InputError, match="'adress', the nearest known one is 'address'"):
         read_inspection(False, None, "undefined,adress")
+
+
+def test_branches_cannot_be_required_where_lines_alone_are_counted(tmp_path: Path) -> None:
+    looking = Instrumented("coverage", tmp_path, counts_branches=False)
+    lines_only = replace(resolve_candidate("foc"), instrumented=looking)
+    require_branches(lines_only, Inspection(coverage=True, at_least=(100.0, 0.0)))
+    with pytest.raises(
+        InputError, match=r"95 % of branches, but only lines .* write --coverage-at-least 100$"
+    ):
+        require_branches(lines_only, Inspection(coverage=True, at_least=(100.0, 95.0)))
+    passed = ResultDocument.model_construct(verdict="pass", exit_code=0)
+    section = with_coverage(passed, [FILE], None, counts_branches=False).code_coverage
+    assert section is not None
+    assert section.message == "the runs reached 2 of 3 lines (66.6 %); branches are not counted"
+
+
+@pytest.mark.parametrize("is_faulty", [False, True])
+def test_faults_count_for_more_than_that_nothing_was_counted(tmp_path: Path, is_faulty: bool) -> None:
+    (tmp_path / "mine.py").write_text("class Mine: pass\n", encoding="utf-8")
+    counted = tmp_path / "counted"
+    counted.mkdir()
+    candidate = replace(
+        resolve_candidate(f"{tmp_path / 'mine.py'}:Mine"), instrumented=Instrumented("coverage", counted)
+    )
+    result = ResultDocument.model_construct(verdict="crash", exit_code=int(is_faulty))
+    expected = nullcontext() if is_faulty else pytest.raises(InputError, match=r"no line of .* was counted")
+    with expected:
+        assert with_findings(result, candidate, Inspection(coverage=True), tmp_path) is result

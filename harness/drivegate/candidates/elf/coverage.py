@@ -5,7 +5,6 @@ Only lines are counted: what a block branches to is not followed.
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
 from collections.abc import Iterable, Iterator, Mapping
@@ -14,23 +13,15 @@ from pathlib import Path
 from typing import Any, Final
 
 from drivegate.candidates.candidate import Candidate, Instrumented, Target
-from drivegate.candidates.native.coverage_tools import (
-    COBERTURA,
-    LCOV,
-    TRACE,
-    files_of_trace,
-    gcovr,
-    hand_over,
-    require_package,
-    work_folder,
-)
+from drivegate.candidates.native.coverage_tools import require_package, work_folder
+from drivegate.candidates.native.coverage_trace import trace_of
+from drivegate.candidates.reached_code import SourceFile
 from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.documents.wording import one_line
 from drivegate_models.errors import InputError
 
 _OF_DIRECTORIES: Final = 5
 """Version of DWARF from which on the first folder and file are those of the unit."""
-_EXCLUDED: Final = ("GCOVR_EXCL_LINE", "GCOV_EXCL_LINE", "LCOV_EXCL_LINE")
 
 
 def counted_candidate(candidate: Candidate, folder: Path) -> Candidate:
@@ -41,7 +32,7 @@ def counted_candidate(candidate: Candidate, folder: Path) -> Candidate:
             f"--coverage finds no lines of the sources of '{one_line(candidate.name)}' in its image; compile it with "
             "-g, and name its sources in the key 'sources' of its manifest"
         )
-    return replace(candidate, instrumented=Instrumented("coverage", folder))
+    return replace(candidate, instrumented=Instrumented("coverage", folder, counts_branches=False))
 
 
 def write_blocks(blocks: Iterable[tuple[int, int]], folder: Path) -> None:
@@ -49,46 +40,17 @@ def write_blocks(blocks: Iterable[tuple[int, int]], folder: Path) -> None:
     write_atomically(folder / f"blocks-{os.getpid()}.json", json.dumps(sorted(blocks)))
 
 
-def measured_files(candidate: Candidate, output: Path) -> tuple[Any, ...]:
+def measured_files(candidate: Candidate, output: Path) -> tuple[SourceFile, ...]:
     """Read what was counted, and write the files for services into a folder."""
     work = work_folder(candidate)
     ran = _addresses(work.parent)
     lines = _lines_of(candidate)
     common = Path(os.path.commonpath([candidate.folder, *(source.parent for source in lines)]))
-    files = [
-        {"file": str(source.relative_to(common)), "functions": [], "lines": _counted(source, numbers, ran)}
+    counted = {
+        source: {number: (int(bool(places & ran)), ()) for number, places in numbers.items()}
         for source, numbers in lines.items()
-    ]
-    trace = work / TRACE
-    trace.write_text(json.dumps(_empty_trace(work) | {"files": files}), encoding="utf-8")
-    words = ["--root", str(common), "--add-tracefile", str(trace)]
-    outputs = ("--lcov", str(work / LCOV), "--cobertura", str(work / COBERTURA))
-    gcovr([*words, *outputs], work, (common,), work)
-    hand_over(work, output)
-    return files_of_trace(trace, common)
-
-
-def _counted(source: Path, numbers: Mapping[int, set[int]], ran: set[int]) -> list[dict[str, Any]]:
-    """Return the lines of a source as gcovr lists them, with a digest of each, by which services compare versions."""
-    text = source.read_text(encoding="utf-8", errors="replace").splitlines()
-    return [
-        {
-            "line_number": number,
-            "count": int(bool(places & ran)),
-            "branches": [],
-            "gcovr/md5": hashlib.md5(text[number - 1].encode(), usedforsecurity=False).hexdigest(),
-        }
-        for number, places in sorted(numbers.items())
-        if number <= len(text)
-    ]
-
-
-def _empty_trace(work: Path) -> dict[str, Any]:
-    """Have gcovr write a trace of nothing, which has the version of its format."""
-    trace = work / f"empty-{TRACE}"
-    gcovr(["--root", str(work), "--json", str(trace), str(work)], work, (), work)
-    empty: dict[str, Any] = json.loads(trace.read_text(encoding="utf-8"))
-    return empty
+    }
+    return trace_of(counted, common, work, output)
 
 
 def _addresses(folder: Path) -> set[int]:
@@ -104,21 +66,12 @@ def _lines_of(candidate: Candidate) -> Mapping[Path, dict[int, set[int]]]:
     """Return the addresses at which each line of the candidate's sources begins."""
     assert isinstance(candidate.details, Target), "it is an image"
     found: dict[Path, dict[int, set[int]]] = {}
-    excluded: dict[Path, set[int]] = {}
     for path, number, address in _rows(candidate.details.image):
         source = _source_of(path, candidate.sources)
         if source is None:
             continue
-        if source not in excluded:
-            excluded[source] = _excluded_lines(source)
-        if number not in excluded[source]:
-            found.setdefault(source, {}).setdefault(number, set()).add(address)
+        found.setdefault(source, {}).setdefault(number, set()).add(address)
     return found
-
-
-def _excluded_lines(source: Path) -> set[int]:
-    text = source.read_text(encoding="utf-8", errors="replace").splitlines()
-    return {number for number, line in enumerate(text, 1) if any(word in line for word in _EXCLUDED)}
 
 
 def _source_of(path: str, sources: Iterable[Path]) -> Path | None:

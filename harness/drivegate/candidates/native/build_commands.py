@@ -27,6 +27,7 @@ from drivegate.candidates.native.bounded_command import Bounds, Ended, run_bound
 from drivegate.candidates.native.build import cache_folder, digest_of
 from drivegate.candidates.native.compiler import include_folder
 from drivegate.candidates.native.compiler_wrappers import private_caches
+from drivegate.candidates.native.rust_shim import write_shim
 from drivegate.isolation.layers import Places, isolated_command, requested_layers
 from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.documents.wording import one_line, shown_path
@@ -60,6 +61,8 @@ class ProjectBuild:
     artefact: str
     """Path of the file that the commands make, from the folder."""
     bounds: Bounds = BUILD
+    rust_flags: tuple[str, ...] = ()
+    """Further flags of Rust's compiler, whatever command starts it."""
 
 
 def built_artefact(build: ProjectBuild) -> Path:
@@ -113,15 +116,23 @@ def _key(build: ProjectBuild) -> str:
     places = (os.path.relpath(source, build.folder) for source in build.sources)
     return hash_of(
         build.sources,
-        digest_of(*build.commands, build.artefact, platform.machine(), os.environ.get("PATH", ""), *places),
+        digest_of(
+            *(*build.commands, build.artefact, platform.machine(), os.environ.get("PATH", "")),
+            *build.rust_flags,
+            *places,
+        ),
     )[:32]
 
 
 def _made(build: ProjectBuild, commands: tuple[list[str], ...], scratch: Path) -> Path:
     """Build in a copy, and return the file that was made there."""
     _log.info("building %s for %s", one_line(build.artefact), build.manifest)
-    here = _copy_of(build, scratch / "project")
+    root, common = scratch / "project", _common_folder(build)
+    here = _copy_of(build, root, common)
     (scratch / "temporary").mkdir()
+    environment = _environment(scratch)
+    if build.rust_flags:
+        environment |= write_shim(scratch / "tools", build.rust_flags, root, common)
     deadline = time.monotonic() + build.bounds.seconds
     for words, command in zip(commands, build.commands, strict=True):
         # All commands share the time; one without any left starts all the same, and is reported as out of time.
@@ -129,7 +140,7 @@ def _made(build: ProjectBuild, commands: tuple[list[str], ...], scratch: Path) -
         ended = run_bounded(
             isolated_command(words, requested_layers(), Places(tuple(_readable()), (str(scratch),))),
             folder=here,
-            environment=_environment(scratch),
+            environment=environment,
             bounds=left,
         )
         if ended.status != 0:
@@ -144,9 +155,13 @@ def _made(build: ProjectBuild, commands: tuple[list[str], ...], scratch: Path) -
     return made
 
 
-def _copy_of(build: ProjectBuild, root: Path) -> Path:
+def _common_folder(build: ProjectBuild) -> Path:
+    """Return the folder that the manifest's and all sources are in."""
+    return Path(os.path.commonpath((build.folder, *(source.parent for source in build.sources))))
+
+
+def _copy_of(build: ProjectBuild, root: Path, common: Path) -> Path:
     """Copy the sources, those outside of the folder at the same places relative to it; return the folder's copy."""
-    common = Path(os.path.commonpath((build.folder, *(source.parent for source in build.sources))))
     here = root / build.folder.relative_to(common)
     here.mkdir(parents=True)
     for source in build.sources:

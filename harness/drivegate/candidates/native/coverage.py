@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Final
 
 from drivegate.candidates.candidate import Candidate, Instrumented, NativeBuild
+from drivegate.candidates.native import rust_coverage
 from drivegate.candidates.native.compiler import Compilation, found_compiler, include_folder
 from drivegate.candidates.native.coverage_tools import (
     COBERTURA,
@@ -31,12 +32,20 @@ _COUNTED: Final = ("--coverage", "-g", "-DDRIVEGATE_COUNTS")
 
 def counted_candidate(candidate: Candidate, folder: Path) -> Candidate:
     """Return a candidate whose processes also run a build that counts, and write the counters into a folder."""
+    if not is_compiled_here(candidate):
+        return rust_coverage.counted_candidate(candidate, folder)
     require_package("gcovr", "--coverage")
     plan = plan_of(candidate)
     reader_of(plan)
     paths = () if any(map(is_clang, compilers_of(plan).values())) else ("-fprofile-abs-path",)
     built = second_build(plan, (*_COUNTED, *paths))
     return replace(candidate, instrumented=Instrumented("coverage", folder, built / LIBRARY))
+
+
+def is_compiled_here(candidate: Candidate) -> bool:
+    """Return True if drivegate compiles the sources, not a command of the manifest."""
+    details = candidate.details
+    return isinstance(details, NativeBuild) and isinstance(details.made_by, Compilation)
 
 
 def plan_of(candidate: Candidate) -> Compilation:
@@ -64,6 +73,8 @@ def reader_of(plan: Compilation) -> str:
 
 def measured_files(candidate: Candidate, output: Path) -> tuple[SourceFile, ...]:
     """Read what was counted, and write the files for services into a folder."""
+    if not is_compiled_here(candidate):
+        return rust_coverage.measured_files(candidate, output)
     instrumented = candidate.instrumented
     assert instrumented is not None
     assert instrumented.library is not None, "it was compiled to count"

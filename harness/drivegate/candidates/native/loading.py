@@ -70,7 +70,9 @@ def _two_builds(plain: NativeController, instrumented: Instrumented, name: str) 
     os.environ["GCOV_PREFIX"] = str(instrumented.folder)
     second = _loaded_controller(library, name, is_exact=True)
     other = None if instrumented.reference is None else _loaded_controller(instrumented.reference, name)
-    functions, _ = _loaded(library, name)
+    functions = (
+        _loaded(library, name)[0] if instrumented.stepper is None else ctypes.CDLL(str(instrumented.stepper))
+    )
     step = ctypes.cast(getattr(functions, STEP_BOTH), ctypes.c_void_p).value or 0
     return TwoBuilds(plain, second, other, step, instrumented, getattr(functions, WRITE_COUNTERS, None))
 

@@ -11,9 +11,11 @@ from typing import Final
 
 from drivegate.candidates.candidate import Candidate, Instrumented
 from drivegate.candidates.fault import bounded_reason
+from drivegate.candidates.native import rust_sanitizing
 from drivegate.candidates.native.bounded_command import Bounds, run_bounded
-from drivegate.candidates.native.compiler import CPP, Compilation, CompilationError
-from drivegate.candidates.native.coverage import plan_of
+from drivegate.candidates.native.compiler import Compilation, CompilationError
+from drivegate.candidates.native.coverage import is_compiled_here, plan_of
+from drivegate.candidates.native.sanitizer_runtime import preloaded
 from drivegate.candidates.native.second_build import LIBRARY, OUTPUT, compilers_of, is_clang, second_build
 from drivegate_cases.documents.wording import one_line
 from drivegate_models.errors import InputError
@@ -31,14 +33,8 @@ _COMMON: Final = ("-g", "-fno-omit-frame-pointer", "-fno-sanitize-recover=all")
 _UNOPTIMIZED: Final = ("-O0",)
 _PATTERN, _ZERO = "-ftrivial-auto-var-init=pattern", "-ftrivial-auto-var-init=zero"
 """What variables are that nothing has written, in the build with sanitizers and in its reference."""
-_ANALYSIS: Final = ("-O0", "-Wuninitialized", "-fanalyzer")
+_ANALYSIS: Final = ("-O0", "-Wuninitialized")
 
-# What the address sanitizer takes for an error in Python and its libraries, and what keeps its reports short. Signals
-# are its own, since Python's handler does not know lines of C.
-_ADDRESS_OPTIONS: Final = (
-    "detect_leaks=0:alloc_dealloc_mismatch=0:detect_odr_violation=0:detect_stack_use_after_return=1:"
-    "quarantine_size_mb=16:print_legend=0:color=never:handle_segv=2:handle_sigbus=2:handle_sigfpe=2:handle_sigill=2"
-)
 _UNDEFINED_OPTIONS: Final = "halt_on_error=1:print_stacktrace=0:color=never"
 _PROBE: Final = Bounds(20.0)
 _UNWRITTEN: Final = re.compile(
@@ -50,6 +46,8 @@ _MOST_SUSPECTS: Final = 3
 
 def sanitized_candidate(candidate: Candidate, sanitizers: Sequence[str], folder: Path) -> Candidate:
     """Return a candidate whose processes also run a build with sanitizers."""
+    if not is_compiled_here(candidate):
+        return rust_sanitizing.sanitized_candidate(candidate, sanitizers, folder)
     plan = plan_of(candidate)
     for name in sanitizers:
         _require(plan, name)
@@ -58,9 +56,11 @@ def sanitized_candidate(candidate: Candidate, sanitizers: Sequence[str], folder:
     checked = [flag for name in sanitizers for flag in _FLAGS[name]]
     built = second_build(plan, (*_UNOPTIMIZED, *_COMMON, *checked, *([_PATTERN] if chooses else [])))
     reference = second_build(plan, (*_UNOPTIMIZED, *([_ZERO] if chooses else [])))
-    environment = {"UBSAN_OPTIONS": _UNDEFINED_OPTIONS}
-    if "address" in sanitizers:
-        environment |= {"LD_PRELOAD": _runtime(plan), "ASAN_OPTIONS": _ADDRESS_OPTIONS}
+    language = plan.languages[-1]
+    environment = {
+        "UBSAN_OPTIONS": _UNDEFINED_OPTIONS,
+        **preloaded(compilers_of(plan)[language], language, sanitizers),
+    }
     instrumented = Instrumented(
         "sanitizers",
         folder,
@@ -88,30 +88,14 @@ def _accepts(compiler: Sequence[str], *flags: str) -> bool:
     return run_bounded(words, folder=Path.cwd(), environment={"LC_ALL": "C"}, bounds=_PROBE).status == 0
 
 
-def _runtime(plan: Compilation) -> str:
-    """Return the library that must be in a process before anything else, for the address sanitizer to work."""
-    language = plan.languages[-1]
-    compiler = compilers_of(plan)[language]
-    clang = is_clang(compiler)
-    name = "libclang_rt.asan-x86_64.so" if clang else "libasan.so"
-    words = [*compiler, f"-print-file-name={name}"]
-    ended = run_bounded(words, folder=Path.cwd(), environment={"LC_ALL": "C"}, bounds=_PROBE)
-    file = Path(ended.output.strip())
-    if ended.status != 0 or not file.is_absolute() or not file.exists():
-        package = "libclang-rt-dev" if clang else ("g++" if language is CPP else "gcc")
-        raise InputError(
-            f"--sanitize address needs the library {name}, which {one_line(compiler[0])} does not have; install it "
-            f"(Debian and Ubuntu: apt install {package}; Fedora: dnf install libasan)"
-        )
-    return str(file.resolve())
-
-
 def _suspects(plan: Compilation, folder: Path) -> tuple[str, ...]:
     """Return the places of which the compiler says that a variable there may be read before it is written."""
-    if not all(_accepts(compiler, *_ANALYSIS) for compiler in compilers_of(plan).values()):
+    compilers = compilers_of(plan).values()
+    deeper = "-Wconditional-uninitialized" if all(map(is_clang, compilers)) else "-fanalyzer"
+    if not all(_accepts(compiler, *_ANALYSIS, deeper) for compiler in compilers):
         return ()
     try:
-        output = (second_build(plan, _ANALYSIS) / OUTPUT).read_text(encoding="utf-8")
+        output = (second_build(plan, (*_ANALYSIS, deeper)) / OUTPUT).read_text(encoding="utf-8")
     except CompilationError:
         # It takes long on some sources, and only adds a line to a fault.
         return ()

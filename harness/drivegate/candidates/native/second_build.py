@@ -28,7 +28,8 @@ LIBRARY: Final = "library.so"
 OUTPUT: Final = "output.txt"
 """Name of the file there with what the compiler printed."""
 
-_OWN_SOURCE: Final = Path(__file__).with_name("two_builds.c")
+OWN_SOURCE: Final = Path(__file__).with_name("two_builds.c")
+"""The function that steps two builds."""
 
 
 def compilers_of(plan: Compilation) -> Compilers:
@@ -50,12 +51,12 @@ def second_build(plan: Compilation, flags: Sequence[str]) -> Path:
     try:
         with tempfile.TemporaryDirectory(prefix=".compiling-", dir=folder) as scratch:
             files = used_files(compilers, plan, Path(scratch))
-            kept = folder / f"{key_of(compilers, changed, (*files, _OWN_SOURCE))}.second"
+            kept = folder / f"{key_of(compilers, changed, (*files, OWN_SOURCE))}.second"
             if not kept.is_dir():
                 made = Path(scratch) / "made"
                 made.mkdir()
                 own = made / f"two_builds{'.cpp' if plan.languages[-1] is CPP else '.c'}"
-                shutil.copy(_OWN_SOURCE, own)
+                shutil.copy(OWN_SOURCE, own)
                 # Whole paths, which tools find from any folder.
                 sources = (*(str(plan.folder / source) for source in plan.sources), str(own))
                 _, output = compile_library(compilers, replace(changed, sources=sources), made)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -37,6 +38,8 @@ class Inspection:
 
 NOT_INSPECTED: Final = Inspection()
 
+_log = logging.getLogger("drivegate")
+
 
 @contextmanager
 def inspected(candidate: Candidate, inspection: Inspection) -> Iterator[Candidate]:
@@ -50,9 +53,23 @@ def inspected(candidate: Candidate, inspection: Inspection) -> Iterator[Candidat
         )
     with temporary_folder() as folder:
         if inspection.coverage:
-            yield KINDS[candidate.kind].counted_candidate(candidate, folder)
+            counted = KINDS[candidate.kind].counted_candidate(candidate, folder)
+            require_branches(counted, inspection)
+            yield counted
         else:
             yield KINDS[candidate.kind].sanitized_candidate(candidate, inspection.sanitizers, folder)
+
+
+def require_branches(candidate: Candidate, inspection: Inspection) -> None:
+    """Refuse to require a share of branches where lines alone are counted, which would pass whatever ran."""
+    looking = candidate.instrumented
+    if looking is None or looking.counts_branches or not (inspection.at_least and inspection.at_least[1]):
+        return
+    lines, branches = inspection.at_least
+    raise InputError(
+        f"--coverage-at-least requires {branches:g} % of branches, but only lines are counted of images, and of Rust "
+        f"without a nightly toolchain; write --coverage-at-least {lines:g}"
+    )
 
 
 def with_findings(
@@ -65,19 +82,36 @@ def with_findings(
         return result.model_copy(update={"sanitizers": inspection.sanitizers})
     output = staging / COVERAGE_FOLDER
     output.mkdir(parents=True, exist_ok=True)
+    try:
+        files = _measured(candidate, output)
+    except InputError as error:
+        # A candidate whose processes end early may have counted nothing, and its faults count for more.
+        if result.exit_code == 0:
+            raise
+        _log.warning("%s", error)
+        return result
+    counts_branches = candidate.instrumented is None or candidate.instrumented.counts_branches
+    result = with_coverage(result, files, inspection.at_least, counts_branches=counts_branches)
+    write_code_pages(result, files, output)
+    return result
+
+
+def _measured(candidate: Candidate, output: Path) -> tuple[SourceFile, ...]:
     files = KINDS[candidate.kind].measured_files(candidate, output)
     if not files:
         raise InputError(
             f"--coverage: no line of {candidate.name} was counted; name its sources in the manifest, and compile it "
             "with them in place"
         )
-    result = with_coverage(result, files, inspection.at_least)
-    write_code_pages(result, files, output)
-    return result
+    return files
 
 
 def with_coverage(
-    result: ResultDocument, files: Sequence[SourceFile], at_least: tuple[float, float] | None
+    result: ResultDocument,
+    files: Sequence[SourceFile],
+    at_least: tuple[float, float] | None,
+    *,
+    counts_branches: bool = True,
 ) -> ResultDocument:
     from drivegate.results.document import CodeCoverageSection, CodeFileSection, CountSection
 
@@ -108,7 +142,7 @@ def with_coverage(
             )
             for file in files
         ),
-        message="; ".join([_in_words(*counts), *short]),
+        message="; ".join([_in_words(*counts, counts_branches), *short]),
     )
     changed: dict[str, object] = {"code_coverage": section}
     if short and result.exit_code == 0:
@@ -116,8 +150,9 @@ def with_coverage(
     return result.model_copy(update=changed)
 
 
-def _in_words(lines: Reached, branches: Reached) -> str:
-    return f"the runs reached {lines.in_words('lines')} and {branches.in_words('branches')}"
+def _in_words(lines: Reached, branches: Reached, counts_branches: bool) -> str:
+    of_branches = f" and {branches.in_words('branches')}" if counts_branches else "; branches are not counted"
+    return f"the runs reached {lines.in_words('lines')}{of_branches}"
 
 
 def read_inspection(coverage: bool, at_least: str | None, sanitize: str | None) -> Inspection:

@@ -10,6 +10,8 @@ import pytest
 from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.candidates.kinds import KINDS
+from drivegate.candidates.native.compiler import C
+from drivegate.candidates.native.sanitizer_runtime import preloaded
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.candidates.sanitizers import SANITIZERS, read_report
 from drivegate.containment.judge import Judge, own_candidate
@@ -38,6 +40,7 @@ FAULTS = {
     13: "null pointer",
     14: "past the state",
 }
+IN_CPP = {1: "past a vector", 2: "use after it is deleted", 3: "object of another type", 4: "no truth value"}
 
 
 def scenario_with(number: int) -> Scenario:
@@ -45,9 +48,10 @@ def scenario_with(number: int) -> Scenario:
     return scenario.replaced(duration_s=0.005)
 
 
-def line_of(comment: str) -> int:
-    text = SOURCE.read_text(encoding="utf-8").splitlines()
-    return next(number for number, line in enumerate(text, 1) if f"/* {comment} */" in line)
+def line_of(comment: str, source: Path = SOURCE) -> int:
+    text = source.read_text(encoding="utf-8").splitlines()
+    comments = (f"/* {comment} */", f"// {comment}")
+    return next(number for number, line in enumerate(text, 1) if line.endswith(comments))
 
 
 def run_once(loaded: JudgedCandidate, scenario: Scenario) -> DutyRecord:
@@ -103,6 +107,23 @@ def test_what_is_read_before_it_is_written_shows_in_the_answer(judge: Judge) -> 
 
 
 @pytest.mark.nightly
+@pytest.mark.needs("c++")
+@pytest.mark.parametrize(("number", "comment"), IN_CPP.items(), ids=IN_CPP.values())
+def test_faults_that_are_of_cpp_alone_are_reported_too(tmp_path: Path, number: int, comment: str) -> None:
+    source = SOURCE.with_suffix(".cpp")
+    candidate = KINDS["c"].sanitized_candidate(
+        resolve_candidate(str(source)), ("address", "undefined"), tmp_path
+    )
+    with Judge(candidate) as judge:
+        fault = judge.once(Job(run_once, scenario_with(number)))
+    assert isinstance(fault, Fault), "nothing was reported"
+    assert (fault.kind, fault.error) == (
+        FaultKind.SANITIZER,
+        f"seeded_faults.cpp, line {line_of(comment, source)}",
+    )
+
+
+@pytest.mark.nightly
 def test_the_scenario_of_a_report_is_shrunk(judge: Judge) -> None:
     scenario = scenario_with(8).replaced(
         initial_angle_deg=70.0, dropouts=[{"signal": "current", "start_s": 0.0001, "end_s": 0.0002}]
@@ -117,8 +138,25 @@ def test_the_scenario_of_a_report_is_shrunk(judge: Judge) -> None:
 
 
 def test_what_is_not_compiled_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="--sanitize serves candidates in C and C\\+\\+, but"):
+    with pytest.raises(InputError, match="--sanitize serves candidates in C, C\\+\\+ and Rust, but"):
         KINDS["builtin"].sanitized_candidate(resolve_candidate("foc"), ("address",), tmp_path)
+
+
+def test_the_library_of_clang_is_loaded_before_all_others(tmp_path: Path) -> None:
+    library, compiler = tmp_path / "asan.so", tmp_path / "clang-19"
+    library.touch()
+    compiler.write_text(
+        '#!/bin/sh\ncase "$*" in\n--version) echo "clang version 19" ;;\n'
+        f"*libclang_rt.asan.so) echo {library} ;;\n*) echo none ;;\nesac\n",
+        encoding="utf-8",
+    )
+    compiler.chmod(0o755)
+    loaded = preloaded((str(compiler),), C, ("address", "undefined"))
+    assert loaded["LD_PRELOAD"] == str(library)
+    with pytest.raises(
+        InputError, match=r"needs the library libclang_rt\.ubsan.* apt install libclang-rt-19-dev"
+    ):
+        preloaded((str(compiler),), C, ("undefined",))
 
 
 def test_the_first_report_counts_and_addresses_are_left_out() -> None:
@@ -133,3 +171,7 @@ def test_the_first_report_counts_and_addresses_are_left_out() -> None:
     assert report is not None
     assert report.message == "src/mine.c, line 40: SEGV"
     assert read_report("runtime error", Path("/home/me"), []) is None
+    rest = "    #99 0x7f1 in deep /home/me/mine.c:7\nSUMMARY: AddressSanitizer: stack-overflow /home/me/mine.c:7 in f\n"
+    report = read_report(rest, Path("/home/me"), [])
+    assert report is not None, "the beginning of a long report is not kept"
+    assert report.message == "mine.c, line 7: stack-overflow"
