@@ -68,7 +68,8 @@ def _numbers(moment: Moment, drawn: list[NDArray[np.float64]], marked: list[floa
     bases = [middle, *marks, *(mark - float(drawn[0][0]) for mark in marks)]
     numbers += [100.0 * number / base for number in numbers for base in bases if base != 0.0]
     if moment.origin_s is not None and moment.point is not None:
-        numbers.append(1e3 * (moment.point.time_s - moment.origin_s))
+        after = moment.point.time_s - moment.origin_s
+        numbers += [after, 1e3 * after]
     return numbers
 
 

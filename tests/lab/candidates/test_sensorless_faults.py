@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import pytest
+from tests.harness.contracts.reading import is_read, read_off
 
 from drivegate.candidates.builtin.duty_loading import SENSORLESS, DutyController
 from drivegate.candidates.declaration import NOTHING_DECLARED
@@ -12,6 +13,7 @@ from drivegate.checks.margin import Margin
 from drivegate.contracts.catalogue import check_of
 from drivegate.contracts.duty.contract import DUTY
 from drivegate.contracts.duty.document import duty_document
+from drivegate.contracts.duty.record import DutyRecord
 from drivegate.contracts.duty.scenarios.building import share_scenario
 from drivegate.contracts.duty.scenarios.sensorless import (
     flying_start,
@@ -51,10 +53,14 @@ SHOWN_BY: dict[str, Callable[[], Scenario]] = {
 }
 
 
-def _margin(
-    check: str, scenario: Scenario, controller: DutyController | SensorlessController
-) -> Margin | None:
-    record = DUTY.record(prepared_duty_loop, NOTHING_DECLARED, scenario, controller)
+STEADY_MEANS = ("SLS-2", "SLS-8")
+
+
+def _record(scenario: Scenario, controller: DutyController | SensorlessController) -> DutyRecord:
+    return DUTY.record(prepared_duty_loop, NOTHING_DECLARED, scenario, controller)
+
+
+def _margin(check: str, record: DutyRecord) -> Margin | None:
     return check_of("duty", check, NOTHING_DECLARED).evaluate(record)
 
 
@@ -66,12 +72,16 @@ def test_every_fault_has_a_run() -> None:
 def test_a_fault_is_caught_where_the_controller_without_it_passes(name: str) -> None:
     fault, scenario = SENSORLESS_FAULTS[name], SHOWN_BY[name]()
     assert DUTY.unfair_because(scenario) is None
-    right = _margin(fault.check, scenario, DutyController(SENSORLESS))
-    wrong = _margin(fault.check, scenario, SensorlessController(fault))
+    right = _margin(fault.check, _record(scenario, DutyController(SENSORLESS)))
+    record = _record(scenario, SensorlessController(fault))
+    wrong = _margin(fault.check, record)
     assert right is not None
     assert right.met, right
     assert wrong is not None
     assert not wrong.met, wrong
+    if fault.check not in STEADY_MEANS:
+        measured, numbers = read_off(check_of("duty", fault.check, NOTHING_DECLARED), record)
+        assert is_read(measured, numbers), f"{measured!r} is not among {numbers}"
 
 
 def test_a_fault_idles_on_a_drive_with_a_sensor() -> None:

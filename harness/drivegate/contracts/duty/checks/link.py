@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from drivegate.candidates.declaration import Declaration
 from drivegate.checks.check import Check
-from drivegate.checks.margin import Margin, at_most, normalised
+from drivegate.checks.course import course_of
+from drivegate.checks.margin import Margin, Mark, Moment, Point, at_most, normalised
 from drivegate.contracts.duty.checks.judged import at, worst
 from drivegate.contracts.duty.current_reference import unless_current
 from drivegate.contracts.duty.document import duty_document
@@ -26,6 +27,8 @@ AFTER_SUPPLY_STEP: Final = 10.0
 """Time in which a step of the source charges the link, in its time constants with the source's resistance (1)."""
 LEAST_BRAKING: Final = 0.05
 """Least of the oracle's greatest braking torque that is judged, over rated torque (1)."""
+SHOWN_S: Final = 0.05
+"""Time that figures show before and after what decides (s)."""
 
 
 def _unless_linked(declaration: Declaration, drive: DriveDocument) -> str | None:
@@ -43,29 +46,97 @@ def link_limit(record: DutyRecord) -> Margin | None:
     if not _is_judged(record):
         return None
     highest, limit = record.run.column("link_highest"), record.plant.dc_link.limit
-    # What the diodes alone have charged before the first answer acts, nobody prevents.
-    begin = int(np.argmax(highest <= limit))
-    place = begin + int(np.argmax(highest[begin:]))
+    place = _highest_place(record)
     found = f"link at {highest[place]:.4g} V at {place * record.scenario.control_period_s:.4g} s"
     return Margin("LNK-1", at_most(float(highest[place]), limit), found)
+
+
+def link_moment(record: DutyRecord) -> Moment:
+    """Show the link around its greatest voltage."""
+    place, limit = _highest_place(record), record.plant.dc_link.limit
+    start, end, time = shown_around(record, place)
+    volts = float(record.run.column("link_highest")[place])
+    return Moment(
+        start_s=start,
+        end_s=end,
+        column="link_highest_v",
+        levels=(Mark(words=f"limit {limit:.4g} V", value=limit),),
+        point=Point(words=f"{volts:.4g} V", time_s=time, value=volts),
+    )
+
+
+def _highest_place(record: DutyRecord) -> int:
+    """Return the control period of the greatest voltage that is judged."""
+    highest = record.run.column("link_highest")
+    # What the diodes alone have charged before the first answer acts, nobody prevents.
+    begin = int(np.argmax(highest <= record.plant.dc_link.limit))
+    return begin + int(np.argmax(highest[begin:]))
+
+
+def shown_around(record: DutyRecord, place: int) -> tuple[float, float, float]:
+    """Return start and end of the stretch that figures show around a control period, and its middle (s)."""
+    time = (place + 0.5) * record.scenario.control_period_s
+    return max(time - SHOWN_S, 0.0), min(time + SHOWN_S, record.scenario.duration_s), time
 
 
 def source_current(record: DutyRecord) -> Margin | None:
     if not _is_judged(record):
         return None
+    means = _source_means(record)
+    if means is None:
+        return None
     period = record.scenario.control_period_s
-    count = max(round(MEAN_S / period), 1)
+    return worst(
+        _mean_current(sign * means, limit, verb, period) for sign, limit, verb in _source_limits(record)
+    )
+
+
+def source_moment(record: DutyRecord) -> Moment | None:
+    """Show the means of the source's current around the one that decides."""
+    means = _source_means(record) if _is_judged(record) else None
+    if means is None:
+        return None
+    period = record.scenario.control_period_s
+    sign, limit, verb = min(
+        _source_limits(record), key=lambda each: at_most(max(float(np.max(each[0] * means)), 0.0), each[1])
+    )
+    place = int(np.argmax(sign * means))
+    count = round(SHOWN_S / period)
+    # Each mean is drawn at its end.
+    rows = slice(max(place - count, 0), min(place + count, len(means)))
+    times = np.arange(rows.start, rows.stop) * period + MEAN_S
+    return Moment(
+        start_s=float(times[0]),
+        end_s=float(times[-1]),
+        quantity="current of the source over 10 ms (A)",
+        courses=(course_of("mean", times, means[rows]),),
+        levels=(Mark(words=f"limit {limit:.4g} A", value=sign * limit),),
+        point=Point(
+            words=f"{verb} {sign * means[place]:.4g} A",
+            time_s=place * period + MEAN_S,
+            value=float(means[place]),
+        ),
+    )
+
+
+def _source_means(record: DutyRecord) -> NDArray[np.float64] | None:
+    """Return the current of the source over 10 ms from each control period on (A); None for a shorter run."""
+    count = max(round(MEAN_S / record.scenario.control_period_s), 1)
     current = record.run.column("source_current")
     if len(current) < count:
         return None
     sums = np.concatenate(([0.0], np.add.accumulate(current)))
     means = (sums[count:] - sums[:-count]) / count
-    means = np.where(_is_charged_by_steps(record, count), 0.0, means)
+    return np.where(_is_charged_by_steps(record, count), 0.0, means)
+
+
+def _source_limits(record: DutyRecord) -> list[tuple[float, float, str]]:
+    """Return the limits of the source's mean current (A), each with its sign and a verb."""
     link, allowed = record.plant.dc_link, record.limits.source_current
-    limits = [(1.0, link.discharge_limit, "supplies")]
+    limits = [(1.0, allowed * link.discharge_limit, "supplies")]
     if link.charge_limit > 0.0:
-        limits.append((-1.0, link.charge_limit, "takes back"))
-    return worst(_mean_current(sign * means, allowed * limit, verb, period) for sign, limit, verb in limits)
+        limits.append((-1.0, allowed * link.charge_limit, "takes back"))
+    return limits
 
 
 def _mean_current(means: NDArray[np.float64], limit: float, verb: str, period: float) -> Margin:
@@ -116,6 +187,32 @@ def link_swing(record: DutyRecord) -> Margin | None:
     return worst(_swing(record, window) for window in record.steady)
 
 
+def swing_moment(record: DutyRecord) -> Moment | None:
+    """Show the means of the link in the stretch in which it swings."""
+    judged = [(window, _swing(record, window)) for window in record.steady] if _is_judged(record) else []
+    decisive = min(
+        ((window, margin) for window, margin in judged if margin is not None),
+        key=lambda pair: pair[1].value,
+        default=None,
+    )
+    if decisive is None:
+        return None
+    window, _ = decisive
+    rows = record.periods(window.start_s, window.end_s)
+    times = (np.arange(rows.start, rows.stop) + 0.5) * record.scenario.control_period_s
+    means = record.run.column("link_mean")[rows]
+    return Moment(
+        start_s=window.start_s,
+        end_s=window.end_s,
+        quantity="link (V)",
+        courses=(course_of("link", times, means),),
+        levels=(
+            Mark(words="greatest", value=float(means.max())),
+            Mark(words="least", value=float(means.min())),
+        ),
+    )
+
+
 def _swing(record: DutyRecord, window: DutyWindow) -> Margin | None:
     rows = record.periods(window.start_s, window.end_s)
     if record.run.column("chopper_power")[rows].max() > 0.0:
@@ -136,6 +233,7 @@ LNK_1 = Check(
     formula="1 - greatest voltage of the link / its limit",
     why="A supply that is pumped up by braking destroys the bridge, and whatever else hangs on it.",
     evaluate=link_limit,
+    moment=link_moment,
     reason_not_applicable=_unless_linked,
 )
 LNK_2 = Check(
@@ -149,6 +247,7 @@ LNK_2 = Check(
     formula="1 - mean current / {source_current} of the limit",
     why="A battery's protection disconnects it, and nothing takes the braking energy then.",
     evaluate=source_current,
+    moment=source_moment,
     reason_not_applicable=_unless_linked,
 )
 LNK_3 = Check(
@@ -173,5 +272,6 @@ LNK_4 = Check(
     formula="1 - (greatest - least mean voltage of a control period) / {link_swing} of the nominal voltage",
     why="A regulator of the link that hunts heats its capacitor and shakes the shaft.",
     evaluate=link_swing,
+    moment=swing_moment,
     reason_not_applicable=_unless_linked,
 )

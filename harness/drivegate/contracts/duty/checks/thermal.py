@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import isfinite, sqrt
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.candidates.declaration import Declaration
 from drivegate.checks.check import Check
-from drivegate.checks.margin import Margin, at_most, normalised
+from drivegate.checks.course import course_of
+from drivegate.checks.margin import Margin, Mark, Moment, Point, at_most, normalised
 from drivegate.checks.means import exact_mean
 from drivegate.contracts.duty.checks.judged import at, greatest_at, worst
 from drivegate.contracts.duty.current_reference import unless_current
@@ -33,8 +34,12 @@ HOT_FAMILY: Final = "hot winding"
 """The family of runs whose windings are warm or hot at first."""
 WARM_ERROR: Final = 2.0
 """Error of the torque of warm windings over that of cool ones, as their resistance is not the nominal one (1)."""
+_SHOWN_MEANS: Final = 20
+"""Means that figures show before and after a change."""
 STRETCH_S: Final = 0.01
 """Length of the means whose changes are judged (s)."""
+SHOWN_S: Final = 1.0
+"""Time that figures show before the hottest moment (s)."""
 AFTER_STEP_S: Final = 0.1
 """Time from a change of the reference on in which the torque may change at any rate (s)."""
 
@@ -68,6 +73,24 @@ def temperature_limit(record: DutyRecord) -> Margin | None:
     return Margin("THM-1", at_most(float(shares[place]), record.limits.temperature_rise), found)
 
 
+def temperature_moment(record: DutyRecord) -> Moment | None:
+    """Show the temperature until it is the highest."""
+    windings, period = _windings(record), record.scenario.control_period_s
+    if windings is None:
+        return None
+    temperatures = record.run.column("winding_temperature")
+    place, thermal = int(np.argmax(temperatures)), windings.thermal
+    time, hottest = (place + 0.5) * period, float(temperatures[place])
+    allowed = thermal.ambient_c + record.limits.temperature_rise * thermal.rise_k
+    return Moment(
+        start_s=max(time - SHOWN_S, 0.0),
+        end_s=min(time + 0.2 * SHOWN_S, record.scenario.duration_s),
+        column="winding_temperature_c",
+        levels=(Mark(words=f"limit {allowed:.4g} °C", value=allowed),),
+        point=Point(words=f"{hottest:.4g} °C", time_s=time, value=hottest),
+    )
+
+
 def whole_current(record: DutyRecord) -> Margin | None:
     windings = _windings(record)
     if windings is None:
@@ -97,12 +120,41 @@ def derating(record: DutyRecord) -> Margin | None:
     if windings is None or record.scenario.winding_temperature_c is None:
         return None
     shares = _shares(record, windings)
-    return worst(
-        (
-            *(_cool_torque(record, window, windings, shares) for window in record.steady),
-            *(_hot_torque(record, window, windings) for window in record.steady),
-            *_steps(record),
-        )
+    return worst((*_of_means(record, windings, shares), *(step.margin for step in _steps(record))))
+
+
+def _of_means(
+    record: DutyRecord, windings: HotWindings, shares: NDArray[np.float64]
+) -> Iterator[Margin | None]:
+    for window in record.steady:
+        yield _cool_torque(record, window, windings, shares)
+        yield _hot_torque(record, window, windings)
+
+
+def derating_moment(record: DutyRecord) -> Moment | None:
+    """Show the means of the torque around the change that decides; None where a mean itself decides."""
+    margin, step = (
+        derating(record),
+        min(_steps(record), key=lambda each: each.margin.value, default=None),
+    )
+    if margin is None or step is None or step.margin.value > margin.value:
+        return None
+    before, after = step.means[step.place : step.place + 2]
+    first = max(step.place - _SHOWN_MEANS, 0)
+    shown = step.means[first : step.place + _SHOWN_MEANS]
+    # Each mean is drawn at the middle of its stretch.
+    times = step.start + (np.arange(len(shown)) + first + 0.5) * STRETCH_S
+    return Moment(
+        start_s=float(times[0]),
+        end_s=float(times[-1]),
+        quantity="torque over 10 ms (N·m)",
+        courses=(course_of("mean", times, shown),),
+        levels=(Mark(words=f"{before:.4g} N·m before", value=float(before)),),
+        point=Point(
+            words=f"{after:.4g} N·m after",
+            time_s=step.start + (step.place + 1.5) * STRETCH_S,
+            value=float(after),
+        ),
     )
 
 
@@ -150,7 +202,19 @@ def _hot_torque(record: DutyRecord, window: DutyWindow, windings: HotWindings) -
     return Margin("THM-3", normalised(sense * window.torque - least, least), found)
 
 
-def _steps(record: DutyRecord) -> Iterator[Margin]:
+class _Step(NamedTuple):
+    """The greatest change of the torque under one reference."""
+
+    margin: Margin
+    start: float
+    """Time at which the first mean begins (s)."""
+    means: NDArray[np.float64]
+    """Means of the torque one after the other (N·m), shape (n,)."""
+    place: int
+    """Which mean is the last one before the change."""
+
+
+def _steps(record: DutyRecord) -> Iterator[_Step]:
     """Judge the changes of the torque under a constant reference, from one mean to the next."""
     torque, period = record.run.column("torque"), record.scenario.control_period_s
     count, allowed = max(round(STRETCH_S / period), 1), record.limits.derating_step_nm
@@ -163,7 +227,8 @@ def _steps(record: DutyRecord) -> Iterator[Margin]:
         place = int(np.argmax(steps))
         time = dwell.start + AFTER_STEP_S + (place + 1) * STRETCH_S
         found = f"torque from {means[place]:.4g} to {means[place + 1]:.4g} N·m at {time:.4g} s, by no new reference"
-        yield Margin("THM-3", at_most(float(steps[place]), allowed), found)
+        margin = Margin("THM-3", at_most(float(steps[place]), allowed), found)
+        yield _Step(margin, dwell.start + AFTER_STEP_S, means, place)
 
 
 THM_1 = Check(
@@ -176,6 +241,7 @@ THM_1 = Check(
     formula="1 - (rise above the surroundings / permitted rise) / {temperature_rise}",
     why="Insulation that gets too hot ages in hours, and magnets lose their flux.",
     evaluate=temperature_limit,
+    moment=temperature_moment,
     reason_not_applicable=_unless_sensed,
 )
 THM_2 = Check(
@@ -202,5 +268,6 @@ THM_3 = Check(
     "{derating_step}",
     why="Torque that is taken too early, or in jumps, is what riders and machines notice of derating.",
     evaluate=derating,
+    moment=derating_moment,
     reason_not_applicable=_unless_sensed,
 )

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from tests.harness.contracts.duty.checks.conftest import CHECKS, Run, judged, with_column, with_command
+from tests.harness.contracts.reading import is_read, read_off
 
 from drivegate.candidates.declaration import Declaration
 from drivegate.contracts.duty.scenarios.building import failing, restarted, share_scenario
@@ -55,6 +56,25 @@ def test_each_limit_has_two_sides(
     margin = judged(check, with_column(run(braking), column, change))
     assert margin is not None
     assert margin.met is is_met, margin.measured
+
+
+@pytest.mark.parametrize(
+    ("check", "column", "change"),
+    [
+        ("LNK-1", "link_highest", lambda values: values + 60.1 - values.max()),
+        (
+            "LNK-2",
+            "source_current",
+            lambda values: values + 8.0 * (np.abs(np.arange(len(values)) - 2000) < 300),
+        ),
+        ("LNK-4", "link_mean", lambda values: 50.0 + 0.5 * (-1.0) ** np.arange(len(values))),
+    ],
+)
+def test_the_stated_value_can_be_read_off_the_figure(
+    check: str, column: str, change: Any, braking: Scenario, run: Run
+) -> None:
+    measured, numbers = read_off(CHECKS[check], with_column(run(braking), column, change))
+    assert is_read(measured, numbers), f"{measured!r} is not among {numbers}"
 
 
 def test_a_chopper_that_burns_may_let_the_link_swing(braking: Scenario, run: Run) -> None:

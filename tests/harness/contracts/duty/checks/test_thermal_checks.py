@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from tests.harness.contracts.duty.checks.conftest import CHECKS, Run, judged, with_column
+from tests.harness.contracts.reading import is_read, read_off
 
 from drivegate import DutyCommand
 from drivegate.candidates.declaration import Declaration
@@ -133,6 +134,20 @@ def test_each_limit_has_two_sides(
     margin = judged(check, with_column(run(hot), column, change))
     assert margin is not None
     assert margin.met is is_met, margin.measured
+
+
+@pytest.mark.parametrize(
+    ("check", "column", "change"),
+    [
+        ("THM-1", "winding_temperature", lambda values: values + 5.0),
+        ("THM-3", "torque", lambda values: values + 0.4 * (np.arange(len(values)) > 2000)),
+    ],
+)
+def test_the_stated_value_can_be_read_off_the_figure(
+    check: str, column: str, change: Any, hot: Scenario, run: Run
+) -> None:
+    measured, numbers = read_off(CHECKS[check], with_column(run(hot), column, change))
+    assert is_read(measured, numbers), f"{measured!r} is not among {numbers}"
 
 
 @pytest.mark.parametrize(("lost", "is_met"), [(0.02, True), (0.2, False)])

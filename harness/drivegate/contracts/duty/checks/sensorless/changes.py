@@ -5,10 +5,11 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drivegate.checks.check import Check
-from drivegate.checks.margin import Margin, at_most
-from drivegate.checks.stretches import lasting_from
+from drivegate.checks.margin import Margin, Mark, Moment, Point, at_most
+from drivegate.checks.stretches import lasting_from, stretches
 from drivegate.contracts.duty.checks.judged import worst
 from drivegate.contracts.duty.checks.sensorless.judged import (
     if_speed,
@@ -45,13 +46,59 @@ def load_step(record: DutyRecord) -> Margin | None:
     """Judge the steps of a load at a steady speed."""
     if not regulates_speed(record) or not record.is_nominal:
         return None
-    settled = {window[0].start for window in record.windows}
-    steps = pairwise(duty_dwells(record.scenario))
     return worst(
-        margin
-        for before, dwell in steps
+        margin for before, dwell in _load_steps(record) for margin in _step_margins(record, before, dwell)
+    )
+
+
+def _load_steps(record: DutyRecord) -> list[tuple[Dwell, Dwell]]:
+    """List the stretches before and after each change that is judged."""
+    settled = {window[0].start for window in record.windows}
+    return [
+        (before, dwell)
+        for before, dwell in pairwise(duty_dwells(record.scenario))
         if before.end == dwell.start and before.start in settled and dwell.duration > BACK_S
+    ]
+
+
+def load_step_moment(record: DutyRecord) -> Moment | None:
+    """Show the speed after the step of the load that decides."""
+    judged = [
+        (margin, dwell)
+        for before, dwell in _load_steps(record)
         for margin in _step_margins(record, before, dwell)
+    ]
+    if load_step(record) is None or not judged:
+        return None
+    margin, dwell = min(judged, key=lambda pair: pair[0].value)
+    period, reference = record.scenario.control_period_s, dwell.speed_rpm * RADIANS_PER_RPM
+    rows = record.periods(dwell.start, dwell.end)
+    error = record.run.column("speed")[rows] - reference
+    band = LEAST_DIP_SHARE * record.document.rating.base_speed_rpm
+    if "back" in margin.measured:
+        place = round(min(back_after_s(error, band * RADIANS_PER_RPM, period), dwell.duration) / period) - 1
+    elif "half" in margin.measured:
+        is_off = np.abs(error) > HALF * abs(reference)
+        place = max(stretches(is_off), key=lambda stretch: stretch[1] - stretch[0])[1] - 1
+    else:
+        place = int(np.argmax(np.abs(error)))
+    place = min(max(place, 0), len(error) - 1)
+    time = (rows.start + place + 0.5) * period
+    levels = ((f"reference {dwell.speed_rpm:.4g} rpm", 0.0), ("± 5 % of base speed", band), ("", -band))
+    return Moment(
+        start_s=dwell.start,
+        end_s=min(max(2.0 * (time - dwell.start), OUT_OF_STEP_S) + dwell.start, dwell.end),
+        column="speed_rpm",
+        origin_s=dwell.start,
+        levels=tuple(
+            Mark(words=words or "± 5 % of base speed", value=dwell.speed_rpm + value)
+            for words, value in levels
+        ),
+        point=Point(
+            words=margin.measured.partition(" after the load")[0],
+            time_s=time,
+            value=float(error[place] / RADIANS_PER_RPM + dwell.speed_rpm),
+        ),
     )
 
 
@@ -102,6 +149,33 @@ def reversal(record: DutyRecord) -> Margin | None:
     return worst((Margin("SLS-5", at_most(found, allowed), measured), turned))
 
 
+def reversal_moment(record: DutyRecord) -> Moment | None:
+    """Show the speed from where it falls below the least one in a reversal until it is above for good."""
+    margin, ramp = reversal(record), _reversal(record)
+    if margin is None or ramp is None:
+        return None
+    period, least = record.scenario.control_period_s, least_speed(record)
+    speed = record.run.column("speed")
+    below = round(ramp[0] / period) + np.flatnonzero(np.abs(speed[round(ramp[0] / period) :]) < least)
+    first, last = (int(below[0]), int(below[-1])) if below.size else (len(speed) - 2, len(speed) - 1)
+    if "wrong way" in margin.measured:
+        last = len(speed) - 1
+    shown = 0.25 * (last - first + 1) * period
+    rpm = record.document.least_speed_rpm
+    return Moment(
+        start_s=max(first * period - shown, 0.0),
+        end_s=min((last + 1) * period + shown, record.scenario.duration_s),
+        column="speed_rpm",
+        origin_s=first * period,
+        levels=tuple(Mark(words=f"± {rpm:.4g} rpm", value=value) for value in (rpm, -rpm)),
+        point=Point(
+            words=margin.measured.partition(",")[0],
+            time_s=(last + 0.5) * period,
+            value=float(speed[last] / RADIANS_PER_RPM),
+        ),
+    )
+
+
 def _reversal(record: DutyRecord) -> tuple[float, float] | None:
     """Return start and end of the ramp of the reference from one sense to the other (s); None without any."""
     for (begin, before), (end, after) in pairwise(record.scenario.speed_rpm):
@@ -119,12 +193,7 @@ def lost_rotor(record: DutyRecord) -> Margin | None:
         return None
     period = record.scenario.control_period_s
     first = failure.first_period(period)
-    # A start may be tried twice.
-    starts = failure.time_s == 0.0 and record.scenario.initial_speed_rpm == 0.0
-    allowed = LOSS_S + (2.0 * record.document.start_time_s if starts else 0.0)
-    commands = record.run.commands
-    low = np.logical_and.reduce([commands[leg] == LEG_LOW for leg in LEGS])
-    reported = (commands["fault"] != 0) & (legs_are_off(commands) | low)
+    allowed, reported = _allowed_loss_s(record), _reported(record)
     if len(reported) - first < allowed / period:
         return None
     count = lasting_from(reported[first:])
@@ -142,6 +211,48 @@ def lost_rotor(record: DutyRecord) -> Margin | None:
     )
 
 
+def lost_moment(record: DutyRecord) -> Moment | None:
+    """Show the torque from the lock on, until it is reported or the greatest."""
+    margin, failure = lost_rotor(record), record.scenario.failure
+    if margin is None or failure is None:
+        return None
+    period, torque = record.scenario.control_period_s, record.run.column("torque")
+    first, allowed = failure.first_period(period), _allowed_loss_s(record)
+    if "reported" in margin.measured:
+        place = min(first + lasting_from(_reported(record)[first:]), len(torque) - 1)
+    else:
+        place = first + int(np.argmax(np.abs(torque[first:])))
+    begin, time = first * period, (place + 0.5) * period
+    return Moment(
+        start_s=begin,
+        end_s=min(max(begin + 1.5 * allowed, time + 0.1 * allowed), record.scenario.duration_s),
+        column="torque_nm",
+        origin_s=begin,
+        instants=(Mark(words=f"{allowed:.3g} s allowed", value=begin + allowed),),
+        point=Point(
+            words=margin.measured.partition(" after")[0].partition(" at")[0],
+            time_s=time,
+            value=float(torque[place]),
+        ),
+    )
+
+
+def _allowed_loss_s(record: DutyRecord) -> float:
+    """Return the time within which a lock has to be reported (s)."""
+    failure = record.scenario.failure
+    # A start may be tried twice.
+    starts = failure is not None and failure.time_s == 0.0 and record.scenario.initial_speed_rpm == 0.0
+    return LOSS_S + (2.0 * record.document.start_time_s if starts else 0.0)
+
+
+def _reported(record: DutyRecord) -> NDArray[np.bool_]:
+    """Return in which control periods a lock is reported, shape (n,)."""
+    commands = record.run.commands
+    low = np.logical_and.reduce([commands[leg] == LEG_LOW for leg in LEGS])
+    reported: NDArray[np.bool_] = (commands["fault"] != 0) & (legs_are_off(commands) | low)
+    return reported
+
+
 SLS_4 = Check(
     id="SLS-4",
     families=("sensorless load step",),
@@ -156,6 +267,7 @@ SLS_4 = Check(
     "200 ms",
     why="An observer loses the rotor when the torque changes faster than it follows.",
     evaluate=load_step,
+    moment=load_step_moment,
     reason_not_applicable=if_speed,
 )
 SLS_5 = Check(
@@ -170,6 +282,7 @@ SLS_5 = Check(
     formula="1 - time below the least speed / limit; -1 where the shaft turns the wrong way at the end",
     why="No observer of the EMF sees a rotor at standstill; a sign that holds one way only shows here.",
     evaluate=reversal,
+    moment=reversal_moment,
     reason_not_applicable=lambda declaration, drive: (
         if_speed(declaration, drive) or (None if declaration.reverses else "the candidate does not reverse")
     ),
@@ -187,5 +300,6 @@ SLS_7 = Check(
     formula="the lesser of 1 - time until it is reported for good / limit and 1 - greatest torque / limit",
     why="A start that goes on for ever before a locked rotor burns the winding.",
     evaluate=lost_rotor,
+    moment=lost_moment,
     reason_not_applicable=if_speed,
 )

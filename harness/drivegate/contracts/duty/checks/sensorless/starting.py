@@ -7,6 +7,7 @@ from math import degrees
 import numpy as np
 
 from drivegate.checks.check import Check
+from drivegate.checks.course import course_of
 from drivegate.checks.margin import Margin, Mark, Moment, Point, at_most
 from drivegate.contracts.duty.checks.judged import worst
 from drivegate.contracts.duty.checks.sensorless.judged import if_speed, least_speed, regulates_speed
@@ -79,22 +80,52 @@ def start_without_sensor(record: DutyRecord) -> Margin | None:
 
 
 def start_moment(record: DutyRecord) -> Moment | None:
-    """Show the speed of a start, with the least speed and the time for it."""
-    wanted = _start_reference(record)
-    if wanted is None:
+    """Show the speed of a start, with the least speed and the time for it, or how far the shaft turns backward."""
+    wanted, margin = _start_reference(record), start_without_sensor(record)
+    if wanted is None or margin is None:
         return None
+    if "backward" in margin.measured:
+        return _backward_moment(record, sense_of(wanted))
     period, allowed = record.scenario.control_period_s, record.document.start_time_s
     speed = record.run.column("speed")[: _start_rows(record)] / RADIANS_PER_RPM
-    place = min(round(allowed / period), len(speed) - 1)
+    found = start_of(
+        speed * RADIANS_PER_RPM,
+        least_speed(record),
+        sense_of(wanted),
+        record.document.machine.pole_pairs,
+        period,
+    )
+    place = min(round(min(found.reached, len(speed) * period) / period), len(speed) - 1)
     least = sense_of(wanted) * record.document.least_speed_rpm
     return Moment(
         start_s=0.0,
-        end_s=min(2.0 * allowed, len(speed) * period),
+        end_s=min(max(2.0 * allowed, (place + 1) * period), len(speed) * period),
+        origin_s=0.0,
         column="speed_rpm",
         levels=(Mark(words=f"least speed {least:.4g} rpm", value=least),),
         instants=(Mark(words=f"{allowed:.3g} s allowed", value=allowed),),
         point=Point(
             words=f"{speed[place]:.4g} rpm", time_s=(place + 0.5) * period, value=float(speed[place])
+        ),
+    )
+
+
+def _backward_moment(record: DutyRecord, sense: float) -> Moment:
+    period = record.scenario.control_period_s
+    speed = sense * record.run.column("speed")[: _start_rows(record)]
+    turned = np.degrees(np.cumsum(speed) * period * record.document.machine.pole_pairs)
+    place = int(np.argmin(turned))
+    shown = turned[: 2 * (place + 1)]
+    return Moment(
+        start_s=0.0,
+        end_s=len(shown) * period,
+        quantity="turn towards the reference (el. deg)",
+        courses=(course_of("turn", (np.arange(len(shown)) + 1.0) * period, shown),),
+        levels=(Mark(words=f"limit {-BACKWARD_DEG:g}°", value=-BACKWARD_DEG),),
+        point=Point(
+            words=f"{-turned[place]:.3g}° backward",
+            time_s=(place + 1.0) * period,
+            value=float(turned[place]),
         ),
     )
 
@@ -116,6 +147,26 @@ def _is_idle(scenario: Scenario) -> bool:
     assert not isinstance(load, (LockedLoad, VehicleLoad)), "a free shaft without a vehicle"
     torques = (load.torque_at(scenario.initial_speed_rpm, share) for _, share in scenario.load_profile)
     return not any(torques) and all(speed == scenario.initial_speed_rpm for _, speed in scenario.speed_rpm)
+
+
+def flying_moment(record: DutyRecord) -> Moment | None:
+    """Show the torque while a turning shaft is taken over; None where its speed decides."""
+    margin, taken = flying_start(record), _torque_taken(record)
+    if margin is None or taken is None or taken.value > margin.value:
+        return None
+    period, torque = record.scenario.control_period_s, record.run.column("torque")
+    place = int(np.argmax(np.abs(torque[record.periods(0.0, TAKE_OVER_S)])))
+    allowed = TAKEN_SHARE * record.document.rating.rated_torque_nm
+    return Moment(
+        start_s=0.0,
+        end_s=min(2.0 * TAKE_OVER_S, record.scenario.duration_s),
+        column="torque_nm",
+        levels=tuple(Mark(words=f"± {allowed:.3g} N·m", value=value) for value in (allowed, -allowed)),
+        instants=(Mark(words=f"{1e3 * TAKE_OVER_S:g} ms", value=TAKE_OVER_S),),
+        point=Point(
+            words=f"{torque[place]:.4g} N·m", time_s=(place + 0.5) * period, value=float(torque[place])
+        ),
+    )
 
 
 def _torque_taken(record: DutyRecord) -> Margin | None:
@@ -168,6 +219,7 @@ SLS_6 = Check(
     formula="the lesser of 1 - greatest torque / 20 % of rated torque and 1 - speed error / 2 k1",
     why="A fan that the wind turns, or a vehicle that rolls, is braked hard by a controller that presumes standstill.",
     evaluate=flying_start,
+    moment=flying_moment,
     reason_not_applicable=if_speed,
 )
 assert START_TORQUE == 0.5, "the words of SLS-1 state it"

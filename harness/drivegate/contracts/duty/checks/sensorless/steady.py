@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from math import degrees
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drivegate.checks.check import Check
-from drivegate.checks.margin import Margin, at_most
+from drivegate.checks.course import course_of
+from drivegate.checks.margin import Margin, Mark, Moment, Point, at_most
 from drivegate.contracts.duty.checks.judged import SENSORLESS_ANGLE_DEG, at, is_within_reach, worst
 from drivegate.contracts.duty.checks.sensorless.judged import (
     SPEED_FACTOR,
@@ -44,8 +47,48 @@ def estimated_angle(record: DutyRecord) -> Margin | None:
     """Judge the controller's own angle where it gives one."""
     if record.is_sensed or record.fails:
         return None
-    factor = 1.0 if record.has_nominal_plant else WELL_ABOVE
-    return worst(_angle_error(record, window) for window in _judged(record, factor))
+    return worst(_angle_error(record, window) for window in _of_angle(record))
+
+
+def _of_angle(record: DutyRecord) -> Iterable[DutyWindow]:
+    return _judged(record, 1.0 if record.has_nominal_plant else WELL_ABOVE)
+
+
+def angle_moment(record: DutyRecord) -> Moment | None:
+    """Show the angle's error in the stretch that decides."""
+    judged = [(window, _angle_error(record, window)) for window in _of_angle(record)]
+    decisive = min(
+        ((window, margin) for window, margin in judged if margin is not None),
+        key=lambda pair: pair[1].value,
+        default=None,
+    )
+    if decisive is None:
+        return None
+    window, _ = decisive
+    rows, period = record.periods(window.start_s, window.end_s), record.scenario.control_period_s
+    errors = np.array([degrees(error) for error in _errors_of(record, window)])
+    times = (np.arange(rows.start, rows.stop) + 0.5) * period
+    place = int(np.argmax(np.abs(errors)))
+    greatest = PEAK_DEG if record.has_nominal_plant else OTHER_DEG
+    return Moment(
+        start_s=window.start_s,
+        end_s=window.end_s,
+        quantity="error of the estimated angle (el. deg)",
+        courses=(course_of("error", times, errors),),
+        levels=tuple(Mark(words=f"± {greatest:g}°", value=value) for value in (greatest, -greatest)),
+        point=Point(
+            words=f"{abs(errors[place]):.3g}°",
+            time_s=float(times[place]),
+            value=float(errors[place]),
+        ),
+    )
+
+
+def _errors_of(record: DutyRecord, window: DutyWindow) -> NDArray[np.float64]:
+    """Return the errors of the angle in a stretch (rad), shape (n,)."""
+    rows = record.periods(window.start_s, window.end_s)
+    estimate, angle = record.run.commands["angle"][rows], record.run.column("angle")[rows]
+    return angle_errors(estimate, angle, record.document.machine.pole_pairs)
 
 
 def _judged(record: DutyRecord, factor: float) -> Iterable[DutyWindow]:
@@ -76,8 +119,7 @@ def _angle_error(record: DutyRecord, window: DutyWindow) -> Margin | None:
     estimate = record.run.commands["angle"][rows]
     if not np.isfinite(estimate).all():
         return None
-    errors = angle_errors(estimate, record.run.column("angle")[rows], record.document.machine.pole_pairs)
-    mean, peak = mean_and_peak_deg(errors)
+    mean, peak = mean_and_peak_deg(_errors_of(record, window))
     is_nominal = record.has_nominal_plant
     measured = f"angle off by {mean:.3g}° in the mean, {peak:.3g}° at most, {at(window)}"
     greatest = (MEAN_DEG, PEAK_DEG) if is_nominal else (OTHER_DEG, OTHER_DEG)
@@ -119,6 +161,7 @@ SLS_3 = Check(
     formula="the least of 1 - mean error / 5° and 1 - greatest error / 10°, or of 1 - error / 15°",
     why="The angle's error grows long before the rotor is lost.",
     evaluate=estimated_angle,
+    moment=angle_moment,
     reason_not_applicable=if_sensorless,
 )
 SLS_8 = Check(
