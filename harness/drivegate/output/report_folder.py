@@ -139,10 +139,17 @@ class ReportFolder:
             # Marked first: a file that is not there yet does no harm.
             _write_mark(self.place, sorted({*_own_files(self.place), *added}))
             for name in added:
-                (self.place / name).parent.mkdir(parents=True, exist_ok=True)
+                self._make_folders_of(name)
                 (self.staging / name).replace(self.place / name)
         except OSError as error:
             raise _unusable(self._shown, error) from error
+
+    def _make_folders_of(self, name: str) -> None:
+        """Make the folders that a file of the report is in, in place of links that lead elsewhere."""
+        for above in reversed(Path(name).parents[:-1]):
+            if (self.place / above).is_symlink():
+                (self.place / above).unlink()
+            (self.place / above).mkdir(exist_ok=True)
 
     def _keep_foreign_files(self) -> None:
         """Copy what others have put into the earlier folder."""

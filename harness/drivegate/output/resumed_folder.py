@@ -65,7 +65,15 @@ class ResumedFolder(ABC):
     def _refuse_foreign(self) -> None:
         if self.place.exists() and not self.place.is_dir():
             raise InputError(f"--output {shown_path(self.place)} is a file; name a folder")
-        if not self.place.is_dir() or (self.place / self._manifest).exists():
+        if not self.place.is_dir():
+            return
+        link = next((entry for entry in self.place.rglob("*") if entry.is_symlink()), None)
+        if link is not None:
+            raise InputError(
+                f"--output {shown_path(self.place)} holds a symbolic link, '{one_line(link.name)}', through which "
+                "results would be written elsewhere; remove it, or name a new folder"
+            )
+        if (self.place / self._manifest).exists():
             return
         if any(
             entry.name != self._lock_file and not (entry.name.startswith(".") and entry.suffix == ".partial")

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Final, Literal
 
 from pydantic import BeforeValidator, Field, ValidationInfo, field_validator
 
+from drivegate.isolation.layers import named_roots
 from drivegate_cases.documents.document import Document, Section, parse_document
+from drivegate_cases.documents.reach import Reach
 from drivegate_cases.documents.reading import read_mapping
 from drivegate_cases.documents.wording import nearest, one_line, shown, shown_path
 from drivegate_cases.requirements.row import Row
@@ -130,4 +133,12 @@ def read_corpus(folder: Path) -> tuple[Counterexample, ...]:
         raise InputError(
             f"--corpus {shown_path(folder)} cannot be read: {one_line(reason)}; name a readable folder"
         ) from error
+    # A link in a stranger's checkout may lead to any file, and what is wrong with that would be printed.
+    reach = Reach.of(folder, named_roots())
+    for file in files:
+        if not reach.holds(Path(os.path.realpath(file))):
+            raise InputError(
+                f"--corpus {shown_path(folder)}: '{one_line(file.name)}' is a link that leads out of the folder; copy "
+                "the file, or name its folder with --root"
+            )
     return tuple(read_counterexample(file) for file in files)

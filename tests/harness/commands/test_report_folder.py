@@ -3,6 +3,7 @@
 import pytest
 
 from drivegate.output.report_folder import MARK, ReportFolder
+from drivegate.output.resumed_folder import ResumedFolder
 from drivegate_models.errors import InputError
 
 
@@ -114,3 +115,36 @@ def test_a_report_that_a_killed_run_had_moved_away_comes_back(tmp_path):
         pass
     assert content(place) == {"old": "1", "mine.txt": "kept"}
     assert [path.name for path in tmp_path.iterdir()] == ["out"]
+
+
+def test_no_page_is_written_through_a_link_in_an_earlier_report(tmp_path):
+    place, elsewhere = tmp_path / "out", tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    report(place, ours="1")
+    (place / "runs").symlink_to(elsewhere)
+    with ReportFolder(place) as folder:
+        folder.commit()
+        with folder.adding() as staging:
+            (staging / "runs").mkdir()
+            (staging / "runs" / "page").write_text("2", encoding="utf-8")
+    assert list(elsewhere.iterdir()) == []
+    assert (place / "runs" / "page").read_text(encoding="utf-8") == "2"
+
+
+@pytest.mark.parametrize("link", [".out.lock", "out/state"])
+def test_no_lock_or_result_is_written_through_a_link(tmp_path, link):
+    class Results(ResumedFolder):
+        def claim(self):
+            self.write(self.place / "state", "ours")
+
+    place, mine = tmp_path / "out", tmp_path / "mine.txt"
+    place.mkdir()
+    mine.write_text("kept", encoding="utf-8")
+    (tmp_path / link).symlink_to(mine)
+    if link == "out/state":
+        with pytest.raises(InputError, match="holds a symbolic link, 'state', through which"):
+            Results(place, kind="campaign", manifest="state", lock=".lock").__enter__()
+    else:
+        with pytest.raises(InputError, match="cannot be written"):
+            report(place, ours="1")
+    assert mine.read_text(encoding="utf-8") == "kept"

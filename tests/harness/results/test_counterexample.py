@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from drivegate.isolation.layers import roots_named
 from drivegate.results.counterexample import Counterexample, read_corpus, read_counterexample
 from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_models.errors import InputError
@@ -130,6 +131,19 @@ def test_a_corpus_that_is_no_folder_is_refused(tmp_path: Path, place: str, reaso
     (tmp_path / "file").write_text("x", encoding="utf-8")
     with pytest.raises(InputError, match=f"--corpus .*{reason}"):
         read_corpus(tmp_path / place)
+
+
+def test_a_link_out_of_a_corpus_is_refused(tmp_path: Path) -> None:
+    folder = tmp_path / "corpus"
+    folder.mkdir()
+    written(tmp_path, stored(), "mine.json")
+    (folder / "a.json").symlink_to("../mine.json")
+    with pytest.raises(
+        InputError, match=r"'a\.json' is a link that leads out of the folder; copy the file, or name"
+    ):
+        read_corpus(folder)
+    with roots_named([str(tmp_path)]):
+        assert len(read_corpus(folder)) == 1
 
 
 def test_one_bad_file_spoils_a_corpus(tmp_path: Path) -> None:
