@@ -50,9 +50,9 @@ def moment(column: str) -> Moment:
     )
 
 
-def two_courses() -> Moment:
+def two_courses(quantity: str) -> Moment:
     courses = [course_of(name, TIME, 1e-5 * np.sin(TIME + place)) for place, name in enumerate("ab")]
-    return Moment(start_s=0.0, end_s=1.5, quantity="torque, ideal regulator (N·m)", courses=tuple(courses))
+    return Moment(start_s=0.0, end_s=1.5, quantity=quantity, courses=tuple(courses))
 
 
 DRAWN: dict[str, Callable[[], Figure]] = {
@@ -62,7 +62,12 @@ DRAWN: dict[str, Callable[[], Figure]] = {
         )
         for column in SCALES
     },
-    "closeup of courses": lambda: closeup.draw(two_courses(), columns(), DutyColumns.panels),
+    **{
+        f"closeup of courses, {quantity}": partial(
+            lambda quantity: closeup.draw(two_courses(quantity), columns(), DutyColumns.panels), quantity
+        )
+        for quantity in ("torque, ideal regulator (N·m)", "turn towards the reference (el. deg)")
+    },
     "run with torques": lambda: duty_run.draw(trace("pm-ac-torque-step")),
     "run with speeds": lambda: duty_run.draw(trace("pm-ac-speed-step")),
 }

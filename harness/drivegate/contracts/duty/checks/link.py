@@ -60,6 +60,7 @@ def link_moment(record: DutyRecord) -> Moment:
         start_s=start,
         end_s=end,
         column="link_highest_v",
+        quantity="highest link voltage (V)",
         levels=(Mark(words=f"limit {limit:.4g} V", value=limit),),
         point=Point(words=f"{volts:.4g} V", time_s=time, value=volts),
     )
@@ -108,7 +109,7 @@ def source_moment(record: DutyRecord) -> Moment | None:
     return Moment(
         start_s=float(times[0]),
         end_s=float(times[-1]),
-        quantity="current of the source over 10 ms (A)",
+        quantity="source over 10 ms (A)",
         courses=(course_of("mean", times, means[rows]),),
         levels=(Mark(words=f"limit {limit:.4g} A", value=sign * limit),),
         point=Point(

@@ -86,6 +86,7 @@ def temperature_moment(record: DutyRecord) -> Moment | None:
         start_s=max(time - SHOWN_S, 0.0),
         end_s=min(time + 0.2 * SHOWN_S, record.scenario.duration_s),
         column="winding_temperature_c",
+        quantity="windings (°C)",
         levels=(Mark(words=f"limit {allowed:.4g} °C", value=allowed),),
         point=Point(words=f"{hottest:.4g} °C", time_s=time, value=hottest),
     )

@@ -73,7 +73,7 @@ def angle_moment(record: DutyRecord) -> Moment | None:
     return Moment(
         start_s=window.start_s,
         end_s=window.end_s,
-        quantity="error of the estimated angle (el. deg)",
+        quantity="angle error (el. deg)",
         courses=(course_of("error", times, errors),),
         levels=tuple(Mark(words=f"± {greatest:g}°", value=value) for value in (greatest, -greatest)),
         point=Point(
