@@ -186,7 +186,7 @@ def _first_event(
         direct, quadrature = rotor_voltages(frame, voltages[0], voltages[1], voltages[2])
         count = free_series(circuit, series, frame, direct, quadrature, length)
         after = at_end(series, count, cosine, sine)
-        return zero_of_current(circuit, legs, series, frame, after, count, length), count, after
+        return zero_of_current(circuit, legs, series, frame, after, count, length, False), count, after
     count = held_series(circuit, series, frame, held, legs.voltages, length)
     return end_of_hold(legs, series, held, count), count, at_end(series, count, cosine, sine)
 

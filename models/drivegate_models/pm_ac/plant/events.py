@@ -8,7 +8,7 @@ from drivegate_models.compilation.kernels import inlined, unallocating
 from drivegate_models.machine.rotor_frame import RotorFrame, axis_of, phase_current
 from drivegate_models.pm_ac.plant.circuit import Circuit, sagitta
 from drivegate_models.pm_ac.plant.polynomial import NOWHERE, first_fall, size_of
-from drivegate_models.pm_ac.plant.series import Series, phase_series, turning_series
+from drivegate_models.pm_ac.plant.series import Series, phase_series, standing_phase_series, turning_series
 from drivegate_models.pm_ac.plant.settling import Legs, is_relay
 
 NOTHING: Final = 0
@@ -49,10 +49,12 @@ def zero_of_current(
     after: RotorFrame,
     count: int,
     length: float,
+    is_standing: bool,
 ) -> Event:
     """Return the first event at which a current reaches zero while no leg is held.
 
-    `count`: number of coefficients. `length`: length of the segment (s).
+    `count`: number of coefficients. `length`: length of the segment (s). `is_standing`: True for series of the currents
+    in the stationary frame.
     """
     first = Event(NOTHING, 1.0, -1, 0)
     size = -1.0
@@ -65,7 +67,10 @@ def zero_of_current(
             continue
         if size < 0.0:
             size = size_of(series.direct, count) + size_of(series.quadrature, count)
-        phase_series(circuit, series, frame, leg, count, length)
+        if is_standing:
+            standing_phase_series(series, leg, count)
+        else:
+            phase_series(circuit, series, frame, leg, count, length)
         share = first_fall(series.other, count, float(sign), 0.0, SLACK * size)
         if share < first.share or (share <= 1.0 and first.leg < 0):
             first = Event(ZERO, share, leg, sign)

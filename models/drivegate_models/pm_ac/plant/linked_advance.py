@@ -27,7 +27,14 @@ from drivegate_models.pm_ac.plant.advance import (
     pass_without_current,
     stator_flux,
 )
-from drivegate_models.pm_ac.plant.circuit import Circuit, drop_of, is_on_upper_rail, leg_voltages, sagitta
+from drivegate_models.pm_ac.plant.circuit import (
+    UNBOUNDED,
+    Circuit,
+    drop_of,
+    is_on_upper_rail,
+    leg_voltages,
+    sagitta,
+)
 from drivegate_models.pm_ac.plant.dc_link import (
     BATTERY,
     CHOPPER,
@@ -57,13 +64,16 @@ from drivegate_models.pm_ac.plant.linked_series import (
     held_linked_series,
     idle_series,
     linked_circuit,
+    linked_end,
     longest_linked,
 )
 from drivegate_models.pm_ac.plant.modulator import Gates, schedule_gates
 from drivegate_models.pm_ac.plant.polynomial import value_at
-from drivegate_models.pm_ac.plant.series import at_end, shorten, shorten_both
+from drivegate_models.pm_ac.plant.series import shorten, shorten_both
 from drivegate_models.pm_ac.plant.settling import EMPTY, FREE, Legs, settle, show_voltages
 
+# Share of the bound of a current's change within which it probably reaches zero.
+_LIKELY: Final = 0.1
 _LEAST_SUPPLYING: Final = 0.2
 """Voltage over the nominal one below which the link supplies core and switching losses only in part (1)."""
 
@@ -160,12 +170,12 @@ def _first_events(
         event = begin_of_linked_current(circuit, legs, series, link, frame, count, length)
     elif held == FREE:
         count = free_linked_series(circuit, feed, legs, series, link, frame, length)
-        after = at_end(series, count, cosine, sine)
-        circuit = at_voltage(circuit, circuit.link, bend_of(circuit, series, count, length))
-        event = zero_of_current(circuit, legs, series, frame, after, count, length)
+        after = linked_end(series, count, cosine, sine)
+        circuit = at_voltage(circuit, circuit.link, bend_of(series, count, length))
+        event = zero_of_current(circuit, legs, series, frame, after, count, length, True)
     else:
         count = held_linked_series(circuit, feed, legs, series, link, frame, held, length)
-        after = at_end(series, count, cosine, sine)
+        after = linked_end(series, count, cosine, sine)
         event = end_of_linked_hold(legs, series, link, held, count)
     return (
         circuit,
@@ -225,7 +235,7 @@ def _segment(
         after = RotorFrame(0.0, 0.0, cosine, sine)
         if held != EMPTY:
             shorten(series, count, share)
-            after = at_end(series, count, cosine, sine)
+            after = linked_end(series, count, cosine, sine)
     if length > 0.0:
         add_linked_segment(
             drive,
@@ -275,10 +285,14 @@ def _pass_quietly(
     Returns whether that is so, and the currents; otherwise nothing has been changed.
     """
     legs, series, link = phases.legs, phases.series, phases.dc_link
+    near = _LIKELY * circuit.steepest * length if circuit.steepest < UNBOUNDED else 0.0
+    for leg in range(3):
+        if legs.sure[leg] == 0 and legs.signs[leg] * phase_current(frame, leg) <= near:
+            return False, frame
     cosine, sine = cosine_sine(begin_angle + circuit.electrical * length)
     count = free_linked_series(circuit, feed, legs, series, link, frame, length)
-    after = at_end(series, count, cosine, sine)
-    bounded = at_voltage(circuit, circuit.link, bend_of(circuit, series, count, length))
+    after = linked_end(series, count, cosine, sine)
+    bounded = at_voltage(circuit, circuit.link, bend_of(series, count, length))
     deviation = sagitta(bounded, length)
     for leg in range(3):
         sign = legs.signs[leg]

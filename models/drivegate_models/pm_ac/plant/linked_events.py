@@ -71,6 +71,22 @@ def _earlier(first: LinkEvent, kind: int, share: float) -> LinkEvent:
     return first
 
 
+@inlined
+def voltage_range(link: LinkState, count: int) -> tuple[float, float, bool]:
+    """Return bounds of the link's voltage in a segment (V), and whether they are exact because it is monotone."""
+    voltage = link.voltage
+    end = 0.0
+    deviation = 0.0
+    for k in range(count):
+        end += voltage[k]
+        deviation += k * (k - 1) * abs(voltage[k])
+    deviation *= 0.125
+    lowest, highest = min(voltage[0], end), max(voltage[0], end)
+    if highest - lowest > 8.0 * deviation:
+        return lowest, highest, True
+    return lowest - deviation, highest + deviation, False
+
+
 @unallocating
 def link_event(
     drive: PmAcDrive, link: LinkState, source: float, count: int, follows_thresholds: bool
@@ -88,16 +104,20 @@ def link_event(
     if state[CLAMPED] != 0.0:
         supplied = source / constants.source_resistance if state[SOURCE] != 0.0 else 0.0
         return _earlier(first, CHARGED, _passing(link.bridge, count, supplied, 1, drive.current_limit))
-    first = _earlier(first, EMPTIED, _passing(voltage, count, 0.0, 1, scale))
+    lowest, highest, _ = voltage_range(link, count)
+    if lowest <= 0.0:
+        first = _earlier(first, EMPTIED, _passing(voltage, count, 0.0, 1, scale))
     if constants.source != BATTERY and source > 0.0:
         if state[SOURCE] != 0.0:
-            first = _earlier(first, BLOCKED, _passing(voltage, count, source, -1, scale))
-        else:
+            if highest >= source:
+                first = _earlier(first, BLOCKED, _passing(voltage, count, source, -1, scale))
+        elif lowest <= source:
             first = _earlier(first, CONDUCTING, _passing(voltage, count, source, 1, scale))
     if follows_thresholds and constants.chopper_conductance > 0.0:
         if state[CHOPPER] == 0.0:
-            first = _earlier(first, CHOPPER_ON, _passing(voltage, count, constants.chopper_on, -1, scale))
-        else:
+            if highest >= constants.chopper_on:
+                first = _earlier(first, CHOPPER_ON, _passing(voltage, count, constants.chopper_on, -1, scale))
+        elif lowest <= constants.chopper_off:
             first = _earlier(first, CHOPPER_OFF, _passing(voltage, count, constants.chopper_off, 1, scale))
     return first
 

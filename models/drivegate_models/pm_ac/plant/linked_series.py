@@ -1,8 +1,9 @@
 """Currents and link voltage between two events as power series, for a link with a capacitor.
 
 The legs' voltages are multiples of the link's, whose current is that of the legs at its upper rail. With the voltage as
-a further state the equations stay linear, with the rotor's cosine and sine as coefficients, so the solution is entire.
-A coefficient takes one product of series for each coefficient before it.
+a further state the equations stay linear, so the solution is entire. The currents are in the stationary frame, in which
+a leg's voltage has a constant direction. There only a salient machine has coefficients that vary: cosine and sine of
+twice the rotor's angle.
 """
 
 from __future__ import annotations
@@ -11,10 +12,11 @@ from math import sqrt
 from typing import Final, NamedTuple
 
 from drivegate_models.compilation.kernels import inlined, unallocating
-from drivegate_models.machine.rotor_frame import HALF_ROOT, RotorFrame, axis_of, from_phases
+from drivegate_models.machine.rotor_frame import HALF_ROOT, RotorFrame, axis_of, from_phases, turned
 from drivegate_models.pm_ac.plant.circuit import UNBOUNDED, Circuit, circuit_of, drop_of, is_on_upper_rail
 from drivegate_models.pm_ac.plant.dc_link import LinkState
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
+from drivegate_models.pm_ac.plant.polynomial import value_at
 from drivegate_models.pm_ac.plant.series import (
     CUT,
     LEAST_TERMS,
@@ -180,73 +182,112 @@ def free_linked_series(
 ) -> int:
     """Write the series of currents and link while no leg is held.
 
-    `series`: receives `direct` and `quadrature`. `link`: receives `voltage` and `bridge`. `length`: length of the
-    segment (s). Result: number of coefficients.
+    `series`: receives the currents along and across the first phase's axis as `direct` and `quadrature`. `link`:
+    receives `voltage` and `bridge`. `length`: length of the segment (s). Result: number of coefficients.
     """
     first = connection_of(circuit, legs, 0)
     second = connection_of(circuit, legs, 1)
     third = connection_of(circuit, legs, 2)
     along, across = from_phases(first.upper, second.upper, third.upper)
-    drop_a, drop_b = from_phases(first.offset, second.offset, third.offset)
-    cosine, sine = frame.cosine, frame.sine
-    # The share of the link's voltage along the rotor's axes, and the drops, turn backward.
-    switched_d, switched_q = series.cosine, series.sine
-    switched_d[0] = cosine * along + sine * across
-    switched_q[0] = cosine * across - sine * along
-    drop_d = cosine * drop_a + sine * drop_b
-    drop_q = cosine * drop_b - sine * drop_a
-    electrical = circuit.electrical
-    opposed = electrical * circuit.flux
-    direct, quadrature = series.direct, series.quadrature
-    direct[0] = frame.direct
-    quadrature[0] = frame.quadrature
-    flux_d = circuit.direct * frame.direct
-    flux_q = circuit.quadrature * frame.quadrature
+    pushed_a, pushed_b = from_phases(first.offset, second.offset, third.offset)
+    current_a, current_b = turned(frame, frame.direct, frame.quadrature)
     voltage, bridge = link.voltage, link.bridge
     voltage[0] = circuit.link
-    bridge[0] = 1.5 * (switched_d[0] * frame.direct + switched_q[0] * frame.quadrature)
-    is_connected = along != 0.0 or across != 0.0
-    per_direct = 1.0 / circuit.direct
-    per_quadrature = 1.0 / circuit.quadrature
-    count = term_count(circuit.rate * length)
+    bridge[0] = 1.5 * (along * current_a + across * current_b)
+    series.direct[0] = current_a
+    series.quadrature[0] = current_b
+    angle = circuit.electrical * length
+    magnet_a, magnet_b = circuit.flux * frame.cosine, circuit.flux * frame.sine
+    per_direct, per_quadrature = 1.0 / circuit.direct, 1.0 / circuit.quadrature
+    mean, swing = 0.5 * (per_direct + per_quadrature), 0.5 * (per_direct - per_quadrature)
+    # Flux linkage of the currents, and cosine and sine of twice the angle, for a machine with saliency.
+    fluxes_a, fluxes_b = series.flux, series.current
+    fluxes_a[0], fluxes_b[0] = turned(
+        frame, circuit.direct * frame.direct, circuit.quadrature * frame.quadrature
+    )
+    doubles, double_sines = series.cosine, series.sine
+    doubles[0] = frame.cosine * frame.cosine - frame.sine * frame.sine
+    double_sines[0] = 2.0 * frame.sine * frame.cosine
     turns = 1
+    count = term_count(circuit.rate * length)
+    size = abs(current_a) + abs(current_b)
+    was_small = False
     for k in range(1, count):
         step = length / k
-        pushed_d, pushed_q = drop_d, drop_q
-        if is_connected:
-            for j in range(min(k, turns)):
-                pushed_d += switched_d[j] * voltage[k - 1 - j]
-                pushed_q += switched_q[j] * voltage[k - 1 - j]
-        rate_d = pushed_d - circuit.resistance * direct[k - 1] + electrical * flux_q
-        rate_q = pushed_q - circuit.resistance * quadrature[k - 1] - electrical * flux_d - opposed
-        opposed = 0.0
-        voltage[k] = step * _own_rate(feed, link, k - 1)
-        flux_d = step * rate_d
-        flux_q = step * rate_q
-        direct[k] = flux_d * per_direct
-        quadrature[k] = flux_q * per_quadrature
-        drop_d, drop_q = step * electrical * drop_q, -step * electrical * drop_d
-        drawn = 0.0
-        if is_connected:
-            switched_d[k] = step * electrical * switched_q[k - 1]
-            switched_q[k] = -step * electrical * switched_d[k - 1]
-            if turns == k and abs(switched_d[k]) + abs(switched_q[k]) > _NEGLIGIBLE:
+        pushed_a += along * voltage[k - 1] - circuit.resistance * current_a
+        pushed_b += across * voltage[k - 1] - circuit.resistance * current_b
+        turned_by = angle / k
+        magnet_a, magnet_b = -turned_by * magnet_b, turned_by * magnet_a
+        flux_a = step * pushed_a - magnet_a
+        flux_b = step * pushed_b - magnet_b
+        pushed_a = pushed_b = 0.0
+        current_a = mean * flux_a
+        current_b = mean * flux_b
+        if swing != 0.0:
+            fluxes_a[k] = flux_a
+            fluxes_b[k] = flux_b
+            doubles[k] = -2.0 * turned_by * double_sines[k - 1]
+            double_sines[k] = 2.0 * turned_by * doubles[k - 1]
+            if turns == k and abs(doubles[k]) + abs(double_sines[k]) > _NEGLIGIBLE:
                 turns = k + 1
+            varied_a = varied_b = 0.0
             for j in range(turns):
-                drawn += switched_d[j] * direct[k - j] + switched_q[j] * quadrature[k - j]
-        bridge[k] = 1.5 * drawn
+                varied_a += doubles[j] * fluxes_a[k - j] + double_sines[j] * fluxes_b[k - j]
+                varied_b += double_sines[j] * fluxes_a[k - j] - doubles[j] * fluxes_b[k - j]
+            current_a += swing * varied_a
+            current_b += swing * varied_b
+        series.direct[k] = current_a
+        series.quadrature[k] = current_b
+        voltage[k] = step * _own_rate(feed, link, k - 1)
+        bridge[k] = 1.5 * (along * current_a + across * current_b)
+        term = abs(current_a) + abs(current_b)
+        size += term
+        is_small = (
+            term <= CUT * size
+            and abs(voltage[k]) <= CUT * abs(voltage[0])
+            and mean * (abs(magnet_a) + abs(magnet_b)) <= CUT * size
+            and turns <= k
+        )
+        if is_small and was_small and k >= LEAST_TERMS:
+            return k + 1
+        was_small = is_small
     return count
 
 
 @inlined
-def bend_of(circuit: Circuit, series: Series, count: int, length: float) -> float:
+def bend_of(series: Series, count: int, length: float) -> float:
     """Return a bound of the second derivative of any phase current in a segment, from its series (A/s2)."""
-    angle = abs(circuit.electrical) * length
     total = 0.0
-    for k in range(count):
-        size = abs(series.direct[k]) + abs(series.quadrature[k])
-        total += size * (k * (k - 1) + angle * (2.0 * k + angle))
+    for k in range(2, count):
+        total += k * (k - 1) * (abs(series.direct[k]) + abs(series.quadrature[k]))
     return total / (length * length)
+
+
+@inlined
+def linked_end(series: Series, count: int, cosine: float, sine: float) -> RotorFrame:
+    """Return the currents at the end of a segment, with the cosine and sine of its angle."""
+    along = value_at(series.direct, count, 1.0)
+    across = value_at(series.quadrature, count, 1.0)
+    return RotorFrame(cosine * along + sine * across, cosine * across - sine * along, cosine, sine)
+
+
+@unallocating
+def turn_into_rotor_frame(
+    circuit: Circuit, series: Series, frame: RotorFrame, count: int, length: float
+) -> None:
+    """Replace the series of the currents in the stationary frame by those in the rotor frame.
+
+    `frame`: at the start of the segment. `count`: number of coefficients. `length`: length of the segment (s).
+    """
+    turning_series(series.cosine, series.sine, count, frame.cosine, frame.sine, circuit.electrical * length)
+    for k in range(count - 1, -1, -1):
+        direct = product_term(series.cosine, series.direct, k) + product_term(
+            series.sine, series.quadrature, k
+        )
+        series.quadrature[k] = product_term(series.cosine, series.quadrature, k) - product_term(
+            series.sine, series.direct, k
+        )
+        series.direct[k] = direct
 
 
 @unallocating
@@ -264,7 +305,8 @@ def held_linked_series(
 
     As `series.held_series`, with the voltage between the other two legs as a function of the link's.
 
-    `series`: receives `direct`, `quadrature`, `current` and `holding`. `link`: receives `voltage` and `bridge`. `held`:
+    `series`: receives `current`, `holding`, and the currents along and across the first phase's axis as `direct` and
+    `quadrature`. `link`: receives `voltage` and `bridge`. `held`:
     index of the held leg. `length`: length of the segment (s). Result: number of coefficients.
     """
     ahead = connection_of(circuit, legs, (held + 1) % 3)
@@ -317,7 +359,9 @@ def held_linked_series(
         change = 1.5 * (k + 1) * series.holding[k + 1] / length if k < used - 1 else 0.0
         series.holding[k] = change + share * voltage[k]
     series.holding[0] += 0.5 * (ahead.offset + behind.offset)
+    # The current between the other two legs is across the axis of the held one.
+    across, along = axis_of(RotorFrame(0.0, 0.0, 1.0, 0.0), held)
     for k in range(used):
-        series.direct[k] = product_term(currents, sines, k)
-        series.quadrature[k] = product_term(currents, cosines, k)
+        series.direct[k] = along * currents[k]
+        series.quadrature[k] = across * currents[k]
     return used

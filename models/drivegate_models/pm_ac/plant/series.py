@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import inlined, unallocating
-from drivegate_models.machine.rotor_frame import HALF_ROOT, RotorFrame, axis_of
+from drivegate_models.machine.rotor_frame import HALF_ROOT, RotorFrame, axis_of, of_phase
 from drivegate_models.pm_ac.plant.circuit import Circuit
 from drivegate_models.pm_ac.plant.polynomial import value_at
 
@@ -159,6 +159,17 @@ def phase_series(
         series.other[k] = product_term(series.cosine, series.direct, k) - product_term(
             series.sine, series.quadrature, k
         )
+
+
+@inlined
+def standing_phase_series(series: Series, leg: int, count: int) -> None:
+    """Write the series of a phase current to `other`, from currents in the stationary frame.
+
+    `series`: `direct` and `quadrature` contain the currents along and across the first phase's axis. `leg`: index of
+    the phase. `count`: number of coefficients.
+    """
+    for k in range(count):
+        series.other[k] = of_phase(leg, series.direct[k], series.quadrature[k])
 
 
 @unallocating
