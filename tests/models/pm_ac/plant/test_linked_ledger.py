@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 from tests.models.pm_ac.plant.drawn_periods import drawn_run
 
+from drivegate_models.contract.duty.signals import LEG_HIGH, LEG_LOW
 from drivegate_models.machine import ledger
 from drivegate_models.machine.advance_status import COMPLETED
 from drivegate_models.pm_ac.plant import dc_link
 from drivegate_models.pm_ac.plant.advance import make_phases, stored_energy
 from drivegate_models.pm_ac.plant.dc_link import DcLink, capacitor_energy, charge_link
+from drivegate_models.pm_ac.plant.drive import make_pm_ac_drive
 from drivegate_models.pm_ac.plant.linked_advance import advance_linked_period
 
 TOLERANCE = 1e-9
@@ -86,6 +88,54 @@ def test_the_energies_of_machine_and_link_close(seed: int) -> None:
     machine, link = missing(seed)
     assert machine <= TOLERANCE
     assert link <= TOLERANCE
+
+
+@pytest.mark.kernel
+@pytest.mark.parametrize(("leg", "ratio"), [(0, 1.0), (2, 1.5)])
+def test_what_is_exchanged_while_currents_cross_zero_does_not_depend_on_the_division(
+    leg: int, ratio: float
+) -> None:
+    angle = 0.7
+    drive = make_pm_ac_drive(
+        pole_pairs=4,
+        resistance=0.4,
+        magnet_flux=6e-3,
+        direct_inductance=2e-4,
+        quadrature_inductance=ratio * 2e-4,
+        link_voltage=48.0,
+        current_limit=12.0,
+        dc_link=DcLink(1e-4, 0.1, dc_link.BATTERY, 60.0, 5.0, 9.0),
+    )
+    # The current of the leg at the upper rail, which is that of the link, rises through zero.
+    apart = leg * 2.0 * np.pi / 3.0 - angle
+    currents = -1.2 * np.array([np.cos(apart), np.sin(apart)])
+    modes = np.full(3, LEG_LOW)
+    modes[leg] = LEG_HIGH
+    found = []
+    for parts in (1, 40):
+        phases, totals = make_phases(), np.zeros(ledger.ENTRIES)
+        phases.rotor_currents[:] = currents
+        charge_link(phases.dc_link, 47.0)
+        for k in range(parts):
+            time = 2e-5 / parts
+            assert (
+                advance_linked_period(
+                    drive,
+                    phases,
+                    angle + 400.0 * 4 * k * time,
+                    400.0,
+                    48.0,
+                    np.zeros(3),
+                    modes,
+                    np.nan,
+                    0,
+                    time,
+                    totals,
+                )
+                == COMPLETED
+            )
+        found.append((totals[ledger.EXCHANGED], totals[ledger.MAGNITUDE], totals[ledger.PEAK]))
+    assert found[0] == pytest.approx(found[1], rel=1e-9)
 
 
 @pytest.mark.nightly
