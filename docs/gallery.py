@@ -65,8 +65,8 @@ class Fault:
 
     @property
     def counterexample(self) -> Path:
-        """Its file."""
-        return DOCS / "gallery" / f"{self.check}.json"
+        """Its file; a controller that knows of no link is not run in those of included ones."""
+        return DOCS / "gallery" / ("included" if self.included else "") / f"{self.check}.json"
 
     @property
     def figure(self) -> Path:
@@ -302,7 +302,7 @@ def _section(fault: Fault, measured: str, facts: str) -> list[str]:
         "",
         f"[`{fault.check}`](checks/{fault.check}.md): {measured}",
         "",
-        f"[Counterexample](gallery/{fault.check}.json): {facts}",
+        f"[Counterexample]({fault.counterexample.relative_to(DOCS).as_posix()}): {facts}",
         "",
         f"![{fault.check}](images/{fault.figure.name})",
         "",
