@@ -33,11 +33,13 @@ def failed(drive_name: str, candidate: str) -> frozenset[str]:
     return failed_checks(candidate, *linked_scenarios(drive))
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(("drive", "name"), CASES)
 def test_each_is_caught_by_the_check_that_is_named_for_it(drive: str, name: str) -> None:
     assert DUTY_FAULTS[name].check in failed(drive, f"faulty:{name}")
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("drive", ["pm-ac-servo-48v", "pm-ac-chopper", "pm-ac-hub"])
 @pytest.mark.parametrize("name", ["foc", "load-observer"])
 def test_no_controller_that_heeds_the_link_is_accused(drive: str, name: str) -> None:

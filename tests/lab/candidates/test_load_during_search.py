@@ -121,6 +121,7 @@ def test_an_angle_lost_to_a_pulse_of_the_load_is_found_again(name: str) -> None:
     assert_reaches_optimum(scenario, load_controller(resolve_candidate(name)), name)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("name", "drive", "speed", "torque", "factor"),
     [
