@@ -111,6 +111,11 @@ def bounded_reason(text: str) -> str:
     return bounded_line(text.strip(), 300)
 
 
+def short_lines(text: str) -> str:
+    """Cut lines of any length, for patterns whose time grows with the square of it."""
+    return "\n".join(line[:LONGEST_MESSAGE] for line in text.splitlines())
+
+
 def bounded_text(text: str) -> str:
     """Fit any text into a bounded number of printable lines; the middle of a longer one is left out.
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final, NamedTuple
 
-from drivegate.candidates.fault import bounded_line
+from drivegate.candidates.fault import bounded_line, short_lines
 from drivegate_cases.documents.wording import nearest, one_line
 from drivegate_models.errors import InputError
 
@@ -62,6 +62,7 @@ def read_report(output: str, folder: Path, sources: Sequence[Path]) -> Report | 
 
     `folder`, `sources`: the candidate's; the place is the innermost one in its sources.
     """
+    output = short_lines(output)
     panic = _PANIC.search(output)
     if panic is not None:
         frames = _frames(_PANIC_FRAME, output[panic.end() :], sources)

@@ -12,6 +12,8 @@ _ASSIGNED: Final = re.compile(
     r"(?P<name>(?:\w+(?:->|\.))*[A-Za-z_]\w*)\s*(?:\[[^\]]*\])?\s*[-+*/|&^]?=(?!=)(?=\s*(?P<value>[^;]+))"
 )
 _WORD: Final = re.compile(r"(?:\w+(?:->|\.))*[A-Za-z_]\w*")
+_LONGEST: Final = 1000
+"""Characters of a line that are looked at; the patterns' time grows with the square."""
 _ROUNDS: Final = 3
 """Number of variables in a row through which a signal is followed."""
 
@@ -45,4 +47,4 @@ class Conditions:
 
 
 def _without_comments(line: str) -> str:
-    return re.sub(r"/\*.*?\*/|//.*|#.*", "", line)
+    return re.sub(r"/\*.*?\*/|//.*|#.*", "", line[:_LONGEST])

@@ -20,6 +20,17 @@ def require_regular(status: os.stat_result, most: int = LARGEST_FILE_BYTES) -> N
         raise OSError(errno.EFBIG, f"it is larger than {most // 2**20} MiB")
 
 
+def require_made(path: str | Path) -> None:
+    """Raise OSError unless a tool that strangers' files may have taken over left a regular file, and no link."""
+    require_regular(Path(path).lstat())
+
+
+def made_content(path: str | Path) -> bytes:
+    """Read a regular file that such a tool has left, after its end; a link could lead to any file."""
+    require_made(path)
+    return regular_content(path)
+
+
 def regular_content(path: str | Path, most: int = LARGEST_FILE_BYTES) -> bytes:
     """Read a regular file of at most `most` bytes.
 

@@ -23,10 +23,12 @@ from pathlib import Path
 from textwrap import dedent, indent
 
 import psutil
+from tests.harness.candidates.native.linker_plugin import with_plugin
 
 from drivegate.candidates.fault import Fault
 from drivegate.candidates.native.bounded_command import Bounds, run_bounded
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.containment.candidate_isolation import own_places
 from drivegate.containment.judge import Judge
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.isolation.layers import Layer, Places, available_layers, isolated_command
@@ -422,6 +424,17 @@ def _named(lines: str) -> Callable[[Scene], bool]:
     return is_opened
 
 
+def _linked(scene: Scene) -> bool:
+    """Return True if a candidate's library is a file of the user's, to which the linker has put a link."""
+    secret = scene.folder / "secret.txt"
+    (scene.candidate / "mine.c").write_text(_CONTROLLER, encoding="utf-8")
+    try:
+        candidate = resolve_candidate(with_plugin(scene.candidate, "library.so", secret))
+    except InputError:
+        return False
+    return any(Path(place).resolve() == secret.resolve() for place in own_places(candidate))
+
+
 def _waits(scene: Scene) -> bool:
     """Return True if drivegate waits for whoever writes into a FIFO that a manifest names."""
     os.mkfifo(scene.candidate / "fifo")
@@ -459,6 +472,13 @@ def _stays(scene: Scene, layers: tuple[Layer, ...]) -> bool:
     return left != []
 
 
+# Enough for a library of the contract of duty ratios, which nobody runs.
+_CONTROLLER = """
+long drivegate_abi_version(void) { return 0; }
+long drivegate_state_size(void) { return 0; }
+int drivegate_duty_reset(void) { return 0; }
+void drivegate_duty_step(void) {}
+"""
 _OF = "names a file of yours in its manifest: "
 _EXEC = 'kind = "exec"\nentry = "true"\n'
 BY_MANIFEST: dict[str, Callable[[Scene], bool]] = {
@@ -474,6 +494,7 @@ BY_MANIFEST: dict[str, Callable[[Scene], bool]] = {
     _OF + "to be copied into its build": _named(
         'kind = "so"\nentry = "own.so"\nsources = ["{secret}"]\nbuild = ["true"]'
     ),
+    "has the linker put a link to a file of yours in place of its library": _linked,
     "makes drivegate wait for a FIFO": _waits,
 }
 """Every attack by a manifest, which drivegate itself reads, in the order of the table."""

@@ -1,5 +1,7 @@
 """Which signals a condition in a source depends on, as far as its text shows that."""
 
+import time
+
 import pytest
 
 from drivegate.contracts.catalogue import all_contracts
@@ -38,3 +40,10 @@ def test_every_contract_says_what_moves_its_signals() -> None:
     for contract in all_contracts():
         fields = {*layouts[contract.name].signals._fields, "phase_currents"}
         assert fields - fixed[contract.name] == set(contract.moved_by)
+
+
+def test_a_long_line_is_looked_at_at_once() -> None:
+    """Hostile sources may have any."""
+    began = time.process_time()
+    assert Conditions(["a" * 40_000], KEYS).hint("/*" * 40_000) == ""
+    assert time.process_time() - began < 2.0

@@ -13,11 +13,13 @@ from pathlib import Path
 from typing import Any, Final
 
 from drivegate.candidates.candidate import Candidate, Instrumented, Target
+from drivegate.candidates.fault import bounded_reason
 from drivegate.candidates.native.coverage_tools import require_package, work_folder
 from drivegate.candidates.native.coverage_trace import trace_of
 from drivegate.candidates.reached_code import SourceFile
 from drivegate_cases.documents.atomic_write import write_atomically
-from drivegate_cases.documents.wording import one_line
+from drivegate_cases.documents.regular_file import made_content
+from drivegate_cases.documents.wording import one_line, shown_path
 from drivegate_models.errors import InputError
 
 _OF_DIRECTORIES: Final = 5
@@ -57,7 +59,7 @@ def _addresses(folder: Path) -> set[int]:
     """Return the addresses of all halfwords that have run in any process."""
     ran: set[int] = set()
     for file in folder.glob("blocks-*.json"):
-        for address, size in json.loads(file.read_text(encoding="utf-8")):
+        for address, size in json.loads(made_content(file)):
             ran.update(range(int(address), int(address) + int(size), 2))
     return ran
 
@@ -66,7 +68,7 @@ def _lines_of(candidate: Candidate) -> Mapping[Path, dict[int, set[int]]]:
     """Return the addresses at which each line of the candidate's sources begins."""
     assert isinstance(candidate.details, Target), "it is an image"
     found: dict[Path, dict[int, set[int]]] = {}
-    for path, number, address in _rows(candidate.details.image):
+    for path, number, address in _all_rows(candidate.details.image):
         source = _source_of(path, candidate.sources)
         if source is None:
             continue
@@ -91,6 +93,18 @@ def _same_parts(first: tuple[str, ...], second: tuple[str, ...]) -> int:
             break
         same += 1
     return same
+
+
+def _all_rows(image: Path) -> list[tuple[str, int, int]]:
+    try:
+        return list(_rows(image))
+    except Exception as error:
+        # Damaged debug information makes its reader raise nearly anything.
+        reason = bounded_reason(str(error)) or type(error).__name__
+        raise InputError(
+            f"{shown_path(image)}: --coverage cannot read the debug information of the image: {reason}; compile and "
+            "link it with -g again"
+        ) from error
 
 
 def _rows(image: Path) -> Iterator[tuple[str, int, int]]:

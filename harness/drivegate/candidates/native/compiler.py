@@ -20,7 +20,8 @@ from drivegate.candidates.fault import bounded_line, bounded_reason
 from drivegate.candidates.native.bounded_command import COMPILATION, Bounds, Ended, run_bounded
 from drivegate.candidates.native.compiler_wrappers import private_caches, without_wrapper
 from drivegate.isolation.installations import installation_of
-from drivegate.isolation.layers import Places, isolated_command, requested_layers
+from drivegate.isolation.layers import Places, isolated_command, requested_layers, system_places
+from drivegate_cases.documents.regular_file import made_content, require_made
 from drivegate_cases.documents.wording import one_line
 from drivegate_models import contract
 from drivegate_models.errors import InputError
@@ -174,16 +175,33 @@ def used_files(compilers: Compilers, plan: Compilation, scratch: Path) -> tuple[
     """Request from the compilers the files that the sources are made of, those of the system apart."""
     # Of several sources, each would overwrite what is reported of the one before.
     lists = (_used_by(source, compilers, plan, scratch / "dependencies") for source in plan.sources)
-    return tuple(dict.fromkeys(file for files in lists for file in files))
+    found = tuple(dict.fromkeys(file for files in lists for file in files))
+    if requested_layers():
+        # The candidate may read these, and a compiler that its files have taken over may list any.
+        names = [
+            name for compiler in compilers.values() for name in _places(compiler[0], plan, scratch).readable
+        ]
+        places = [Path(name).resolve() for name in (*names, *system_places())]
+        for file in found:
+            if not any(file.is_relative_to(place) for place in places):
+                raise InputError(
+                    f"{', '.join(map(one_line, plan.sources))}: the compiler lists '{one_line(str(file))}' among the "
+                    "files that it read, which is out of its reach; remove the flags that change this list"
+                )
+    return found
 
 
 def _used_by(source: str, compilers: Compilers, plan: Compilation, rule: Path) -> list[Path]:
     _run(["-MM", "-MF", str(rule), *_named(source)], language_of(source), compilers, plan, rule.parent)
+    own = (plan.folder / source).resolve()
+    try:
+        listed = made_content(rule).decode("utf-8", errors="surrogateescape")
+    except OSError:
+        return [own]
     # The rule is `target: file file`, continued over lines.
-    listed = rule.read_text(encoding="utf-8", errors="surrogateescape") if rule.exists() else ""
     text = _ESCAPED.sub(lambda found: "\0" if found[1] == " " else found[1] or found[2] or " ", listed)
     names = text.partition(": ")[2].split()
-    return [(plan.folder / name.replace("\0", " ")).resolve() for name in names]
+    return [own, *((plan.folder / name.replace("\0", " ")).resolve() for name in names)]
 
 
 def compile_library(compilers: Compilers, plan: Compilation, scratch: Path) -> tuple[Path, str]:
@@ -207,7 +225,17 @@ def compile_library(compilers: Compilers, plan: Compilation, scratch: Path) -> t
         *libraries,
         "-lm",
     ]
-    return library, output + _run(linked, plan.languages[-1], compilers, plan, scratch)
+    output += _run(linked, plan.languages[-1], compilers, plan, scratch)
+    # A link would open the file that it leads to for the candidate.
+    for made in (library, *scratch.glob("*.gcno")):
+        try:
+            require_made(made)
+        except OSError as error:
+            raise InputError(
+                f"{', '.join(map(one_line, plan.sources))}: the compiler made '{one_line(made.name)}', but "
+                f"{error.strerror}; remove the flags that run programs of your own in it"
+            ) from error
+    return library, output
 
 
 def _reporting_all_undefined(flags: Sequence[str]) -> list[str]:

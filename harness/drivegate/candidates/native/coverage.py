@@ -21,6 +21,7 @@ from drivegate.candidates.native.coverage_tools import (
     gcovr,
     hand_over,
     require_package,
+    take_over,
     work_folder,
 )
 from drivegate.candidates.native.second_build import LIBRARY, compilers_of, is_clang, second_build
@@ -82,12 +83,13 @@ def measured_files(candidate: Candidate, output: Path) -> tuple[SourceFile, ...]
     work = work_folder(candidate)
     # Objects are numbered, drivegate's own the last. libgcov makes the folders in which an object was compiled.
     for number in range(len(plan.sources)):
-        shutil.copy(instrumented.library.with_name(f"{number}.gcno"), work)
+        take_over(instrumented.library.with_name(f"{number}.gcno"), work)
         for counted in instrumented.folder.glob(f"**/made/{number}.gcda"):
-            shutil.copy(counted, work)
+            take_over(counted, work)
     own = os.path.commonpath([plan.folder, *(source.parent for source in candidate.sources)])
     filters = [word for source in candidate.sources for word in ("--filter", re.escape(str(source)) + "$")]
-    readable = (include_folder(), Path(own), *(Path(place) for place in plan.include))
+    places = (plan.folder, *(source.parent for source in candidate.sources))
+    readable = (include_folder(), *places, *(Path(place) for place in plan.include))
     words = [
         "--root",
         str(own),

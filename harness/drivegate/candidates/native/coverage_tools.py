@@ -7,6 +7,7 @@ import json
 import os
 import shutil
 import sys
+import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
@@ -16,6 +17,8 @@ from drivegate.candidates.fault import bounded_reason
 from drivegate.candidates.native.bounded_command import Bounds, run_bounded
 from drivegate.candidates.reached_code import Line, SourceFile
 from drivegate.isolation.layers import Places, isolated_command, requested_layers
+from drivegate_cases.documents.regular_file import made_content, require_made
+from drivegate_cases.documents.wording import one_line
 from drivegate_models.errors import InputError
 
 LCOV: Final = "coverage.info"
@@ -23,22 +26,33 @@ COBERTURA: Final = "coverage.xml"
 """Names of the files that services read."""
 
 TRACE: Final = "trace.json"
-_WORK: Final = "work"
 _READING: Final = Bounds(120.0)
 
 
 def work_folder(candidate: Candidate) -> Path:
     """Make the folder of the tools in that of what a candidate's processes have counted."""
     assert candidate.instrumented is not None, "it was counted"
-    work = candidate.instrumented.folder / _WORK
-    work.mkdir()
-    return work
+    # The processes write into the folder above, and must not know the name.
+    return Path(tempfile.mkdtemp(prefix="work-", dir=candidate.instrumented.folder))
 
 
 def hand_over(work: Path, output: Path) -> None:
     """Copy the files that services read into a folder."""
     for name in (LCOV, COBERTURA):
-        shutil.copy(work / name, output)
+        take_over(work / name, output)
+
+
+def take_over(file: Path, folder: Path) -> None:
+    """Copy a file that a candidate's process or a tool has made into a folder, unless it is a link or a device."""
+    try:
+        require_made(file)
+        shutil.copy(file, folder)
+    except OSError as error:
+        reason = one_line(error.strerror or str(error))
+        raise InputError(
+            f"{one_line(file.name)}, which --coverage reads, cannot be copied: {reason}; the candidate must leave "
+            "alone what it has not opened"
+        ) from error
 
 
 def require_package(name: str, option: str) -> None:
@@ -77,7 +91,7 @@ def gcovr(words: Sequence[str], folder: Path, readable: Iterable[Path], writable
 
 def files_of_trace(trace: Path, folder: Path) -> tuple[SourceFile, ...]:
     """Read the files that gcovr's JSON lists, whose paths begin in a folder."""
-    document = json.loads(trace.read_text(encoding="utf-8"))
+    document = json.loads(made_content(trace))
     return tuple(
         _file(file, folder) for file in sorted(document["files"], key=lambda file: str(file["file"]))
     )

@@ -18,6 +18,7 @@ from drivegate.candidates.native.coverage_tools import (
     hand_over,
 )
 from drivegate.candidates.reached_code import SourceFile
+from drivegate_cases.documents.regular_file import made_content
 
 Counts: TypeAlias = Mapping[int, tuple[int, Sequence[int]]]
 """Of the lines of a source: how often each ran, and how often each way out of it was taken."""
@@ -39,7 +40,8 @@ def trace_of(
     trace = work / TRACE
     trace.write_text(json.dumps(_empty_trace(work) | {"files": files}), encoding="utf-8")
     outputs = ("--lcov", str(work / LCOV), "--cobertura", str(work / COBERTURA))
-    gcovr(["--root", str(common), "--add-tracefile", str(trace), *outputs], work, (common,), work)
+    folders = tuple(source.parent for source in counted)
+    gcovr(["--root", str(common), "--add-tracefile", str(trace), *outputs], work, folders, work)
     hand_over(work, output)
     return files_of_trace(trace, common)
 
@@ -74,5 +76,5 @@ def _empty_trace(work: Path) -> dict[str, Any]:
     """Have gcovr write a trace of nothing, which has the version of its format."""
     trace = work / f"empty-{TRACE}"
     gcovr(["--root", str(work), "--json", str(trace), str(work)], work, (), work)
-    empty: dict[str, Any] = json.loads(trace.read_text(encoding="utf-8"))
+    empty: dict[str, Any] = json.loads(made_content(trace))
     return empty

@@ -56,6 +56,9 @@ _REFUSED_FLAGS: Final = (
     "-x",
     "-save-temps",
     "-pipe",
+    "-Wp,-M",
+    "-Wl,-plugin",
+    "-Wl,--plugin",
 )
 _OTHER_WIDTHS: Final = ("-m32", "-mx32", "-m16")
 _OF_64_BITS: Final = (

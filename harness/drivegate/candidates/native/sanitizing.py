@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import Final
 
 from drivegate.candidates.candidate import Candidate, Instrumented
-from drivegate.candidates.fault import bounded_reason
+from drivegate.candidates.fault import bounded_reason, short_lines
 from drivegate.candidates.native import rust_sanitizing
 from drivegate.candidates.native.bounded_command import Bounds, run_bounded
 from drivegate.candidates.native.compiler import Compilation, CompilationError
@@ -95,7 +95,7 @@ def _suspects(plan: Compilation, folder: Path) -> tuple[str, ...]:
     if not all(_accepts(compiler, *_ANALYSIS, deeper) for compiler in compilers):
         return ()
     try:
-        output = (second_build(plan, (*_ANALYSIS, deeper)) / OUTPUT).read_text(encoding="utf-8")
+        output = short_lines((second_build(plan, (*_ANALYSIS, deeper)) / OUTPUT).read_text(encoding="utf-8"))
     except CompilationError:
         # It takes long on some sources, and only adds a line to a fault.
         return ()

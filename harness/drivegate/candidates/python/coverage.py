@@ -22,6 +22,7 @@ from drivegate.candidates.native.coverage_tools import (
 )
 from drivegate.candidates.python.bridge import PythonController
 from drivegate.candidates.reached_code import Line, SourceFile
+from drivegate_cases.documents.regular_file import made_content
 
 _DATA: Final = ".coverage"
 _JSON: Final = "coverage.json"
@@ -89,8 +90,14 @@ def measured_files(candidate: Candidate, output: Path) -> tuple[SourceFile, ...]
         tool = [sys.executable, "-P", "-m", "coverage", command, *options, *further]
         run_tool(tool, candidate.folder, (folder, *candidate.sources), work, "coverage")
     hand_over(work, output)
-    document = json.loads((work / _JSON).read_text(encoding="utf-8"))
-    return tuple(_file(name, file, candidate.folder) for name, file in sorted(document["files"].items()))
+    document = json.loads(made_content(work / _JSON))
+    # The candidate's process wrote the names, and could name any file.
+    own = {
+        name: file
+        for name, file in document["files"].items()
+        if (candidate.folder / name).resolve() in candidate.sources
+    }
+    return tuple(_file(name, file, candidate.folder) for name, file in sorted(own.items()))
 
 
 def _file(name: str, file: Mapping[str, Any], folder: Path) -> SourceFile:

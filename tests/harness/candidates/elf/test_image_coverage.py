@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from elftools.elf.elffile import ELFFile
 from tests.harness.candidates.elf.conftest import Load, Loaded
 
 from drivegate.candidates.elf.loading import TargetController
@@ -55,3 +56,16 @@ def test_an_image_without_lines_is_refused(load: Load, tmp_path: Path) -> None:
     load(SOURCE, ("-O1",), sources=["mine.c"])
     with pytest.raises(InputError, match="compile it with -g, and name its sources"):
         KINDS["elf"].counted_candidate(resolve_candidate(str(tmp_path / "candidate.toml")), tmp_path)
+
+
+def test_damaged_debug_information_is_refused_in_one_sentence(load: Load, tmp_path: Path) -> None:
+    loaded = load(SOURCE, ("-O0", "-g"), sources=["mine.c"])
+    candidate = resolve_candidate(str(tmp_path / "candidate.toml"))
+    content = loaded.file.read_bytes()
+    with loaded.file.open("rb") as stream:
+        place = ELFFile(stream).get_section_by_name(".debug_abbrev")["sh_offset"]
+    loaded.file.write_bytes(content[:place] + b"\xff" * 8 + content[place + 8 :])
+    with pytest.raises(
+        InputError, match=r"cannot read the debug information of the image: .*; compile and link it"
+    ):
+        KINDS["elf"].counted_candidate(candidate, tmp_path)

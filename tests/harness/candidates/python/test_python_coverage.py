@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
@@ -107,3 +108,18 @@ def test_warnings_of_numpy_are_remarks_with_their_line(tmp_path: Path) -> None:
 def test_what_are_no_remarks_is_refused(text: str) -> None:
     with pytest.raises(UnreadableReply):
         remarks_of(text)
+
+
+def test_counters_name_no_file_but_the_candidates(tmp_path: Path) -> None:
+    from coverage import CoverageData
+
+    file, counted, output = tmp_path / "mine.py", tmp_path / "counted", tmp_path / "output"
+    file.write_text(SOURCE, encoding="utf-8")
+    counted.mkdir()
+    output.mkdir()
+    candidate = KINDS["python"].counted_candidate(resolve_candidate(f"{file}:Controller"), counted)
+    data = CoverageData(str(counted / ".coverage.1"))
+    data.add_arcs({str(file): [(-1, 2), (2, -1)], json.__file__: [(-1, 1), (1, -1)]})
+    data.write()
+    (measured,) = KINDS["python"].measured_files(candidate, output)
+    assert measured.name == "mine.py"
