@@ -46,7 +46,7 @@ class CheckTable(Section):
 
     def options(self, reach: Reach) -> dict[str, Any]:
         """Return the values by their option; a manifest must not choose what is read or written elsewhere."""
-        from drivegate_cases.drive.drive_document import drive_names
+        from drivegate_cases.drive.drive_document import is_included
 
         stated = self.model_dump(exclude_none=True)
         for key in _FILES:
@@ -58,7 +58,7 @@ class CheckTable(Section):
                         "existing one, or leave the key out"
                     )
                 stated[key] = _shown(place)
-        if self.drive is not None and self.drive not in drive_names():
+        if self.drive is not None and not is_included(self.drive):
             stated["drive"] = _shown(reach.place(self.drive, "the key 'drive' of [check]"))
         return stated
 

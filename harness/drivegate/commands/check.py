@@ -44,7 +44,7 @@ DEFAULT_OUTPUT = "drivegate-report"
 @isolation_options
 @click.option(
     "--max-time",
-    type=bounded(0.0, above=True),
+    type=bounded(0.0, above=True, unit="seconds"),
     metavar="SECONDS",
     help="Begin no more work after this time; what is left is inconclusive, or not yet witnessed.",
 )

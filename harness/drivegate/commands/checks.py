@@ -70,10 +70,16 @@ def _explained(names: tuple[str, ...], drive: str | None) -> Outcome:
             print_line(console, f"{row['id']} on {row['drive']} ({row['level']})", "bold")
             for key in _EXPLAINED:
                 print_line(console, f"  {key}: {row[key]}")
+            if row["not_applicable"]:
+                other = f"; it applies on {row['applies_on']}" if row["applies_on"] else ""
+                print_line(console, f"  not applicable on {row['drive']}: {row['not_applicable']}{other}")
             for cause in row["likely_causes"]:
                 print_line(console, f"  likely cause: {cause}")
         only = ",".join(dict.fromkeys(row["id"] for row in checks))
-        print_line(console, f"next: drivegate check CANDIDATE --only {only}", "dim")
+        # Checks that apply nowhere together are named without a drive.
+        others = {row["applies_on"] for row in checks}
+        drive_words = f" --drive {next(iter(others))}" if len(others) == 1 and None not in others else ""
+        print_line(console, f"next: drivegate check CANDIDATE --only {only}{drive_words}", "dim")
 
     return Outcome(document, show)
 

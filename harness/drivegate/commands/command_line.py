@@ -81,7 +81,7 @@ class LazyGroup(click.Group):
         if args == ["help"]:
             click.echo(ctx.get_help())
             ctx.exit()
-        if args[0] == "help":
+        if args[0] == "help" or (args[0] == "explain" and len(args) > 1):
             # Of a command, or of a check.
             args = [*args[1:2], "--help"] if args[1:2] and args[1] in COMMANDS else ["checks", *args[1:]]
         if args[0] not in COMMANDS and not ctx.resilient_parsing and not args[0].startswith("-"):

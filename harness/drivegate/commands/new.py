@@ -31,7 +31,7 @@ CHOICES = (
 
 
 @click.command("new")
-@click.argument("kind", type=click.Choice(CHOICES), metavar="KIND")
+@click.argument("kind", type=click.Choice(CHOICES, case_sensitive=False), metavar="KIND")
 @click.argument("name")
 @click.option(
     "--output",
@@ -180,14 +180,16 @@ def _new_scenario(file: Path, drive: str | None) -> Outcome:
     from drivegate.contracts.catalogue import contract_of
     from drivegate.drives.kinds import DEFAULT_DRIVES
     from drivegate.studies.new_scenario import write_scenario
-    from drivegate_cases.drive.drive_document import drive_names, load_drive
+    from drivegate_cases.drive.drive_document import SENSORLESS, is_included, load_drive
 
     chosen = DEFAULT_DRIVES["duty"] if drive is None else drive
     known = named_drive(chosen) or load_drive(chosen)
     # A file's path is read from the folder of the scenario.
-    named = chosen if chosen in drive_names() else str(Path(chosen).resolve())
+    named = chosen if is_included(chosen) else str(Path(chosen).resolve())
     write_scenario(file, known, named)
     candidate = contract_of(known).usual_candidate
+    if not getattr(known, "has_sensor", True):
+        candidate += SENSORLESS
     document: dict[str, Any] = {
         "schema": SCHEMA,
         "kind": "new",

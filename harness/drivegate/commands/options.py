@@ -104,8 +104,11 @@ def effort_option(help_text: str) -> Callable[[_Function], _Function]:
     return click.option("--effort", type=efforts, default="default", show_default=True, help=help_text)
 
 
-def bounded(lowest: float, highest: float = inf, *, above: bool = False) -> Callable[[str], float]:
-    """Make the type of an option that is a finite number within limits."""
+def bounded(
+    lowest: float, highest: float = inf, *, above: bool = False, unit: str = ""
+) -> Callable[[str], float]:
+    """Make the type of an option that is a finite number within limits, of a unit."""
+    of_unit = f" of {unit}" if unit else ""
     lower = f"above {lowest:g}" if above else f"from {lowest:g}"
     upper = ("" if above else " upward") if highest == inf else f"{' and up' if above else ''} to {highest:g}"
 
@@ -115,7 +118,7 @@ def bounded(lowest: float, highest: float = inf, *, above: bool = False) -> Call
         except ValueError:
             value = nan
         if not isfinite(value) or value < lowest or (above and value == lowest) or value > highest:
-            raise click.BadParameter(f"it is {shown(text)}, but must be a number {lower}{upper}")
+            raise click.BadParameter(f"it is {shown(text)}, but must be a number{of_unit} {lower}{upper}")
         return value
 
     return number

@@ -43,7 +43,10 @@ class Focus:
         named = [outcome for outcome in outcomes if outcome.id in self.only]
         if named and all(outcome.verdict == "not applicable" for outcome in named):
             reasons = "; ".join(f"{outcome.id}: {outcome.message}" for outcome in named)
-            raise InputError(f"--only: no named check applies, so nothing is judged ({reasons}); name others")
+            raise InputError(
+                f"--only: no named check applies, so nothing is judged ({reasons}); name others, or another drive with "
+                "--drive"
+            )
 
     def judges(self, check: str) -> bool:
         return not self.only or check in self.only

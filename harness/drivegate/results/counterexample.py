@@ -10,7 +10,7 @@ from typing import Annotated, Any, ClassVar, Final, Literal
 from pydantic import BeforeValidator, Field, ValidationInfo, field_validator
 
 from drivegate.isolation.layers import named_roots
-from drivegate_cases.documents.document import Document, Section, parse_document
+from drivegate_cases.documents.document import Document, Section, kind_in_words, parse_document
 from drivegate_cases.documents.reach import Reach
 from drivegate_cases.documents.reading import read_mapping
 from drivegate_cases.documents.wording import nearest, one_line, shown, shown_path
@@ -116,7 +116,15 @@ def require_kind(mapping: Mapping[str, Any], kind: str, path: str | Path) -> Non
     """Refuse a document of another kind before its keys are looked at."""
     if mapping.get("kind") == kind:
         return
-    actual = f"is of kind {shown(mapping['kind'])}" if "kind" in mapping else "does not give its kind"
+    # A drive has a kind too, of its own.
+    words = kind_in_words(mapping) if "machine" in mapping or "kind" not in mapping else None
+    actual = (
+        f"is {words}"
+        if words
+        else f"is of kind {shown(mapping['kind'])}"
+        if "kind" in mapping
+        else "does not give its kind"
+    )
     raise InputError(
         f"{shown_path(path)} {actual}, but must be a document with the key kind = '{one_line(kind)}'"
     )

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from drivegate.contracts.catalogue import all_checks, all_contracts, contract_of
+from drivegate.candidates.declaration import NOTHING_DECLARED
+from drivegate.contracts.catalogue import all_checks, all_contracts, check_of, contract_of
 from drivegate.contracts.traceability import traced_checks
 from drivegate.drives.kinds import DEFAULT_DRIVES
 from drivegate.gate.focus import is_called, named_checks
 from drivegate_cases.documents.wording import one_line
-from drivegate_cases.drive.drive_document import DriveDocument, load_drive
+from drivegate_cases.drive.drive_document import DriveDocument, included_drives, load_drive
 from drivegate_models.errors import InputError
 
 
@@ -31,7 +32,27 @@ def explained_checks(names: Sequence[str], drive: DriveDocument | None) -> list[
 def _explained(drive: DriveDocument, wanted: Iterable[str]) -> list[dict[str, Any]]:
     causes = contract_of(drive).causes_of
     return [
-        row | {"drive": drive.name, "likely_causes": list(causes(row["id"]))}
+        row
+        | {
+            "drive": drive.name,
+            "likely_causes": list(causes(row["id"])),
+            **_where_it_applies(row["id"], drive),
+        }
         for row in traced_checks(drive)
         if any(is_called(row["id"], name) for name in wanted)
     ]
+
+
+def _where_it_applies(check: str, drive: DriveDocument) -> dict[str, str | None]:
+    """Return why a check does not apply on a drive, and an included drive on which it does; None where it does."""
+    stated = check_of(drive.contract, check, NOTHING_DECLARED)
+    reason = stated.reason_not_applicable(NOTHING_DECLARED, drive)
+    if reason is None:
+        return {"not_applicable": None, "applies_on": None}
+    others = (load_drive(name) for name in included_drives())
+    found = (
+        other.name
+        for other in others
+        if other.contract == drive.contract and stated.reason_not_applicable(NOTHING_DECLARED, other) is None
+    )
+    return {"not_applicable": reason, "applies_on": next(found, None)}

@@ -241,10 +241,10 @@ def _contract_for(template: Template, drive: str, kind: str) -> ContractName:
 
 def _name_drive(contents: dict[str, bytes], drive: str) -> None:
     """Have manifest and waivers name a drive, with a copy of its file next to them."""
-    from drivegate_cases.drive.drive_document import drive_names, load_drive
+    from drivegate_cases.drive.drive_document import is_included, load_drive
 
     name = load_drive(drive).name
-    if drive not in drive_names():
+    if not is_included(drive):
         place = f"drive{Path(drive).suffix.lower()}"
         contents[place], drive = Path(drive).read_bytes(), place
     manifests = [file for file in ("candidate.toml", HOST_MANIFEST) if file in contents]

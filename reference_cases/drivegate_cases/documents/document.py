@@ -121,6 +121,11 @@ def parse_document(
     return _validated(_frozen(values), model, where, folder, reach)
 
 
+def kind_in_words(values: Mapping[str, Any]) -> str | None:
+    """Return what kind of file a document is by a key that only its kind has; None where none shows."""
+    return next((words for mark, words in _MARKS.items() if mark in values), None)
+
+
 def _refuse_other_kind(values: Mapping[str, Any], model: type[Document], where: str) -> None:
     """Refuse a file of another kind in one sentence, in place of one for each of its keys."""
     own = [mark for mark in _MARKS if mark in model.model_fields]

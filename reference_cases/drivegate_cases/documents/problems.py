@@ -9,7 +9,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from drivegate_cases.documents.wording import nearest, one_line, pointed, short_line, shortened, shown
+from drivegate_cases.documents.wording import nearest_key, one_line, pointed, short_line, shortened, shown
 
 Location = Sequence[int | str]
 
@@ -51,9 +51,7 @@ def key_name(path: Location) -> str:
 
 def _report_unknown(details: ErrorDetails, path: Location, model: type[BaseModel]) -> str:
     known = _sibling_keys(model, details["loc"])
-    closest = nearest(str(path[-1]), known)
-    advice = f"the nearest known key is '{closest}'" if closest else "no key is known there"
-    return f"the key '{key_name(path)}' is unknown, {advice}"
+    return f"the key '{key_name(path)}' is unknown, {nearest_key(str(path[-1]), known)}"
 
 
 def _report_missing(details: ErrorDetails, path: Location, model: type[BaseModel]) -> str:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, Final, NoReturn
 
 from drivegate_cases.documents.regular_file import regular_content
-from drivegate_cases.documents.wording import nearest, one_line, short_line, shown, shown_path, with_point
+from drivegate_cases.documents.wording import nearest_key, one_line, short_line, shown, shown_path, with_point
 from drivegate_models.errors import InputError
 
 DEEPEST: Final = 32
@@ -27,6 +27,7 @@ SUFFIXES: Final = (".toml", ".json")
 
 _PART: Final = r"(?:(?<![\w-])[\w-]++|\"[^\"\n]*+\"|'[^'\n]*+')[ \t]*+"
 _LONG_KEY: Final = re.compile(rf"(?:{_PART}\.[ \t]*+){{{DEEPEST}}}")
+_WORD: Final = re.compile(r"\s*([\w.-]{1,80})\s*=\s*([A-Za-z][\w./-]{0,80})\s*(?:#.*)?$")
 _VALUE: Final = re.compile(r"[=:]\s*([+-]?\d[\d.,eE+-]{0,40})\s*(?:[#}]|$)")
 
 
@@ -95,6 +96,8 @@ def _is_json(path: str | Path) -> bool:
 
 def _bytes_of(path: str | Path, where: str) -> bytes:
     if Path(path).suffix.lower() not in SUFFIXES:
+        if Path(path).is_dir():
+            raise InputError(f"{where} is a folder; name a TOML or JSON file in it")
         raise InputError(
             f"{where} is neither a TOML nor a JSON file by its name, which must end in .toml or .json"
         )
@@ -136,7 +139,14 @@ def _toml_value(text: str) -> Any:
     except tomllib.TOMLDecodeError as error:
         place = re.search(r"\(at line (\d+), column", str(error))
         comma = _decimal_comma(text, int(place[1])) if place else None
-        raise ValueError(comma or _about_strings(str(error))) from error
+        word = _word_without_quotes(text, int(place[1])) if place else None
+        raise ValueError(comma or word or _about_strings(str(error))) from error
+
+
+def _word_without_quotes(text: str, line: int) -> str | None:
+    """Name a text without quotes in the line at which a parser stopped; None where there is none."""
+    found = _WORD.match(text.split("\n")[line - 1])
+    return found and f'in line {line} a text has no quotes; write {found[1]} = "{found[2]}"'
 
 
 def _decimal_comma(text: str, line: int) -> str | None:
@@ -182,8 +192,7 @@ def parse_overrides(pairs: Sequence[str], known: Collection[str]) -> dict[str, A
             raise InputError(f"--set {shown(pair)} is not a setting, which is written KEY=VALUE")
         if key not in known:
             raise InputError(
-                f"--set {short_line(pair)}: the key '{short_line(key)}' is unknown, "
-                f"the nearest known key is '{nearest(key, known)}'"
+                f"--set {short_line(pair)}: the key '{short_line(key)}' is unknown, {nearest_key(key, known)}"
             )
         values[key] = _override_value(text)
         excess = excess_of(values[key])

@@ -15,6 +15,10 @@ LONGEST_MESSAGE: Final = 400
 """Most characters of an error message."""
 _LONGEST_VALUE: Final = 60
 _LONGEST_PATH: Final = 160
+_FEW: Final = 12
+"""Number of names that fit into a sentence."""
+_RESEMBLES: Final = 0.5
+"""Share of letters in order from which on a name may be a misspelt one (1)."""
 _LONGEST_COMPARED: Final = 100
 _LARGE: Final = 10000.0
 _COMMA_NUMBER: Final = re.compile(r"[+-]?\d[\d.]*,\d+(?:[eE][+-]?\d+)?")
@@ -38,12 +42,23 @@ def rounded_to_digits(value: float, *, up: bool) -> float:
     return significant(whole * unit, _DIGITS)
 
 
-def nearest(name: str, known: Iterable[str]) -> str | None:
-    """Find the known name that resembles a given one most."""
+def nearest(name: str, known: Iterable[str], least: float = 0.0) -> str | None:
+    """Find the known name that resembles a given one most, by at least a share of their letters."""
     by_lower_case = {candidate.lower(): candidate for candidate in known}
     compared = shortened(name, _LONGEST_COMPARED).lower()
-    closest = difflib.get_close_matches(compared, sorted(by_lower_case), n=1, cutoff=0.0)
+    closest = difflib.get_close_matches(compared, sorted(by_lower_case), n=1, cutoff=least)
     return by_lower_case[closest[0]] if closest else None
+
+
+def nearest_key(name: str, known: Iterable[str]) -> str:
+    """State the known key that was probably meant, or what is known where none resembles the given one."""
+    names = list(known)
+    closest = nearest(name, names, _RESEMBLES)
+    if closest is not None:
+        return f"the nearest known key is '{closest}'"
+    if len(names) > _FEW:
+        return "and no known key resembles it"
+    return f"known are {', '.join(names)}" if names else "no key is known there"
 
 
 def counted(count: int, noun: str) -> str:

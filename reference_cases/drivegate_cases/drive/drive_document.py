@@ -46,7 +46,33 @@ def load_drive(
         drive = load_drive(sensed)
         if "sensing" in drive.tables:
             return drive.replaced(name=name, sensing={"position": "none"})
-    return load_named(name_or_path, DriveDocument, "drives", "drive", relative_to=relative_to, reach=reach)
+        raise InputError(
+            f"the drive '{sensed}' of the kind '{drive.kind}' has no variant without a position sensor; PM AC drives "
+            f"have one, such as pm-ac-2kw{SENSORLESS}"
+        )
+    # Each PM AC drive has two names.
+    further = [f"{known}{SENSORLESS}" for known in drive_names() if known.startswith("pm-ac")]
+    return load_named(
+        name_or_path,
+        DriveDocument,
+        "drives",
+        "drive",
+        relative_to=relative_to,
+        reach=reach,
+        further=further,
+    )
+
+
+def is_included(name: str) -> bool:
+    """Return True if a name is that of a drive that comes with drivegate, also without its position sensor."""
+    sensed = name.removesuffix(SENSORLESS)
+    return sensed in drive_names() and (name == sensed or "sensing" in load_drive(sensed).tables)
+
+
+def included_drives() -> tuple[str, ...]:
+    """List the drives that come with drivegate, those of PM AC also without a position sensor."""
+    names = drive_names()
+    return (*names, *(name + SENSORLESS for name in names if is_included(name + SENSORLESS)))
 
 
 def drive_names(*, but: str = "") -> tuple[str, ...]:

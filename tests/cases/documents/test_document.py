@@ -82,7 +82,7 @@ def test_the_message_names_the_file(tmp_path: Path, refusal: Callable[..., str])
         ({"shape": {"kind": "circle", "radius": -1}}, "'shape.radius' is -1, but must be greater than 0"),
         (
             {"shape": {"kind": "circle", "radius": 1, "sides": 1}},
-            "the key 'shape.sides' is unknown, the nearest",
+            "the key 'shape.sides' is unknown, known are kind, radius",
         ),
         (
             {"shape": {"kind": "circle", "radius": 1, "radios": 1}},

@@ -39,7 +39,7 @@ from drivegate.results.provenance import versions
 from drivegate.results.result import finite
 from drivegate.studies.simulate import MOST_ROWS
 from drivegate_cases.documents.wording import one_line
-from drivegate_cases.drive.drive_document import DriveDocument, drive_names, load_drive
+from drivegate_cases.drive.drive_document import DriveDocument, is_included, load_drive
 from drivegate_cases.requirements.file import OwnRequirements
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.script import Script
@@ -227,7 +227,7 @@ def _drive_option(drive: DriveDocument, candidate: Candidate) -> str:
 
     if candidate.contract in (None, drive.contract) and is_that(None):
         return ""
-    included = drive.name in drive_names() and is_that(load_drive(drive.name))
+    included = is_included(drive.name) and is_that(load_drive(drive.name))
     return f" --drive {quote(drive.name if included else f'{drive.name}.toml')}"
 
 

@@ -22,6 +22,7 @@ USUAL_DISCHARGE: Final = 1.5
 """Greatest mean current of the source over that of rated power, for a drive that does not state it (1)."""
 _IN_HAND: Final = 2.0
 """Least power that the source can supply at all, over rated power (1)."""
+_MOST_FARADS: Final = 10.0
 _LEAST_HYSTERESIS: Final = 0.001
 
 
@@ -40,7 +41,7 @@ class PmAcLink(Section):
         description="voltage of the source without a current, in volts, if stated that of link_voltage_v",
     )
     capacitance_f: float | None = Field(
-        default=None, gt=0.0, le=10.0, description="capacitance of the link, in farads"
+        default=None, gt=0.0, le=_MOST_FARADS, description="capacitance of the link, in farads"
     )
     source_resistance_ohm: float | None = Field(
         default=None, gt=0.0, le=1e6, description="resistance between source and capacitor, in ohms"
@@ -82,6 +83,15 @@ class PmAcLink(Section):
                 "out"
             )
         return values
+
+    @field_validator("capacitance_f", mode="before")
+    @classmethod
+    def _is_in_farads(cls, capacitance: Any) -> Any:
+        if isinstance(capacitance, int | float) and capacitance > _MOST_FARADS:
+            raise ValueError(
+                f"must be at most {_MOST_FARADS:g}: in farads, {capacitance:g} µF are {1e-6 * capacitance:g}"
+            )
+        return capacitance
 
     @field_validator("charge_limit_a")
     @classmethod

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import sqrt
 from typing import TYPE_CHECKING, Any, Final, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from drivegate_cases.documents.document import Section
 
@@ -20,6 +21,8 @@ LEAST_CONTINUOUS: Final = 0.1
 """Least continuous current over the current limit (1)."""
 MOST_CONTINUOUS: Final = 2.0
 """Greatest continuous current over the current limit (1)."""
+_MOST_PER_K: Final = 0.01
+_TIME_CONSTANTS: Final = ("time_constant_s", "thermal_time_constant_s")
 COPPER: Final = 0.00393
 """Temperature coefficient of copper (1/K)."""
 
@@ -48,7 +51,7 @@ class PmAcThermal(Section):
     temperature_coefficient_per_k: float = Field(
         default=COPPER,
         ge=0.0,
-        le=0.01,
+        le=_MOST_PER_K,
         description="change of the resistance for each kelvin, over that at ambient_c",
     )
     sensor_lag_s: float | None = Field(
@@ -57,6 +60,31 @@ class PmAcThermal(Section):
         le=600.0,
         description="time constant of the sensor in the windings, in seconds; without a sensor where it is left out",
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _has_no_time_constant(cls, values: Any) -> Any:
+        known = (
+            next((key for key in values if key in _TIME_CONSTANTS), None)
+            if isinstance(values, Mapping)
+            else None
+        )
+        if known is not None:
+            raise ValueError(
+                f"the key '{known}' is unknown: divide the windings' time constant by thermal_resistance_k_per_w, and "
+                "state that as heat_capacity_j_per_k"
+            )
+        return values
+
+    @field_validator("temperature_coefficient_per_k", mode="before")
+    @classmethod
+    def _is_no_percentage(cls, coefficient: Any) -> Any:
+        if isinstance(coefficient, int | float) and coefficient > _MOST_PER_K:
+            raise ValueError(
+                f"must be at most {_MOST_PER_K:g}: of copper it is {COPPER:g}, which is {100.0 * COPPER:g} % for each "
+                "kelvin"
+            )
+        return coefficient
 
     @model_validator(mode="after")
     def _limit_is_above_ambient(self) -> Self:
