@@ -117,14 +117,9 @@ def require_kind(mapping: Mapping[str, Any], kind: str, path: str | Path) -> Non
     if mapping.get("kind") == kind:
         return
     # A drive has a kind too, of its own.
-    words = kind_in_words(mapping) if "machine" in mapping or "kind" not in mapping else None
-    actual = (
-        f"is {words}"
-        if words
-        else f"is of kind {shown(mapping['kind'])}"
-        if "kind" in mapping
-        else "does not give its kind"
-    )
+    words = kind_in_words(mapping) if "machine" in mapping else None
+    actual = f"is of kind {shown(mapping['kind'])}" if "kind" in mapping else "does not give its kind"
+    actual = f"is {words}" if words else actual
     raise InputError(
         f"{shown_path(path)} {actual}, but must be a document with the key kind = '{one_line(kind)}'"
     )
