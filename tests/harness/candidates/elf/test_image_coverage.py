@@ -63,8 +63,9 @@ def test_damaged_debug_information_is_refused_in_one_sentence(load: Load, tmp_pa
     candidate = resolve_candidate(str(tmp_path / "candidate.toml"))
     content = loaded.file.read_bytes()
     with loaded.file.open("rb") as stream:
-        place = ELFFile(stream).get_section_by_name(".debug_abbrev")["sh_offset"]
-    loaded.file.write_bytes(content[:place] + b"\xff" * 8 + content[place + 8 :])
+        section = ELFFile(stream).get_section_by_name(".debug_abbrev")
+        begin, end = section["sh_offset"], section["sh_offset"] + section["sh_size"]
+    loaded.file.write_bytes(content[:begin] + b"\x7f" * (end - begin) + content[end:])
     with pytest.raises(
         InputError, match=r"cannot read the debug information of the image: .*; compile and link it"
     ):
