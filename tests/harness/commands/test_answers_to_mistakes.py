@@ -56,7 +56,7 @@ def test_a_value_in_another_unit_or_without_quotes_is_answered_with_the_right_on
         (("drive", "pm-ac-2kw-sensorles"), "the nearest is 'pm-ac-2kw-sensorless'"),
         (
             ("drive", "paper-5-phase-sensorless"),
-            "no variant without a position sensor; PM AC drives have one",
+            "no variant without a position sensor, as PM AC drives have one",
         ),
         (
             ("drive", "paper-5-phase", "--set", "sensing.position=none"),
