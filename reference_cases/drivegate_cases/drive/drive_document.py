@@ -47,8 +47,8 @@ def load_drive(
         if "sensing" in drive.tables:
             return drive.replaced(name=name, sensing={"position": "none"})
         raise InputError(
-            f"no drive is called '{name}': of the kind '{drive.kind}' there is no variant without a position sensor, as "
-            f"PM AC drives have one, such as pm-ac-2kw{SENSORLESS}"
+            f"no drive is called '{name}': of the kind '{drive.kind}' there is no variant without a position sensor, "
+            f"as PM AC drives have one, such as pm-ac-2kw{SENSORLESS}"
         )
     # Each PM AC drive has two names.
     further = [f"{known}{SENSORLESS}" for known in drive_names() if known.startswith("pm-ac")]
