@@ -95,6 +95,11 @@ LOAD_OBSERVER_STATE: Final = np.dtype(
         ("turned", np.float64),
         ("behind", np.float64),
         ("angle_missed", np.float64),
+        # Angle of the step before (rad, NaN at first), what the shaft turned between its last two angles (rad), and
+        # control periods without another one.
+        ("voltage_angle", np.float64),
+        ("edge_turn", np.float64),
+        ("silent_count", np.int64),
     ],
     align=True,
 )

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from math import isnan, nan
+from math import inf, isnan, nan
 from typing import Any, Final
 
 from drivegate_models.compilation.kernels import inlined
+from drivegate_models.machine.cycle import within_half_turn
 from drivegate_models.machine.rotor_frame import magnitude
 from drivegate_models.machine.sine import cosine_sine
 
@@ -30,6 +31,8 @@ _SPEED_RATE: Final = 1.0 / 64.0
 _OFF: Final = 0.15
 _CONFIRMING: Final = 0.5
 _CONFIRMED_PERIODS: Final = 2
+# Control periods without an edge of an encoder from which its speed is bounded: more than a lost sample takes.
+_SILENT_PERIODS: Final = 4
 
 
 @inlined
@@ -43,17 +46,45 @@ def reset_voltage(state: Any) -> None:
     state.direct_unexplained = 0.0
     state.quadrature_unexplained = 0.0
     state.angle_missed = 0.0
+    state.voltage_angle = nan
+    state.edge_turn = inf
+    state.silent_count = 0
 
 
 @inlined
-def _unexplained_voltage(state: Any, sense: Any, direct: float, quadrature: float) -> tuple[float, float]:
+def _greatest_speed(state: Any, sense: Any) -> float:
+    """Return the greatest speed of a shaft whose sensor shows no other angle than some periods before (rad/s).
+
+    An encoder shows a mean over milliseconds, and so goes on turning after its last edge. Its angle does not: in that
+    time the shaft turns by no more than between the last two angles.
+    """
+    before = state.voltage_angle
+    state.voltage_angle = sense.angle
+    if isnan(before):
+        # The first step has no preceding step.
+        return inf
+    turned = abs(within_half_turn(float(sense.angle - before)))
+    if turned > 0.0:
+        state.edge_turn = turned
+        state.silent_count = 0
+    else:
+        state.silent_count += 1
+    if state.silent_count < _SILENT_PERIODS:
+        return inf
+    return float(state.edge_turn / (state.silent_count * state.machine.control_period))
+
+
+@inlined
+def _unexplained_voltage(
+    state: Any, sense: Any, speed: float, direct: float, quadrature: float
+) -> tuple[float, float]:
     """Return the d and q voltages of the last period that machine data do not explain (V), NaN before the second one.
 
-    The d and q currents are given (A). Their change is taken in the stationary frame, where the steps of an encoder do
-    not appear.
+    The speed (rad/s) and the d and q currents are given (A). Their change is taken in the stationary frame, where the
+    steps of an encoder do not appear.
     """
     machine = state.machine
-    electrical = float(machine.pole_pairs * sense.speed)
+    electrical = float(machine.pole_pairs * speed)
     period = machine.control_period
     angle = float(machine.pole_pairs * sense.angle)
     cosine, sine = cosine_sine(angle)
@@ -83,7 +114,9 @@ def is_voltage_wrong(state: Any, sense: Any, direct: float, quadrature: float) -
     with an overdue Hall edge.
     """
     machine = state.machine
-    missed, across_missed = _unexplained_voltage(state, sense, direct, quadrature)
+    greatest = _greatest_speed(state, sense) if sense.hall < 0 else inf
+    shown = min(max(sense.speed, -greatest), greatest)
+    missed, across_missed = _unexplained_voltage(state, sense, shown, direct, quadrature)
     before = sense.speed if isnan(state.mean_speed) else state.mean_speed
     state.mean_speed = before + _SPEED_RATE * (sense.speed - before)
     # Between Hall edges angle and speed are too uncertain, unless an edge is overdue.
@@ -92,8 +125,8 @@ def is_voltage_wrong(state: Any, sense: Any, direct: float, quadrature: float) -
         return False
     state.direct_unexplained += _RATE * (missed - state.direct_unexplained)
     state.quadrature_unexplained += _RATE * (across_missed - state.quadrature_unexplained)
-    speed = abs(float(machine.pole_pairs * sense.speed))
-    changing = abs(float(machine.pole_pairs * (sense.speed - state.mean_speed)))
+    speed = abs(float(machine.pole_pairs * shown))
+    changing = machine.pole_pairs * min(abs(sense.speed - state.mean_speed), greatest)
     amplitude = min(magnitude(direct, quadrature), machine.full_current)
     unresolved = machine.pole_pairs * max(_UNRESOLVED * state.base_speed - 0.5 * abs(state.mean_speed), 0.0)
     if abs(sense.speed) < abs(state.mean_speed):

@@ -186,6 +186,27 @@ def test_an_encoder_that_is_lost_hides_no_speed_that_it_does_not_resolve() -> No
     assert (step - 50) * POLE_PAIRS * speed * PERIOD < pi / 2.0, "while the torque has its sense"
 
 
+@pytest.mark.parametrize("lost_periods", [3, 400])
+def test_the_angle_of_an_encoder_shows_a_stop_before_its_mean_speed_does(lost_periods: int) -> None:
+    """The speed is a mean over 20 periods, whose change explains the EMF that it hides; three samples get lost."""
+    speed = 46.0
+    drive = Drive(speed)
+    drive.machine.current_limit = drive.machine.full_current = 100.0
+
+    def lose(k: int) -> None:
+        drive.sense.speed = speed
+        if 50 <= k < 50 + lost_periods:
+            drive.sense.angle = 50 * speed * PERIOD
+            drive.sense.speed *= max(1.0 - (k - 50) / 20.0, 0.0)
+
+    fault, step = drive.steps_to_fault(400, lose)
+    if lost_periods == 3:
+        assert fault == 0
+    else:
+        assert fault == VOLTAGE_FAULT
+        assert step - 50 < 20
+
+
 def test_a_phase_that_does_not_follow_its_reference_is_missing() -> None:
     drive = Drive()
 

@@ -115,6 +115,22 @@ LIGHT = made(
     current_limit_a=3252.7,
 )
 """A generator of 1.5 MW, whose rated torque accelerates it to base speed in 13 control periods."""
+TRACTION = made(
+    0.0016,
+    (1500.0, 5000.0, 5500.0),
+    pole_pairs=4,
+    resistance_ohm=0.069,
+    magnet_flux_v_s=0.175,
+    inertia_kg_m2=0.05,
+    link_voltage_v=500.0,
+    carrier_frequency_hz=10e3,
+    dead_time_s=2e-6,
+    switch_drop_v=1.0,
+    diode_drop_v=1.2,
+    rated_power_w=25e3,
+    current_limit_a=250.0,
+).replaced(quadrature_inductance_h=0.00206)
+"""A machine of a car, with 22 V of EMF at a fifth of base speed."""
 
 
 def assert_safe(name: str, run: Scenario) -> None:
@@ -156,6 +172,12 @@ def test_sensors_that_fail_at_little_inductance_are_noticed(kind: FailureKind, n
 def test_failures_of_a_slow_machine_with_much_emf_are_noticed(kind: FailureKind, name: str) -> None:
     run = with_real_sensors(under_torque(SLOW, 30.0), 2)
     assert_safe(name, failing(run, kind, 0.55 * run.duration_s))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_an_encoder_that_stops_at_a_fifth_of_base_speed_is_noticed(name: str) -> None:
+    run = with_real_sensors(under_torque(TRACTION, 300.0), 1)
+    assert_safe(name, failing(run, "lost-position", 0.6))
 
 
 @pytest.mark.parametrize("name", NAMES)
