@@ -18,7 +18,7 @@ int drivegate_duty_reset(void *state, const drivegate_duty_nameplate *plate) {
     (void)state;
     motor = (parameter_page){
         (int32_t)plate->pole_pairs, (float)(plate->current_limit / 16384.0), (float)(plate->supply_voltage / 32768.0),
-        (float)(plate->highest_speed / 16384.0), (float)plate->resistance, (float)plate->direct_inductance,
+        (float)(plate->highest_speed / 24576.0), (float)plate->resistance, (float)plate->direct_inductance,
         (float)plate->quadrature_inductance, (float)plate->magnet_flux, (float)plate->current_limit,
         (float)plate->supply_voltage, (float)plate->inertia, (float)plate->control_period,
         (float)(((double)plate->update_delay + 0.5) * plate->control_period)};

@@ -59,13 +59,25 @@ static float greatest_torque(float direct, float electrical, float voltage) {
     return torque_per_ampere(direct) * fminf(sqrtf(room), (sqrtf(inside) - b) / a);
 }
 
+/* Direct current between two that allows a torque, of which the first allows less and the second more. */
+static float crossing(float less, float below, float more, float above, float torque, float electrical, float voltage) {
+    float direct = more;
+    for (int round = 0; round < 3; round++) {
+        direct = less + (more - less) * (torque - below) / (above - below);
+        float possible = greatest_torque(direct, electrical, voltage);
+        if (possible >= torque) more = direct, above = possible;
+        else less = direct, below = possible;
+    }
+    return direct;
+}
+
 /* First direct current from a given one on that allows a torque, else the one that allows most. */
 static float weakened(float start, float torque, float electrical, float voltage) {
     float best = start, last = start, before = greatest_torque(start, electrical, voltage), most = before;
     for (int step = 1; step <= 64 && most < torque; step++) {
         float direct = start + (deepest - start) * (float)step / 64.0F;
         float possible = greatest_torque(direct, electrical, voltage);
-        if (possible >= torque) return last + (direct - last) * (torque - before) / (possible - before);
+        if (possible >= torque) return crossing(last, before, direct, possible, torque, electrical, voltage);
         if (possible > most) most = possible, best = direct;
         last = direct, before = possible;
     }
@@ -135,8 +147,8 @@ void ADC_IRQHandler(void) {
     float target = weakened(least_current(wanted), wanted, fabsf(electrical), allowed) + integral.weakening;
     target = fmaxf(target, deepest);
     float possible = fmaxf(greatest_torque(target, fabsf(electrical), allowed), 0.0F);
-    /* The speed integral waits while the limits leave less than it demands. */
-    if (!demands_torque && fabsf(torque) > possible && torque * error > 0.0F) integral.speed -= gain.speed_step * error;
+    /* The speed integral waits while the limits leave less than it demands: less by more than target is exact to. */
+    if (!demands_torque && fabsf(torque) > possible + 0.002F * most_torque && torque * error > 0.0F) integral.speed -= gain.speed_step * error;
     float direct_error = target - direct;
     float quadrature_error = clamp(torque, -possible, possible) / torque_per_ampere(target) - quadrature;
 
