@@ -58,6 +58,14 @@ NO_DECAY = Seeded(
     "RIP-4",
     "1040rpm-torque-1.364Nm-restart",
 )
+STUCK_INTEGRAL = Seeded(
+    "interrupt",
+    "firmware.c",
+    "possible + 0.002F * most_torque",
+    "possible",
+    "ACC-1",
+    "3280rpm-1.019Nm-30-100%-restart",
+)
 WRONG_SIGN = Seeded(
     "objects",
     "motor_control.cpp",
@@ -115,6 +123,9 @@ def margins_of(seeded: Seeded, folder: Path, line: str) -> dict[str, Margin]:
     "seeded",
     [
         pytest.param(NO_DECAY, id="interrupt-handler-that-measures-offsets-while-current-flows"),
+        pytest.param(
+            STUCK_INTEGRAL, id="interrupt-handler-whose-integral-waits-at-the-voltage-limit-for-good"
+        ),
         pytest.param(NO_DELAY, id="generated-code-without-delay-compensation"),
         pytest.param(
             WRONG_SIGN,
