@@ -18,6 +18,7 @@ TYPES: Final = (
     "DW_TAG_base_type",
 )
 _NAMED: Final = ("DW_TAG_variable", "DW_TAG_subprogram", *TYPES)
+_SCOPES: Final = ("DW_TAG_namespace", "DW_TAG_class_type", "DW_TAG_structure_type", "DW_TAG_union_type")
 _TRANSPARENT: Final = (
     "DW_TAG_typedef",
     "DW_TAG_volatile_type",
@@ -25,7 +26,8 @@ _TRANSPARENT: Final = (
     "DW_TAG_atomic_type",
     "DW_TAG_restrict_type",
 )
-POINTERS: Final = ("DW_TAG_pointer_type", "DW_TAG_reference_type", "DW_TAG_rvalue_reference_type")
+REFERENCES: Final = ("DW_TAG_reference_type", "DW_TAG_rvalue_reference_type")
+POINTERS: Final = ("DW_TAG_pointer_type", *REFERENCES)
 _ORIGINS: Final = ("DW_AT_specification", "DW_AT_abstract_origin")
 # Operations of expressions (DWARF 5, section 7.7.1).
 _ADDRESS, _CONSTANT_UNSIGNED, _PLUS_CONSTANT = 0x03, 0x10, 0x23
@@ -46,22 +48,59 @@ class Typed(NamedTuple):
 
 
 def described_in(information: Any) -> Iterator[tuple[str, Any]]:
-    """List the variables, functions and types outside of functions, with their names."""
+    """List the variables, functions and types outside of functions, with their names.
+
+    In C++ a name begins with those of its namespaces and class: ``control::Motor::count``.
+    """
     units = list(information.iter_CUs())
     # Types that the compiler has put into units of their own.
     units += list(information.iter_TUs()) if hasattr(information, "iter_TUs") else []
     for unit in units:
-        yield from _within(unit.get_top_DIE())
+        yield from _within(unit.get_top_DIE(), "")
 
 
-def _within(outer: Any) -> Iterator[tuple[str, Any]]:
+def _within(outer: Any, scope: str) -> Iterator[tuple[str, Any]]:
     for die in outer.iter_children():
         if die.tag == "DW_TAG_namespace":
-            yield from _within(die)
+            yield from _within(die, f"{scope}{_prefix(die)}")
         elif die.tag in _NAMED:
             name = name_of(die)
             if name:
-                yield name, die
+                yield f"{_scope_of_declared(die) or scope}{name}", die
+
+
+def is_split(information: Any) -> bool:
+    """Return True if the compiler has put names and types into files of their own (DWARF 5, section 7.3.2)."""
+    named = ("DW_AT_dwo_name", "DW_AT_GNU_dwo_name")
+    tops = (unit.get_top_DIE() for unit in information.iter_CUs())
+    return any(name in top.attributes for top in tops for name in named)
+
+
+def variable_in(function: Any, name: str) -> Any:
+    """Return the variable of a name within a function; None where it has none."""
+    for die in function.iter_children():
+        if die.tag == "DW_TAG_variable" and name_of(die) == name:
+            return die
+        found = variable_in(die, name) if die.tag == "DW_TAG_lexical_block" else None
+        if found is not None:
+            return found
+    return None
+
+
+def _prefix(die: Any) -> str:
+    """Return what a namespace or class adds to the names within; nothing where it has no name."""
+    name = name_of(die)
+    return f"{name}::" if name else ""
+
+
+def _scope_of_declared(die: Any) -> str:
+    """Return the namespaces and class in which what is completed here was declared."""
+    if "DW_AT_specification" not in die.attributes:
+        return ""
+    scope, outer = "", referenced(die, "DW_AT_specification").get_parent()
+    while outer is not None and outer.tag in _SCOPES:
+        scope, outer = f"{_prefix(outer)}{scope}", outer.get_parent()
+    return scope
 
 
 def referenced(die: Any, attribute: str) -> Any:

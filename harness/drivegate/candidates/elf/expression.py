@@ -35,6 +35,7 @@ _OPERATORS: Final[dict[type[ast.operator], str]] = {
 _OF_SIGN: Final[dict[type[ast.unaryop], str]] = {ast.USub: "negated", ast.Invert: "~"}
 _NAME: Final = re.compile(r"(?<!\w)[^\W\d]\w*")
 _MARK: Final = "__name"
+_SCOPE: Final = "__scope_of_"
 _OF_ONE: Final = ("abs", "floor", "round")
 _OF_MANY: Final = ("min", "max")
 _ALLOWED: Final = f"numbers, names, + - * / % & | ^ ~ << >>, {', '.join((*_OF_MANY, *_OF_ONE))}"
@@ -44,7 +45,7 @@ class Place(NamedTuple):
     """A variable, or a part of one, as it is written: ``TIM1.CCR1`` or ``TIM_TypeDef(0x4001_0000).CCR1``."""
 
     root: str
-    """Name of a variable; of a type where there is an address."""
+    """Name of a variable, in C++ with its namespace; of a type where there is an address."""
     address: int | None
     """Where a value of that type is."""
     path: tuple[str | int, ...]
@@ -94,7 +95,7 @@ def _tree(text: str) -> ast.expr:
         # What is a word of Python, such as a variable `in`, is renamed.
         marked = _NAME.sub(lambda name: name[0] + _MARK * keyword.iskeyword(name[0]), text.strip())
         # As in C, a field behind a pointer may be written so.
-        marked = marked.replace("->", ".")
+        marked = marked.replace("->", ".").replace("::", _SCOPE)
         return ast.parse(marked, mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
         reason = error.msg if isinstance(error, SyntaxError) else str(error)
@@ -155,9 +156,9 @@ def _call(node: ast.Call, name: str) -> Iterator[Step]:
 def _place(node: ast.expr) -> Place | None:
     """Return the place that a node names; None where it names none."""
     if isinstance(node, ast.Name):
-        return Place(node.id.removesuffix(_MARK), None, ())
+        return Place(_written(node.id), None, ())
     if isinstance(node, ast.Attribute):
-        outer, part = _place(node.value), node.attr.removesuffix(_MARK)
+        outer, part = _place(node.value), _written(node.attr)
         return None if outer is None else outer._replace(path=(*outer.path, part))
     if isinstance(node, ast.Subscript):
         outer, number = _place(node.value), _whole(node.slice)
@@ -165,5 +166,10 @@ def _place(node: ast.expr) -> Place | None:
     if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and len(node.args) == 1:
         name, address = node.func.id, _whole(node.args[0])
         if name not in _OF_ONE and address is not None and address < 2**32:
-            return Place(name, address, ())
+            return Place(_written(name), address, ())
     return None
+
+
+def _written(name: str) -> str:
+    """Return a name as it was before it was made one of Python."""
+    return name.replace(_MARK, "").replace(_SCOPE, "::")

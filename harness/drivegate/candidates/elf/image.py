@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -76,6 +77,42 @@ def read_image(file: Path) -> Image:
             "link it again"
         ) from error
     return image
+
+
+def linked_name(image: Image, name: str) -> str:
+    """Return the name of a function as it is linked: in C++ another one than in the source, unless overloaded."""
+    if name in image.functions:
+        return name
+    found = [each for each in image.functions if _in_source(each) == name and not _is_clone(each)]
+    return found[0] if len(found) == 1 else name
+
+
+def clone_of(image: Image, name: str) -> str:
+    """Return the name of what the compiler has made of a function that is called in one way only; empty for none."""
+    clones = (each for each in image.functions if _is_clone(each))
+    return next((each for each in clones if name in (each.partition(".")[0], _in_source(each))), "")
+
+
+def _is_clone(linked: str) -> bool:
+    return "." in linked
+
+
+# Itanium C++ ABI, section 5.1: each part of a name follows its length, and N and E enclose several.
+_MANGLED: Final = re.compile(r"_Z(?:N[rVK]*[RO]?|L)?(?=\d)")
+_PART: Final = re.compile(r"L?(\d+)")
+
+
+def _in_source(linked: str) -> str:
+    """Return the name that a C++ function has in its source, with its namespaces; empty for others."""
+    begin, parts = _MANGLED.match(linked), []
+    rest = "" if begin is None else linked[begin.end() :]
+    while (length := _PART.match(rest)) is not None:
+        rest = rest[length.end() :]
+        parts.append(rest[: int(length[1])])
+        rest = rest[int(length[1]) :]
+        if begin is not None and "N" not in begin[0]:
+            break
+    return "::".join(part for part in parts if not part.startswith("_GLOBAL__N_"))
 
 
 def place_of(image: Image, address: int) -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -15,7 +17,7 @@ from drivegate.candidates.elf.coverage import write_blocks
 from drivegate.candidates.elf.evaluation import program_of, run_program
 from drivegate.candidates.elf.exchange import LAYOUTS, MOST_PHASES, records_in
 from drivegate.candidates.elf.hints import passing_function
-from drivegate.candidates.elf.image import Image, read_image
+from drivegate.candidates.elf.image import Image, clone_of, linked_name, read_image
 from drivegate.candidates.elf.instruction_count import counting_function, has_cycles
 from drivegate.candidates.elf.processor import CortexM, TargetFault
 from drivegate.candidates.elf.stubs import answering_function
@@ -52,7 +54,7 @@ def load_controller(candidate: Candidate) -> TargetController:
         raise HarnessFault(f"the candidate {candidate.name} is no image")
     image = read_image(candidate.details.image)
     name = one_line(candidate.name)
-    target = candidate.details
+    target = _as_linked(candidate.details, image)
     contract = _contract_of(image, name) if target.step is None else candidate.contract or "current"
     own = (*COMMON, RESETS[contract], STEPS[contract]) if target.step is None else (target.step,)
     pauses = () if target.pause in (None, WAIT_FOR_INTERRUPT) else (target.pause,)
@@ -62,7 +64,7 @@ def load_controller(candidate: Candidate) -> TargetController:
         named = f"that {HEADERS[contract]} declares" if target.step is None else "that its manifest names"
         raise InputError(
             f"{name} has no function {', '.join(map(one_line, missing))}; an image has the functions {named}, and "
-            "keeps their names when it is linked (not with -s)"
+            f"keeps their names when it is linked (not with -s){_hint(image, missing)}"
         )
     try:
         controller = TargetController(image, target, contract, name)
@@ -247,6 +249,25 @@ class TargetController:
 
 def _crash(what: str, phase: Phase) -> Fault:
     return Fault(FaultKind.CRASH, bounded_line(f"the target {what}"), phase)
+
+
+def _hint(image: Image, missing: Sequence[str]) -> str:
+    """Say what has become of the first function that the compiler has changed."""
+    clones = (clone_of(image, function) for function in missing)
+    clone = next((each for each in clones if each), "")
+    return clone and f". The compiler has made '{one_line(clone)}' of one: mark it __attribute__((noipa))"
+
+
+def _as_linked(target: Target, image: Image) -> Target:
+    """Return a target whose functions have the names that the linker knows."""
+    pause = target.pause if target.pause in (None, WAIT_FOR_INTERRUPT) else linked_name(image, target.pause)
+    return replace(
+        target,
+        step=None if target.step is None else linked_name(image, target.step),
+        start=tuple(linked_name(image, function) for function in target.start),
+        stub=tuple(replace(stub, function=linked_name(image, stub.function)) for stub in target.stub),
+        pause=pause,
+    )
 
 
 def _contract_of(image: Image, name: str) -> ContractName:

@@ -14,15 +14,19 @@ from elftools.elf.elffile import ELFFile
 
 from drivegate.candidates.elf.debug_information import (
     POINTERS,
+    REFERENCES,
     TYPES,
     Typed,
     address_of,
+    attribute_of,
     bits_of,
     described_in,
     fields_of,
+    is_split,
     plain,
     size_of,
     type_of,
+    variable_in,
 )
 from drivegate.candidates.elf.expression import Place
 from drivegate.candidates.elf.image import attributes_of
@@ -80,8 +84,12 @@ class Variables:
     """Variables in memory by their names."""
     declared: Mapping[str, Any]
     """Variables by their names, as DWARF describes them."""
+    scoped: Mapping[str, tuple[str, ...]]
+    """Of names that stand for some with a namespace or class, these."""
     types: Mapping[str, Any]
     functions: Mapping[str, Any]
+    is_split: bool
+    """Whether its debug information is in files next to the objects."""
     passes_floats_in_registers: bool
     """Whether functions take and return floating-point numbers in registers of the floating-point unit."""
 
@@ -110,6 +118,10 @@ class Variables:
                 offsets[-1] += part.offset
             else:
                 address += part.offset
+        if part.typed is not None and not part.typed.lengths and part.typed.described.tag in REFERENCES:
+            # As in C++, what it refers to is meant.
+            offsets.append(0)
+            part = _Part(0, type_of(part.typed.described, self.types))
         form, size = self._form(part.typed, place.text)
         if part.width:
             size = -(-(part.shift + part.width) // 8)
@@ -139,7 +151,12 @@ class Variables:
         return self._known(self.functions, name, "function")
 
     def _variable(self, name: str) -> tuple[int, Typed | None]:
-        declared = self._known(self.declared, name, "variable")
+        if len(self.scoped.get(name, ())) > 1:
+            names = " and ".join(f"'{short_line(each)}'" for each in self.scoped[name][:3])
+            raise InputError(
+                f"{self.image} has several variables '{short_line(name)}': {names}; name one of them"
+            )
+        declared = self._declared(name)
         typed, symbols = type_of(declared, self.types), self.symbols.get(name, ())
         stated = address_of(declared)
         if not symbols and stated is not None:
@@ -155,10 +172,23 @@ class Variables:
             typed = typed._replace(lengths=(symbols[0].size // max(element, 1), *typed.lengths[1:]))
         return symbols[0].address, typed
 
+    def _declared(self, name: str) -> Any:
+        """Return a variable as DWARF describes it; a static one within a function is ``function::name``."""
+        function, _, last = name.rpartition("::")
+        if name not in self.declared and function in self.functions:
+            found = variable_in(self.functions[function], last)
+            if found is not None:
+                return found
+        return self._known(self.declared, name, "variable")
+
     def _known(self, table: Mapping[str, Any], name: str, what: str) -> Any:
         if name in table:
             return table[name]
         if not table:
+            if self.is_split:
+                raise InputError(
+                    f"{self.image} has its debug information in other files; compile it without -gsplit-dwarf"
+                )
             raise InputError(f"{self.image} has no debug information; compile and link it with -g")
         raise InputError(
             f"{self.image} has no {what} '{short_line(name)}', the nearest one is '{nearest(name, list(table))}'"
@@ -217,23 +247,46 @@ def variables_of(file: Path) -> Variables:
         # In memory, since types are read when they are needed.
         elf = ELFFile(BytesIO(file.read_bytes()))
         found: dict[str, dict[str, Any]] = {"DW_TAG_variable": {}, "DW_TAG_subprogram": {}, "type": {}}
-        for name, die in described_in(elf.get_dwarf_info()) if elf.has_dwarf_info() else ():
+        information = elf.get_dwarf_info() if elf.has_dwarf_info() else None
+        for name, die in () if information is None else described_in(information):
             known = found["type" if die.tag in TYPES else die.tag]
-            # What is declared only has no fields and no length; a definition is behind it.
-            if name not in known or _completes(die, known[name]):
-                known[name] = die
+            for each in _names_of(name, die):
+                # What is declared only has no fields and no length; a definition is behind it.
+                if each not in known or _completes(die, known[each]):
+                    known[each] = die
+        scoped = {tag: _shortened(known) for tag, known in found.items()}
         return Variables(
             shown_path(file),
             _symbols(elf),
             found["DW_TAG_variable"],
+            scoped["DW_TAG_variable"],
             found["type"],
             found["DW_TAG_subprogram"],
+            information is not None and is_split(information),
             attributes_of(elf).get("TAG_ABI_VFP_ARGS") == 1,
         )
     except (DWARFError, ELFError, OSError, ValueError, KeyError, IndexError) as error:
         raise InputError(
             f"the debug information of {shown_path(file)} cannot be read: {short_line(str(error))}; link it again"
         ) from error
+
+
+def _names_of(name: str, die: Any) -> tuple[str, ...]:
+    """List the names of something: as the source has it, and as it is linked."""
+    linked = [attribute_of(die, each) for each in ("DW_AT_linkage_name", "DW_AT_MIPS_linkage_name")]
+    names = [each.value.decode(errors="replace") for each in linked if each is not None]
+    return tuple(dict.fromkeys((name, *names)))
+
+
+def _shortened(known: dict[str, Any]) -> dict[str, tuple[str, ...]]:
+    """Let names with a scope be named without it, where nothing else has that name; return these with all they mean."""
+    found: dict[str, tuple[str, ...]] = {}
+    for name in known:
+        last = name.rpartition("::")[2]
+        if last not in known:
+            found[last] = (*found.get(last, ()), name)
+    known.update({last: known[names[0]] for last, names in found.items()})
+    return found
 
 
 def _completes(die: Any, known: Any) -> bool:

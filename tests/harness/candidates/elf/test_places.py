@@ -278,3 +278,23 @@ def test_a_super_loop_goes_on_where_it_has_paused(load: Load) -> None:
         assert "returns before it pauses" in loaded.fault
     with pytest.raises(CandidateFault, match="million instructions without coming to an end, in main"):
         load(source.replace("WAIT", ""), step="main", pause="idle").reset()
+
+
+def test_a_static_variable_within_a_function_is_named_with_the_function(load: Load) -> None:
+    source = """
+    int answered;
+    void isr(void) { if (answered >= 0) { static volatile int ramp = 5; ramp++; answered = ramp; } }
+    """
+    read = {**DUTIES, "torque": "answered", "speed": "isr::ramp"}
+    loaded = load(source, write={"isr::ramp": "enable * 20"}, read=read).reset()
+    answered = loaded.step(enable=1)
+    assert (answered["torque"], answered["speed"]) == (21, 21)
+    with pytest.raises(InputError, match="has no variable 'isr::slope', the nearest one is"):
+        load(source, read={**DUTIES, "speed": "isr::slope"})
+
+
+def test_debug_information_in_other_files_is_named(load: Load) -> None:
+    with pytest.raises(
+        InputError, match="has its debug information in other files; compile it without -gsplit-dwarf"
+    ):
+        load("int sum; void isr(void) { sum++; }", ("-g", "-gsplit-dwarf"), read={**DUTIES, "speed": "sum"})
