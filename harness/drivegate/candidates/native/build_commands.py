@@ -113,12 +113,14 @@ def _words_of(command: str, manifest: str) -> list[str]:
 
 def _key(build: ProjectBuild) -> str:
     """Hash all that decides on the artefact; other tools are found along another PATH."""
-    places = (os.path.relpath(source, build.folder) for source in build.sources)
+    places = [os.path.relpath(source, build.folder) for source in build.sources]
+    # Such a build names the files themselves, for reports.
+    flags = (*build.rust_flags, str(build.folder)) if build.rust_flags else ()
     return hash_of(
         build.sources,
         digest_of(
             *(*build.commands, build.artefact, platform.machine(), os.environ.get("PATH", "")),
-            *build.rust_flags,
+            *flags,
             *places,
         ),
     )[:32]

@@ -38,8 +38,10 @@ def counted_candidate(candidate: Candidate, folder: Path) -> Candidate:
     require_package("gcovr", "--coverage")
     plan = plan_of(candidate)
     reader_of(plan)
-    paths = () if any(map(is_clang, compilers_of(plan).values())) else ("-fprofile-abs-path",)
-    built = second_build(plan, (*_COUNTED, *paths))
+    # Clang shortens the paths of files below the folder in which it runs.
+    is_shortened = any(map(is_clang, compilers_of(plan).values()))
+    whole_paths = "-ffile-compilation-dir=/" if is_shortened else "-fprofile-abs-path"
+    built = second_build(plan, (*_COUNTED, whole_paths))
     return replace(candidate, instrumented=Instrumented("coverage", folder, built / LIBRARY))
 
 

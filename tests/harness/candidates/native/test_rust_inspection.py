@@ -66,7 +66,10 @@ def faults(tmp_path_factory: pytest.TempPathFactory) -> Candidate:
     loaded = own_candidate(resolve_candidate("foc"))
     recorded(loaded, scenario_with(0), loaded.controller())
     # A name that a shell would split.
-    folder = tmp_path_factory.mktemp("faults") / "größer als 1"
+    return candidate_in(tmp_path_factory.mktemp("faults") / "größer als 1")
+
+
+def candidate_in(folder: Path) -> Candidate:
     folder.mkdir()
     shutil.copy(SOURCE, folder / "faults.rs")
     (folder / "candidate.toml").write_text(MANIFEST, encoding="utf-8")
@@ -116,6 +119,15 @@ def test_lines_are_counted_in_a_build_of_its_own(faults: Candidate, tmp_path: Pa
     assert counts[line_of("shift by 32")] == 0
     assert f"DA:{line_of('shift by 32')},0" in (tmp_path / "coverage.info").read_text()
     assert 'filename="faults.rs"' in (tmp_path / "coverage.xml").read_text()
+
+
+def test_a_build_that_names_its_files_is_not_that_of_a_copy(faults: Candidate, tmp_path: Path) -> None:
+    libraries = []
+    for candidate in (faults, candidate_in(tmp_path / "copy")):
+        built = KINDS["so"].sanitized_candidate(candidate, ("undefined",), tmp_path).instrumented
+        assert built is not None
+        libraries.append(built.library)
+    assert libraries[0] != libraries[1]
 
 
 def test_what_the_toolchain_cannot_is_refused(faults: Candidate, tmp_path: Path) -> None:

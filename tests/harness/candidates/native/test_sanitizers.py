@@ -126,7 +126,7 @@ def test_faults_that_are_of_cpp_alone_are_reported_too(tmp_path: Path, number: i
 @pytest.mark.nightly
 def test_the_scenario_of_a_report_is_shrunk(judge: Judge) -> None:
     scenario = scenario_with(8).replaced(
-        initial_angle_deg=70.0, dropouts=[{"signal": "current", "start_s": 0.0001, "end_s": 0.0002}]
+        initial_angle_deg=70.0, dropouts=[{"signal": "currents", "start_s": 0.0001, "duration_s": 0.0001}]
     )
     fault = judge.once(Job(run_once, scenario))
     assert isinstance(fault, Fault)
