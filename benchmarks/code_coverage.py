@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any, Final
 
 EXAMPLES: Final = Path(__file__).parents[1] / "examples"
-TEMPLATES: Final = ("c", "embedded-coder", "rust", "python", "cortex-m")
+TEMPLATES: Final = ("c", "c++", "embedded-coder", "rust", "python", "cortex-m")
 COUNTED_EXAMPLES: Final = ("c", "python", "firmware/interrupt", "firmware/objects", "firmware/crate")
 _NOT_COUNTED: Final = "not counted"
 
@@ -58,9 +58,10 @@ def _open(file: dict[str, Any]) -> list[int]:
 
 def _candidates(scratch: Path) -> Iterator[tuple[str, Path]]:
     for kind in TEMPLATES:
-        words = [sys.executable, "-m", "drivegate", "new", kind, str(scratch / kind), "--ci", "none"]
-        subprocess.run(words, check=True, stdout=subprocess.DEVNULL)
-        yield f"template `{kind}`", scratch / kind / "candidate.toml"
+        name = kind.replace("+", "p")
+        words = [sys.executable, "-m", "drivegate", "new", kind, name, "--ci", "none"]
+        subprocess.run(words, check=True, cwd=scratch, stdout=subprocess.DEVNULL)
+        yield f"template `{kind}`", scratch / name / "candidate.toml"
     for name in COUNTED_EXAMPLES:
         yield f"`examples/{name}`", EXAMPLES / name / "candidate.toml"
 

@@ -29,6 +29,10 @@ from drivegate.candidates.reached_code import SourceFile
 from drivegate_models.errors import InputError
 
 _COUNTED: Final = ("--coverage", "-g", "-DDRIVEGATE_COUNTS")
+# Functions that are inlined before counters are added would have branches for each call.
+_OF_GCC: Final = ("-fprofile-abs-path", "-fno-early-inlining")
+# It shortens the paths of files below the folder in which it runs.
+_OF_CLANG: Final = ("-ffile-compilation-dir=/",)
 
 
 def counted_candidate(candidate: Candidate, folder: Path) -> Candidate:
@@ -38,10 +42,8 @@ def counted_candidate(candidate: Candidate, folder: Path) -> Candidate:
     require_package("gcovr", "--coverage")
     plan = plan_of(candidate)
     reader_of(plan)
-    # Clang shortens the paths of files below the folder in which it runs.
-    is_shortened = any(map(is_clang, compilers_of(plan).values()))
-    whole_paths = "-ffile-compilation-dir=/" if is_shortened else "-fprofile-abs-path"
-    built = second_build(plan, (*_COUNTED, whole_paths))
+    flags = _OF_CLANG if any(map(is_clang, compilers_of(plan).values())) else _OF_GCC
+    built = second_build(plan, (*_COUNTED, *flags))
     return replace(candidate, instrumented=Instrumented("coverage", folder, built / LIBRARY))
 
 

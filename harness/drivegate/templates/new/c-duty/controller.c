@@ -67,7 +67,7 @@ static real possible(const controller *self, real direct, real electrical, real 
     real a = reactance * reactance + resistance * resistance, b = resistance * (along - reactance * direct);
     real c = resistance * resistance * direct * direct + along * along - voltage * voltage;
     real inside = b * b - a * c;
-    if (room < 0.0 || inside < 0.0) return fmin(room, inside);
+    if (inside < 0.0) return inside;
     return per_ampere(self, direct) * fmin(sqrt(room), (sqrt(inside) - b) / a);
 }
 

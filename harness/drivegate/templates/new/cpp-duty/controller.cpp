@@ -152,7 +152,7 @@ private:
         const double a = reactance * reactance + resistance * resistance, b = resistance * (along - reactance * direct);
         const double c = resistance * resistance * direct * direct + along * along - voltage * voltage;
         const double inside = b * b - a * c;
-        if (room < 0.0 || inside < 0.0) return std::min(room, inside);
+        if (inside < 0.0) return inside;
         return per_ampere(direct) * std::min(std::sqrt(room), (std::sqrt(inside) - b) / a);
     }
 

@@ -160,8 +160,8 @@ def possible(state, direct, electrical, voltage):
     b = resistance * (along - reactance * direct)
     c = resistance * resistance * direct * direct + along * along - voltage * voltage
     inside = b * b - a * c
-    if room < 0.0 or inside < 0.0:
-        return min(room, inside)
+    if inside < 0.0:
+        return inside
     return per_ampere(state, direct) * min(sqrt(room), (sqrt(inside) - b) / a)
 
 

@@ -145,8 +145,8 @@ class Controller:
         b = resistance * (along - reactance * direct)
         c = resistance * resistance * direct * direct + along * along - voltage * voltage
         inside = b * b - a * c
-        if room < 0.0 or inside < 0.0:
-            return min(room, inside)
+        if inside < 0.0:
+            return inside
         return self.per_ampere(direct) * min(sqrt(room), (sqrt(inside) - b) / a)
 
     def least_current(self, torque: float) -> float:

@@ -245,8 +245,8 @@ impl Controller {
         let b = resistance * (along - reactance * direct);
         let c = resistance * resistance * direct * direct + along * along - voltage * voltage;
         let inside = b * b - a * c;
-        if room < 0.0 || inside < 0.0 {
-            return room.min(inside);
+        if inside < 0.0 {
+            return inside;
         }
         self.per_ampere(direct) * room.sqrt().min((inside.sqrt() - b) / a)
     }
