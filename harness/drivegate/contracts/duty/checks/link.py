@@ -219,10 +219,21 @@ def _swing(record: DutyRecord, window: DutyWindow) -> Margin | None:
     if record.run.column("chopper_power")[rows].max() > 0.0:
         # Its own thresholds let the link swing.
         return None
-    means = record.run.column("link_mean")[rows]
-    swing = float(means.max() - means.min())
+    swing = swing_of(record.run.column("link_mean")[rows])
     limit = record.limits.link_swing * record.document.inverter.link_voltage_v
     return Margin("LNK-4", at_most(swing, limit), f"link swings by {swing:.4g} V {at(window)}")
+
+
+def swing_of(voltages: NDArray[np.float64]) -> float:
+    """Return the greatest swing of voltages, shape (n,), away and back (V); a drift in one direction is none."""
+    return max(_rise_and_fall(voltages), _rise_and_fall(-voltages))
+
+
+def _rise_and_fall(voltages: NDArray[np.float64]) -> float:
+    """Return the most by which a voltage is above both an earlier and a later one (V)."""
+    earlier = np.minimum.accumulate(voltages)
+    later = np.minimum.accumulate(voltages[::-1])[::-1]
+    return float((voltages - np.maximum(earlier, later)).max())
 
 
 LNK_1 = Check(
@@ -270,7 +281,8 @@ LNK_4 = Check(
     requirement="In steady state the voltage of the link swings by at most {link_swing} of the nominal voltage.",
     limit="{link_swing} of the nominal voltage, peak to peak",
     scenarios="steady stretches of the nominal drive in which the chopper is off",
-    formula="1 - (greatest - least mean voltage of a control period) / {link_swing} of the nominal voltage",
+    formula="1 - greatest rise and fall, or fall and rise, of the mean voltage of a control period / {link_swing} of "
+    "the nominal voltage",
     why="A regulator of the link that hunts heats its capacitor and shakes the shaft.",
     evaluate=link_swing,
     moment=swing_moment,

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from itertools import combinations
 from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from tests.harness.contracts.duty.checks.conftest import CHECKS, Run, judged, with_column, with_command
 from tests.harness.contracts.reading import is_read, read_off
 
 from drivegate.candidates.declaration import Declaration
+from drivegate.contracts.duty.checks.link import swing_of
 from drivegate.contracts.duty.scenarios.building import failing, restarted, share_scenario
 from drivegate.contracts.duty.scenarios.linked import linked_scenarios
 from drivegate_cases.drive.drive_document import load_drive
@@ -48,6 +52,7 @@ def test_foc_passes_all_four(braking: Scenario, run: Run) -> None:
         ("LNK-3", "torque", lambda values: 0.3 * values, False),
         ("LNK-4", "link_mean", lambda values: 50.0 + 0.45 * (-1.0) ** np.arange(len(values)), True),
         ("LNK-4", "link_mean", lambda values: 50.0 + 0.5 * (-1.0) ** np.arange(len(values)), False),
+        ("LNK-4", "link_mean", lambda values: np.linspace(48.0, 56.0, len(values)), True),
     ],
 )
 def test_each_limit_has_two_sides(
@@ -75,6 +80,16 @@ def test_the_stated_value_can_be_read_off_the_figure(
 ) -> None:
     measured, numbers = read_off(CHECKS[check], with_column(run(braking), column, change))
     assert is_read(measured, numbers), f"{measured!r} is not among {numbers}"
+
+
+@given(st.lists(st.floats(0.0, 100.0), min_size=1, max_size=7))
+def test_a_swing_is_the_most_that_three_voltages_in_a_row_go_away_and_back(voltages: list[float]) -> None:
+    turns = (
+        min(abs(second - first), abs(second - third))
+        for first, second, third in combinations(voltages, 3)
+        if (second - first) * (second - third) > 0.0
+    )
+    assert swing_of(np.array(voltages)) == max(turns, default=0.0)
 
 
 def test_a_chopper_that_burns_may_let_the_link_swing(braking: Scenario, run: Run) -> None:
