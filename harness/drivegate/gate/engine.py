@@ -36,7 +36,6 @@ from drivegate.gate.events import (
     WitnessesHeard,
 )
 from drivegate.gate.fault_shrinking import fault_job, shrinks, with_simplest_faults
-from drivegate.gate.focus import Focus
 from drivegate.gate.options import CheckOptions
 from drivegate.gate.own_requirements import require_fitting, with_evidence, with_requirements
 from drivegate.gate.plan import EXAMPLES, REPEATED, Origin, Work, planned_work
@@ -152,7 +151,12 @@ def _counting(plan: _Plan) -> frozenset[str]:
     options = plan.options
     levels = counted_levels(options.fail_on)
     waived = {waiver.check for waiver in options.waivers if waiver.candidate == plan.candidate.name}
-    own = checks_of(plan.how.drive, plan.candidate.declaration)
+    drive, declaration = plan.how.drive, plan.candidate.declaration
+    own = [
+        check
+        for check in checks_of(drive, declaration)
+        if check.reason_not_applicable(declaration, drive) is None
+    ]
     return frozenset(check.id for check in own if check.level in levels) - waived
 
 
@@ -314,7 +318,7 @@ def _run_all(pool: WorkerPool, work: Sequence[Work], progress: Progress) -> Iter
         made = item.runs if isinstance(outcome, Fault) else len(outcome.runs)
         planned += made - item.runs
         done += made
-        yield RunDone(done, planned, item.label, _worst(progress.all_runs, progress.focus))
+        yield RunDone(done, planned, item.label, _worst(progress))
         progress.stopped = progress.stops_here and item is not work[-1]
         if progress.stopped or (done < planned and progress.cuts_short()):
             progress.complete = False
@@ -431,13 +435,14 @@ def _settled_margins(run: JudgedRun) -> dict[str, float | None]:
     return {margin.check: margin.value for margin in run.margins if margin.check not in _VOLATILE}
 
 
-def _worst(runs: Sequence[JudgedRun], focus: Focus) -> str:
+def _worst(progress: Progress) -> str:
     margins: list[Margin] = [
         margin
-        for run in runs
+        for run in progress.all_runs
         for margin in run.margins
         if (margin.check in _SHOWN or margin.check not in all_checks())
-        and focus.judges(margin.check)
+        and margin.check in progress.counting
+        and progress.focus.judges(margin.check)
         and not margin.advisory
         and not (margin.met and margin.value == 0.0)
     ]

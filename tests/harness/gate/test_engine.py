@@ -253,3 +253,10 @@ def test_a_drive_whose_runs_cannot_be_planned_is_refused_before_they_are(
 def test_an_unknown_effort_is_refused() -> None:
     with pytest.raises(InputError, match="must be one of quick, default, nightly"):
         list(check_candidate(resolve_candidate("initial"), CheckOptions(effort="heroic")))
+
+
+def test_a_check_that_does_not_apply_ends_no_check_and_shows_no_margin() -> None:
+    options = CheckOptions(effort="quick", drive=load_drive("pm-ac-2kw-sensorless"))
+    counting = engine._counting(engine._planned(resolve_candidate("foc-sensorless"), options))
+    assert "SLS-1" in counting
+    assert counting.isdisjoint({"STA-1", "ROB-4", "ROB-5", "SAF-1"})
