@@ -13,7 +13,7 @@ START_CURRENT: Final = 0.8
 START_TORQUE: Final = 0.5
 """Greatest load of a start without a sensor, over rated torque (1)."""
 _LEAST_SHARE: Final = 0.05
-# EMF over the fundamental of the dead time's error, and torque that the resistance's error is stated for, over the
+# EMF over the fundamental of the error of dead time and drops, and torque that the resistance's error is stated for, over the
 # rated one. A resistance that is 30 % off must cost 30 % of the EMF at most, so both are equal.
 _OVER_DEAD_TIME: Final = 3.0
 _LOADED: Final = 0.8
@@ -32,11 +32,13 @@ _HALVINGS: Final = 60
 def least_speed_rpm(drive: DriveValues) -> float:
     """Return the speed from which on a controller without a sensor must run steadily (rpm).
 
-    It is 5 % of base speed, or that at which the magnet's EMF is three times the error of the dead time, or at which it
-    equals the voltage across the resistance at 80 % of rated torque, whichever is greatest; and base speed at most.
+    It is 5 % of base speed, or that at which the magnet's EMF is three times the error of the dead time and of the
+    mean drop of switch and diode, or at which it equals the voltage across the resistance at 80 % of rated torque,
+    whichever is greatest; and base speed at most.
     """
     machine, inverter, rating = drive.machine, drive.inverter, drive.rating
-    dead = 4.0 / pi * inverter.link_voltage_v * inverter.dead_time_s * inverter.carrier_frequency_hz
+    lost = inverter.link_voltage_v * inverter.dead_time_s * inverter.carrier_frequency_hz
+    dead = 4.0 / pi * (lost + 0.5 * (inverter.switch_drop_v + inverter.diode_drop_v))
     resistive = machine.resistance_ohm * _current_of(drive, _LOADED * rating.rated_torque_nm)
     emf = max(_OVER_DEAD_TIME * dead, resistive)
     speed = emf / (machine.pole_pairs * machine.magnet_flux_v_s * RADIANS_PER_RPM)

@@ -36,6 +36,13 @@ def test_the_least_speed_is_the_greatest_of_three() -> None:
     assert dead.least_speed_rpm == pytest.approx(emf / (3 * 0.545) / RADIANS_PER_RPM)
 
 
+def test_the_drops_of_switch_and_diode_count_as_dead_time_does() -> None:
+    drive = without_sensor("pm-ac-servo")
+    lost = 300.0 * 1.5e-6 * 10e3 + 0.5 * (1.6 + 1.5)
+    emf = 3.0 * 4.0 / pi * lost
+    assert drive.least_speed_rpm == pytest.approx(emf / (4 * 0.0608) / RADIANS_PER_RPM)
+
+
 def test_the_resistance_decides_at_80_percent_of_rated_torque() -> None:
     drive = without_sensor("pm-ac-surface")
     current = 0.8 * drive.rating.rated_torque_nm / (1.5 * 11 * 0.0308)
