@@ -78,7 +78,7 @@ def _fault(check: str, sentence: str, fault: int = 0, alter: Alter | None = None
 
 _UNNAMED: Final = {
     "observer-without-resistance": _fault(
-        "SLS-3", "Leaves the voltage across the resistance out of its observer.", alter=_no_resistance
+        "SLS-2", "Leaves the voltage across the resistance out of its observer.", alter=_no_resistance
     ),
     "long-dead-time-assumed": _fault(
         "SLS-2", "Compensates for five times the dead time, which its observer misses.", alter=_long_dead_time

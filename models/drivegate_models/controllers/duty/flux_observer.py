@@ -17,9 +17,12 @@ from drivegate_models.machine.cycle import within_half_turn
 from drivegate_models.machine.rotor_frame import from_phases
 from drivegate_models.machine.sine import cosine_sine, small_argument
 
-# Bandwidth of the phase-locked loop (rad/s), and gain of the flux over the electrical speed (1).
+SPEED_GAIN: Final = 0.1
+"""Gain of the flux over the electrical speed (1)."""
+# Bandwidth of the phase-locked loop (rad/s), and gain of the flux at standstill over the mean of R / L (1). A greater
+# gain turns an error of resistance or flux into one of the angle, a smaller one damps its swing too little.
 _BANDWIDTH: Final = 2.0 * pi * 50.0
-_SPEED_GAIN: Final = 0.2
+_STILL_GAIN: Final = 0.4
 
 
 @inlined
@@ -27,7 +30,8 @@ def reset_flux_observer(state: Any, nameplate: Any) -> None:
     """Write the constants, for a machine at rest."""
     state.bandwidth = min(_BANDWIDTH, 0.05 / nameplate.control_period)
     state.still_gain = (
-        0.25
+        0.5
+        * _STILL_GAIN
         * nameplate.resistance
         * (1.0 / nameplate.direct_inductance + 1.0 / nameplate.quadrature_inductance)
     )
@@ -101,7 +105,7 @@ def observe_rotor(state: Any, along: float, across: float, voltage: tuple[float,
     square = active * active + across_active * across_active
     state.flux_error = (missed * active + across_missed * across_active) / square
     error = (missed * across_active - across_missed * active) / square
-    share = 2.0 * period * (state.still_gain + _SPEED_GAIN * abs(state.speed)) * state.flux_error
+    share = 2.0 * period * (state.still_gain + SPEED_GAIN * abs(state.speed)) * state.flux_error
     corrected, across_corrected = share * active, share * across_active
     state.along_flux += cosine * corrected - sine * across_corrected
     state.across_flux += sine * corrected + cosine * across_corrected

@@ -39,8 +39,10 @@ from drivegate_models.controllers.duty.sensorless_state import (
 )
 from drivegate_models.controllers.duty.turning_field import (
     align,
+    ease_current,
     follow_induced,
     place_field,
+    place_loaded_field,
     reset_field,
     rotor_of_field,
     turn_field,
@@ -54,14 +56,13 @@ LOST_ROTOR: Final = 7
 # before it is driven where it rectifies. Speed from which a shaft turns, over the least one, and sum of the currents
 # from which it rectifies, over the limit.
 _WATCHED: Final = 60
-_FOLLOWED: Final = 100
+_FOLLOWED: Final = 300
 _TURNS: Final = 0.5
 _RECTIFIED: Final = 0.02
-# Speeds over the least one: of handover, from which the observer is left to itself in a ramp, of the return to the
-# turning vector, and from which the rotor is lost. References below the last share stop the drive.
-_HANDOVER: Final = 1.05
-_FREE: Final = 0.6
-_RETURN: Final = 0.7
+# Speeds over the least one: of handover, of the return to the turning vector, and from which the rotor is lost.
+# References below the last share stop the drive.
+_HANDOVER: Final = 1.15
+_RETURN: Final = 1.1
 _STALLED: Final = 0.5
 _STOPPED: Final = 0.5
 # Least speed over base speed on a drive with a sensor, which states none.
@@ -70,7 +71,7 @@ _LEAST_SHARE: Final = 0.1
 # waited for in periods of the swing and in seconds. Error of the flux (1) and time (s) of a rotor that is lost.
 _AGREEMENT: Final = 0.1
 _AGREED: Final = 0.02
-_WAITED_PERIODS: Final = 3.0
+_WAITED_PERIODS: Final = 6.0
 _WAITED: Final = 0.15
 _FLUX_ERROR: Final = 0.5
 _LOST: Final = 0.02
@@ -208,19 +209,26 @@ def _ramp(state: Any, sense: Any, command: Any) -> None:
     machine = state.machine
     wanted = _wanted_sense(state, sense)
     target = wanted * state.handover_speed
-    turn_field(state, sense, command, target)
-    if abs(state.field_speed) < _FREE * state.least_speed:
+    turn_field(state, sense, command, target, state.current)
+    if state.agreed == 0:
         place_rotor(state, rotor_of_field(state), state.field_speed, state.along_before, state.across_before)
     if state.field_speed != target:
         state.age = 0
+        state.agreed = 0
+        state.current = state.start_current
         return
     if wanted == 0.0:
         if state.age * machine.control_period > _HELD:
             _enter(state, WATCHING)
         return
-    agrees = abs(state.speed - target) < _AGREEMENT * abs(target)
-    agrees = agrees and abs(state.flux_error) < _FLUX_ERROR
-    state.agreed = state.agreed + 1 if agrees else 0
+    # The observer is left to itself where the current disturbs it least.
+    eased = ease_current(state)
+    if state.agreed == 0:
+        state.agreed = 1 if eased else 0
+    else:
+        agrees = abs(state.speed - target) < _AGREEMENT * abs(target)
+        agrees = agrees and abs(state.flux_error) < _FLUX_ERROR
+        state.agreed = state.agreed + 1 if agrees else 0
     if state.agreed >= state.agreed_periods:
         direct, quadrature = _observed_currents(state, sense)
         _reset_integrals(state, direct, quadrature)
@@ -236,9 +244,7 @@ def _return_to_field(state: Any, direct: float, quadrature: float) -> None:
     """Take the rotor through standstill by the turning vector, which begins with the present torque and speed."""
     machine = state.machine
     torque = torque_per_quadrature(machine, direct) * quadrature
-    pull_out = 1.5 * machine.pole_pairs * machine.magnet_flux * state.start_current
-    share = min(max(torque / pull_out, -0.9), 0.9)
-    place_field(state, state.angle + argument(sqrt(1.0 - share * share), share), state.speed)
+    place_loaded_field(state, state.angle, state.speed, torque)
     _reset_integrals(state, state.start_current, 0.0)
     _enter(state, RAMPING)
 
@@ -255,7 +261,7 @@ def _drive(state: Any, sense: Any, command: Any) -> None:
         if wanted == forward:
             machine.seen.reference = wanted * max(abs(sense.reference), least)
         else:
-            machine.seen.reference = 0.0
+            machine.seen.reference = forward * least
             if abs(state.speed) < _RETURN * state.least_speed:
                 _return_to_field(state, direct, quadrature)
     elif abs(state.speed) < _STALLED * state.least_speed:

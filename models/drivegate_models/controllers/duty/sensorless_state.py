@@ -41,9 +41,10 @@ SENSORLESS_STATE: Final = np.dtype(
         ("damping", np.float64),
         ("fast_share", np.float64),
         ("slow_share", np.float64),
-        # The current vector of a start: angle (rad), speed, sense of rotation, and the induced voltage along and
-        # across it, followed and mean (V).
+        # The current vector of a start: angle (rad), size (A), speed, sense of rotation, and the induced voltage along
+        # and across it, followed and mean (V).
         ("field", np.float64),
+        ("current", np.float64),
         ("field_speed", np.float64),
         ("sense_of_start", np.float64),
         ("induced", np.float64, (2,)),

@@ -19,7 +19,7 @@ _MOST_CURRENT: Final = 0.95
 _ALIGNED_PERIODS: Final = 4.0
 _LONGEST_ALIGNED: Final = 0.5
 _ALIGNED_SHARE: Final = 0.3
-_RAMP_PERIODS: Final = 2.0
+_RAMP_PERIODS: Final = 1.5
 # Share of the pull-out torque that the load of a start, half of rated torque, and the acceleration use; and the least
 # share for the acceleration.
 _USED_TORQUE: Final = 0.8
@@ -32,6 +32,26 @@ _SLOW: Final = 0.3
 _SALIENT: Final = 0.5
 # Speed over the least one from which the induced voltage shows the rotor.
 _SHOWN: Final = 0.2
+# Least current of the vector over that of a start, what is left of an eighth of a turn between it and the rotor from
+# which it is not reduced further (1), and halvings of the search for the angle of a torque.
+_LEAST_CURRENT: Final = 0.2
+_EASED: Final = 0.3
+_HALVINGS: Final = 30
+# Rate at which the current is reduced, over that of the swing's periods, and greatest current of the damping over it.
+_EASING: Final = 2.0
+_MOST_DAMPING: Final = 0.5
+# Share of an inductance that a machine has at least.
+_SURE_SHARE: Final = 0.8
+
+
+@inlined
+def _damped_inductance(machine: Any) -> float:
+    """Return the inductance that the induced voltage is computed with (H).
+
+    It is less than a nameplate that is 20 % off states of the axis across the vector.
+    """
+    mean = 0.5 * (machine.direct_inductance + machine.quadrature_inductance)
+    return float(min(mean, _SURE_SHARE * machine.quadrature_inductance))
 
 
 @inlined
@@ -52,9 +72,9 @@ def reset_field(state: Any, nameplate: Any) -> None:
     slowest = state.handover_speed / (_RAMP_PERIODS * state.swing_period)
     state.acceleration = min(nameplate.pole_pairs * left / nameplate.inertia, slowest)
     state.damping = rate * nameplate.magnet_flux / (2.0 * _DAMPING * current)
-    # The induced voltage is computed with the mean inductance, whose error must not make the damping swing by itself.
-    saliency = 0.5 * abs(nameplate.quadrature_inductance - nameplate.direct_inductance)
-    fastest = min(_FAST * rate, _SALIENT * state.damping / max(saliency, 1e-9))
+    # Where it is too great, it must not make the damping swing by itself.
+    excess = _damped_inductance(nameplate) - nameplate.direct_inductance
+    fastest = min(_FAST * rate, _SALIENT * state.damping / max(excess, 1e-9))
     state.fast_share = min(fastest * nameplate.control_period, 0.5)
     state.slow_share = _SLOW * rate * nameplate.control_period
     place_field(state, 0.0, 0.0)
@@ -65,9 +85,40 @@ def place_field(state: Any, angle: float, speed: float) -> None:
     """Set the angle (rad) and the speed (rad/s) of the current vector."""
     state.field = within_half_turn(angle)
     state.field_speed = speed
+    state.current = state.start_current
     for axis in range(2):
         state.induced[axis] = 0.0
         state.mean_induced[axis] = 0.0
+
+
+@inlined
+def place_loaded_field(state: Any, angle: float, speed: float, torque: float) -> None:
+    """Place the current vector so far ahead of a rotor (rad, rad/s) that it has a torque (N m).
+
+    With the angle ``a`` between both, ``T = 1.5 p I sin(a) (psi + (L_d - L_q) I cos(a))``, which grows up to the angle
+    of pull-out.
+    """
+    machine = state.machine
+    current, flux = state.start_current, machine.magnet_flux
+    turned = (machine.quadrature_inductance - machine.direct_inductance) * current
+    share = abs(torque) / (1.5 * machine.pole_pairs * current)
+    # Cosines of no torque and of pull-out, where the torque's slope is zero.
+    low, high = 1.0, -2.0 * turned / (flux + sqrt(flux * flux + 8.0 * turned * turned))
+    for _ in range(_HALVINGS):
+        cosine = 0.5 * (low + high)
+        if sqrt(1.0 - cosine * cosine) * (flux - turned * cosine) < share:
+            low = cosine
+        else:
+            high = cosine
+    cosine = 0.5 * (low + high)
+    sine = sqrt(1.0 - cosine * cosine)
+    if torque < 0.0:
+        sine = -sine
+    place_field(state, angle + argument(cosine, sine), speed)
+    induced = speed * flux * sine, speed * flux * (cosine - 1.0)
+    for axis in range(2):
+        state.induced[axis] = induced[axis]
+        state.mean_induced[axis] = induced[axis]
 
 
 @inlined
@@ -77,7 +128,7 @@ def follow_induced(state: Any, along: float, across: float, voltage: tuple[float
     `along`, `across`: currents in the stationary frame (A). `voltage`: what acted on them in that frame (V).
     """
     machine = state.machine
-    inductance = 0.5 * (machine.direct_inductance + machine.quadrature_inductance)
+    inductance = _damped_inductance(machine)
     rate, half = inductance / machine.control_period, 0.5 * machine.resistance
     before, across_before = state.along_before, state.across_before
     induced = voltage[0] - half * (along + before) - rate * (along - before)
@@ -92,11 +143,12 @@ def follow_induced(state: Any, along: float, across: float, voltage: tuple[float
 
 
 @inlined
-def turn_field(state: Any, sense: Any, command: Any, target: float) -> None:
+def turn_field(state: Any, sense: Any, command: Any, target: float, least: float) -> None:
     """Write the duty ratios of the current vector, and turn it at a speed that goes to a target (rad/s).
 
     A rotor that swings about a constant current is not damped. A current against the change of the induced voltage acts
-    as a resistance across the windings, which damps it at any angle.
+    as a resistance across the windings, which damps it at any angle. It leaves a least current (A), since a load needs
+    that.
     """
     machine = state.machine
     step = state.acceleration * machine.control_period
@@ -107,11 +159,31 @@ def turn_field(state: Any, sense: Any, command: Any, target: float) -> None:
     seen.angle = state.field / machine.pole_pairs
     seen.speed = state.field_speed / machine.pole_pairs
     direct, quadrature = rotor_currents(machine, seen)
-    along = state.start_current - (state.induced[0] - state.mean_induced[0]) / state.damping
+    along = -(state.induced[0] - state.mean_induced[0]) / state.damping
     across = -(state.induced[1] - state.mean_induced[1]) / state.damping
+    size = sqrt(along * along + across * across)
+    bound = _MOST_DAMPING * state.current
+    part = bound / size if size > bound else 1.0
+    along, across = state.current + part * along, part * across
     most, size = _MOST_CURRENT * machine.current_limit, sqrt(along * along + across * across)
-    share = most / size if size > most else 1.0
+    share = 1.0
+    if size > most:
+        share = most / size
+    elif size < least:
+        share = least / size
     regulate_currents(machine, seen, command, direct, quadrature, share * along, share * across)
+
+
+@inlined
+def _induced_by_rotor(state: Any) -> tuple[float, float]:
+    """Return the voltage along and across the vector that is a quarter turn ahead of the magnet (V).
+
+    It is what the voltage across L_q leaves.
+    """
+    machine = state.machine
+    left = machine.quadrature_inductance - _damped_inductance(machine)
+    flux = machine.magnet_flux - left * state.current
+    return float(state.induced[0]), float(state.induced[1] + state.field_speed * flux)
 
 
 @inlined
@@ -120,7 +192,7 @@ def rotor_of_field(state: Any) -> float:
 
     That is a quarter turn ahead of the magnet in the sense of rotation, and too small at low speed to show anything.
     """
-    along, across = state.induced[0], state.induced[1] + state.field_speed * state.machine.magnet_flux
+    along, across = _induced_by_rotor(state)
     if abs(state.field_speed) < _SHOWN * state.least_speed or (along == 0.0 and across == 0.0):
         return float(state.field)
     ahead = 0.5 * pi if state.field_speed > 0.0 else -0.5 * pi
@@ -128,13 +200,30 @@ def rotor_of_field(state: Any) -> float:
 
 
 @inlined
-def align(state: Any, sense: Any, command: Any) -> bool:
-    """Hold the current along one direction and then along another; return True once the rotor is aligned.
+def ease_current(state: Any) -> bool:
+    """Reduce the vector's current until the rotor lags by an eighth of a turn; return True once it nearly does.
 
-    A rotor opposite to the first direction feels no torque, but then one a quarter turn off the second.
+    An observer errs by what resistance and inductances of another machine do to a current along the magnet.
+    """
+    along, across = _induced_by_rotor(state)
+    size = sqrt(along * along + across * across)
+    ahead = across if state.field_speed > 0.0 else -across
+    left = (ahead - abs(along)) / max(size, 1e-9)
+    eased = state.current * (1.0 - _EASING * left * state.machine.control_period / state.swing_period)
+    least = _LEAST_CURRENT * state.start_current
+    state.current = min(max(eased, least), state.start_current)
+    return bool(left < _EASED or state.current == least)
+
+
+@inlined
+def align(state: Any, sense: Any, command: Any) -> bool:
+    """Turn the current by half a turn in the sense of the start, and hold it; return True once the rotor is aligned.
+
+    A rotor opposite to the first direction feels no torque, but then one of the vector that has turned. Since the
+    vector comes to meet it, the rotor turns back by less than half a turn.
     """
     first = state.align_periods // 2
-    if state.age == first:
-        state.field = state.sense_of_start * 0.5 * pi
-    turn_field(state, sense, command, 0.0)
+    if state.age < first:
+        state.field += state.sense_of_start * pi / first
+    turn_field(state, sense, command, 0.0, 0.0)
     return bool(state.mode == ALIGNING and state.age >= first + state.align_periods)

@@ -12,6 +12,7 @@ from numba.np.numpy_support import carray
 from drivegate_models.compilation.calling import step_signature
 from drivegate_models.compilation.kernels import KEEPS_CACHE, inlined
 from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE
+from drivegate_models.controllers.duty.flux_observer import SPEED_GAIN
 from drivegate_models.controllers.duty.foc_sensorless import step_state
 from drivegate_models.controllers.duty.sensorless_state import (
     ALIGNING,
@@ -41,9 +42,6 @@ TURNS_FORWARD: Final = 9
 LATE_ANGLE: Final = 10
 """The reported angle is that of the preceding control period."""
 
-# Gain of the observer's flux over the electrical speed (1).
-_SPEED_GAIN: Final = 0.2
-
 FAULTY_SENSORLESS_STATE: Final = np.dtype(
     [
         # The controller without the fault.
@@ -66,7 +64,7 @@ def _alter_before(state: Any) -> None:
         machine.along_voltage[machine.delay] = machine.along_voltage[0]
         machine.across_voltage[machine.delay] = machine.across_voltage[0]
     elif fault == UNSIGNED_GAIN:
-        controller.still_gain = state.still_gain + 2.0 * _SPEED_GAIN * min(controller.speed, 0.0)
+        controller.still_gain = state.still_gain + 2.0 * SPEED_GAIN * min(controller.speed, 0.0)
     elif fault == STANDSTILL_PRESUMED and controller.mode == WATCHING:
         controller.magnitudes = 0.0
     elif fault == FIELD_FOR_EVER and controller.mode == RAMPING:
