@@ -293,6 +293,8 @@ def _key_text(field: FieldInfo, *, optional: bool) -> str:
         return text
     if stated in (None, ""):
         return f"{text} (optional)"
+    if isinstance(stated, bool):
+        return f"{text} ({str(stated).lower()})"
     return f"{text} ({stated if isinstance(stated, str) else f'{stated:g}'})"
 
 

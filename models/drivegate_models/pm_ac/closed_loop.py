@@ -23,6 +23,7 @@ from drivegate_models.pm_ac.failure import make_failure
 from drivegate_models.pm_ac.loop_inputs import DutyLoopInputs
 from drivegate_models.pm_ac.loop_kernel import NEVER, DutyRoom, DutyTiming, release_before_start, run_periods
 from drivegate_models.pm_ac.loop_records import DutyRecords, make_records
+from drivegate_models.pm_ac.mean_voltages import no_mean_voltages, unused_mean_voltages
 from drivegate_models.pm_ac.plant.advance import PmAcPhases, make_phases
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
 from drivegate_models.pm_ac.rectifying import rectifies, settle_rectifying
@@ -89,10 +90,14 @@ def prepared_duty_loop(
         int(inputs.waiting),
         NEVER if inputs.released is None else int(inputs.released),
     )
-    phases = make_phases()
+    voltages = (
+        no_mean_voltages() if inputs.mean_voltages is None else unused_mean_voltages(inputs.mean_voltages)
+    )
+    phases = make_phases(follows_voltages=voltages.is_sensed)
     winding = no_winding() if inputs.winding is None else copied_winding(inputs.winding)
     if not _settle_before_start(drive, phases, load, schedule, timing, room, winding):
         timing = timing._replace(has_no_start=True)
+    phases.volt_seconds[:] = 0.0
     arguments = (
         drive,
         phases,
@@ -107,6 +112,7 @@ def prepared_duty_loop(
         no_restarts() if restarts is None else restarts,
         no_turning() if inputs.turning is None else inputs.turning,
         winding,
+        voltages,
         records,
     )
     return PreparedLoop(

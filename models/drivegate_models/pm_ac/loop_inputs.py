@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from drivegate_models.loop.loop_inputs import LoopInputs
 from drivegate_models.loop.schedule import Course
 from drivegate_models.pm_ac.failure import Failure
+from drivegate_models.pm_ac.mean_voltages import MeanVoltages
 from drivegate_models.pm_ac.sensing import DutySensors
 from drivegate_models.pm_ac.turning import Turning
 from drivegate_models.pm_ac.winding import Winding
@@ -36,3 +37,5 @@ class DutyLoopInputs(LoopInputs):
     """Turns of the shaft before the run, in which the controller is stepped; none by default."""
     winding: Winding | None = None
     """The thermal node of the windings; their resistance is constant by default."""
+    mean_voltages: MeanVoltages | None = None
+    """Sensor of the means of the terminals' voltages; none by default."""

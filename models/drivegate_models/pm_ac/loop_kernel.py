@@ -30,6 +30,7 @@ from drivegate_models.pm_ac.failure import (
     show_failed,
 )
 from drivegate_models.pm_ac.loop_records import TEMPERATURE, DutyRecords, write_period
+from drivegate_models.pm_ac.mean_voltages import MeanVoltages, follow_mean_voltages, show_mean_voltages
 from drivegate_models.pm_ac.plant import dc_link
 from drivegate_models.pm_ac.plant.advance import PmAcPhases, advance_period, release_legs, stored_energy
 from drivegate_models.pm_ac.plant.dc_link import VOLTAGE, LinkState, capacitor_energy, charge_link, is_ideal
@@ -285,12 +286,14 @@ def run_periods(
     restarts: Restarts,
     turning: Turning,
     winding: Winding,
+    voltages: MeanVoltages,
     records: DutyRecords,
 ) -> tuple[int, int]:
     """Run a controller against the plant, whose machine is in its initial state.
 
     `schedule`: external conditions. The supply is half of the link voltage, and the speed is the reference. `torque`:
-    torque reference (N m). `turning`: turns of the shaft before the run. `winding`: thermal node.
+    torque reference (N m). `turning`: turns of the shaft before the run. `winding`: thermal node. `voltages`: sensor
+    of means.
     Control periods before the run have negative numbers and are not recorded. Returns `status`, `steps`: `COMPLETED` or
     the reason for an early end, and the number of completed control periods, including those before the run.
     """
@@ -336,7 +339,9 @@ def run_periods(
             idle = 0.0 if timing.regulates_torque else turning.speed
             enable = 0 if timing.waiting > 0 else 1
             if (
-                turn_before_run(drive, exchange, turning, begin_turning, link, idle, length, enable)
+                turn_before_run(
+                    drive, exchange, turning, begin_turning, link, idle, length, enable, voltages.is_sensed
+                )
                 != COMPLETED
             ):
                 exchange.kept[before + k] = exchange.command[0]
@@ -346,6 +351,7 @@ def run_periods(
         currents = room.no_currents if rests else phases.currents
         write_sense(exchange, currents, link, reference, clock, shaft_angle, speed)
         _write_voltages(exchange, phases, rests, drive.diode_drop)
+        show_mean_voltages(voltages, exchange)
         if not sensors.ideal:
             if k < 0 or waits_again(restarts, restarted, k - 1, timing.waiting):
                 show_currents_of_idle_bridge(sensors, exchange.sensed_currents)
@@ -404,6 +410,7 @@ def run_periods(
                 period,
             ):
                 return PLANT_FAULT, before + k
+        follow_mean_voltages(voltages, phases.volt_seconds, length)
         stored_now = stored_energy(drive, phases)
         rated = link * drive.current_limit * length
         balance = _balance(plant.resistance, held, stored_now - stored, stored_now, rated, period)

@@ -8,14 +8,14 @@ have a state of their own: the run itself begins bit for bit as without these tu
 from __future__ import annotations
 
 from math import isnan, pi
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 from drivegate_models.compilation.calling import call_step
 from drivegate_models.compilation.kernels import inlined, unallocating
 from drivegate_models.contract.duty.signals import LEG_OFF
 from drivegate_models.loop.exchange import COMPLETED, STOPPED, Exchange
 from drivegate_models.loop.shaft import shown_angle, whole_turns, within_a_turn
-from drivegate_models.machine.rotor_frame import RotorFrame, from_phases, phase_current
+from drivegate_models.machine.rotor_frame import RotorFrame, from_phases, of_phase, phase_current
 from drivegate_models.machine.sine import cosine_sine
 from drivegate_models.pm_ac.exchange import write_sense
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
@@ -49,13 +49,35 @@ def no_turning() -> Turning:
 
 
 @inlined
-def _write_induced(exchange: Exchange, drive: PmAcDrive, angle: float, speed: float) -> None:
+def _write_induced(voltages: Any, drive: PmAcDrive, angle: float, speed: float) -> None:
     """Write the voltages of the terminals at an electrical angle (rad) and a speed of the shaft (rad/s)."""
     cosine, sine = cosine_sine(angle)
     induced = RotorFrame(0.0, drive.pole_pairs * speed * drive.magnet_flux, cosine, sine)
     lowest = min(phase_current(induced, 0), phase_current(induced, 1), phase_current(induced, 2))
     for leg in range(3):
-        exchange.sense[0].phase_voltages[leg] = phase_current(induced, leg) - lowest - drive.diode_drop
+        voltages[leg] = phase_current(induced, leg) - lowest - drive.diode_drop
+
+
+@inlined
+def _write_means(
+    voltages: Any,
+    drive: PmAcDrive,
+    acting: tuple[bool, float, float],
+    link: float,
+    angle: float,
+    speed: float,
+) -> None:
+    """Write the means of a control period: of the command about half the link, or of the EMF in its middle.
+
+    `acting`: whether the bridge is on, and its mean voltage in the stationary frame (V). `angle`: in the middle of the
+    period (rad).
+    """
+    is_on, along, across = acting
+    if not is_on:
+        _write_induced(voltages, drive, angle, speed)
+        return
+    for leg in range(3):
+        voltages[leg] = 0.5 * link + of_phase(leg, along, across)
 
 
 @inlined
@@ -127,6 +149,7 @@ def turn_before_run(
     reference: float,
     length: float,
     enable: int,
+    shows_means: bool,
 ) -> int:
     """Step a controller while the shaft turns before its run, which begins without a current all the same.
 
@@ -135,6 +158,7 @@ def turn_before_run(
     - `reference`: reference of speed (rad/s), or of a torque (N m).
     - `length`: length of a control period (s).
     - `enable`: what the Sense shows for it.
+    - `shows_means`: true if the drive senses the means of the terminals' voltages.
     - Result: `COMPLETED`, or `STOPPED` where the controller has asked for that.
     """
     angle, clock = begin
@@ -150,7 +174,9 @@ def turn_before_run(
         shaft_angle = shown_angle((angle + 2.0 * pi * turns) / drive.pole_pairs)
         time = clock + number * length
         write_sense(exchange, exchange.sensed_currents, link, reference, time, shaft_angle, turning.speed)
-        _write_induced(exchange, drive, angle, turning.speed)
+        _write_induced(exchange.sense[0].phase_voltages, drive, angle, turning.speed)
+        if shows_means and number == 0:
+            _write_induced(exchange.sense[0].mean_voltages, drive, angle, turning.speed)
         if not turning.sensors.ideal:
             show_currents_of_idle_bridge(turning.sensors, exchange.sensed_currents)
             show_shaft(turning.sensors, exchange.sense[0], number, length)
@@ -168,6 +194,9 @@ def turn_before_run(
         currents = _currents_after(
             drive, acting, currents, angle + 0.5 * electrical * length, electrical, length
         )
+        if shows_means:
+            middle = angle + 0.5 * electrical * length
+            _write_means(exchange.sense[0].mean_voltages, drive, acting, link, middle, turning.speed)
         acting = commanded
         turned = angle + electrical * length
         turns = (turns + whole_turns(turned)) % drive.pole_pairs

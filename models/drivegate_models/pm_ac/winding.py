@@ -9,13 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import inlined
+from drivegate_models.pm_ac.decay import TERMS, decay_of
 
 TRUE: Final = 0
 """Index of the temperature of the windings in `Winding.state`."""
 SENSED: Final = 1
 """Index of the temperature that the sensor shows."""
-_TERMS: Final = 24
-"""Terms of the series: for arguments up to 1 the rest is below the rounding."""
 
 
 class Winding(NamedTuple):
@@ -73,11 +72,11 @@ def make_winding(
     of the sensor 0 or at least a control period, None without a sensor.
     """
     share = control_period / (heat_capacity * thermal_resistance)
-    decay = _decay(share)
+    decay = decay_of(share)
     lag_decay, coupling = 0.0, decay
     if lag:
         sensed_share = control_period / lag
-        lag_decay, coupling = _decay(sensed_share), sensed_share * _decay_between(share, sensed_share)
+        lag_decay, coupling = decay_of(sensed_share), sensed_share * _decay_between(share, sensed_share)
     return Winding(
         True,
         lag is not None,
@@ -91,19 +90,10 @@ def make_winding(
     )
 
 
-def _decay(share: float) -> float:
-    """Return ``exp(-share)`` by its series, which every processor rounds the same way."""
-    total = term = 1.0
-    for order in range(1, _TERMS):
-        term *= -share / order
-        total += term
-    return total
-
-
 def _decay_between(first: float, second: float) -> float:
     """Return ``(exp(-a) - exp(-b)) / (b - a)`` by its series, which also is right where both are equal."""
     total, power, sum_of_products, factor = 0.0, 1.0, 1.0, 1.0
-    for order in range(_TERMS):
+    for order in range(TERMS):
         total += factor * sum_of_products
         power *= first
         sum_of_products = power + second * sum_of_products

@@ -91,6 +91,7 @@ OF_DUTY_RATIOS: Final[dict[str, Callable[[PmAcDocument], float]]] = {
     "temperature_limit": lambda drive: _of_windings(drive, "limit_c"),
     "temperature_coefficient": lambda drive: _of_windings(drive, "temperature_coefficient_per_k"),
     "temperature_lag": lambda drive: _of_windings(drive, "sensor_lag_s"),
+    "voltage_filter": lambda _drive: 0.0,
 }
 """What each field of a nameplate of duty ratios is of a drive's file."""
 

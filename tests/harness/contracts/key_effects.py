@@ -136,6 +136,7 @@ _CHOPPER = {
     "supply_v": [[0.0, 70.0], [0.005, 70.0], [0.005, 61.0]],
 }
 _SENSORLESS = {"drive.sensing": {"position": "none"}}
+_MEANS = {"drive.sensing": {"position": "none", "mean_voltages": True}}
 _ADVANCE = {"drive.advance": {"start_deg": 10.0, "slope_deg_per_rpm": 0.01}}
 
 _HEATED = {
@@ -309,6 +310,8 @@ _DRIVE: Final[dict[str, Effect]] = {
     "drive.link.chopper_on_v": Nameplate(135.0, _CHOPPER),
     "drive.link.chopper_off_v": Runs(128.0, _CHOPPER),
     "drive.link.chopper_resistance_ohm": Nameplate(30.0, _CHOPPER),
+    "drive.sensing.mean_voltages": Runs(True, _SENSORLESS),
+    "drive.sensing.voltage_filter_hz": Nameplate(300.0, _MEANS),
     "drive.sensing.least_speed_rpm": Nameplate(300.0, _SENSORLESS),
     "drive.sensing.start_time_s": Nameplate(5.0, _SENSORLESS),
     "drive.rating.base_speed_rpm": Nameplate(1500.0),
@@ -504,6 +507,8 @@ class _Noting:
         if isinstance(sense, DutySense) and isnan(sense.winding_temperature):
             # NaN equals nothing, and the same senses have to be equal.
             sense = sense._replace(winding_temperature=None)
+        if isinstance(sense, DutySense) and isnan(sense.mean_voltages[0]):
+            sense = sense._replace(mean_voltages=None)
         self.senses.append(sense)
         return self.answers[len(self.senses) % len(self.answers)]
 

@@ -80,7 +80,10 @@ def recorded(
     **options: Any,
 ) -> Recorded:
     """Run answers on a shaft whose speed is held, and record what is sensed; resets do nothing but come."""
-    every = steps + options.get("resting", 0) + options.get("waiting", 0)
+    turning = options.get("turning")
+    every = (
+        steps + options.get("resting", 0) + options.get("waiting", 0) + (turning.periods if turning else 0)
+    )
     senses, currents = np.zeros(every, DUTY_SENSE), np.zeros((every, 3))
     count = 0
 

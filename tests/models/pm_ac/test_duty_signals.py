@@ -119,6 +119,10 @@ def is_not_sensed(shown: Recorded, _position: str) -> None:
     assert np.isnan(shown.senses["winding_temperature"]).all(), "the drive has no thermal data"
 
 
+def are_not_sensed(shown: Recorded, _position: str) -> None:
+    assert np.isnan(shown.senses["mean_voltages"]).all(), "the drive does not state them"
+
+
 def is_that_of_the_bridge(shown: Recorded, _position: str) -> None:
     assert (shown.senses["source_current"] == shown.senses["supply_current"]).all(), "the link is ideal"
 
@@ -199,6 +203,7 @@ SENSED: Final[dict[str, Callable[[Recorded, str], None]]] = {
     "encoder_count": counts_from_the_shafts_angle_zero,
     "trip": has_no_flag,
     "phase_voltages": are_the_terminals_at_the_rails,
+    "mean_voltages": are_not_sensed,
     "enable": is_always_set,
 }
 """What is asserted of each field of a Sense."""

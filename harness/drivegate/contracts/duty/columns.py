@@ -49,6 +49,7 @@ class DutyColumns(Contract):
         "source_current": "A",
         "phase_currents": "A",
         "phase_voltages": "V",
+        "mean_voltages": "V",
         "winding_temperature": "°C",
     }
     moved_by: ClassVar[Mapping[str, str]] = {
@@ -60,6 +61,7 @@ class DutyColumns(Contract):
         "supply_voltage": "link_voltage_v, failure",
         "supply_current": "load, link_voltage_v",
         "phase_voltages": "initial_speed_rpm while the bridge is off",
+        "mean_voltages": "speed_rpm, link_voltage_v, and sensing of the drive",
         "source_current": "the link of the drive, load",
         "winding_temperature": "winding_temperature_c, and thermal of the drive",
         "trip": "link_voltage_v beyond the limits of the link of the drive",

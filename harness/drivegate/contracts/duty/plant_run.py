@@ -50,6 +50,7 @@ from drivegate_models.machine.rotor_frame import phase_currents
 from drivegate_models.pm_ac import failure
 from drivegate_models.pm_ac.loop_inputs import DutyLoopInputs
 from drivegate_models.pm_ac.loop_records import TRACE
+from drivegate_models.pm_ac.mean_voltages import MeanVoltages, sensed_mean_voltages
 from drivegate_models.pm_ac.sensing import (
     DC_LINK,
     IN_LINE,
@@ -107,6 +108,7 @@ def duty_run(
         released=_release_period(scenario),
         turning=turned_before(scenario, controller),
         winding=plant_winding(scenario),
+        mean_voltages=_mean_voltages(scenario),
     )
     before = 0 if inputs.turning is None else inputs.turning.periods
     order = CloseLoop(prepare, inputs, restart_steps(scenario), DUTY, steps_before=before)
@@ -206,6 +208,14 @@ def plant_winding(scenario: Scenario) -> Winding | None:
     return (
         None if thermal is None else thermal.plant(scenario.control_period_s, scenario.winding_temperature_c)
     )
+
+
+def _mean_voltages(scenario: Scenario) -> MeanVoltages | None:
+    """Make the sensor of the means of the terminals' voltages, if the drive states it."""
+    sensing = duty_document(scenario.drive).sensing
+    if sensing is None or not sensing.mean_voltages:
+        return None
+    return sensed_mean_voltages(scenario.control_period_s, sensing.voltage_filter_s)
 
 
 def duty_sensors(scenario: Scenario) -> DutySensors:

@@ -82,6 +82,10 @@ class DutySense(NamedTuple):
     back. On an ideal link it is `supply_current`."""
     winding_temperature: float = nan
     """Temperature of the windings, as a sensor shows it that lags by `temperature_lag` (deg C); NaN without one."""
+    mean_voltages: tuple[float, float, float] = (nan, nan, nan)
+    """Means of the voltages of the three terminals relative to the negative rail over the period just ended (V), after
+    a filter if `voltage_filter` is not 0; in the first step `phase_voltages`. NaN on a drive that does not sense
+    them. Drops, dead time and legs that are off are included, as in `phase_voltages`."""
 
 
 class DutyCommand(NamedTuple):
@@ -192,3 +196,5 @@ class DutyNameplate(NamedTuple):
     """Change of the resistance over `resistance`, for a change of temperature (1/K)."""
     temperature_lag: float = 0.0
     """Time constant with which the sensor follows the temperature (s)."""
+    voltage_filter: float = 0.0
+    """Time constant of the filter of one pole that the means of `mean_voltages` pass (s); 0 for none."""

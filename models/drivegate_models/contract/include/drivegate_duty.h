@@ -115,6 +115,7 @@ typedef struct drivegate_duty_nameplate {
     double temperature_limit;      /* greatest permitted temperature of the windings, deg C */
     double temperature_coefficient; /* change of the resistance over resistance, for a change of temperature, 1/K */
     double temperature_lag;        /* time constant of the temperature's sensor, s */
+    double voltage_filter;         /* time constant of the filter of one pole of mean_voltages, s; 0: none */
 } drivegate_duty_nameplate;
 
 /* What the controller senses at the start of a control period. */
@@ -147,6 +148,9 @@ typedef struct drivegate_duty_sense {
     double source_current;        /* mean current of the source in the period just ended, A; < 0 while it takes energy
                                    * back; on an ideal link it is supply_current */
     double winding_temperature;   /* temperature of the windings as a lagging sensor shows it, deg C; NaN without one */
+    double mean_voltages[3];      /* means of the terminals' voltages from the negative rail over the period just ended,
+                                   * V, after the filter of voltage_filter; at first phase_voltages; NaN where the drive
+                                   * does not sense them */
 } drivegate_duty_sense;
 
 /* What the controller answers. Before the step the duty ratios and estimates are NaN, the legs DRIVEGATE_LEG_PWM and
@@ -166,8 +170,8 @@ typedef struct drivegate_duty_command {
                             * ratios; leave NaN for the chopper's own thresholds */
 } drivegate_duty_command;
 
-DRIVEGATE_ASSERT(sizeof(drivegate_duty_nameplate) == 320, "drivegate_duty_nameplate must not be padded");
-DRIVEGATE_ASSERT(sizeof(drivegate_duty_sense) == 136, "drivegate_duty_sense must not be padded");
+DRIVEGATE_ASSERT(sizeof(drivegate_duty_nameplate) == 328, "drivegate_duty_nameplate must not be padded");
+DRIVEGATE_ASSERT(sizeof(drivegate_duty_sense) == 160, "drivegate_duty_sense must not be padded");
 DRIVEGATE_ASSERT(sizeof(drivegate_duty_command) == 112, "drivegate_duty_command must not be padded");
 
 /* Prepare for a run and forget all earlier ones. Return 0 for success, anything else to refuse the run. */

@@ -55,6 +55,7 @@ from drivegate_models.pm_ac.plant.settling import (
     show_voltages,
 )
 from drivegate_models.pm_ac.plant.two_points import SHORT
+from drivegate_models.pm_ac.plant.volt_seconds import add_steady, add_volt_seconds, is_followed
 
 EVENT_LIMIT: Final = 100_000
 """Maximum number of segments in one advance."""
@@ -91,6 +92,9 @@ class PmAcPhases(NamedTuple):
     """Work space for the segments of a quiet period, as in `plant.rows`."""
     dc_link: LinkState
     """State of the link, unless it is ideal."""
+    volt_seconds: NDArray[np.float64]
+    """Integrals of the terminals' voltages to the lower rail, shape (3,) (V s), which every advance adds to; shape (0,)
+    to compute none."""
 
 
 class Connected(NamedTuple):
@@ -104,11 +108,13 @@ class Connected(NamedTuple):
     """Time without any current (s)."""
 
 
-def make_phases(*, follows_torque: bool = False) -> PmAcPhases:
+def make_phases(*, follows_torque: bool = False, follows_voltages: bool = False) -> PmAcPhases:
     """Return a machine without current, with modulators that have commanded the lower switches.
 
-    `follows_torque`: true to compute the extremes of the torque in each advance.
+    `follows_torque`: true to compute the extremes of the torque in each advance. `follows_voltages`: true to integrate
+    the voltages of the terminals.
     """
+    volt_seconds = np.zeros(3 if follows_voltages else 0)
     return PmAcPhases(
         np.zeros(2),
         np.zeros(3),
@@ -117,9 +123,10 @@ def make_phases(*, follows_torque: bool = False) -> PmAcPhases:
         make_gates(),
         make_legs(),
         make_series(),
-        make_upcoming(),
+        make_upcoming(volt_seconds),
         make_rows(),
         make_link_state(TERMS),
+        volt_seconds,
     )
 
 
@@ -216,6 +223,11 @@ def _segment(
             circuit, phases, frame, held, begin_angle + electrical * length, length
         )
     series = phases.series
+    if is_followed(phases.volt_seconds):
+        share = event.share if event.kind != NOTHING else 1.0
+        add_volt_seconds(
+            circuit, phases.legs, series, frame, held, count, length, share, 0.0, phases.volt_seconds
+        )
     if event.kind != NOTHING:
         length *= event.share
         cosine, sine = cosine_sine(begin_angle + electrical * length)
@@ -351,6 +363,7 @@ def advance_period(
         )
         if segments > 0:
             time = duration
+            add_steady(phases.upcoming.volt_seconds, 1.0, phases.volt_seconds)
             totals[ledger.SWITCHING] += pass_edges(circuit, legs, gates, time)
             settled = settle(circuit, legs, after, NO_LEG, 0)
     while time < duration:
@@ -370,6 +383,7 @@ def advance_period(
             is_whole, after = pass_quietly(
                 drive.pole_pairs, circuit, rates, legs, frame, limit - time, phases.magnitudes, totals
             )
+            add_steady(legs.voltages, limit - time if is_whole else 0.0, phases.volt_seconds)
         if not is_whole:
             limit = next_edge(circuit, legs, gates, duration)
             longest = longest_segment(circuit, held, duration)

@@ -39,6 +39,7 @@ from drivegate_models.pm_ac.plant.dc_link import (
     BATTERY,
     CHOPPER,
     CLAMPED,
+    FLUX,
     PENDING,
     SOURCE,
     VOLTAGE,
@@ -71,6 +72,7 @@ from drivegate_models.pm_ac.plant.modulator import Gates, schedule_gates
 from drivegate_models.pm_ac.plant.polynomial import value_at
 from drivegate_models.pm_ac.plant.series import shorten, shorten_both
 from drivegate_models.pm_ac.plant.settling import EMPTY, FREE, Legs, settle, show_voltages
+from drivegate_models.pm_ac.plant.volt_seconds import add_volt_seconds, is_followed
 
 # Share of the bound of a current's change within which it probably reaches zero.
 _LIKELY: Final = 0.1
@@ -222,6 +224,8 @@ def _segment(
             break
         length *= SOON_AFTER * min(event.share, change.share)
     kind = change.kind
+    whole = length
+    begin = link.state[VOLTAGE]
     share = event.share
     if kind != NOTHING and (event.kind == NOTHING or change.share < event.share):
         share = change.share
@@ -236,6 +240,7 @@ def _segment(
         if held != EMPTY:
             shorten(series, count, share)
             after = linked_end(series, count, cosine, sine)
+    before = link.totals[FLUX]
     if length > 0.0:
         add_linked_segment(
             drive,
@@ -252,6 +257,12 @@ def _segment(
             phases.magnitudes,
             phases.torque_bounds,
             totals,
+        )
+    if is_followed(phases.volt_seconds):
+        passed = 1.0 if length == whole else share
+        rise = link.totals[FLUX] - before - begin * length
+        add_volt_seconds(
+            circuit, phases.legs, series, frame, held, count, whole, passed, rise, phases.volt_seconds
         )
     link.state[VOLTAGE] = value_at(link.voltage, count, 1.0)
     enter_link_event(link, kind)
@@ -301,6 +312,7 @@ def _pass_quietly(
             return False, frame
     if link_event(drive, link, feed.source, count, follows_thresholds).kind != NOTHING:
         return False, frame
+    before = link.totals[FLUX]
     add_linked_segment(
         drive,
         bounded,
@@ -317,6 +329,9 @@ def _pass_quietly(
         phases.torque_bounds,
         totals,
     )
+    if is_followed(phases.volt_seconds):
+        rise = link.totals[FLUX] - before - link.state[VOLTAGE] * length
+        add_volt_seconds(circuit, legs, series, frame, FREE, count, length, 1.0, rise, phases.volt_seconds)
     link.state[VOLTAGE] = value_at(link.voltage, count, 1.0)
     return True, after
 

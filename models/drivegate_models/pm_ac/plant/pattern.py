@@ -29,6 +29,7 @@ from drivegate_models.pm_ac.plant.rows import (
     WIDTH,
 )
 from drivegate_models.pm_ac.plant.settling import Legs
+from drivegate_models.pm_ac.plant.volt_seconds import add_steady
 
 
 class Upcoming(NamedTuple):
@@ -44,6 +45,8 @@ class Upcoming(NamedTuple):
     """Present voltage (V)."""
     uppers: NDArray[np.float64]
     """1 while its current is from the upper rail, otherwise 0."""
+    volt_seconds: NDArray[np.float64]
+    """Integral of its voltage over the period (V s); shape (0,) to compute none."""
 
 
 class Pattern(NamedTuple):
@@ -55,8 +58,15 @@ class Pattern(NamedTuple):
     """Length of the longest segment (s)."""
 
 
-def make_upcoming() -> Upcoming:
-    return Upcoming(np.zeros(3), np.zeros(3, np.int64), np.zeros(3, np.int64), np.zeros(3), np.zeros(3))
+def make_upcoming(volt_seconds: NDArray[np.float64]) -> Upcoming:
+    return Upcoming(
+        np.zeros(3),
+        np.zeros(3, np.int64),
+        np.zeros(3, np.int64),
+        np.zeros(3),
+        np.zeros(3),
+        np.zeros_like(volt_seconds),
+    )
 
 
 @inlined
@@ -107,6 +117,7 @@ def lay_out(
     """
     for leg in range(3):
         _enter(circuit, legs, gates, upcoming, leg, 0, duration)
+    upcoming.volt_seconds[:] = 0.0
     count = 0
     longest = 0.0
     time = 0.0
@@ -117,6 +128,7 @@ def lay_out(
         _write(circuit, legs, upcoming, rows, count)
         limit = min(upcoming.times[0], upcoming.times[1], upcoming.times[2])
         longest = max(longest, limit - time)
+        add_steady(upcoming.voltages, limit - time, upcoming.volt_seconds)
         for leg in range(3):
             if upcoming.times[leg] <= limit and limit < duration:
                 _enter(circuit, legs, gates, upcoming, leg, upcoming.following[leg], duration)

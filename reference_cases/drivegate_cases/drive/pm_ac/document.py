@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import isfinite, radians
+from math import isfinite, pi, radians
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Final, Literal, Self, get_args
 
 from pydantic import Field, field_validator, model_validator
@@ -99,6 +99,31 @@ class PmAcSensing(Section):
         description="time from standstill to least_speed_rpm under half of rated torque without a sensor, in seconds; "
         "by default from inertia and current limit",
     )
+    mean_voltages: bool = Field(
+        default=False,
+        description="whether controllers see the means of the terminals' voltages over each control period",
+    )
+    voltage_filter_hz: float | None = Field(
+        default=None,
+        gt=0.0,
+        le=1e6,
+        description="cut-off frequency of a filter of one pole that these means pass, in hertz; none where it is left "
+        "out",
+    )
+
+    @model_validator(mode="after")
+    def _filter_has_voltages(self) -> Self:
+        if self.voltage_filter_hz is not None and not self.mean_voltages:
+            raise ValueError(
+                f"the key 'voltage_filter_hz' is {self.voltage_filter_hz:g}, but must be left out without "
+                "'mean_voltages = true'; it filters these voltages"
+            )
+        return self
+
+    @property
+    def voltage_filter_s(self) -> float:
+        """Time constant of the filter of the means of the terminals' voltages (s); 0 without one."""
+        return 0.0 if self.voltage_filter_hz is None else 0.5 / (pi * self.voltage_filter_hz)
 
     @model_validator(mode="after")
     def _start_is_without_a_sensor(self) -> Self:
@@ -177,6 +202,17 @@ class PmAcDocument(DriveDocument):
         if self.thermal is not None:
             self.thermal.check_fit(self.machine, self.inverter, self.rating)
         self._check_start()
+        self._check_filter()
+
+    def _check_filter(self) -> None:
+        """Refuse a filter of voltages that is faster than a control period, which it would not filter."""
+        highest = 0.5 / (pi * self.control_period_s)
+        given = None if self.sensing is None else self.sensing.voltage_filter_hz
+        if given is not None and given > highest:
+            raise ValueError(
+                f"the key 'voltage_filter_hz' is {given:g}, but must be at most {highest:.4g}, where the filter is as "
+                "slow as a control period"
+            )
 
     def _check_start(self) -> None:
         sensing = self.sensing
@@ -339,6 +375,7 @@ class PmAcDocument(DriveDocument):
             least_speed=self.least_speed_rpm * RADIANS_PER_RPM,
             start_time=self.start_time_s,
             is_reversing=0 if self.rating.reverses is False else 1,
+            voltage_filter=0.0 if self.sensing is None else self.sensing.voltage_filter_s,
             **self._thermal_nameplate(),
         )
 

@@ -56,6 +56,12 @@ def test_stated_values_win() -> None:
     assert (plate.least_speed, plate.start_time) == (pytest.approx(200.0 * RADIANS_PER_RPM), 3.0)
 
 
+def test_the_filter_of_mean_voltages_is_on_the_nameplate() -> None:
+    drive = without_sensor("pm-ac-2kw", "sensing.mean_voltages=true", "sensing.voltage_filter_hz=300")
+    plate = drive.duty_nameplate(drive.control_period_s, torque_reference=False)
+    assert plate.voltage_filter == pytest.approx(1.0 / (2.0 * pi * 300.0))
+
+
 def test_a_heavier_rotor_has_more_time() -> None:
     drive, heavy = without_sensor("pm-ac-2kw"), without_sensor("pm-ac-2kw", "inertia_kg_m2=0.15")
     assert natural_period_s(drive) == pytest.approx(0.105, abs=1e-3)
@@ -84,6 +90,14 @@ def test_no_other_name_ends_so(name: str) -> None:
         (["sensing.position=none", "sensing.least_speed_rpm=1301"], "at most the base speed of 1300 rpm"),
         (["sensing.position=none", "sensing.start_time_s=0.1"], "must be at least 0.105"),
         (["sensing.position=hall", "sensing.start_time_s=1"], "must be left out where 'position' is 'hall'"),
+        (
+            ["sensing.position=none", "sensing.voltage_filter_hz=300"],
+            "left out without 'mean_voltages = true'",
+        ),
+        (
+            ["sensing.position=none", "sensing.mean_voltages=true", "sensing.voltage_filter_hz=1300"],
+            "must be at most 1273, where the filter is as slow as a control period",
+        ),
     ],
 )
 def test_what_no_controller_could_do_is_refused(overrides: list[str], sentence: str) -> None:

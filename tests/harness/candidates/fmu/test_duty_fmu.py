@@ -28,7 +28,21 @@ INTERIOR = load_drive("pm-ac-interior")
 SHORT = torque_scenario(INTERIOR, 600.0, (0.0,)).replaced(duration_s=0.02)
 NAMEPLATE: DutyNameplate = INTERIOR.duty_nameplate(1e-4, torque_reference=True)
 SENSE = DutySense(
-    0.0, 1.5, (1.0, -3.0, 2.0), 120.0, 4.0, 0.25, 60.0, 5, 1234, 2, (3.5, -0.5, 60.0), 0, 3.25, 41.5
+    0.0,
+    1.5,
+    (1.0, -3.0, 2.0),
+    120.0,
+    4.0,
+    0.25,
+    60.0,
+    5,
+    1234,
+    2,
+    (3.5, -0.5, 60.0),
+    0,
+    3.25,
+    41.5,
+    (3.0, -0.5, 61.0),
 )
 VERSIONS = (2, 3)
 
@@ -38,6 +52,7 @@ STATED = """
         sense->supply_voltage, sense->supply_current, sense->angle, sense->speed, (double)sense->hall,
         (double)sense->encoder_count, (double)sense->trip, sense->phase_voltages[0], sense->phase_voltages[1],
         sense->phase_voltages[2], (double)sense->enable, sense->source_current, sense->winding_temperature,
+        sense->mean_voltages[0], sense->mean_voltages[1], sense->mean_voltages[2],
         (double)known.kind, (double)known.reference_kind,
         (double)known.pole_pairs, (double)known.updates, (double)known.update_delay, known.supply_voltage,
         known.base_speed, known.highest_speed, known.rated_power, known.current_limit, known.control_period,
@@ -47,7 +62,8 @@ STATED = """
         known.source_resistance, known.link_limit, known.charge_limit, known.discharge_limit,
         known.chopper_voltage, known.chopper_resistance, (double)known.position, known.least_speed,
         known.start_time, (double)known.is_reversing, known.heat_capacity, known.thermal_resistance,
-        known.ambient_temperature, known.temperature_limit, known.temperature_coefficient, known.temperature_lag};
+        known.ambient_temperature, known.temperature_limit, known.temperature_coefficient, known.temperature_lag,
+        known.voltage_filter};
     command->torque = sensed[self->steps - 1];
     command->legs[1] = self->steps < 3 ? DRIVEGATE_LEG_PWM : DRIVEGATE_LEG_OFF;
     command->fault = self->steps;
@@ -96,11 +112,12 @@ def test_what_is_sensed_and_the_nameplate_arrive_and_the_whole_answer_comes_back
     wanted = [
         SENSE.reference,
         *SENSE.phase_currents,
-        *SENSE[3:-4],
+        *SENSE[3:10],
         *SENSE.phase_voltages,
         SENSE.enable,
         SENSE.source_current,
         SENSE.winding_temperature,
+        *SENSE.mean_voltages,
         *NAMEPLATE,
     ]
     answers = [controller._fmu.step(SENSE._replace(time=1e-4 * step)) for step in range(len(wanted))]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
@@ -222,3 +223,23 @@ def test_a_manifest_may_state_the_contract_and_must_state_the_right_one(
     other = resolve_candidate(manifest(tmp_path, 'drive = "paper-5-phase"'))
     with pytest.raises(InputError, match="answers with duty ratios, but the drive 'paper-5-phase'"):
         drive_for(other)
+
+
+def test_a_candidate_of_an_earlier_header_runs_unchanged(
+    written: Callable[..., Path], tmp_path: Path, short: Scenario
+) -> None:
+    # Its records end before the fields that were appended since.
+    for header in ("drivegate.h", "drivegate_duty.h"):
+        text = (include_folder() / header).read_text(encoding="utf-8")
+        text = re.sub(r"(?s)    double (mean_voltages\[3\]|voltage_filter); +/\*.*?\*/\n", "", text)
+        text = text.replace("nameplate) == 328", "nameplate) == 320").replace(
+            "sense) == 160", "sense) == 136"
+        )
+        (tmp_path / header).write_text(text, encoding="utf-8")
+    assert "mean_voltages" not in (tmp_path / "drivegate_duty.h").read_text(encoding="utf-8")
+    records = []
+    for folder in (tmp_path, tmp_path / "new"):
+        folder.mkdir(exist_ok=True)
+        candidate = resolve_candidate(str(written(folder, duty_source())))
+        records.append(recorded(own_candidate(candidate), short, load_controller(candidate)))
+    assert records[0].run.digest == records[1].run.digest

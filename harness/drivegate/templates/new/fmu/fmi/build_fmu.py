@@ -56,6 +56,7 @@ def variables_of(contract: str, phases: int, estimates_power: bool) -> tuple[Var
             ),
             Variable("phase_currents", 101, "input", width=3),
             Variable("phase_voltages", 131, "input", width=3),
+            Variable("mean_voltages", 141, "input", width=3),
             Variable("duty_ratios", 111, "output", width=3),
             Variable("legs", 121, "output", width=3),
             *numbered(16, "output", "next_period torque input_power fault brake_duty"),
@@ -72,7 +73,8 @@ def variables_of(contract: str, phases: int, estimates_power: bool) -> tuple[Var
                 "resistance direct_inductance quadrature_inductance magnet_flux inertia core_loss_conductance "
                 "switch_drop diode_drop position_error link_capacitance source_resistance link_limit charge_limit "
                 "discharge_limit chopper_voltage chopper_resistance least_speed start_time heat_capacity "
-                "thermal_resistance ambient_temperature temperature_limit temperature_coefficient temperature_lag",
+                "thermal_resistance ambient_temperature temperature_limit temperature_coefficient temperature_lag "
+                "voltage_filter",
             ),
         )
     outputs = "current_reference advance_angle" + (" input_power" if estimates_power else "")

@@ -61,10 +61,12 @@ enum {
     TEMPERATURE_LIMIT,
     TEMPERATURE_COEFFICIENT,
     TEMPERATURE_LAG,
+    VOLTAGE_FILTER,
     PHASE_CURRENTS = 101, /* the first of each three; the others follow */
     DUTY_RATIOS = 111,
     LEGS = 121,
-    PHASE_VOLTAGES = 131
+    PHASE_VOLTAGES = 131,
+    MEAN_VOLTAGES = 141
 };
 
 static void clear_command(signals *self) {
@@ -92,6 +94,8 @@ double *signals_real(signals *self, unsigned reference) {
         return &self->phase_currents[reference - PHASE_CURRENTS];
     if (reference >= PHASE_VOLTAGES && reference < PHASE_VOLTAGES + 3)
         return &self->sense.phase_voltages[reference - PHASE_VOLTAGES];
+    if (reference >= MEAN_VOLTAGES && reference < MEAN_VOLTAGES + 3)
+        return &self->sense.mean_voltages[reference - MEAN_VOLTAGES];
     if (reference >= DUTY_RATIOS && reference < DUTY_RATIOS + 3)
         return &self->command.duty_ratios[reference - DUTY_RATIOS];
     if (reference >= LEGS && reference < LEGS + 3) return &self->legs[reference - LEGS];
@@ -143,6 +147,7 @@ double *signals_real(signals *self, unsigned reference) {
     case TEMPERATURE_LIMIT: return &nameplate->temperature_limit;
     case TEMPERATURE_COEFFICIENT: return &nameplate->temperature_coefficient;
     case TEMPERATURE_LAG: return &nameplate->temperature_lag;
+    case VOLTAGE_FILTER: return &nameplate->voltage_filter;
     default: return NULL;
     }
 }
