@@ -24,6 +24,8 @@ REQUIREMENTS = "requirements"
 SCENARIO = "scenario"
 FILES = {DRIVE: "a drive", SCENARIO: "a scenario", REQUIREMENTS: "requirements"}
 """The kinds that are no candidates but single files, in words."""
+SENSORLESS_DRIVE = "pm-ac-2kw-sensorless"
+"""Drive of a controller without a position sensor, if none is named."""
 CHOICES = (
     *("python", "numba", "c", "c++", "rust", "cortex-m", "fmu", "exec", "embedded-coder"),
     *FILES,
@@ -52,10 +54,21 @@ CHOICES = (
     show_default=True,
     help="Write the gate for this service, in an existing Git repository where it runs.",
 )
+@click.option(
+    "--sensorless",
+    is_flag=True,
+    help="For the kind c: a controller without a position sensor, by default on pm-ac-2kw-sensorless.",
+)
 @drive_option
 @json_option
 def command(
-    kind: str, name: str, output: Path | None, drive: str | None, service: str, from_datasheet: bool
+    kind: str,
+    name: str,
+    output: Path | None,
+    drive: str | None,
+    service: str,
+    from_datasheet: bool,
+    sensorless: bool,
 ) -> Outcome:
     """Write a small controller called NAME into a new folder, with manifest, test, waivers and a workflow for CI.
 
@@ -82,6 +95,10 @@ def command(
         return _new_drive(Path(name), drive, from_datasheet)
     if from_datasheet:
         raise click.UsageError("--from-datasheet goes with the kind drive only")
+    if sensorless and kind in FILES:
+        raise click.UsageError("--sensorless goes with a candidate only")
+    if sensorless:
+        drive = _unsensed(drive)
     if kind == SCENARIO:
         return _new_scenario(Path(name), drive)
     if kind == REQUIREMENTS:
@@ -109,6 +126,17 @@ def command(
     if written.hint is not None:
         document["pipeline"] = written.hint
     return Outcome(document, lambda console: _show(console, document))
+
+
+def _unsensed(drive: str | None) -> str:
+    """Return the drive of a controller without a position sensor."""
+    chosen = named_drive(drive or SENSORLESS_DRIVE)
+    if chosen is not None and chosen.position != "none":
+        raise click.UsageError(
+            f"--sensorless is for a drive without a position sensor, but '{drive}' has one; state position = \"none\" "
+            "in its [sensing], or leave --drive out"
+        )
+    return drive or SENSORLESS_DRIVE
 
 
 def _new_requirements(file: Path, drive: str | None) -> Outcome:

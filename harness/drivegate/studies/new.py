@@ -9,7 +9,7 @@ import json
 import re
 import tempfile
 import zipfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from datetime import date, timedelta
 from importlib.metadata import distribution
@@ -76,6 +76,8 @@ class Template:
     folders: Mapping[ContractName, tuple[str, ...]]
     """Folders of its files for each contract that it has one of, a later one's files in place of an earlier one's.
     The first contract is that of a candidate for which no drive is named."""
+    unsensed: tuple[str, ...] = ()
+    """Folders that a drive without a position sensor has as well; empty for a template that needs the sensor."""
     extra: str = ""
     """Optional dependencies of drivegate that such a candidate needs; empty for none."""
     is_slow: bool = False
@@ -86,7 +88,7 @@ KINDS: Final = MappingProxyType(
     {
         "python": Template("controller.py", {"duty": ("python-duty",), "current": ("python",)}, is_slow=True),
         "numba": Template("controller.py", {"duty": ("numba-duty",), "current": ("numba",)}),
-        "c": Template("controller.c", {"duty": ("c-duty",), "current": ("c",)}),
+        "c": Template("controller.c", {"duty": ("c-duty",), "current": ("c",)}, unsensed=("c-sensorless",)),
         "c++": Template("controller.cpp", {"duty": ("cpp-duty",), "current": ("cpp",)}),
         "rust": Template("src/lib.rs", {"duty": ("rust-duty",), "current": ("rust",)}),
         "cortex-m": Template(
@@ -144,7 +146,9 @@ def write_candidate(
             f"{shown_path(folder)} exists already, and nothing is ever overwritten; name another folder with --output"
         )
     template = KINDS[kind]
-    contract = next(iter(template.folders)) if drive is None else _contract_for(template, drive, kind)
+    contract, folders = next(iter(template.folders.items()))
+    if drive is not None:
+        contract, folders = _folders_for(template, drive, kind)
     pipeline = pipeline_for(service, folder, name)
     words = {
         "@name@": name,
@@ -156,7 +160,7 @@ def write_candidate(
         "@here@": pipeline.here,
         "@pipeline@": pipeline.rows(),
     }
-    texts = _texts_of(template, contract, words)
+    texts = _texts_of((*_COMMON[contract], *folders), words)
     first_check = _first_check(template, contract, texts)
     if first_check != _QUICK:
         texts["README.md"] = texts["README.md"].replace(_QUICK, f"{first_check}\n{_QUICK}")
@@ -193,11 +197,11 @@ def write_candidate(
     return Written(tuple(sorted([*map(Path, contents), *above])), pipeline.hint, first_check)
 
 
-def _texts_of(template: Template, contract: ContractName, words: Mapping[str, str]) -> dict[str, str]:
+def _texts_of(folders: Iterable[str], words: Mapping[str, str]) -> dict[str, str]:
     """Join the folders of a template, and fill in its words."""
     root = files("drivegate").joinpath(_TEMPLATES)
     texts: dict[str, str] = {}
-    for part in (*_COMMON[contract], *template.folders[contract]):
+    for part in folders:
         added = {place: data.decode() for place, data in _contents(root.joinpath(part))}
         texts |= added | {name: texts.get(name, "") + added.get(name, "") for name in _JOINED}
     for word, value in words.items():
@@ -223,20 +227,33 @@ def _move_pipeline(contents: dict[str, bytes], pipeline: Pipeline) -> dict[Path,
     return outside
 
 
-def _contract_for(template: Template, drive: str, kind: str) -> ContractName:
-    """Return the contract of a named drive, which the template must have."""
+def _folders_for(template: Template, drive: str, kind: str) -> tuple[ContractName, tuple[str, ...]]:
+    """Return the contract of a named drive, which the template must have, and the folders for it."""
     from drivegate_cases.drive.drive_document import load_drive
 
     named = load_drive(drive)
     for contract in template.folders:
         if contract == named.contract:
-            return contract
+            return contract, (*template.folders[contract], *_unsensed(template, named, kind))
     others = ", ".join(other for other, known in KINDS.items() if named.contract in known.folders)
     own = " or ".join(ANSWERS[contract] for contract in template.folders)
     raise InputError(
         f"the drive '{one_line(named.name)}' of the kind '{named.kind}' takes {ANSWERS[named.contract]}, but the "
         f"template '{kind}' answers with {own}; take one of {others}, or name another drive"
     )
+
+
+def _unsensed(template: Template, named: DriveDocument, kind: str) -> tuple[str, ...]:
+    """Return the folders more for a drive without a position sensor, which the template must have for it."""
+    if named.position != "none":
+        return ()
+    if not template.unsensed:
+        able = " or ".join(other for other, known in KINDS.items() if known.unsensed)
+        raise InputError(
+            f"the drive '{one_line(named.name)}' has no position sensor, but the template '{kind}' needs one; take "
+            f"{able}, or name another drive"
+        )
+    return template.unsensed
 
 
 def _name_drive(contents: dict[str, bytes], drive: str) -> None:

@@ -25,6 +25,7 @@ __all__ = [
     "DriveDocument",
     "DriveReference",
     "drive_names",
+    "is_included",
     "load_drive",
 ]
 
@@ -73,6 +74,11 @@ def included_drives() -> tuple[str, ...]:
     """List the drives that come with drivegate, those of PM AC also without a position sensor."""
     names = drive_names()
     return (*names, *(name + SENSORLESS for name in names if is_included(name + SENSORLESS)))
+
+
+def is_included(name: str) -> bool:
+    """Return True for the name of a drive that comes with drivegate, also for one with `SENSORLESS` behind it."""
+    return name.removesuffix(SENSORLESS) in drive_names()
 
 
 def drive_names(*, but: str = "") -> tuple[str, ...]:
