@@ -19,6 +19,7 @@ FAST_CURRENTS, FAST_REFERENCES = 2.0 * pi * 300.0, 2.0 * pi * 1000.0
 class _Front:
     """A candidate around a control system, which takes it for the drive's machine, mechanics and converter."""
 
+    sensorless = False
     lc_filter = None
     machine = mechanics = converter = property(lambda self: self)
 
@@ -33,8 +34,9 @@ class _Front:
             psi_f=n.magnet_flux,
         )
         vector = self.vector_controller(
-            machine, i_s_max=n.current_limit, sensorless=False, T_s=n.control_period
+            machine, i_s_max=n.current_limit, sensorless=self.sensorless, T_s=n.control_period
         )
+        self.pole_pairs = n.pole_pairs
         self.follows_torque = n.reference_kind == TORQUE_REFERENCE
         speed = None if self.follows_torque else sm.SpeedController(J=n.inertia, alpha_s=SPEED_BANDWIDTH)
         dead_time = sm.InverterNonlinearity(t_d=n.dead_time)
@@ -47,10 +49,14 @@ class _Front:
         self.sense = sense
         follow = self.system.set_torque_ref if self.follows_torque else self.system.set_speed_ref
         follow(sense.reference)
+        observer = self.system.vector_ctrl.observer
+        angle, speed = observer.theta_m / self.pole_pairs, observer.w_M
         _, duty_ratios = self.system(self)
         # It keeps every signal of every period, and a run is long.
         self.system.clear_data()
-        return DutyCommand(duty_ratios)
+        if not self.sensorless:
+            return DutyCommand(duty_ratios)
+        return DutyCommand(duty_ratios, angle=angle, speed=speed)
 
     def meas_dc_voltage(self) -> float:
         """Voltage of the link (V)."""
@@ -100,3 +106,28 @@ class FluxVector(_Front):
     def vector_controller(machine: sm.SynchronousMachinePars, **settings: float) -> sm.FluxVectorController:
         """Make the controller of flux and torque."""
         return sm.FluxVectorController(machine, sm.FluxVectorControllerCfg(**settings))
+
+
+class SensorlessCurrentVector(CurrentVector):
+    """Current-vector control with its flux observer in place of a sensor."""
+
+    sensorless = True
+
+
+class SensorlessFluxVector(FluxVector):
+    """Flux-vector control with its flux observer in place of a sensor."""
+
+    sensorless = True
+
+
+class SignalInjection(_Front):
+    """Current-vector control that injects a voltage to find the angle of a salient rotor, but not its polarity."""
+
+    sensorless = True
+
+    @staticmethod
+    def vector_controller(
+        machine: sm.SynchronousMachinePars, **settings: float
+    ) -> sm.SignalInjectionController:
+        """Make the controller of the currents."""
+        return sm.SignalInjectionController(machine, sm.CurrentVectorControllerCfg(**settings))
