@@ -31,7 +31,6 @@ from drivegate.scenarios.facts import facts_in_short
 from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_lab.candidates.duty_faults import DUTY_FAULTS
-from drivegate_lab.candidates.sensorless_faults import SENSORLESS_FAULTS
 from drivegate_reports.page.style import house_style, new_figure, svg_document
 
 if TYPE_CHECKING:
@@ -65,11 +64,6 @@ class Fault:
     """The drive on which its counterexample is searched."""
 
     @property
-    def original(self) -> str:
-        """The controller that an included one is, but for its fault."""
-        return "foc-sensorless" if self.included in SENSORLESS_FAULTS else "foc"
-
-    @property
     def counterexample(self) -> Path:
         """Its file; a controller that knows of no link is not run in those of included ones."""
         return DOCS / "gallery" / ("included" if self.included else "") / f"{self.check}.json"
@@ -91,8 +85,8 @@ class Fault:
     def words(self) -> list[str]:
         """The lines of the model that the fault changes, as a diff, or what the included controller does."""
         if self.included:
-            sentence = {**DUTY_FAULTS, **SENSORLESS_FAULTS}[self.included].sentence
-            return [f"`faulty:{self.included}`, the included `{self.original}` with one change: {sentence}"]
+            sentence = DUTY_FAULTS[self.included].sentence
+            return [f"`faulty:{self.included}`, the included `foc` with one change: {sentence}"]
         return ["```diff", *self.lines(), "```"]
 
     def lines(self) -> list[str]:
@@ -237,15 +231,6 @@ FAULTS: Final = (
         included="torque-alone-derated",
         drive="pm-ac-hub",
     ),
-    Fault(
-        "An observer without the drop across the resistance",
-        "SLS-2",
-        (),
-        "speed_rpm",
-        "speed_reference_rpm",
-        included="observer-without-resistance",
-        drive="pm-ac-2kw-sensorless",
-    ),
 )
 
 
@@ -272,10 +257,7 @@ def shown(fault: Fault) -> tuple[str, Figure]:
     """Run the counterexample of a fault; return its section of the page and its figure."""
     found = read_counterexample(fault.counterexample)
     assert isinstance(found.scenario, Scenario)
-    record, healthy = (
-        _run(fault, found.scenario),
-        _run(SOUND, found.scenario, fault.included and fault.original),
-    )
+    record, healthy = _run(fault, found.scenario), _run(None if fault.included else SOUND, found.scenario)
     check, contract = check_of("duty", fault.check), contract_of(found.scenario.drive)
     margin = check.evaluate(record)
     assert margin is not None
@@ -292,10 +274,10 @@ def shown(fault: Fault) -> tuple[str, Figure]:
     return "\n".join(_section(fault, margin.measured, facts_in_short(found.scenario.to_mapping()))), figure
 
 
-def _run(fault: Fault, scenario: Scenario, name: str = "") -> Record:
-    """Run a fault in a scenario, or an included controller by its name."""
+def _run(fault: Fault | None, scenario: Scenario) -> Record:
+    """Run a fault, or without one the included controller, in a scenario."""
     with TemporaryDirectory() as folder:
-        loaded = own_candidate(resolve_candidate(name or fault.candidate(Path(folder))))
+        loaded = own_candidate(resolve_candidate(fault.candidate(Path(folder)) if fault else "foc"))
         return recorded(loaded, scenario, loaded.controller())
 
 
