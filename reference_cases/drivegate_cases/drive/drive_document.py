@@ -76,11 +76,6 @@ def included_drives() -> tuple[str, ...]:
     return (*names, *(name + SENSORLESS for name in names if is_included(name + SENSORLESS)))
 
 
-def is_included(name: str) -> bool:
-    """Return True for the name of a drive that comes with drivegate, also for one with `SENSORLESS` behind it."""
-    return name.removesuffix(SENSORLESS) in drive_names()
-
-
 def drive_names(*, but: str = "") -> tuple[str, ...]:
     """List the drives that come with drivegate, or those of all kinds but one."""
     names = packaged_names("drives")

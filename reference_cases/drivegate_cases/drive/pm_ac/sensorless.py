@@ -13,8 +13,8 @@ START_CURRENT: Final = 0.8
 START_TORQUE: Final = 0.5
 """Greatest load of a start without a sensor, over rated torque (1)."""
 _LEAST_SHARE: Final = 0.05
-# EMF over the fundamental of the error of dead time and drops, and torque that the resistance's error is stated for, over the
-# rated one. A resistance that is 30 % off must cost 30 % of the EMF at most, so both are equal.
+# EMF over the fundamental of the error of dead time and drops, and torque that the resistance's error is stated for,
+# over the rated one. A resistance that is 30 % off must cost 30 % of the EMF at most, so both are equal.
 _OVER_DEAD_TIME: Final = 3.0
 _LOADED: Final = 0.8
 # A start: half as long along one direction and then along another, of natural periods up to a time (s), and a ramp at
