@@ -202,15 +202,17 @@ def swing_moment(record: DutyRecord) -> Moment | None:
     rows = record.periods(window.start_s, window.end_s)
     times = (np.arange(rows.start, rows.stop) + 0.5) * record.scenario.control_period_s
     means = record.run.column("link_mean")[rows]
+    sign = max((1.0, -1.0), key=lambda way: float(_above(way * means).max()))
+    above = _above(sign * means)
+    place = int(np.argmax(above))
+    swing, peak = float(above[place]), float(means[place])
     return Moment(
         start_s=window.start_s,
         end_s=window.end_s,
         quantity="link (V)",
         courses=(course_of("link", times, means),),
-        levels=(
-            Mark(words="greatest", value=float(means.max())),
-            Mark(words="least", value=float(means.min())),
-        ),
+        levels=(Mark(words="where it swings from and to", value=peak - sign * swing),),
+        point=Point(words=f"{swing:.4g} V apart", time_s=float(times[place]), value=peak),
     )
 
 
@@ -226,14 +228,15 @@ def _swing(record: DutyRecord, window: DutyWindow) -> Margin | None:
 
 def swing_of(voltages: NDArray[np.float64]) -> float:
     """Return the greatest swing of voltages, shape (n,), away and back (V); a drift in one direction is none."""
-    return max(_rise_and_fall(voltages), _rise_and_fall(-voltages))
+    return max(float(_above(sign * voltages).max()) for sign in (1.0, -1.0))
 
 
-def _rise_and_fall(voltages: NDArray[np.float64]) -> float:
-    """Return the most by which a voltage is above both an earlier and a later one (V)."""
+def _above(voltages: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return by how much each voltage is above both the least earlier and the least later one (V), shape (n,)."""
     earlier = np.minimum.accumulate(voltages)
     later = np.minimum.accumulate(voltages[::-1])[::-1]
-    return float((voltages - np.maximum(earlier, later)).max())
+    above: NDArray[np.float64] = voltages - np.maximum(earlier, later)
+    return above
 
 
 LNK_1 = Check(
