@@ -215,22 +215,6 @@ FAULTS: Final = (
         "torque_nm",
         "torque_reference_nm",
     ),
-    Fault(
-        "Braking as if the link were ideal",
-        "LNK-1",
-        (),
-        "link_highest_v",
-        included="link-taken-for-ideal",
-        drive="pm-ac-servo-48v",
-    ),
-    Fault(
-        "Derating of the q current alone",
-        "THM-2",
-        (),
-        "winding_temperature_c",
-        included="torque-alone-derated",
-        drive="pm-ac-hub",
-    ),
 )
 
 
