@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from math import pi, sqrt
 from typing import Final
 
 from drivegate.contracts.duty.document import duty_document
@@ -23,12 +24,6 @@ TAKE_OVER_S: Final = 0.1
 """Time in which a controller takes over a turning shaft (s)."""
 REACTION_S: Final = 0.05
 """Time in which a load that comes on may move the shaft freely (s)."""
-MOST_INDUCED: Final = 1.5
-"""EMF between lines over the link up to which a controller takes over a shaft (1).
-
-An observed bound, which follows from no formula: the built-in controller takes over a shaft at 1.48 and loses one at
-1.56, where the diodes conduct so long that the terminals hardly show the EMF.
-"""
 _ROUNDING: Final = 0.01
 
 
@@ -58,12 +53,25 @@ def _begin(scenario: Scenario) -> Dwell:
     )
 
 
+def most_induced(document: PmAcDocument) -> float:
+    """Return the EMF between lines over the link up to which a controller takes over a shaft (1).
+
+    Diodes that conduct all the time put a fundamental of ``(2 / pi) V`` on a phase, against its current. Without
+    resistance, ``(2 / pi) V (cos(a)**2 + (L_d / L_q) sin(a)**2) / cos(a)`` is the EMF of a phase whose terminals lag
+    behind it by an angle ``a``. A sample differs from their fundamental by up to 30 degrees, and must not differ from
+    the EMF by more than 90: ``a`` is at most 60 degrees.
+    """
+    machine = document.machine
+    share = machine.direct_inductance_h / machine.quadrature_inductance_h
+    return float(sqrt(3.0) / pi * (1.0 + 3.0 * share))
+
+
 def conducts_off(scenario: Scenario, document: PmAcDocument) -> bool:
     """Return True if a run begins so fast that the terminals show the link in place of the EMF."""
     first = _begin(scenario)
     is_held = isinstance(scenario.load, LockedLoad)
     speed = abs(first.speed_rpm if is_held else scenario.initial_speed_rpm) * RADIANS_PER_RPM
-    return bool(rectifies(document.plant(first.scales), speed / MOST_INDUCED, 2.0 * first.supply_v))
+    return bool(rectifies(document.plant(first.scales), speed / most_induced(document), 2.0 * first.supply_v))
 
 
 def _unfair_start(scenario: Scenario, document: PmAcDocument, first: Dwell) -> str | None:
