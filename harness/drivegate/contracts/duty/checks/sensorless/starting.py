@@ -215,8 +215,8 @@ SLS_6 = Check(
     ),
     limit="20 % of rated torque for 100 ms, then speed 2 k1",
     scenarios="runs of the nominal drive that begin at 5 to 100 % of the highest speed, from the least speed on and up "
-    "to where the terminals lag the EMF by 60° with all legs off, either way; the torque only where no diode conducts by "
-    "itself",
+    "to where the terminals lag the EMF by 60° with all legs off, either way; the torque only where no diode conducts "
+    "by itself",
     formula="the lesser of 1 - greatest torque / 20 % of rated torque and 1 - speed error / 2 k1",
     why="A fan that the wind turns, or a vehicle that rolls, is braked hard by a controller that presumes standstill.",
     evaluate=flying_start,
