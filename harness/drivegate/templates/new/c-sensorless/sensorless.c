@@ -34,6 +34,7 @@ void drivegate_duty_step(void *state, const drivegate_duty_sense *sense, drivega
 #define FLUX_ERROR 0.5
 #define START_CURRENT 0.8  /* current of a start over the limit */
 #define DEAD_SHARE 0.0005  /* current over the limit from which a dead time acts whole */
+#define SMOOTH_SHARE 0.05  /* share by which the currents that decide on it are followed in a control period */
 #define SPEED_BANDWIDTH 80 /* least bandwidth of the speed regulator, rad/s */
 
 typedef struct { double along, across; } vector;
@@ -45,10 +46,10 @@ typedef struct {
     drivegate_duty_nameplate plate;
     int mode, age, agreed, lost, fault, turned_periods, align_periods, delay;
     /* Speeds are electrical from here on. */
-    double period, least, bandwidth, still_gain, lead, dead_ratio;
+    double period, least, bandwidth, still_gain, lead, dead_ratio, ripple;
     double start_current, swing, acceleration, damping, fast, slow;
     double field, field_speed, sense_of_start, angle, speed, flux_error, turned;
-    vector integral, induced, mean_induced, flux, current, terminal, acted[2];
+    vector integral, induced, mean_induced, flux, current, smooth, terminal, acted[2];
 } sensorless;
 
 static vector clarke(const double phases[3]) {
@@ -284,11 +285,26 @@ static void stop(const sensorless *self, const drivegate_duty_sense *sense, driv
     command->fault = self->fault;
 }
 
-/* Compensate duty ratios for the dead time, by the signs of the currents. */
-static void compensate(const sensorless *self, const double currents[3], double ratios[3]) {
+/* Compensate duty ratios for the dead time, by the signs of the currents while they act. Currents near zero are smoothed in
+ * the frame that turns with them: their signs must not follow ripple and noise. */
+static void compensate(sensorless *self, double angle, double speed, double ratios[3]) {
+    vector current = turned_by(self->current, -angle);
+    self->smooth.along += SMOOTH_SHARE * (current.along - self->smooth.along);
+    self->smooth.across += SMOOTH_SHARE * (current.across - self->smooth.across);
+    current = turned_by(self->smooth, angle + self->lead * speed);
+    double second = -0.5 * current.along + 0.5 * sqrt(3.0) * current.across;
+    double currents[3] = {current.along, second, -current.along - second};
+    double least = DEAD_SHARE * self->plate.current_limit, ripple[3];
+    /* A current that has different signs at the two edges of its leg loses no time at either. */
     for (int leg = 0; leg < 3; ++leg) {
-        double sign = currents[leg] / (DEAD_SHARE * self->plate.current_limit);
-        ratios[leg] = fmin(fmax(ratios[leg] + self->dead_ratio * fmin(fmax(sign, -1.0), 1.0), 0.0), 1.0);
+        double own = ratios[leg], next = ratios[(leg + 1) % 3], last = ratios[(leg + 2) % 3];
+        double earlier = (fmax(next - own, 0.0) + fmax(last - own, 0.0)) / 3.0;
+        ripple[leg] = -self->ripple * (earlier + (own - (own + next + last) / 3.0) * (1.0 - own));
+    }
+    for (int leg = 0; leg < 3; ++leg) {
+        double on = (currents[leg] + ripple[leg]) / least, off = (currents[leg] - ripple[leg]) / least;
+        double sign = 0.5 * (fmin(fmax(on, -1.0), 1.0) + fmin(fmax(off, -1.0), 1.0));
+        ratios[leg] = fmin(fmax(ratios[leg] + self->dead_ratio * sign, 0.0), 1.0);
     }
 }
 
@@ -312,7 +328,10 @@ int drivegate_duty_reset(void *state, const drivegate_duty_nameplate *nameplate)
     self->bandwidth = fmin(2.0 * PI * 50.0, 0.05 / period);
     self->still_gain = 0.25 * nameplate->resistance
                        * (1.0 / nameplate->direct_inductance + 1.0 / nameplate->quadrature_inductance);
-    self->dead_ratio = nameplate->dead_time / (nameplate->updates == 2 ? 2.0 * period : period / nameplate->control_every);
+    /* Current that the whole link drives in half a carrier period. */
+    double carrier = nameplate->updates == 2 ? 2.0 * period : period / nameplate->control_every;
+    self->dead_ratio = nameplate->dead_time / carrier;
+    self->ripple = nameplate->supply_voltage * carrier / (nameplate->direct_inductance + nameplate->quadrature_inductance);
     self->start_current = current;
     self->swing = 2.0 * PI / rate;
     double longest = nameplate->start_time > 0.0 ? fmin(0.5, 0.3 * nameplate->start_time) : 0.5;
@@ -354,6 +373,7 @@ void drivegate_duty_step(void *state, const drivegate_duty_sense *sense, drivega
     self->acted[0] = clarke(command->duty_ratios);
     self->acted[0].along *= mode == WATCHING ? NAN : sense->supply_voltage;
     self->acted[0].across *= sense->supply_voltage;
-    if (mode != WATCHING) compensate(self, sense->phase_currents, command->duty_ratios);
+    if (mode == RUNNING) compensate(self, self->angle, self->speed, command->duty_ratios);
+    else if (mode != WATCHING) compensate(self, self->field, self->field_speed, command->duty_ratios);
     if (self->fault != 0) stop(self, sense, command);
 }
