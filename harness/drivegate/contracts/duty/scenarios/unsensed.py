@@ -74,6 +74,17 @@ def conducts_off(scenario: Scenario, document: PmAcDocument) -> bool:
     return bool(rectifies(document.plant(first.scales), speed / most_induced(document), 2.0 * first.supply_v))
 
 
+def fastest_taken_over_rpm(document: PmAcDocument) -> float:
+    """Return the greatest speed of a shaft that a run may begin at (rpm): the highest one with a sensor."""
+    highest, machine = document.rating.highest_speed_rpm, document.machine
+    if document.has_sensor:
+        return highest
+    inverter = document.inverter
+    emf = (inverter.link_voltage_v + 2.0 * inverter.diode_drop_v) * most_induced(document) / sqrt(3.0)
+    speed = emf / (machine.pole_pairs * machine.magnet_flux_v_s * RADIANS_PER_RPM)
+    return float(min(highest, (1.0 - _ROUNDING) * speed))
+
+
 def _unfair_start(scenario: Scenario, document: PmAcDocument, first: Dwell) -> str | None:
     initial = scenario.initial_speed_rpm
     torque = load_on_shaft(scenario, first, initial * RADIANS_PER_RPM)

@@ -34,6 +34,7 @@ from drivegate.contracts.duty.scenarios.drawn_range import (
     SHARE_STEP,
     SLOW_SHARE,
 )
+from drivegate.contracts.duty.scenarios.unsensed import fastest_taken_over_rpm
 from drivegate.scenarios.drive_scale import tidy
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.scenario import Scenario
@@ -52,11 +53,10 @@ def torque_step_scenarios(drive: PmAcDocument) -> Drawn:
 
 def weakening_scenarios(drive: PmAcDocument) -> Drawn:
     """Draw torque references above base speed that ask for more than rated power, and then for nothing."""
-    rating = drive.rating
     return st.builds(
         lambda share, speed: share_scenario(drive, speed, 0.0, share, 0.0),
         shares_between(1.5, BEYOND_SHARE),
-        speeds_between(drive, 1.02 * rating.base_speed_rpm, rating.highest_speed_rpm),
+        speeds_between(drive, 1.02 * drive.rating.base_speed_rpm, fastest_taken_over_rpm(drive)),
     )
 
 

@@ -17,6 +17,7 @@ from drivegate.contracts.duty.scenarios.sensorless import (
     sensorless_start,
     slowly_loaded,
 )
+from drivegate.contracts.duty.scenarios.unsensed import fastest_taken_over_rpm
 from drivegate.scenarios.changes import with_scales
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.limits import FAILURE_SPEED_SHARE
@@ -86,7 +87,7 @@ def flying_start_scenarios(drive: PmAcDocument) -> Drawn:
     highest = drive.rating.highest_speed_rpm
     return st.builds(
         lambda speed, sign, angle: flying_start(drive, sign * speed, angle),
-        speeds_between(drive, max(least_rpm(drive), 0.05 * highest), highest),
+        speeds_between(drive, max(least_rpm(drive), 0.05 * highest), fastest_taken_over_rpm(drive)),
         _signs(),
         st.integers(0, 359).map(float),
     )
