@@ -83,14 +83,14 @@ def linked_name(image: Image, name: str) -> str:
     """Return the name of a function as it is linked: in C++ another one than in the source, unless overloaded."""
     if name in image.functions:
         return name
-    found = [each for each in image.functions if _in_source(each) == name and not _is_clone(each)]
+    found = [each for each in image.functions if source_name(each) == name and not _is_clone(each)]
     return found[0] if len(found) == 1 else name
 
 
 def clone_of(image: Image, name: str) -> str:
     """Return the name of what the compiler has made of a function that is called in one way only; empty for none."""
     clones = (each for each in image.functions if _is_clone(each))
-    return next((each for each in clones if name in (each.partition(".")[0], _in_source(each))), "")
+    return next((each for each in clones if name in (each.partition(".")[0], source_name(each))), "")
 
 
 def _is_clone(linked: str) -> bool:
@@ -102,7 +102,7 @@ _MANGLED: Final = re.compile(r"_Z(?:N[rVK]*[RO]?|L)?(?=\d)")
 _PART: Final = re.compile(r"L?(\d+)")
 
 
-def _in_source(linked: str) -> str:
+def source_name(linked: str) -> str:
     """Return the name that a C++ function has in its source, with its namespaces; empty for others."""
     begin, parts = _MANGLED.match(linked), []
     rest = "" if begin is None else linked[begin.end() :]

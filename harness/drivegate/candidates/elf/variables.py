@@ -29,7 +29,7 @@ from drivegate.candidates.elf.debug_information import (
     variable_in,
 )
 from drivegate.candidates.elf.expression import Place
-from drivegate.candidates.elf.image import attributes_of
+from drivegate.candidates.elf.image import attributes_of, source_name
 from drivegate_cases.documents.wording import nearest, short_line, shown_path
 from drivegate_models.errors import InputError
 
@@ -136,19 +136,24 @@ class Variables:
 
         One that was compiled without debug information, such as a library's, is taken to return an ``int``.
         """
-        if function not in self.functions and self.functions:
+        if self._described(function) not in self.functions and self.functions:
             return SIGNED, 4
         typed = type_of(self.function(function), self.types)
         return None if typed is None else self._form(typed, function)
 
     def function(self, name: str) -> Any:
         """Return a function as DWARF describes it."""
+        name = self._described(name)
         if name not in self.functions and self.functions:
             raise InputError(
                 f"{self.image} has no debug information of the function '{short_line(name)}', whose parameters [stub] "
                 "names; compile it with -g"
             )
         return self._known(self.functions, name, "function")
+
+    def _described(self, function: str) -> str:
+        """Return the name by which a function is described: of a static one in C++ that in its source."""
+        return function if function in self.functions else source_name(function) or function
 
     def _variable(self, name: str) -> tuple[int, Typed | None]:
         if len(self.scoped.get(name, ())) > 1:
