@@ -90,7 +90,10 @@ def test_a_native_candidate_may_have_flags_and_headers():
             },
             "'flowchart.k2_percent'",
         ),
-        ({"kind": "builtin", "sources": ["a.csv"]}, "the key 'sources' is for the kinds 'python' and 'c'"),
+        (
+            {"kind": "builtin", "sources": ["a.csv"]},
+            "the key 'sources' is for the kinds 'python', 'c', 'so',",
+        ),
         ({"flags": ["-O3"]}, "the key 'flags' is for the kind 'c', but the kind is 'python'"),
         ({"kind": "compose"}, "the key 'kind' is \"compose\", but must be 'python', 'builtin', 'c'"),
         ({"blocks": {"search": "mine.py:Search"}}, "the key 'blocks' is unknown"),

@@ -94,5 +94,5 @@ def test_a_drive_without_its_sensor_is_named_in_new_files(
     scenario = command("new", "scenario", "run.toml", "--drive", name)
     assert "drivegate simulate foc-sensorless --case run.toml" in scenario.out
     assert tomllib.loads((tmp_path / "run.toml").read_text())["drive"] == name
-    assert command("new", "Python", "mine", "--drive", name).code == 0
+    assert command("new", "C", "mine", "--drive", name).code == 0
     assert tomllib.loads((tmp_path / "mine" / "candidate.toml").read_text())["drive"] == name

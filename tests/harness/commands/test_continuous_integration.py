@@ -467,7 +467,7 @@ def test_the_main_branch_is_checked_with_more_scenarios_than_a_pull_request(
     assert words[words.index("--effort") + 1] == drawn
     rules = GITLAB["gate"]["rules"]
     assert (GITLAB["gate"]["variables"], rules[0]["variables"]) == (
-        {"EFFORT": "quick"},
+        {"EFFORT": "quick", "COVERAGE": ""},
         {"EFFORT": "default"},
     )
 

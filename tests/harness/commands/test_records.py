@@ -295,7 +295,7 @@ def test_a_bad_corpus_is_refused_before_anything_runs(refused, engine, corpus, t
         (["--waivers", "nowhere.toml"], "nowhere.toml does not exist"),
         (["--baseline", "nowhere.json"], "nowhere.json does not exist"),
         (["--baseline", "corpus/one.json"], 'is of kind "counterexample"'),
-        (["--baseline", "corpus"], "corpus is neither"),
+        (["--baseline", "corpus"], "corpus is a folder; name a TOML or JSON file in it"),
     ],
 )
 def test_records_that_are_not_there_are_refused(refused, engine, corpus, words, reason):

@@ -209,7 +209,7 @@ def test_a_file_that_is_no_result(refused: Any, tmp_path: Path, text: str, said:
 
 def test_a_file_that_cannot_be_one(refused: Any, tmp_path: Path) -> None:
     assert "does not exist" in refused("verify", "missing.json")
-    assert "neither a TOML nor a JSON file by its name" in refused("verify", tmp_path)
+    assert "is a folder; name a TOML or JSON file in it" in refused("verify", tmp_path)
 
 
 def test_a_hash_over_nonsense_makes_no_result(refused: Any, tmp_path: Path) -> None:

@@ -46,7 +46,8 @@ def duty_sense_message(sense: DutySense) -> bytes:
     known = [
         f"{key}{list(value) if type(value) is tuple else value!r}"
         for key, value in zip(_DUTY_KEYS, sense, strict=True)
-        if value == value
+        # Of three values all are known or none. Tuples of the same NaN are equal.
+        if (value[0] == value[0] if type(value) is tuple else value == value)
     ]
     return f'{{"sense":{{{",".join(known)}}}}}\n'.encode()
 

@@ -20,7 +20,19 @@ from drivegate_models.contract.duty.records import duty_command_record, duty_sen
 NAMEPLATE = DutyNameplate(3, 1, 2, 1, 1, *(float(number) for number in range(13)))
 CURRENTS = np.array([1.0, -2.5, 1.5])
 SENSE = DutySense(
-    0.25, 3.5, (1.0, -2.5, 1.5), 96.0, 1.25, 0.5, 104.0, 5, -1, 2, (3.5, -0.5, 60.0), winding_temperature=41.5
+    0.25,
+    3.5,
+    (1.0, -2.5, 1.5),
+    96.0,
+    1.25,
+    0.5,
+    104.0,
+    5,
+    -1,
+    2,
+    (3.5, -0.5, 60.0),
+    winding_temperature=41.5,
+    mean_voltages=(3.0, -0.5, 61.0),
 )
 STEP = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p)
 

@@ -107,6 +107,7 @@ def test_what_is_sensed_otherwise_is_taken_as_it_is() -> None:
     shaft = Shaft(BASE_SPEED)
     shaft.sense.hall = -1
     shaft.sense.winding_temperature = 20.0
+    shaft.sense.mean_voltages = 0.0
     for angle, speed in ((0.1, 100.0), (0.1, 100.0), (0.1, 100.0)):
         shaft.sense.angle, shaft.sense.speed, shaft.sense.reference = angle, speed, 7.0
         assert locate_shaft(shaft.state, shaft.sense) == shaft.sense

@@ -167,7 +167,7 @@ int64_t *signals_integer(signals *self, unsigned reference) {
 }
 
 size_t signals_width(unsigned reference) {
-    return reference == PHASE_CURRENTS || reference == PHASE_VOLTAGES || reference == DUTY_RATIOS || reference == LEGS
+    return reference == PHASE_CURRENTS || reference == PHASE_VOLTAGES || reference == MEAN_VOLTAGES || reference == DUTY_RATIOS || reference == LEGS
                ? 3
                : 1;
 }
