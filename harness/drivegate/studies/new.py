@@ -58,8 +58,8 @@ _COMMON: Final[Mapping[ContractName, tuple[str, ...]]] = MappingProxyType(
 HOST_MANIFEST: Final = "host.toml"
 """Manifest of an image's sources, compiled for this machine; few templates have one."""
 _QUICK: Final = "drivegate check --effort quick"
-_FIRST: Final = "DEC-1"
-"""Check of duty ratios that has a verdict within a minute where all checks take longer."""
+_FIRST: Final[Mapping[ContractName, str]] = MappingProxyType({"duty": f"{_QUICK} --only DEC-1"})
+"""Command that has a verdict within a minute where all checks take longer."""
 _NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,63}")
 _IGNORED: Final = "gitignore"
 """Name of a template that means nothing to the tools of this repository."""
@@ -212,7 +212,7 @@ def _texts_of(folders: Iterable[str], words: Mapping[str, str]) -> dict[str, str
 def _first_check(template: Template, contract: ContractName, texts: Mapping[str, str]) -> str:
     if HOST_MANIFEST in texts:
         return f"drivegate check {HOST_MANIFEST} --effort quick"
-    return f"{_QUICK} --only {_FIRST}" if template.is_slow and contract == "duty" else _QUICK
+    return _FIRST.get(contract, _QUICK) if template.is_slow else _QUICK
 
 
 def _move_pipeline(contents: dict[str, bytes], pipeline: Pipeline) -> dict[Path, bytes]:
