@@ -28,6 +28,7 @@ def runs_of(
     return trial.points
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("method", METHODS)
 def test_a_method_makes_its_allowance_of_new_runs_and_follows_its_seed(method: str) -> None:
     points = runs_of(method, 1)
@@ -59,7 +60,7 @@ def test_points_lie_on_the_grid_inside_the_cube() -> None:
     assert on_grid((-0.2, 1.7, 0.12345)) == (0.0, 1.0, 123 / GRID)
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.nightly
 @pytest.mark.parametrize("fault", SUDDEN, ids=lambda fault: fault.name)
 def test_a_pocket_takes_up_the_share_that_its_level_says(fault: WeakenedFault) -> None:
     share = 1.0 / expected_draws(0)

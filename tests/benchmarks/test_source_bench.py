@@ -62,6 +62,7 @@ def test_the_yardstick_of_duty_ratios_is_in_step(workbench, monkeypatch):
         duty_yardstick.yardstick_ratio(workbench)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("language", ["c", "numba", pytest.param("rust", marks=pytest.mark.needs("rustc"))])
 def test_compiled_examples_are_measured_beside_the_reference(workbench, monkeypatch, language):
     monkeypatch.setattr(example_rates, "SIMULATED", 1.0)

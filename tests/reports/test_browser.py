@@ -101,6 +101,7 @@ def test_print_cuts_no_table(opened: Open, name: str) -> None:
     assert page.evaluate("document.documentElement.scrollWidth") <= A4_WIDTH
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("name", "scheme"),
     [*((name, "light") for name in PAGE_NAMES), ("conformance", "dark"), ("ratios", "dark")],

@@ -39,6 +39,7 @@ print("has a step at", controller.step_address)
 """
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(
     ("text", "drive"),
     [

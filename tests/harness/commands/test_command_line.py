@@ -180,6 +180,7 @@ def test_numbers_that_json_cannot_write_become_null(capsys):
     assert json.loads(capsys.readouterr().out) == {"schema": 1, "nan": None, "list": [None, [1.5]]}
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("words", [["cases"], ["cases", "--json"], ["checks"]])
 def test_a_reader_that_leaves_changes_nothing(words):
     process = drivegate(*words)
@@ -236,6 +237,7 @@ def ended_by(ending, folder, *words):
     return document
 
 
+@pytest.mark.nightly
 def test_a_check_whose_terminal_is_closed_exits_with_130_and_leaves_nothing(tmp_path):
     ended_by(signal.SIGHUP, tmp_path)
     assert list(tmp_path.iterdir()) == [], "an interrupted check leaves no folder behind"

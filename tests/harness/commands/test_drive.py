@@ -92,6 +92,7 @@ def test_a_narrow_console_has_fewer_columns_and_no_broken_numbers(command, monke
         assert listed[5].split()[0] == "300", "each speed has a line of its own"
 
 
+@pytest.mark.nightly
 def test_a_rating_out_of_reach_is_named_and_shown_all_the_same(command):
     limited = ("drive", "--set", "current_limit_a=20")
     ended = command(*limited)
@@ -182,6 +183,7 @@ def test_a_drive_from_a_file_and_settings_on_top(command, tmp_path):
     assert ended.document["rating"]["rated_power_w"] == 1200.0
 
 
+@pytest.mark.nightly
 def test_the_figure_is_drawn_and_the_same_every_time(command, tmp_path):
     first = command("drive", *QUICK, "--plot", "drive.svg", "--json")
     assert first.document["files"] == ["drive.svg"]

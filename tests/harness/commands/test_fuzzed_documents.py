@@ -221,6 +221,7 @@ KINDS: Final[dict[str, tuple[Callable[[], Tree], Callable[[Path], object]]]] = {
 }
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_damaged_document_is_read_or_refused_in_a_short_sentence(kind: str, tmp_path: Path) -> None:
     valid, read = KINDS[kind]

@@ -80,6 +80,7 @@ def test_the_kinds_on_the_command_line_are_those_that_there_are():
     assert set(CHOICES) == {*KINDS, DRIVE, REQUIREMENTS, SCENARIO}
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("kind", OF_CURRENTS)
 def test_every_kind_gives_the_commands_of_the_built_in_line_of_angles(tmp_path, kind):
     folder = tmp_path / "mine"

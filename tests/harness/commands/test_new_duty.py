@@ -69,7 +69,7 @@ def plain_runs(drive: str) -> tuple[Scenario, Scenario, Scenario]:
 
 
 @pytest.mark.parametrize("kind", DUTY_KINDS)
-@pytest.mark.one_in(2)
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("drive", DRIVES)
 def test_it_follows_steps_into_weakening_on_every_packaged_drive(written, kind: str, drive: str) -> None:
     candidate = resolve_candidate(str(written(kind) / "candidate.toml"))
@@ -83,6 +83,7 @@ def test_it_follows_steps_into_weakening_on_every_packaged_drive(written, kind: 
             assert missed == {}, f"{kind} on {drive}: {missed}"
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("kind", DUTY_KINDS)
 def test_it_begins_without_a_peak_on_a_machine_of_another_flux(written, kind: str) -> None:
     spinning = torque_scenario(load_drive("pm-ac-interior"), 1890.0, (0.0,)).replaced(
@@ -94,6 +95,7 @@ def test_it_begins_without_a_peak_on_a_machine_of_another_flux(written, kind: st
     assert peaks[:30].max() < 1.15 * peaks[90:].max(), "the integrals begin at what is sensed"
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("kind", LANGUAGES)
 def test_every_language_has_the_commands_of_c(written, kind: str) -> None:
     # The bridge is closed on a spinning machine, which accelerates into weakening and brakes.
@@ -133,6 +135,7 @@ def test_both_templates_ask_for_nearly_the_same_duty_ratios(written) -> None:
     )
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("kind", DUTY_KINDS)
 def test_it_is_judged_on_the_drive_that_is_named(written, kind: str) -> None:
     plain = resolve_candidate(str(written(kind) / "candidate.toml"))

@@ -77,6 +77,7 @@ def perturbed(prepared: Any, run: Callable[[Any], Any], perturbation: Perturbati
     return run(replace(prepared, arguments=tuple(arguments)))
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("perturbation", PERTURBED)
 @pytest.mark.parametrize("kind", DRIVE_KINDS)
 def test_a_plant_that_is_perturbed_ends_with_exit_code_3(

@@ -21,6 +21,7 @@ def short(tmp_path):
     return file
 
 
+@pytest.mark.nightly
 def test_a_run_is_summarised_and_its_trace_written(command, short, tmp_path):
     files = ("--csv", "run.csv", "--plot", "run.svg")
     document = command("simulate", "reference", "--case", short, *files, "--json").document

@@ -106,7 +106,7 @@ def test_an_option_that_asks_for_a_signature_is_refused(refused: Any, kept: Path
         assert option in said
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", ["kept", "signed"])
 def test_no_value_can_be_altered(
     command: Any, request: pytest.FixtureRequest, name: str, tmp_path: Path

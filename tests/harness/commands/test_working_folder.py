@@ -13,6 +13,7 @@ PROGRAM = (
 )
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("words", ["drivegate --version", "drivegate.gate.warm_up"])
 def test_a_module_imports_nothing_from_the_present_folder(words: str, tmp_path: Path) -> None:
     for name in ("click", "drivegate_models", "hashlib", "json", "numba", "sitecustomize"):

@@ -152,6 +152,7 @@ def test_a_copy_finds_around_it_what_a_new_process_finds(
     assert not set(drawn) & set(drawn_again), "copies draw the same numbers"
 
 
+@pytest.mark.nightly
 def test_a_copy_has_what_the_harness_has_changed_since(look: Callable[[], Any]) -> None:
     look(), look()
     limits = resource.getrlimit(resource.RLIMIT_NOFILE)
@@ -233,7 +234,7 @@ UNSTEADY = {
 }
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.nightly
 @pytest.mark.parametrize("source", UNSTEADY)
 def test_what_copies_share_does_not_pass_for_deterministic(
     judge: Callable[..., Judge], monkeypatch: pytest.MonkeyPatch, source: str
@@ -259,7 +260,7 @@ def test_what_copies_share_does_not_pass_for_deterministic(
     assert len({first, *repeated}) == 3
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.nightly
 @pytest.mark.parametrize("harm", [signal.SIGKILL, signal.SIGSTOP])
 def test_without_its_template_a_candidate_has_a_new_process(
     judge: Callable[..., Judge], own_templates: Templates, monkeypatch: pytest.MonkeyPatch, harm: int

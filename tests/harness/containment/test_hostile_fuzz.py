@@ -236,6 +236,7 @@ CHECKED = [
 ]
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(("drawn", "verdict"), CHECKED)
 def test_a_check_of_a_hostile_candidate_ends_as_documented(drawn, verdict, surroundings, tmp_path):
     (tmp_path / "mine.py").write_text(drawn.source(surroundings.mark), encoding="utf-8")

@@ -39,6 +39,7 @@ def answer(tmp_path: Path) -> Answer:
     return run
 
 
+@pytest.mark.nightly
 def test_a_good_controller_passes_and_a_weak_one_is_caught_with_a_witness(answer: Answer) -> None:
     quick = ("--effort", "quick", "--workers", "1")
     code, passed = answer("check", "toy:good", *quick)
@@ -50,6 +51,7 @@ def test_a_good_controller_passes_and_a_weak_one_is_caught_with_a_witness(answer
     ]
 
 
+@pytest.mark.nightly
 def test_the_first_different_step_is_found(answer: Answer) -> None:
     case = ("--case", FOLDER / "toy-case.json")
     assert answer("diff", "toy:good", "toy:good", *case)[1]["verdict"] == "equal"

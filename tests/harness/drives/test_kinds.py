@@ -108,6 +108,7 @@ for name in sys.modules:
 """
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(
     ("kind", "others"), [("star", ("half_bridge", "pm_ac")), ("half-bridge", ("star", "pm_ac"))]
 )

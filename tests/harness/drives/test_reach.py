@@ -44,6 +44,7 @@ def test_too_little_current_is_reported_with_every_way_out() -> None:
     )
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(
     "changes",
     [{"current_limit_a": 20.0}, {"supply_voltage_v": 30.0}, {"inductance_h": 0.01}, {"friction_n_m": 4.0}],
@@ -101,6 +102,7 @@ def test_a_drive_that_would_take_for_ever_is_refused_with_what_makes_it_slow() -
     assert refusals(slow.replaced(**found.accepted[0])) == ()
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("name", "changes", "key"),
     [

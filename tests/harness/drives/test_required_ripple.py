@@ -11,6 +11,7 @@ from drivegate_models.errors import InputError
 FAN = load_drive("fan-3-phase")
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", drive_names(but=PM_AC))
 def test_what_a_packaged_drive_requires_can_be_met(name: str) -> None:
     refuse_unreachable(load_drive(name))

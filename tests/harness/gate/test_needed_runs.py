@@ -27,6 +27,7 @@ DECLARATION = Declaration(
 )
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("number", range(0, len(FIXED), 5))
 def test_no_check_judges_a_run_that_it_does_not_need(number: int) -> None:
     loaded = own_candidate(resolve_candidate("initial"))

@@ -57,6 +57,7 @@ def contents(outcome: ShardOutcome) -> list[str]:
     return [content_key(run.scenario) for run in outcome.runs]
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.usefixtures("judged_by_speed")
 @pytest.mark.parametrize("seed", range(len(FAMILY_GROUPS)))
 def test_no_run_is_made_twice_and_none_that_every_check_makes_anyway(seed: int) -> None:
@@ -74,6 +75,7 @@ def test_the_seed_alone_decides() -> None:
     assert contents(drawn(4, 24)) != contents(drawn(4 + len(FAMILY_GROUPS), 24))
 
 
+@pytest.mark.nightly
 @pytest.mark.usefixtures("judged_by_speed")
 def test_climbing_comes_closer_to_the_least_margin_than_drawing_at_random() -> None:
     def least(*, search: bool) -> float:

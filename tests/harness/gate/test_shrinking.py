@@ -119,6 +119,7 @@ def test_a_simplest_counterexample_has_three_facts_at_most(
     assert len(facts) <= 3, facts
 
 
+@pytest.mark.nightly
 def test_what_has_nothing_to_do_with_a_failure_goes() -> None:
     start = with_beginning(changing(), control_period_s=1e-4, clock_start_s=60.0, initial_angle_deg=90.0)
     start = with_restarts(start, 9.0, 11.0)
@@ -252,6 +253,7 @@ def test_the_plainest_operating_point_has_the_least_size() -> None:
     assert sizes == sorted(set(sizes)), "at rest, below base speed, above, backward, braked"
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("is_witnessed", [True, False])
 def test_what_a_witness_meets_stays_one_that_a_witness_meets(
     is_witnessed: bool, monkeypatch: pytest.MonkeyPatch

@@ -42,6 +42,7 @@ def record_of(scenario: Scenario, name: str = "foc") -> DutyRecord:
     return record
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     "name", ["foc", "predictive-flux", "direct-torque", "load-observer", "foc-loss-model"]
 )
@@ -152,6 +153,7 @@ def test_no_fixed_run_pulls_a_shaft_backward_that_turns_one_way(detected: tuple[
     assert any(pulls_backward(run) for run in fixed_scenarios(DRIVE, detected=detected))
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("group", range(len(FAMILY_GROUPS)))
 def test_no_drawn_run_pulls_a_shaft_backward_that_turns_one_way(group: int) -> None:
     drawn = drawn_scenarios(DRIVE, group, detected=FAILURE_KINDS, reverses=False)

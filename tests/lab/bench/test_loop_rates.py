@@ -34,6 +34,7 @@ def test_speed_and_energy_decide_whether_a_run_is_right(run, monkeypatch, entry,
     assert measurements.run_correctness(operating_scenario(1500, "ideal", 1.0), run).valid is valid
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("candidate", measurements.CANDIDATES)
 def test_every_kind_of_candidate_is_measured(workbench, monkeypatch, candidate):
     monkeypatch.setitem(measurements.SIMULATED, candidate, 1.0)

@@ -116,7 +116,7 @@ def test_a_design_does_not_rest_where_the_current_sum_swings_within_a_step_of_th
     assert len(swinging) <= 1, f"{name} rests where Σ|i| swings by half the limit at the seeds {swinging}"
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", ["design:golden-section", "design:sweep"])
 def test_a_design_at_rest_does_not_take_the_noise_of_hall_switches_for_the_edge(name: str) -> None:
     steady = steady_scenario(load_drive("star-3-phase"), 1360.0, power_share=1.0, constant_power=False)

@@ -16,6 +16,7 @@ from drivegate.drives.running import run_scenario
 from drivegate_lab.candidates.families import DESIGN_NAMES
 
 
+@pytest.mark.one_in(6)
 @pytest.mark.parametrize(("speed", "share"), [(1.3, 1.0), (3.0, 1.0), (2.0, 0.3)])
 @pytest.mark.parametrize("name", [f"design:{name}" for name in DESIGN_NAMES])
 def test_a_drive_in_other_units_is_controlled_alike(name: str, speed: float, share: float) -> None:

@@ -189,7 +189,7 @@ def test_faults_that_idle_here_are_those_of_link_and_heat_with_tests_of_their_ow
     assert idle == {name for name, fault in DUTY_FAULTS.items() if fault.check.startswith(("LNK-", "THM-"))}
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", shown_on_any_drive())
 def test_a_faulty_controller_is_caught_by_its_check(name: str) -> None:
     assert is_caught(name, revealing_runs())
@@ -203,7 +203,7 @@ def test_a_faulty_controller_is_caught_by_its_check_on_a_machine_without_salienc
     assert check in failed_checks(f"faulty:{name}", revealing_runs(drive)[1:2])
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("name", rarer_runs())
 def test_a_fault_of_a_rarer_operation_is_caught_there_alone(name: str) -> None:
     run = rarer_runs()[name]
@@ -240,6 +240,7 @@ def test_a_faulty_controller_is_caught_through_hall_switches_alone(name: str) ->
     assert is_caught(name, revealing_runs(BY_HALL))
 
 
+@pytest.mark.nightly
 def test_a_fault_is_made_simple_recorded_and_reported_on_the_page() -> None:
     focus = Focus(only=("FWK-2",), stop_at_first=True)
     events = check_candidate(

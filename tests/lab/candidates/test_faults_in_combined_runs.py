@@ -16,7 +16,7 @@ from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.nightly
 @pytest.mark.parametrize("seed", [0, 1])
 @pytest.mark.parametrize("name", ["paper-5-phase", "star-3-phase"])
 def test_the_busy_run_shows_a_search_that_restarts_twenty_times_only(name: str, seed: int) -> None:
@@ -24,7 +24,7 @@ def test_the_busy_run_shows_a_search_that_restarts_twenty_times_only(name: str, 
     assert_shown("twenty-restarts", (busy,))
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", ["paper-5-phase", "star-3-phase"])
 def test_the_shortest_period_shows_a_search_that_takes_it_for_another_with_any_seed(name: str) -> None:
     scenarios = shortest_period_scenarios(load_drive(name), None)

@@ -182,7 +182,7 @@ def test_without_a_fault_the_answers_are_those_of_the_base_bit_for_bit(base: str
     assert digest == run_scenario(SHORT, BuiltinController(SEARCHES[base])).digest
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(16)
 @pytest.mark.parametrize("name", sorted(set(MUTATIONS) - DIFFERS_LATER - set(SHOWN_BY) - {STARTS_LATE}))
 def test_each_answers_unlike_its_base_somewhere(name: str) -> None:
     assert differing_scenario(MUTATIONS[name]) is not None, "no scenario shows the fault"
@@ -196,7 +196,7 @@ def named_margin(candidate: str, check: str, scenario: Scenario) -> Margin:
     return margin
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(6)
 @pytest.mark.parametrize("name", SHOWN_BY)
 def test_a_rare_one_fails_its_check_where_it_shows_and_its_base_passes(name: str) -> None:
     mutation, scenario = MUTATIONS[name], SHOWN_BY[name]()
@@ -288,6 +288,7 @@ def test_every_required_check_of_candidates_has_a_fault_to_catch() -> None:
     assert len(MUTATIONS) >= 71
 
 
+@pytest.mark.nightly
 def test_a_faulty_controller_is_a_candidate_by_its_name() -> None:
     candidate = resolve_candidate("faulty:slope-doubled")
     assert (candidate.name, candidate.kind) == ("faulty:slope-doubled", "builtin")

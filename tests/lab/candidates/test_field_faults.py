@@ -24,7 +24,7 @@ def runs_of(kind: str) -> tuple[Scenario, ...]:
     return tuple(KINDS[kind](INTERIOR))
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(6)
 @cache
 @pytest.mark.parametrize("name", FIELD_FAULTS)
 def test_a_fault_from_the_field_is_caught_in_a_run_of_its_kind(name: str) -> None:
@@ -39,7 +39,7 @@ def test_a_fault_from_the_field_is_caught_in_a_run_of_its_kind(name: str) -> Non
 FURTHER = [operation for operation in operations(INTERIOR) if operation.kind not in KINDS]
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(6)
 @pytest.mark.parametrize("operation", [*operations(PAPER), *FURTHER], ids=lambda operation: operation.kind)
 def test_each_fault_of_an_operation_is_caught_in_a_run_of_its_kind(operation: Operation) -> None:
     for fault in operation.faults:

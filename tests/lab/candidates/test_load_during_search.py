@@ -43,6 +43,7 @@ def test_a_step_of_the_load_is_not_taken_for_the_effect_of_a_step_of_the_angle(
         assert margin.met, f"{margin.check}: {margin.measured}"
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(
     ("speed", "torque", "before", "after"), [(1380.0, 10.4, 0.85, 0.75), (1430.0, 10.0, 0.45, 0.65)]
 )

@@ -70,6 +70,7 @@ def changing() -> Scenario:
     return with_supply(scenario, stepped(1.0, 0.96, 8.5))
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("budget", [15, 40])
 @pytest.mark.parametrize(
     ("name", "scenario", "check"),

@@ -37,7 +37,7 @@ SERVO = load_drive("pm-ac-surface").with_overrides(
 CHECKS = {check.id: check for check in contract_named("duty").checks}
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize(
     ("check_id", "number", "label"),
     [

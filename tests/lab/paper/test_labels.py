@@ -14,6 +14,7 @@ THIN = 0.95
 """Lines up to this width (pt) are guides or context, which words may cross."""
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("figure", FIGURES, ids=lambda figure: figure.name)
 def test_no_word_lies_on_a_curve_or_on_another_word(figure: PaperFigure) -> None:
     with house_style():

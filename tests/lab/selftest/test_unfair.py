@@ -91,6 +91,7 @@ def test_only_what_is_unfair_fails_the_checks_and_is_kept(
     assert json.loads(first.read_text(encoding="utf-8"))["duration_s"] == 3.0
 
 
+@pytest.mark.nightly
 def test_drawn_drives_are_searched_in_turn_and_summed_up(monkeypatch: pytest.MonkeyPatch) -> None:
     unmet = found(monkeypatch, {3.0: -0.4}, unmet_from_s=3.0, shrunk_s=3.0)
     monkeypatch.setattr(unfair, "_searched", lambda shards, _: [unmet] * len(shards))

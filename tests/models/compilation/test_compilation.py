@@ -81,6 +81,7 @@ def test_an_installation_at_another_place_compiles_nothing_again(tmp_path: Path)
     assert len(folders) == 1, f"the place of the sources is in the folder's name: {folders}"
 
 
+@pytest.mark.nightly
 def test_changed_sources_are_compiled_again(tmp_path: Path) -> None:
     package = Path(drivegate_models.__file__).parent
     shutil.copytree(package, tmp_path / "one" / package.name, ignore=shutil.ignore_patterns("__pycache__"))
@@ -226,7 +227,7 @@ def test_a_function_is_compiled_once_for_all_constants_and_callable_all_the_same
     assert _printed(tmp_path, f"from constants import scaled, three; {shown}") == "6.0 [(int64, float64)] 2.0"
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.nightly
 @pytest.mark.parametrize("decorator", ["inlined", "unallocating"])
 def test_an_inner_function_has_machine_code_in_its_callers_alone(tmp_path: Path, decorator: str) -> None:
     """Another process takes its code from the cache, for a caller that is compiled there."""

@@ -36,6 +36,7 @@ def ratios_of(kind: int, angle: float, size: float = 0.8, sense: float = 1.0) ->
     return ratios
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("kind", MODULATION_NUMBERS.values(), ids=MODULATION_NUMBERS)
 @given(angle=st.floats(-pi, pi), size=st.floats(0.0, 1.0), sense=st.sampled_from([1.0, -1.0]))
 def test_each_kind_has_the_voltage_that_is_asked_for(

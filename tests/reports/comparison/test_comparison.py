@@ -185,6 +185,7 @@ def test_hostile_names_stay_text_also_of_candidates_that_fail(made_up):
     assert "gone does not exist" in text
 
 
+@pytest.mark.nightly
 def test_a_single_candidate_can_be_reported(made_up):
     view = view_of(made_up(NAMES[:1]))
     assert view.headline == "thrifty ranks first on paper-5-phase, but the checks were not run"

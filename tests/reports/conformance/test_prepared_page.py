@@ -15,6 +15,7 @@ from drivegate_reports.page.style import house_style
 KEPT = (drive._drawn, behaviour._trajectories)
 
 
+@pytest.mark.nightly
 def test_what_depends_on_the_drive_alone_is_not_made_again(recorded: Any, duty_result: Any) -> None:
     for document in (recorded, duty_result):
         for kept in KEPT:

@@ -41,6 +41,7 @@ def record(scenario: Scenario, name: str = "reference") -> CurrentRecord:
     return CurrentRecord(scenario, run_scenario(scenario, BuiltinController(SEARCHES[name])), Declaration())
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("speed", [700.0, 1000.0, 1500.0])
 @pytest.mark.parametrize("shares", [(0.5, 1.0), (1.0, 0.5), (0.8, 0.95)])
 def test_it_finds_the_optimum_again_after_a_load_step(speed: float, shares: tuple[float, float]) -> None:

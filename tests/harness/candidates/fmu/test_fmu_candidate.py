@@ -327,7 +327,7 @@ FAULTS = {
 }
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(6)
 @pytest.mark.parametrize("version", VERSIONS)
 @pytest.mark.parametrize("fault", FAULTS)
 def test_a_fault_in_a_step_gets_its_verdict_and_the_next_job_works(fault, version, workshop):

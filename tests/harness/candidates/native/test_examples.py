@@ -48,7 +48,7 @@ def controllers(tmp_path_factory):
 
 
 @pytest.mark.needs("rustc")
-@pytest.mark.one_in(12)
+@pytest.mark.one_in(30)
 @pytest.mark.parametrize("name", SCENARIOS)
 def test_every_language_gives_the_same_trace(controllers, name):
     runs = {
@@ -64,7 +64,7 @@ def test_every_language_gives_the_same_trace(controllers, name):
 
 
 @pytest.mark.needs("rustc")
-@pytest.mark.one_in(12)
+@pytest.mark.one_in(30)
 @pytest.mark.parametrize("name", SCENARIOS)
 def test_the_example_meets_every_required_check_on_the_fixed_scenarios(controllers, name):
     scenario = SCENARIOS[name]

@@ -119,6 +119,7 @@ def margins_of(seeded: Seeded, folder: Path, line: str) -> dict[str, Margin]:
     return {margin.check: margin for margin in judged(record, CONTRACT.checks).margins}
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     "seeded",
     [

@@ -103,6 +103,7 @@ def counted(own: Path, tmp_path: Path) -> Candidate:
     return KINDS["c"].counted_candidate(resolve_candidate(manifest(own)), folder)
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("make", [lambda file: file.symlink_to("/dev/zero"), os.mkfifo, Path.mkdir])
 def test_counters_that_are_no_files_are_refused(
     counted: Candidate, tmp_path: Path, make: Callable[[Path], None]

@@ -66,6 +66,7 @@ def loaded(tmp_path, written, controller_source):
     return load
 
 
+@pytest.mark.nightly
 def test_a_controller_without_fault_runs_to_the_end(ended):
     run = ended()
     assert isinstance(run, ClosedLoopRun)

@@ -88,6 +88,7 @@ def _fault(number: int, comment: str, message: str) -> object:
     return pytest.param(number, comment, message, id=comment, marks=marks)
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(
     ("number", "comment", "message"), [_fault(number, *fault) for number, fault in UNDEFINED.items()]
 )

@@ -101,6 +101,7 @@ def behaviour_of(loaded: JudgedCandidate, outcomes: Any, drive: Any) -> dict[str
         return None
 
 
+@pytest.mark.nightly
 @settings(DRAWN_ONCE, max_examples=DRAWS)
 @given(
     drive=st.sampled_from(DRIVES),

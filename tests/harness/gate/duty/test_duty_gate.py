@@ -56,6 +56,7 @@ def revealing_runs(drive: DriveDocument = INTERIOR) -> tuple[Scenario, ...]:
     )
 
 
+@pytest.mark.nightly
 def test_a_quick_check_on_a_drive_with_hall_switches_alone_is_passed() -> None:
     drive = load_drive("pm-ac-interior").with_overrides(["sensing.position=hall"])
     events = list(

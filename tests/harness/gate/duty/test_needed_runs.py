@@ -95,6 +95,7 @@ def check(candidate: str, only: tuple[str, ...] = ()) -> tuple[ResultDocument, l
     return events[-1].result, [event for event in events if isinstance(event, RunDone)]
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("kilohertz", "carrier"),
     [

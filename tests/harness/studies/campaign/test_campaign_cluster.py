@@ -69,6 +69,7 @@ def test_a_killed_worker_costs_no_result_and_the_bytes_are_the_local_ones(
     assert out == local, f"these differ: {[name for name in local if out.get(name) != local[name]]}"
 
 
+@pytest.mark.nightly
 def test_no_scheduler_is_one_sentence(write, refused, monkeypatch):
     monkeypatch.setattr("drivegate.containment.backend._CONNECTION_SECONDS", 1.0)
     sentence = refused(write(), "--backend", "dask", "--scheduler", "tcp://127.0.0.1:9")

@@ -18,6 +18,7 @@ from drivegate_cases.drive.drive_document import load_drive
 from drivegate_reports.campaign.report import REPORT_FILE
 
 
+@pytest.mark.nightly
 def test_the_bytes_do_not_depend_on_the_number_of_workers(write, finish, finish_alone, folder, bytes_of):
     file = write(candidates=["reference", "controllers.py:Counting"], draws=4)
     finish(file, "one")
@@ -170,6 +171,7 @@ def small_files(monkeypatch):
     return lambda limit: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, hard))
 
 
+@pytest.mark.nightly
 def test_a_full_disk_is_one_sentence_and_the_campaign_goes_on_with_room(
     write, refused, finish, folder, bytes_of, small_files
 ):

@@ -110,6 +110,7 @@ def test_blocked_currents_decay_and_never_reverse(run: Run, share: float) -> Non
     assert totals[ledger.SWITCHING] == 0.0, "blocked gates cannot switch"
 
 
+@pytest.mark.nightly
 @pytest.mark.kernel
 @drawn(250)
 @given(RUNS)

@@ -319,6 +319,7 @@ def _torque_at(drive: Drive, phases: Phases, time: float) -> float:
     return drive.emf_constant * total
 
 
+@pytest.mark.nightly
 @pytest.mark.kernel
 @drawn
 @given(

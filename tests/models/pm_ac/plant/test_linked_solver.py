@@ -333,7 +333,7 @@ def differences(interior: Callable[..., PmAcDrive], point: LinkedPoint) -> dict[
     }
 
 
-@pytest.mark.one_in(8)
+@pytest.mark.one_in(12)
 @pytest.mark.parametrize(
     "point",
     [

@@ -116,6 +116,7 @@ def worst_difference(interior: Callable[..., PmAcDrive], point: Point) -> float:
     return worst
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     "point", [*POINTS, *(pytest.param(point, marks=pytest.mark.nightly) for point in MORE)], ids=str
 )

@@ -534,7 +534,7 @@ def differences(star: Callable[..., StarDrive], point: Point) -> dict[str, float
     return apart
 
 
-@pytest.mark.one_in(6)
+@pytest.mark.one_in(12)
 @pytest.mark.parametrize("point", POINTS, ids=str)
 def test_currents_and_integrals_agree_with_a_numerical_solver(
     star: Callable[..., StarDrive], point: Point

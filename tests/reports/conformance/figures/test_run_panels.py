@@ -5,6 +5,8 @@ from __future__ import annotations
 import copy
 from typing import Any
 
+import pytest
+
 from drivegate_reports.conformance.figures.run_panels import new_run_panels, reused_run_panels
 from drivegate_reports.conformance.runs import shown_runs
 from drivegate_reports.page.style import house_style
@@ -22,6 +24,7 @@ def with_another_run(document: Any) -> Any:
     return changed
 
 
+@pytest.mark.nightly
 def test_a_run_on_panels_that_were_drawn_on_before_has_the_same_bytes(
     recorded: Any, duty_result: Any
 ) -> None:

@@ -73,6 +73,7 @@ DRAWN: dict[str, Callable[[], Figure]] = {
 }
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", DRAWN)
 def test_no_text_leaves_the_figure(name: str) -> None:
     with house_style():

@@ -63,6 +63,7 @@ def test_every_row_becomes_a_fair_run_that_can_be_judged(seed: int) -> None:
         assert observed_windows(scenario), f"{scenario.name} is never judged"
 
 
+@pytest.mark.nightly
 def test_parts_make_the_whole_whatever_their_number() -> None:
     def contents(parts: int) -> set[str]:
         return {

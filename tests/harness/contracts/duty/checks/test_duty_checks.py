@@ -694,6 +694,7 @@ def test_the_usual_rise_time_is_met_on_drives_with_low_inductance(
     assert margin.met, margin.measured
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", ["foc", "predictive-flux", "direct-torque", "load-observer"])
 def test_a_run_that_begins_at_speed_on_1_uh_stays_within_the_current_limit(name: str) -> None:
     drive = low_inductance_drive(1e-6, 50e3, link=24.0)

@@ -54,6 +54,7 @@ def test_every_fixed_run_shows_what_the_drive_states(position: str) -> None:
         assert duty_sensors(run).position == NUMBERS[position], run.name
 
 
+@pytest.mark.nightly
 @given(st.data())
 @settings(max_examples=60)
 def test_every_drawn_run_and_what_it_shrinks_to_shows_what_the_drive_states(data: st.DataObject) -> None:

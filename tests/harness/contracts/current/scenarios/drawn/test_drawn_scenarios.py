@@ -113,6 +113,7 @@ def test_the_last_steady_stretch_can_be_judged(family: Family) -> None:
         holds()
 
 
+@pytest.mark.nightly
 @MANY
 @given(speeds=st.tuples(st.integers(550, 1500), st.integers(550, 1500)), data=st.data())
 def test_a_declared_speed_range_limits_what_is_drawn(speeds: tuple[int, int], data: st.DataObject) -> None:
