@@ -87,7 +87,7 @@ def test_a_swing_is_the_most_that_three_voltages_in_a_row_go_away_and_back(volta
     turns = (
         min(abs(second - first), abs(second - third))
         for first, second, third in combinations(voltages, 3)
-        if (second - first) * (second - third) > 0.0
+        if max(first, third) < second or second < min(first, third)
     )
     assert swing_of(np.array(voltages)) == max(turns, default=0.0)
 
