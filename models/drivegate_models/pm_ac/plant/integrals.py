@@ -161,15 +161,29 @@ def add_leg(
     keeps_sign = is_smooth and least > deviation
     is_steady = abs(end - begin) > 8.0 * deviation
     stays_below = is_smooth and (is_steady or max(abs(begin), abs(end)) + deviation <= peak)
-    if keeps_sign and stays_below:
-        return abs(charge), peak
-    phase_series(circuit, series, frame, leg, count, length)
+    if not (keeps_sign and stays_below):
+        phase_series(circuit, series, frame, leg, count, length)
+    return magnitude_and_peak(series, charge, count, length, keeps_sign, stays_below, peak)
+
+
+@inlined
+def magnitude_and_peak(
+    series: Series,
+    charge: float,
+    count: int,
+    length: float,
+    keeps_sign: bool,
+    stays_below: bool,
+    peak: float,
+) -> tuple[float, float]:
+    """Return the integral of a current's magnitude (A s) and the maximum magnitude so far (A), as `add_leg`.
+
+    The series of the current is in `other` unless it keeps its sign and stays below the maximum.
+    """
     if not stays_below:
         lowest, highest = extremes(series.other, count, series.slopes)
         peak = max(peak, -lowest, highest)
-    if keeps_sign:
-        return abs(charge), peak
-    return length * magnitude_of(series, count), peak
+    return abs(charge) if keeps_sign else length * magnitude_of(series, count), peak
 
 
 @inlined

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import inlined, unallocating
 from drivegate_models.machine import ledger
-from drivegate_models.machine.rotor_frame import RotorFrame, of_phase, phase_current
+from drivegate_models.machine.rotor_frame import RotorFrame, of_phase, phase_current, turned
 from drivegate_models.machine.sine import small_cosine_sine
 from drivegate_models.pm_ac.plant import dc_link
 from drivegate_models.pm_ac.plant.circuit import Circuit, is_on_upper_rail, sagitta
@@ -23,6 +23,7 @@ from drivegate_models.pm_ac.plant.integrals import (
     add_exchange,
     add_magnitude,
     extend_torque_range,
+    magnitude_and_peak,
     magnitude_of,
     supply_leg,
 )
@@ -129,10 +130,7 @@ def _leg_share(
     stays_below = is_smooth and most + deviation <= peak
     if not (keeps_sign and stays_below):
         standing_phase_series(series, leg, count)
-    if not stays_below:
-        lowest, highest = extremes(series.other, count, series.slopes)
-        peak = max(peak, -lowest, highest)
-    magnitude = abs(charge) if keeps_sign else length * magnitude_of(series, count)
+    magnitude, peak = magnitude_and_peak(series, charge, count, length, keeps_sign, stays_below, peak)
     return LegShare(magnitude, peak, 0.0)
 
 
@@ -259,9 +257,8 @@ def add_linked_segment(
         current_square += weight * (current * current)
         if held == EMPTY:
             continue
-        turned_cosine, turned_sine = small_cosine_sine(circuit.electrical * length * place)
-        cosine = frame.cosine * turned_cosine - frame.sine * turned_sine
-        sine = frame.sine * turned_cosine + frame.cosine * turned_sine
+        by_cosine, by_sine = small_cosine_sine(circuit.electrical * length * place)
+        cosine, sine = turned(frame, by_cosine, by_sine)
         quadrature = cosine * current_b - sine * current_a
         square += weight * (current_a * current_a + current_b * current_b)
         product += weight * ((cosine * current_a + sine * current_b) * quadrature)

@@ -95,9 +95,15 @@ def _project(frame: RotorFrame, leg: int) -> RotorFrame:
 
 
 @inlined
-def back_emf(circuit: Circuit, frame: RotorFrame, leg: int) -> float:
+def _emf(circuit: Circuit, frame: RotorFrame, leg: int) -> float:
     """Return the back-EMF of a phase (V)."""
     return -circuit.electrical * circuit.flux * axis_of(frame, leg)[1]
+
+
+@inlined
+def supplied_neutral(circuit: Circuit, legs: Legs, frame: RotorFrame, leg: int) -> float:
+    """Return the voltage of the neutral if, without any current, a leg supplies the dividers (V)."""
+    return float(legs.low[leg] - _emf(circuit, frame, leg))
 
 
 @inlined
@@ -110,9 +116,9 @@ def show_voltages(circuit: Circuit, legs: Legs, settled: Settled) -> None:
     if settled.held == EMPTY:
         neutral = -inf
         for leg in range(3):
-            neutral = max(neutral, legs.low[leg] - back_emf(circuit, frame, leg))
+            neutral = max(neutral, supplied_neutral(circuit, legs, frame, leg))
         for leg in range(3):
-            legs.voltages[leg] = neutral + back_emf(circuit, frame, leg)
+            legs.voltages[leg] = neutral + _emf(circuit, frame, leg)
     elif settled.held != FREE:
         legs.voltages[settled.held] = holding_voltage(circuit, frame, settled.held, legs.voltages)[0]
 
@@ -123,9 +129,8 @@ def _conducts(circuit: Circuit, legs: Legs, frame: RotorFrame) -> bool:
     most = -inf
     least = inf
     for leg in range(3):
-        emf = back_emf(circuit, frame, leg)
-        most = max(most, legs.low[leg] - emf)
-        least = min(least, legs.high[leg] - emf)
+        most = max(most, supplied_neutral(circuit, legs, frame, leg))
+        least = min(least, legs.high[leg] - _emf(circuit, frame, leg))
     return most > least + circuit.tie
 
 

@@ -13,11 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate_models.compilation.kernels import inlined, unallocating
-from drivegate_models.machine.rotor_frame import RotorFrame, axis_of
+from drivegate_models.machine.rotor_frame import RotorFrame, axis_of, turned
 from drivegate_models.machine.sine import cosine_sine
 from drivegate_models.pm_ac.plant.circuit import Circuit, is_on_upper_rail
+from drivegate_models.pm_ac.plant.polynomial import integral_to
 from drivegate_models.pm_ac.plant.series import Series
-from drivegate_models.pm_ac.plant.settling import EMPTY, FREE, Legs, back_emf
+from drivegate_models.pm_ac.plant.settling import EMPTY, FREE, Legs, supplied_neutral
 
 # Turn of the rotor in which at most one leg takes the dividers over from another (rad): that occurs at every third
 # of a turn, apart from the drops. Number of halvings to that instant.
@@ -28,16 +29,9 @@ _HALVINGS: Final = 60
 @inlined
 def _rotated(frame: RotorFrame, angle: float) -> RotorFrame:
     """Return a rotor without current that has turned by an angle (rad)."""
-    cosine, sine = cosine_sine(angle)
-    return RotorFrame(
-        0.0, 0.0, frame.cosine * cosine - frame.sine * sine, frame.sine * cosine + frame.cosine * sine
-    )
-
-
-@inlined
-def _lead(circuit: Circuit, legs: Legs, frame: RotorFrame, leg: int) -> float:
-    """Return the voltage at which the neutral would be if a leg supplied the dividers (V)."""
-    return float(legs.low[leg] - back_emf(circuit, frame, leg))
+    by_cosine, by_sine = cosine_sine(angle)
+    cosine, sine = turned(frame, by_cosine, by_sine)
+    return RotorFrame(0.0, 0.0, cosine, sine)
 
 
 @inlined
@@ -45,9 +39,9 @@ def _supplying(circuit: Circuit, legs: Legs, frame: RotorFrame) -> int:
     """Return the leg that supplies the dividers while no current flows."""
     most, chosen = -inf, 0
     for leg in range(3):
-        lead = _lead(circuit, legs, frame, leg)
-        if lead > most:
-            most, chosen = lead, leg
+        neutral = supplied_neutral(circuit, legs, frame, leg)
+        if neutral > most:
+            most, chosen = neutral, leg
     return chosen
 
 
@@ -60,7 +54,8 @@ def _taken_over(
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
         there = _rotated(frame, circuit.electrical * middle)
-        if _lead(circuit, legs, there, first) > _lead(circuit, legs, there, last):
+        before = supplied_neutral(circuit, legs, there, first)
+        if before > supplied_neutral(circuit, legs, there, last):
             low = middle
         else:
             high = middle
@@ -115,15 +110,6 @@ def _add_idle(
 
 
 @inlined
-def _of_series(holding: NDArray[np.float64], count: int, share: float) -> float:
-    """Return the integral of a series over a share of its segment, per length of the whole segment."""
-    total = 0.0
-    for k in range(count - 1, -1, -1):
-        total = total * share + holding[k] / (k + 1)
-    return total * share
-
-
-@inlined
 def add_steady(voltages: NDArray[np.float64], length: float, volt_seconds: NDArray[np.float64]) -> None:
     """Add a time (s) with constant voltages (V), shape (3,), if the integrals are computed."""
     for leg in range(volt_seconds.size):
@@ -158,7 +144,7 @@ def add_volt_seconds(
         return
     for leg in range(3):
         if held != FREE and leg == held:
-            volt_seconds[leg] += length * _of_series(series.holding, count, share)
+            volt_seconds[leg] += length * integral_to(series.holding, count, share)
             continue
         volt_seconds[leg] += legs.voltages[leg] * passed
         if is_on_upper_rail(legs.gates[leg], legs.signs[leg]):
