@@ -16,7 +16,7 @@ from drivegate_cases.scenario.courses import COURSES
 from drivegate_cases.scenario.load import LockedLoad
 from drivegate_cases.scenario.piecewise import Profile, value_from, value_until
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_models.contract.duty.signals import LEG_OFF
+from drivegate_models.contract.duty.signals import LEG_LOW, LEG_OFF
 
 LINK_SHARES: Final = (0.85, 1.15)
 """Least and greatest link voltage over the nominal one on which a drive must go on (1)."""
@@ -33,8 +33,17 @@ def claimed_safe(commands: NDArray[np.void]) -> NDArray[np.bool_]:
 
 def legs_are_off(commands: NDArray[np.void]) -> NDArray[np.bool_]:
     """Return in which control periods a controller turns all legs off, shape (n,)."""
-    off: NDArray[np.bool_] = np.logical_and.reduce([commands[leg] == LEG_OFF for leg in LEGS])
-    return off
+    return _legs_are(LEG_OFF, commands)
+
+
+def legs_are_low(commands: NDArray[np.void]) -> NDArray[np.bool_]:
+    """Return in which control periods a controller turns all legs low, shape (n,)."""
+    return _legs_are(LEG_LOW, commands)
+
+
+def _legs_are(state: int, commands: NDArray[np.void]) -> NDArray[np.bool_]:
+    all_are: NDArray[np.bool_] = np.logical_and.reduce([commands[leg] == state for leg in LEGS])
+    return all_are
 
 
 def right_trip_s(scenario: Scenario, commands: NDArray[np.void]) -> float | None:

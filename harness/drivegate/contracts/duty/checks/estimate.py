@@ -12,7 +12,7 @@ from drivegate.checks.check import Check
 from drivegate.checks.course import course_of
 from drivegate.checks.margin import Margin, Mark, Moment, at_most
 from drivegate.checks.means import exact_mean
-from drivegate.contracts.duty.checks.judged import STEADY_FAMILIES, at, worst
+from drivegate.contracts.duty.checks.judged import STEADY_FAMILIES, at, decisive, worst
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
 
 _ESTIMATE: Final = "torque"
@@ -25,10 +25,10 @@ def estimated_torque(record: DutyRecord) -> Margin | None:
 
 def estimate_moment(record: DutyRecord) -> Moment | None:
     """Show estimate and torque in the stretch that decides."""
-    decisive = min(_errors(record), key=lambda pair: pair[1].value, default=None)
-    if decisive is None:
+    least = decisive(_errors(record))
+    if least is None:
         return None
-    window, _ = decisive
+    window, _ = least
     rows, period = record.periods(window.start_s, window.end_s), record.scenario.control_period_s
     times = (np.arange(rows.start, rows.stop) + 0.5) * period
     estimate = record.run.commands[_ESTIMATE][rows]

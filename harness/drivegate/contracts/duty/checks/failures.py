@@ -12,13 +12,11 @@ from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, Mark, Moment, Point, at_most
 from drivegate.checks.stretches import lasting_from
 from drivegate.contracts.duty.record import DutyRecord
-from drivegate.contracts.duty.right_trips import claimed_safe
-from drivegate.contracts.duty.run import LEGS
+from drivegate.contracts.duty.right_trips import claimed_safe, legs_are_low
 from drivegate.contracts.duty.scenarios.drawn_range import unnoticed_because
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.failure import SURVIVABLE
 from drivegate_cases.scenario.load import DynamometerLoad
-from drivegate_models.contract.duty.signals import LEG_LOW
 
 
 def safe_state(record: DutyRecord) -> Margin | None:
@@ -96,9 +94,8 @@ def _is_shorted(record: DutyRecord) -> NDArray[np.bool_]:
     commands, link = record.run.commands, record.document.real_link
     if link is None:
         return np.zeros(len(commands), np.bool_)
-    low = np.logical_and.reduce([commands[leg] == LEG_LOW for leg in LEGS])
     induced = math.sqrt(3.0) * record.plant.magnet_flux * record.plant.pole_pairs
-    shorted: NDArray[np.bool_] = low & (
+    shorted: NDArray[np.bool_] = legs_are_low(commands) & (
         induced * np.abs(record.run.column("speed")) > record.plant.dc_link.limit
     )
     return shorted

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from functools import lru_cache
 from math import isfinite, nan
-from typing import Final, Literal, TypeAlias
+from typing import Final, Literal, TypeAlias, TypeVar
 
 from drivegate.candidates.declaration import Declaration
 from drivegate.checks.check import Record
@@ -25,6 +25,9 @@ from drivegate_models.units import RADIANS_PER_RPM
 
 Purpose: TypeAlias = Literal["current", "loss"]
 """What is to be least."""
+
+PartT = TypeVar("PartT")
+"""What a check judges apart: a stretch, a step, or runs that it compares."""
 
 _KEPT: Final = 20_000
 _UNLIMITED_V: Final = 1e9
@@ -131,6 +134,12 @@ def worst(margins: Iterable[Margin | None]) -> Margin | None:
     """Return the least of the margins of one run, of those that are there; None without any."""
     known = (margin for margin in margins if margin is not None)
     return min(known, key=lambda margin: margin.value, default=None)
+
+
+def decisive(judged: Iterable[tuple[PartT, Margin | None]]) -> tuple[PartT, Margin] | None:
+    """Return the part of one run with the least margin, of those that have one, and that margin; None without any."""
+    known = ((part, margin) for part, margin in judged if margin is not None)
+    return min(known, key=lambda pair: pair[1].value, default=None)
 
 
 def greatest_required(record: DutyRecord, speed: float, link: float) -> float:

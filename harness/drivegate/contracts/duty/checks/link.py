@@ -11,7 +11,7 @@ from drivegate.candidates.declaration import Declaration
 from drivegate.checks.check import Check
 from drivegate.checks.course import course_of
 from drivegate.checks.margin import Margin, Mark, Moment, Point, at_most, normalised
-from drivegate.contracts.duty.checks.judged import at, worst
+from drivegate.contracts.duty.checks.judged import at, decisive, worst
 from drivegate.contracts.duty.current_reference import unless_current
 from drivegate.contracts.duty.document import duty_document
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
@@ -191,14 +191,10 @@ def link_swing(record: DutyRecord) -> Margin | None:
 def swing_moment(record: DutyRecord) -> Moment | None:
     """Show the means of the link in the stretch in which it swings."""
     judged = [(window, _swing(record, window)) for window in record.steady] if _is_judged(record) else []
-    decisive = min(
-        ((window, margin) for window, margin in judged if margin is not None),
-        key=lambda pair: pair[1].value,
-        default=None,
-    )
-    if decisive is None:
+    least = decisive(judged)
+    if least is None:
         return None
-    window, _ = decisive
+    window, _ = least
     rows = record.periods(window.start_s, window.end_s)
     times = (np.arange(rows.start, rows.stop) + 0.5) * record.scenario.control_period_s
     means = record.run.column("link_mean")[rows]

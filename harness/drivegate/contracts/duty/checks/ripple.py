@@ -14,7 +14,7 @@ from drivegate.candidates.declaration import NOTHING_DECLARED
 from drivegate.checks.check import Check
 from drivegate.checks.course import course_of
 from drivegate.checks.margin import Course, Margin, Mark, Moment, Point, at_most
-from drivegate.contracts.duty.checks.judged import at, undistorted, worst
+from drivegate.contracts.duty.checks.judged import at, decisive, undistorted, worst
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
 from drivegate.contracts.duty.run import DUTY_RATIOS, LEGS
 from drivegate_models.contract.duty.signals import LEG_HIGH, LEG_LOW
@@ -188,10 +188,10 @@ def _looks_discontinuous(record: DutyRecord, window: DutyWindow) -> bool:
 
 def modulation_moment(record: DutyRecord) -> Moment | None:
     """Show the torque at the end of the window that decides, next to the swing that is allowed."""
-    decisive = min(_over_ideal(record), key=lambda pair: pair[1].value, default=None)
-    if decisive is None:
+    least = decisive(_over_ideal(record))
+    if least is None:
         return None
-    window, _ = decisive
+    window, _ = least
     allowed = _allowed(record, _ideal_swing(record, window), record.limits.modulation_ripple)
     return _moment([("torque", record, window)], allowed)
 
@@ -221,10 +221,10 @@ def _dead_time(blanked: DutyRecord) -> str:
 
 def dead_time_moment(record: DutyRecord) -> Moment | None:
     """Show the torque of both runs at the end of the window that decides, next to the swing that is allowed."""
-    decisive = min(_over_free(record), key=lambda pair: pair[1].value, default=None)
-    if decisive is None:
+    least = decisive(_over_free(record))
+    if least is None:
         return None
-    (blanked, free), _ = decisive
+    (blanked, free), _ = least
     allowed = _allowed(blanked[0], _swing(*free), record.limits.dead_time_ripple)
     return _moment([(_dead_time(blanked[0]), *blanked), ("no dead time", *free)], allowed)
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, Mark, Moment, Point, at_most
 from drivegate.checks.stretches import lasting_from, stretches
-from drivegate.contracts.duty.checks.judged import worst
+from drivegate.contracts.duty.checks.judged import decisive, worst
 from drivegate.contracts.duty.checks.sensorless.judged import (
     if_speed,
     least_speed,
@@ -18,15 +18,13 @@ from drivegate.contracts.duty.checks.sensorless.judged import (
 )
 from drivegate.contracts.duty.checks.sensorless.measures import back_after_s, longest_s, time_below_s
 from drivegate.contracts.duty.record import DutyRecord
-from drivegate.contracts.duty.right_trips import legs_are_off
-from drivegate.contracts.duty.run import LEGS
+from drivegate.contracts.duty.right_trips import legs_are_low, legs_are_off
 from drivegate.contracts.duty.scenarios.reaching import load_on_shaft
 from drivegate.contracts.duty.scenarios.sensorless import BACK_S, LOADED_SHARE, LOSS_S
 from drivegate.contracts.duty.scenarios.unsensed import REACTION_S
 from drivegate.contracts.duty.scenarios.windows import duty_dwells
 from drivegate_cases.drive.pm_ac.greatest_torque import greatest_within
 from drivegate_cases.scenario.profile import Dwell
-from drivegate_models.contract.duty.signals import LEG_LOW
 from drivegate_models.pm_ac.oracle import undistorted_limits
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -63,14 +61,14 @@ def _load_steps(record: DutyRecord) -> list[tuple[Dwell, Dwell]]:
 
 def load_step_moment(record: DutyRecord) -> Moment | None:
     """Show the speed after the step of the load that decides."""
-    judged = [
-        (margin, dwell)
+    least = decisive(
+        (dwell, margin)
         for before, dwell in _load_steps(record)
         for margin in _step_margins(record, before, dwell)
-    ]
-    if load_step(record) is None or not judged:
+    )
+    if load_step(record) is None or least is None:
         return None
-    margin, dwell = min(judged, key=lambda pair: pair[0].value)
+    dwell, margin = least
     period, reference = record.scenario.control_period_s, dwell.speed_rpm * RADIANS_PER_RPM
     rows = record.periods(dwell.start, dwell.end)
     error = record.run.column("speed")[rows] - reference
@@ -248,8 +246,8 @@ def _allowed_loss_s(record: DutyRecord) -> float:
 def _reported(record: DutyRecord) -> NDArray[np.bool_]:
     """Return in which control periods a lock is reported, shape (n,)."""
     commands = record.run.commands
-    low = np.logical_and.reduce([commands[leg] == LEG_LOW for leg in LEGS])
-    reported: NDArray[np.bool_] = (commands["fault"] != 0) & (legs_are_off(commands) | low)
+    is_safe = legs_are_off(commands) | legs_are_low(commands)
+    reported: NDArray[np.bool_] = (commands["fault"] != 0) & is_safe
     return reported
 
 

@@ -11,7 +11,7 @@ from drivegate.checks.course import course_of
 from drivegate.checks.margin import Margin, Mark, Moment, Point, at_most
 from drivegate.contracts.duty.checks.judged import worst
 from drivegate.contracts.duty.checks.sensorless.judged import if_speed, least_speed, regulates_speed
-from drivegate.contracts.duty.checks.sensorless.measures import start_of
+from drivegate.contracts.duty.checks.sensorless.measures import Start, start_of
 from drivegate.contracts.duty.record import DutyRecord
 from drivegate.contracts.duty.scenarios.unsensed import TAKE_OVER_S
 from drivegate.scenarios.rotation import sense_of
@@ -65,8 +65,7 @@ def start_without_sensor(record: DutyRecord) -> Margin | None:
     period, allowed = record.scenario.control_period_s, record.document.start_time_s
     if rows * period < allowed:
         return None
-    speed = record.run.column("speed")[:rows]
-    found = start_of(speed, least_speed(record), sense_of(wanted), record.document.machine.pole_pairs, period)
+    found = _start(record, wanted)
     place = f"from {record.scenario.initial_angle_deg:g}°"
     late = rows * period if found.reached == float("inf") else found.reached
     words = f"{late:.4g} s" if late == found.reached else f"not within {late:.4g} s"
@@ -79,6 +78,13 @@ def start_without_sensor(record: DutyRecord) -> Margin | None:
     )
 
 
+def _start(record: DutyRecord, wanted: float) -> Start:
+    """Measure a start, whose speed reference is given (rad/s)."""
+    speed = record.run.column("speed")[: _start_rows(record)]
+    pole_pairs, period = record.document.machine.pole_pairs, record.scenario.control_period_s
+    return start_of(speed, least_speed(record), sense_of(wanted), pole_pairs, period)
+
+
 def start_moment(record: DutyRecord) -> Moment | None:
     """Show the speed of a start, with the least speed and the time for it, or how far the shaft turns backward."""
     wanted, margin = _start_reference(record), start_without_sensor(record)
@@ -88,14 +94,7 @@ def start_moment(record: DutyRecord) -> Moment | None:
         return _backward_moment(record, sense_of(wanted))
     period, allowed = record.scenario.control_period_s, record.document.start_time_s
     speed = record.run.column("speed")[: _start_rows(record)] / RADIANS_PER_RPM
-    found = start_of(
-        speed * RADIANS_PER_RPM,
-        least_speed(record),
-        sense_of(wanted),
-        record.document.machine.pole_pairs,
-        period,
-    )
-    place = min(round(min(found.reached, len(speed) * period) / period), len(speed) - 1)
+    place = min(round(min(_start(record, wanted).reached, len(speed) * period) / period), len(speed) - 1)
     least = sense_of(wanted) * record.document.least_speed_rpm
     return Moment(
         start_s=0.0,

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from drivegate.checks.check import Check
 from drivegate.checks.course import course_of
 from drivegate.checks.margin import Margin, Mark, Moment, Point, at_most
-from drivegate.contracts.duty.checks.judged import SENSORLESS_ANGLE_DEG, at, is_within_reach, worst
+from drivegate.contracts.duty.checks.judged import SENSORLESS_ANGLE_DEG, at, decisive, is_within_reach, worst
 from drivegate.contracts.duty.checks.sensorless.judged import (
     SPEED_FACTOR,
     TORQUE_SHARE,
@@ -56,15 +56,10 @@ def _of_angle(record: DutyRecord) -> Iterable[DutyWindow]:
 
 def angle_moment(record: DutyRecord) -> Moment | None:
     """Show the angle's error in the stretch that decides."""
-    judged = [(window, _angle_error(record, window)) for window in _of_angle(record)]
-    decisive = min(
-        ((window, margin) for window, margin in judged if margin is not None),
-        key=lambda pair: pair[1].value,
-        default=None,
-    )
-    if decisive is None:
+    least = decisive((window, _angle_error(record, window)) for window in _of_angle(record))
+    if least is None:
         return None
-    window, _ = decisive
+    window, _ = least
     rows, period = record.periods(window.start_s, window.end_s), record.scenario.control_period_s
     errors = np.array([degrees(error) for error in _errors_of(record, window)])
     times = (np.arange(rows.start, rows.stop) + 0.5) * period
