@@ -57,6 +57,7 @@ class Bounds:
 
 
 COMPILATION: Final = Bounds()
+_QUESTION: Final = Bounds(20.0)
 
 
 @dataclass(frozen=True)
@@ -100,6 +101,11 @@ def run_bounded(
             with suppress(ProcessLookupError, PermissionError):
                 os.killpg(process.pid, signal.SIGKILL)
     return Ended(status, output.decode(errors="replace"))
+
+
+def asked(words: Sequence[str], folder: Path | None = None) -> Ended:
+    """Run a tool that states something of itself, such as its version, in a folder or here."""
+    return run_bounded(words, folder=folder or Path.cwd(), environment={"LC_ALL": "C"}, bounds=_QUESTION)
 
 
 def _end(process: "subprocess.Popen[bytes]") -> None:

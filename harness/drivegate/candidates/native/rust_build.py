@@ -6,10 +6,9 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Final
 
 from drivegate.candidates.candidate import Candidate, NativeBuild
-from drivegate.candidates.native.bounded_command import Bounds, run_bounded
+from drivegate.candidates.native.bounded_command import asked
 from drivegate.candidates.native.build import built_library
 from drivegate.candidates.native.build_commands import ProjectBuild, built_artefact
 from drivegate.candidates.native.compiler import Compilation
@@ -17,8 +16,6 @@ from drivegate.candidates.native.rust_shim import found_rustc
 from drivegate.candidates.native.second_build import OWN_SOURCE
 from drivegate_cases.documents.wording import one_line
 from drivegate_models.errors import InputError
-
-_PROBE: Final = Bounds(20.0)
 
 
 @dataclass(frozen=True)
@@ -70,7 +67,7 @@ def rust_compiler(build: ProjectBuild, option: str) -> RustCompiler:
 
 
 def _printed(program: str, folder: Path, *words: str) -> str:
-    return run_bounded([program, *words], folder=folder, environment={"LC_ALL": "C"}, bounds=_PROBE).output
+    return asked([program, *words], folder).output
 
 
 def second_rust_build(build: ProjectBuild, flags: Sequence[str]) -> Path:

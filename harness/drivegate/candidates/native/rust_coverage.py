@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Final, NamedTuple
 
 from drivegate.candidates.candidate import Candidate, Instrumented
-from drivegate.candidates.native.bounded_command import Bounds, run_bounded
+from drivegate.candidates.native.bounded_command import asked
 from drivegate.candidates.native.coverage_tools import require_package, run_tool, work_folder
 from drivegate.candidates.native.coverage_trace import trace_of
 from drivegate.candidates.native.rust_build import (
@@ -22,6 +22,7 @@ from drivegate.candidates.native.rust_build import (
     stepping_library,
 )
 from drivegate.candidates.reached_code import SourceFile
+from drivegate_cases.documents.regular_file import made_content
 from drivegate_cases.documents.wording import one_line
 from drivegate_models.errors import InputError
 
@@ -38,7 +39,6 @@ _PROFILES: Final = "%p-%c.profraw"
 _MAPPED: Final = b"__llvm_covmap"
 """Name of the section that maps counters to lines."""
 _VERSION: Final = re.compile(r"LLVM version (\d+)\S*")
-_PROBE: Final = Bounds(20.0)
 
 
 class Tools(NamedTuple):
@@ -94,9 +94,7 @@ def tools_of(compiler: RustCompiler) -> Tools:
 
 
 def _version_of(program: str) -> int:
-    words = [program, "--version"]
-    ended = run_bounded(words, folder=Path.cwd(), environment={"LC_ALL": "C"}, bounds=_PROBE)
-    found = _VERSION.search(ended.output)
+    found = _VERSION.search(asked([program, "--version"]).output)
     return int(found[1]) if found else 0
 
 
@@ -126,7 +124,7 @@ def measured_files(candidate: Candidate, output: Path) -> tuple[SourceFile, ...]
 
 def _counted(listed: Path) -> Iterator[tuple[Path, dict[int, tuple[int, tuple[int, ...]]]]]:
     """List the lines of each source in a file of LCOV: how often each ran, and how often each way out was taken."""
-    for record in listed.read_text(encoding="utf-8").split("end_of_record"):
+    for record in made_content(listed).decode().split("end_of_record"):
         source = re.search(r"^SF:(.+)$", record, re.MULTILINE)
         if source is None:
             continue

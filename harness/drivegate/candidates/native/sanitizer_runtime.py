@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
-from drivegate.candidates.native.bounded_command import Bounds, run_bounded
+from drivegate.candidates.native.bounded_command import asked
 from drivegate.candidates.native.compiler import CPP, Language
 from drivegate.candidates.native.second_build import is_clang
 from drivegate_cases.documents.wording import one_line
@@ -21,7 +21,6 @@ ADDRESS_OPTIONS: Final = (
     "detect_leaks=0:alloc_dealloc_mismatch=0:detect_odr_violation=0:detect_stack_use_after_return=1:"
     "quarantine_size_mb=16:print_legend=0:color=never:handle_segv=2:handle_sigbus=2:handle_sigfpe=2:handle_sigill=2"
 )
-_PROBE: Final = Bounds(20.0)
 
 
 def preloaded(compiler: Sequence[str], language: Language, sanitizers: Sequence[str]) -> dict[str, str]:
@@ -61,8 +60,7 @@ def _version(compiler: Sequence[str]) -> str:
 
 
 def _file_of(compiler: Sequence[str], name: str) -> Path | None:
-    words = [*compiler, f"-print-file-name={name}"]
-    ended = run_bounded(words, folder=Path.cwd(), environment={"LC_ALL": "C"}, bounds=_PROBE)
+    ended = asked([*compiler, f"-print-file-name={name}"])
     file = Path(ended.output.strip())
     return file.resolve() if ended.status == 0 and file.is_absolute() and file.exists() else None
 

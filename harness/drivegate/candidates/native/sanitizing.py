@@ -12,7 +12,7 @@ from typing import Final
 from drivegate.candidates.candidate import Candidate, Instrumented
 from drivegate.candidates.fault import bounded_reason, short_lines
 from drivegate.candidates.native import rust_sanitizing
-from drivegate.candidates.native.bounded_command import Bounds, run_bounded
+from drivegate.candidates.native.bounded_command import asked
 from drivegate.candidates.native.compiler import Compilation, CompilationError
 from drivegate.candidates.native.coverage import is_compiled_here, plan_of
 from drivegate.candidates.native.sanitizer_runtime import preloaded
@@ -36,7 +36,6 @@ _PATTERN, _ZERO = "-ftrivial-auto-var-init=pattern", "-ftrivial-auto-var-init=ze
 _ANALYSIS: Final = ("-O0", "-Wuninitialized")
 
 _UNDEFINED_OPTIONS: Final = "halt_on_error=1:print_stacktrace=0:color=never"
-_PROBE: Final = Bounds(20.0)
 _UNWRITTEN: Final = re.compile(
     r"^(?P<file>[^\s:][^:\n]*):(?P<line>\d+):\d+:\s*warning:\s*(?P<message>.*uninitialized.*?)\s*\[-W",
     re.MULTILINE,
@@ -85,7 +84,7 @@ def _require(plan: Compilation, name: str) -> None:
 
 def _accepts(compiler: Sequence[str], *flags: str) -> bool:
     words = [*compiler, *flags, "-x", "c", "-E", "/dev/null"]
-    return run_bounded(words, folder=Path.cwd(), environment={"LC_ALL": "C"}, bounds=_PROBE).status == 0
+    return asked(words).status == 0
 
 
 def _suspects(plan: Compilation, folder: Path) -> tuple[str, ...]:

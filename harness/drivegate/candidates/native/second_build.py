@@ -60,7 +60,7 @@ def second_build(plan: Compilation, flags: Sequence[str]) -> Path:
                 # Whole paths, which tools find from any folder.
                 sources = (*(str(plan.folder / source) for source in plan.sources), str(own))
                 _, output = compile_library(compilers, replace(changed, sources=sources), made)
-                # Made anew: nothing that the compiler may have left there is written to.
+                # A new file: nothing that the compiler may have left there is written to.
                 with (made / OUTPUT).open("x", encoding="utf-8") as stream:
                     stream.write(output)
                 _keep(made, kept)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from drivegate.candidates.candidate import Candidate
+from drivegate.candidates.candidate import Candidate, NativeBuild
 from drivegate.candidates.fault import Fault, FaultKind
 from drivegate.candidates.kinds import KINDS
 from drivegate.candidates.native.rust_build import RustCompiler, rust_build, rust_compiler
@@ -143,7 +143,8 @@ def test_what_the_toolchain_cannot_is_refused(faults: Candidate, tmp_path: Path)
 
 def test_a_library_without_sources_in_rust_is_refused(faults: Candidate, tmp_path: Path) -> None:
     library = tmp_path / "mine.so"
-    shutil.copy(faults.details.library, library)  # type: ignore[union-attr]
+    assert isinstance(faults.details, NativeBuild)
+    shutil.copy(faults.details.library, library)
     given = resolve_candidate(str(library))
     for method, words in (
         (KINDS["so"].counted_candidate, ()),
