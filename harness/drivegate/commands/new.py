@@ -216,7 +216,7 @@ def _new_scenario(file: Path, drive: str | None) -> Outcome:
     named = chosen if is_included(chosen) else str(Path(chosen).resolve())
     write_scenario(file, known, named)
     candidate = contract_of(known).usual_candidate
-    if not getattr(known, "has_sensor", True):
+    if known.position == "none":
         candidate += SENSORLESS
     document: dict[str, Any] = {
         "schema": SCHEMA,

@@ -79,7 +79,7 @@ class Template:
     unsensed: tuple[str, ...] = ()
     """Folders that a drive without a position sensor has as well; empty for a template that needs the sensor."""
     extra: str = ""
-    """Optional dependencies of drivegate that such a candidate needs; empty for none."""
+    """Optional dependencies of drivegate that the candidate needs; empty for none."""
     is_slow: bool = False
     """Whether steps of duty ratios take so long that a whole check at quick effort takes minutes."""
 

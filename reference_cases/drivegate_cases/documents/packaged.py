@@ -1,6 +1,6 @@
 """Finding the documents that come with drivegate, by their bare names."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable
 from importlib.resources import as_file, files
 from pathlib import Path
 
@@ -26,11 +26,11 @@ def load_named(
     *,
     relative_to: Path | None = None,
     reach: Reach | None = None,
-    further: Sequence[str] = (),
+    further: Callable[[], Iterable[str]] = tuple,
 ) -> DocumentT:
     """Load a document of the package by its name, or any other by its path, within the reach of what names it.
 
-    `further`: other names that exist, for the sentence about one that does not.
+    `further`: lists other names that exist, for the sentence about one that does not.
     """
     name = str(name_or_path)
     is_path = "/" in name or "\\" in name or name.lower().endswith(SUFFIXES)
@@ -42,7 +42,7 @@ def load_named(
     known = packaged_names(folder)
     if name not in known:
         raise InputError(
-            f"no {noun} is called '{one_line(name)}', the nearest is '{nearest(name, (*known, *further))}'; "
+            f"no {noun} is called '{one_line(name)}', the nearest is '{nearest(name, (*known, *further()))}'; "
             f"there are {', '.join(known)}, or a path that ends in .toml or .json"
         )
     with as_file(files("drivegate_cases") / folder / f"{name}.toml") as path:

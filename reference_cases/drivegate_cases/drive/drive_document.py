@@ -51,8 +51,6 @@ def load_drive(
             f"no drive is called '{name}': of the kind '{drive.kind}' there is no variant without a position sensor, "
             f"as PM AC drives have one, such as pm-ac-2kw{SENSORLESS}"
         )
-    # Each PM AC drive has two names.
-    further = [f"{known}{SENSORLESS}" for known in drive_names() if known.startswith("pm-ac")]
     return load_named(
         name_or_path,
         DriveDocument,
@@ -60,7 +58,7 @@ def load_drive(
         "drive",
         relative_to=relative_to,
         reach=reach,
-        further=further,
+        further=included_drives,
     )
 
 
