@@ -98,7 +98,7 @@ ANSWERS: dict[str, dict[str, tuple[tuple[str, float], ...]]] = {
             ("16.2 oz-in/A peak", torque(16.2 * OUNCE_INCH, "peak")),
             ("13.4 in-oz/Arms", torque(13.4 * OUNCE_INCH, "rms")),
         ),
-        "resistance": (("0.31 Ω terminal, cold", 0.155), ("0.31 ohms nom.", 0.155)),
+        "resistance": (("0.31 Ω terminal, cold", 0.155), ("0.31 ohms nom.", 0.155), ("R25 = 0.31 ohm", 0.155)),
         "inertia": (("0.0102 oz-in-sec²", 0.0102 * OUNCE_INCH), ("1.8 oz-in²", 1.8 * OUNCE_INCH_2)),
         "rated_current": (("9.2 A peak of sine", 9.2), ("9.2 amps (peak)", 9.2), ("9.2 A 0-pk", 9.2)),
     },
@@ -172,7 +172,7 @@ ANSWERS: dict[str, dict[str, tuple[tuple[str, float], ...]]] = {
     },
     "Bosch Rexroth": {
         "constant": (("76.3 Vrms/1000 min⁻¹", emf(0.0763 / RPM, "rms")), ("1.28 Nm/A_RMS", torque(1.28, "rms"))),
-        "highest_speed": (("6 000 min⁻¹", 6000.0), ("6000 rpm (mech.)", 6000.0), ("6000 rpm mechanical limit", 6000.0)),
+        "highest_speed": (("6 000 min⁻¹", 6000.0), ("6000 rpm (mech.)", 6000.0), ("6 k rpm mechanical limit", 6000.0)),
     },
     "Leadshine": {
         "constant": (
@@ -196,7 +196,7 @@ ANSWERS: dict[str, dict[str, tuple[tuple[str, float], ...]]] = {
     "Panasonic": {
         "inertia": (("0.14 ×10⁻⁴ kg·m² (without brake)", 0.14e-4),),
         "rated_current": (("1.5 A (rms)", 1.5 * RMS), ("1.5 A(r.m.s.)", 1.5 * RMS)),
-        "peak_current": (("6.5 A (0-p)", 6.5), ("6.5 Ap", 6.5), ("6.5 A crest", 6.5)),
+        "peak_current": (("6.5 A (0-p)", 6.5), ("6.5 Ap", 6.5), ("6.5 A o-p", 6.5), ("6.5 A zero-to-peak", 6.5)),
     },
     "Beckhoff": {
         "constant": (("1.87 Nm/A rms", torque(1.87, "rms")), ("1,87 Nm/Aeff", torque(1.87, "rms"))),

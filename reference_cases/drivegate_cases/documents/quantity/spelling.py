@@ -37,7 +37,7 @@ _SUPERSCRIPT: Final = re.compile(r"[⁺⁻⁰¹²³⁴-⁹]+")
 _OPEN_POWER: Final = re.compile(r"\(\s*(?=(?:[x×·*]\s*)?10\s*\^?\s*-\s*\d)")
 _IN_PARENTHESES: Final = re.compile(r"\s*\(([^()]+)\)\s*")
 _LABEL: Final = re.compile(
-    r"\s*(?P<label>[^\d=:]*?)\s*[=:]\s*(?=.*\d)|\s*(?P<kv>kv)\s*(?=\d)|\s*(?P<words>[a-z][a-z\s_()/.,-]*?\)?)\s+(?=[\d.])",
+    r"\s*(?P<label>[^\d=:]*?(?:[rl]_?\d\d)?)\s*[=:]\s*(?=.*\d)|\s*(?P<kv>kv)\s*(?=\d)|\s*(?P<words>[a-z][a-z\s_()/.,-]*?\)?)\s+(?=[\d.])",
     re.IGNORECASE,
 )
 _HEADER: Final = re.compile(
@@ -59,7 +59,9 @@ _RADIANS_PER_SECOND: Final = re.compile(
 )
 _TURNS_PER_SECOND: Final = re.compile(r"(?<![a-z])(?:r|revs?|turns?)\s*/\s*s(?:ec)?\b", re.IGNORECASE)
 _DEGREES_PER_SECOND: Final = re.compile(r"(?:deg(?:rees?)?|°)\s*/\s*s(?:ec(?:ond)?)?\b", re.IGNORECASE)
-_PREFIX_APART: Final = re.compile(r"\b(milli|micro|kilo|[mu])[\s-]+(?=ohms?\b|henr|h\b)", re.IGNORECASE)
+_PREFIX_APART: Final = re.compile(
+    r"\b(milli|micro|kilo|[mu])[\s-]+(?=ohms?\b|henr|h\b)|(?<=\d)\s*(k)\s+(?=rpm\b)", re.IGNORECASE
+)
 _THOUSAND: Final = r"(?:1[\s,.']*000|1?\s*k|10\s*\^\s*3)[\s·*-]*rpm"
 _PER_THOUSAND: Final = re.compile(rf"(?:/|\bper\b)\s*(?:\(\s*{_THOUSAND}\s*\)|{_THOUSAND})", re.IGNORECASE)
 _AT_THOUSAND: Final = re.compile(r"\s*(?:@|\bat\b)\s*(?=1[\s,.']*000\s*rpm)", re.IGNORECASE)
@@ -168,7 +170,7 @@ def _rates(text: str) -> str:
         (_RADIANS_PER_SECOND, "radps"),
         (_TURNS_PER_SECOND, "rps"),
         (_DEGREES_PER_SECOND, "degps"),
-        (_PREFIX_APART, r"\1"),
+        (_PREFIX_APART, r"\1\2"),
         (re.compile(r"\(\s*rpm\s*\)", re.IGNORECASE), "rpm"),
         (_AT_THOUSAND, "/"),
         (_PER_THOUSAND, "/krpm"),

@@ -50,7 +50,7 @@ _PATTERNS: Final = (
         rf"(?:line|l|{_PHASE}){_TO}(?:neutral|n)|(?:per|of|one|of one)\s+{_PHASE}|{_PHASE}",
     ),
     ("line", "line"),
-    ("peak", r"0\s*-?\s*(?:to\s*)?(?:peak|pk|p)|peak|pk|crest|amplitude|(?<=[AV])p"),
+    ("peak", r"(?:0|o|zero)\s*-?\s*(?:to)?[\s-]*(?:peak|pk|p)|peak|pk|crest|amplitude|(?<=[AV])p"),
     ("rms", r"rms|r\.m\.s\.?|eff(?:ective)?"),
     ("dc", r"dc|d\.c\."),
     ("supply", r"(?:bus|link|supply|battery)(?:\s*voltage)?"),
