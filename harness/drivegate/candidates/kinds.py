@@ -66,6 +66,8 @@ class Kind:
     """What the string of such a candidate begins with."""
     suffixes: tuple[str, ...] = ()
     """Suffixes of the file that a candidate of this kind is as a whole."""
+    may_lack_suffix: bool = False
+    """Whether the entry of a manifest may also be a file without a suffix."""
     manifest_keys: tuple[str, ...] = ()
     """Keys of a manifest that are for this kind, and for others that have them too."""
     is_included: bool = False
@@ -157,7 +159,8 @@ _ALL: Final = (
         "elf",
         "elf",
         ways=("file.elf",),
-        suffixes=(".elf",),
+        suffixes=(".elf", ".axf", ".out"),
+        may_lack_suffix=True,
         manifest_keys=(
             "sources",
             "build",

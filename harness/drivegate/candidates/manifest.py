@@ -296,8 +296,9 @@ class Manifest(Document):
 
         What is built need not exist.
         """
-        suffixes = KINDS[self.kind].suffixes
-        if Path(self.entry).suffix.lower() not in suffixes:
+        kind, suffix = KINDS[self.kind], Path(self.entry).suffix.lower()
+        suffixes = kind.suffixes
+        if suffix not in suffixes and not (kind.may_lack_suffix and suffix == ""):
             raise InputError(
                 f"{shown_path(specification)}: the key 'entry' is '{one_line(self.entry)}', but for the kind "
                 f"'{self.kind}' must be a file *{' or *'.join(suffixes)}"

@@ -29,6 +29,7 @@ _CORES: Final = {
     17: "CORTEX_M33",
 }
 _WITH_DOUBLES: Final = (7, 8)
+_ARMV8_1_M: Final = 21
 
 
 @dataclass(frozen=True)
@@ -233,6 +234,11 @@ def attributes_of(elf: Any) -> dict[str, Any]:
 
 def _core(elf: Any, file: Path) -> str:
     stated = attributes_of(elf)
+    if stated.get("TAG_CPU_ARCH") == _ARMV8_1_M:
+        raise InputError(
+            f"{shown_path(file)} is built for Armv8.1-M, such as a Cortex-M55 or M85, whose instructions the emulator "
+            "does not have; build it with -mcpu=cortex-m33"
+        )
     core = _CORES.get(stated.get("TAG_CPU_ARCH", 13))
     if core is None or stated.get("TAG_CPU_ARCH_PROFILE", 77) not in (0, 77):
         raise InputError(

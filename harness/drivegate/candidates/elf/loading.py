@@ -18,11 +18,13 @@ from drivegate.candidates.elf.evaluation import program_of, run_program
 from drivegate.candidates.elf.exchange import LAYOUTS, MOST_PHASES, records_in
 from drivegate.candidates.elf.hints import passing_function
 from drivegate.candidates.elf.image import Image, clone_of, linked_name, read_image
+from drivegate.candidates.elf.inlining import inlined_into
 from drivegate.candidates.elf.instruction_count import counting_function, has_cycles
 from drivegate.candidates.elf.processor import CortexM, TargetFault
 from drivegate.candidates.elf.stubs import answering_function
 from drivegate.candidates.elf.tables import Tables
 from drivegate.candidates.elf.traps import trapping_function
+from drivegate.candidates.elf.variables import variables_of
 from drivegate.candidates.fault import CandidateFault, Fault, FaultKind, Phase, bounded_line
 from drivegate.candidates.native.controller import RESETS, STEPS, record_of, refused_by_reset
 from drivegate.candidates.native.loading import COMMON, LARGEST_STATE, require_version
@@ -255,7 +257,17 @@ def _hint(image: Image, missing: Sequence[str]) -> str:
     """Say what has become of the first function that the compiler has changed."""
     clones = (clone_of(image, function) for function in missing)
     clone = next((each for each in clones if each), "")
-    return clone and f". The compiler has made '{one_line(clone)}' of one: mark it __attribute__((noipa))"
+    if clone:
+        return f". The compiler has made '{one_line(clone)}' of one: mark it __attribute__((noipa))"
+    described = variables_of(image.file).functions
+    inlined = next((function for function in missing if function in described), "")
+    if not inlined:
+        return ""
+    places = " and ".join(map(one_line, inlined_into(described[inlined])))
+    return (
+        f". The compiler has {f'inlined it into {places}' if places else 'left it out'}: mark "
+        f"'{one_line(inlined)}' __attribute__((noinline, used)), and link without -flto"
+    )
 
 
 def _as_linked(target: Target, image: Image) -> Target:

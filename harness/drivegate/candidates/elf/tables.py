@@ -13,9 +13,11 @@ from drivegate.candidates.contract import ContractName
 from drivegate.candidates.elf.evaluation import program_of, run_program
 from drivegate.candidates.elf.exchange import REQUIRED_OUTPUTS, Program, Programs, Records
 from drivegate.candidates.elf.expression import DEEPEST, Place, Step, parsed, parsed_place
+from drivegate.candidates.elf.image import linked_name
+from drivegate.candidates.elf.inlining import inlined_into
 from drivegate.candidates.elf.processor import CortexM
 from drivegate.candidates.elf.stubs import Answer
-from drivegate.candidates.elf.variables import variables_of
+from drivegate.candidates.elf.variables import Variables, variables_of
 from drivegate_cases.documents.wording import short_line
 from drivegate_models.errors import InputError
 
@@ -84,6 +86,7 @@ class Tables:
                 programs.write(program, parsed_place(key), parsed(value))
         for key, value in target.read:
             programs.read(self._read, key, parsed(value))
+        self._refuse_inlined(target, variables)
         for stub in target.stub:
             fills = [(parsed_place(key), parsed(value)) for key, value in stub.fills]
 
@@ -94,6 +97,18 @@ class Tables:
                 return program
 
             self._processor.answer(self._processor.image.functions[stub.function], made)
+
+    def _refuse_inlined(self, target: Target, variables: Variables) -> None:
+        """Refuse a function that is also inlined, unless into functions that are answered themselves."""
+        image, answered = self._processor.image, {stub.function for stub in target.stub}
+        for function in answered & variables.functions.keys():
+            for place in inlined_into(variables.functions[function]):
+                linked = linked_name(image, place)
+                if linked in image.functions and linked not in answered:
+                    raise InputError(
+                        f"'{short_line(function)}' in [stub] is inlined into {short_line(place)}, which no stub "
+                        "reaches; mark it __attribute__((noinline))"
+                    )
 
     def _run(self, table: str, program: Program, made: NDArray[np.float64], *, is_strict: bool) -> None:
         stack = np.zeros(DEEPEST, np.int64)

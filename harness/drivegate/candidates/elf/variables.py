@@ -155,7 +155,7 @@ class Variables:
         """Return the name by which a function is described: of a static one in C++ that in its source."""
         return function if function in self.functions else source_name(function) or function
 
-    def _variable(self, name: str) -> tuple[int, Typed | None]:
+    def _variable(self, name: str) -> tuple[int, Typed]:
         if len(self.scoped.get(name, ())) > 1:
             names = " and ".join(f"'{short_line(each)}'" for each in self.scoped[name][:3])
             raise InputError(
@@ -164,14 +164,23 @@ class Variables:
         declared = self._declared(name)
         typed, symbols = type_of(declared, self.types), self.symbols.get(name, ())
         stated = address_of(declared)
+        if typed is None:
+            raise InputError(
+                f"{self.image} states no type of the variable '{short_line(name)}'; compile its source with -g, not -g1"
+            )
         if not symbols and stated is not None:
             return stated, typed
-        if len(symbols) != 1:
-            count = "no variable" if not symbols else f"{len(symbols)} variables"
+        if not symbols:
             raise InputError(
-                f"{self.image} has {count} '{short_line(name)}' in memory; name a global one that is linked"
+                f"{self.image} has no variable '{short_line(name)}' in memory: the compiler has made a constant of it, "
+                "or left it out; declare it volatile, and link without -flto"
             )
-        if typed is not None and typed.lengths[:1] == (None,):
+        if len(symbols) != 1:
+            raise InputError(
+                f"{self.image} has {len(symbols)} variables '{short_line(name)}' in memory; name a global one that is "
+                "linked"
+            )
+        if typed.lengths[:1] == (None,):
             # An array that is declared only has no length; its symbol has a size.
             element = size_of(typed._replace(lengths=typed.lengths[1:]))
             typed = typed._replace(lengths=(symbols[0].size // max(element, 1), *typed.lengths[1:]))

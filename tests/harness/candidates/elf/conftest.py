@@ -62,11 +62,12 @@ def load(tmp_path: Path) -> Load:
         source: str,
         flags: tuple[str, ...] = ("-O1", "-g"),
         places: tuple[str, ...] = PLACES,
+        suffix: str = "elf",
         **keys: object,
     ) -> Loaded:
         (tmp_path / "mine.c").write_text(source, encoding="utf-8")
         # Images are read once by their names.
-        image = f"{len([*tmp_path.glob('*.elf')])}.elf"
+        image = f"{len([*tmp_path.iterdir()])}{suffix and '.'}{suffix}"
         command = ["arm-none-eabi-gcc", *TARGET, *flags, *places, "-o", image, "mine.c"]
         subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
         keys = {"step": "isr", "read": DUTIES, **keys}

@@ -298,3 +298,74 @@ def test_debug_information_in_other_files_is_named(load: Load) -> None:
         InputError, match="has its debug information in other files; compile it without -gsplit-dwarf"
     ):
         load("int sum; void isr(void) { sum++; }", ("-g", "-gsplit-dwarf"), read={**DUTIES, "speed": "sum"})
+
+
+INLINED = """
+volatile int ticks; static int gain = 3; float rate;
+int now(void) { return ticks; }
+static int poll(void) { return ticks + 1; }
+void wait(int count) { int begin = now(); while (now() - begin < count) {} }
+void isr(void) { ticks = gain * poll(); LATER }
+"""
+
+
+@pytest.mark.parametrize(
+    ("later", "flags", "tables", "reason"),
+    [
+        (
+            "",
+            ("-O2", "-g"),
+            {"stub": {"now": 0}},
+            "'now' in .stub. is inlined into wait, which no stub reaches",
+        ),
+        (
+            "rate = now();",
+            ("-O2", "-g"),
+            {"stub": {"now": 0, "wait": 0}},
+            "is inlined into isr, which no stub reaches",
+        ),
+        (
+            "",
+            ("-O2", "-g"),
+            {"stub": {"poll": 0}},
+            "The compiler has inlined it into isr: mark 'poll' __attribute__",
+        ),
+        (
+            "",
+            ("-O2", "-g"),
+            {"write": {"gain": 1}},
+            "no variable 'gain' in memory: the compiler has made a constant of",
+        ),
+        (
+            "",
+            ("-O2", "-g1"),
+            {"write": {"ticks": 1}},
+            "no type of the variable 'ticks'; compile its source with -g,",
+        ),
+        (
+            "",
+            ("-mcpu=cortex-m55",),
+            {},
+            "built for Armv8.1-M, .* the emulator does not have; build it with -mcpu=",
+        ),
+    ],
+)
+def test_what_the_compiler_has_done_is_named(
+    load: Load, later: str, flags: tuple[str, ...], tables: dict[str, Any], reason: str
+) -> None:
+    with pytest.raises(InputError, match=reason):
+        load(INLINED.replace("LATER", later), flags=flags, **tables)
+
+
+def test_a_function_that_is_inlined_into_answered_ones_alone_is_answered(load: Load) -> None:
+    source = INLINED.replace("LATER", "wait(5); rate = 2;")
+    waits = source.replace("void wait", "__attribute__((noinline)) void wait")
+    loaded = load(waits, flags=("-O2", "-g"), stub={"now": 0, "wait": 0}, read={**DUTIES, "torque": "rate"})
+    assert loaded.reset().step()["torque"] == 2
+
+
+@pytest.mark.parametrize("suffix", ["axf", "out", ""])
+def test_an_image_may_have_the_suffix_of_other_tools(load: Load, suffix: str) -> None:
+    loaded = load("void isr(void) {}", suffix=suffix).reset()
+    loaded.step()
+    assert loaded.fault == ""
