@@ -180,6 +180,11 @@ def _burns_more(plate: DutyNameplate) -> float:
     return resistance / 3.0 if is_saturated else resistance
 
 
+def _above_nominal(plate: DutyNameplate, share: float) -> float:
+    """Return a voltage between the nominal one of the link and its limit (V)."""
+    return plate.supply_voltage + share * (plate.link_limit - plate.supply_voltage)
+
+
 def _charges_nervously(state: Any) -> None:
     state["charging_gain"] *= 60.0
 
@@ -649,6 +654,32 @@ _UNNAMED: Final = {
         "Regulates the link while braking with sixty times the gain.",
         "rectifier",
         alter=_charges_nervously,
+    ),
+    "capacitance-overestimated": _links(
+        "LNK-1",
+        "Takes ten times the capacitance, and relies on its room.",
+        "rectifier",
+        link_capacitance=lambda plate: 10.0 * plate.link_capacitance,
+    ),
+    "charging-limited-as-discharging": _links(
+        "LNK-2",
+        "Takes the limit of discharging for that of charging.",
+        "battery",
+        charge_limit=lambda plate: plate.discharge_limit,
+    ),
+    "braking-burnt-in-bursts": DutyFault(
+        "",
+        "Burns the energy of braking by turning d current on and off at two voltages of the link.",
+        "LNK-4",
+        kind="DC link",
+        source="rectifier",
+        changes={
+            "bursts_from": lambda plate: _above_nominal(plate, 0.5),
+            "bursts_until": lambda plate: _above_nominal(plate, 0.25),
+            "burst_current": lambda plate: 0.6 * plate.current_limit,
+            "bursts_within": lambda plate: plate.current_limit,
+            "pole_pairs": _pole_pairs,
+        },
     ),
     "temperature-limit-raised": _derates(
         "THM-1",

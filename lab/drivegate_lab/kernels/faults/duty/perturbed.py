@@ -12,6 +12,7 @@ from numba.np.numpy_support import carray
 from numpy.typing import NDArray
 
 from drivegate_lab.kernels.faults.broken_coupling import WATCHED_SHAFT
+from drivegate_lab.kernels.faults.duty.bursts import BURSTS, burst_current
 from drivegate_lab.kernels.faults.duty.changes import is_short_circuit, taken_reference
 from drivegate_lab.kernels.faults.duty.free_shaft import FREE_SHAFT, perturb_free_shaft
 from drivegate_lab.kernels.faults.duty.heat import HEAT, perturb_heat
@@ -86,6 +87,8 @@ PERTURBED_STATE: Final = np.dtype(
         *FREE_SHAFT,
         # What is taken wrong of hot windings.
         *HEAT,
+        # Bursts of d-axis current that regulate the link.
+        *BURSTS,
         # Maximum magnitudes of the reference (rad/s or N m) and of the measured speed (rad/s).
         ("most_reference", np.float64),
         ("most_speed", np.float64),
@@ -304,7 +307,8 @@ def _perturb_beyond(state: Any, sense: Any, perturbed: Any) -> None:
 def _write_sense(state: Any, sense: Any) -> None:
     """Write the perturbed Sense for the controller."""
     cosine, sine = cosine_sine(state.pole_pairs * sense.angle)
-    added = RotorFrame(_unseen_direct(state, sense.speed), 0.0, cosine, sine)
+    hidden = _unseen_direct(state, sense.speed) + burst_current(state, sense)
+    added = RotorFrame(hidden, 0.0, cosine, sine)
     if state.idle_torque > 0.0:
         _calibrate_idle(state)
     for phase in range(3):
