@@ -33,7 +33,7 @@ from drivegate_models.pm_ac.loop_records import TEMPERATURE, DutyRecords, write_
 from drivegate_models.pm_ac.mean_voltages import MeanVoltages, follow_mean_voltages, show_mean_voltages
 from drivegate_models.pm_ac.plant import dc_link
 from drivegate_models.pm_ac.plant.advance import PmAcPhases, advance_period, release_legs, stored_energy
-from drivegate_models.pm_ac.plant.dc_link import VOLTAGE, LinkState, capacitor_energy, charge_link, is_ideal
+from drivegate_models.pm_ac.plant.dc_link import VOLTAGE, LinkState, charge_link, is_ideal, link_energy
 from drivegate_models.pm_ac.plant.drive import PmAcDrive, alignment_of, drifted
 from drivegate_models.pm_ac.plant.linked_advance import advance_linked_period
 from drivegate_models.pm_ac.sensing import (
@@ -133,12 +133,12 @@ def _balance(
 def _link_balance(drive: PmAcDrive, link: LinkState, stored: float, rated: float, length: float) -> float:
     """Return the energy that is missing in the link in a period, relative to its throughput (1).
 
-    `stored`: energy of the capacitor at the start (J). `rated`: energy of link voltage times current limit (J). The
-    current of the source is rounded like the voltage that drives it.
+    `stored`: energy of capacitor and source at the start (J). `rated`: energy of link voltage times current limit (J).
+    The current of the source is rounded like the voltage that drives it.
     """
     totals = link.totals
     constants = drive.dc_link
-    now = capacitor_energy(constants, link)
+    now = link_energy(constants, link)
     used = (
         totals[dc_link.RESISTED] + totals[dc_link.BURNT] + totals[dc_link.SUPPLIED] + totals[dc_link.BRIDGE]
     )
@@ -377,7 +377,7 @@ def run_periods(
         carrier = length / drive.modulator.control_every
         charged = 0.0
         if not has_ideal_link:
-            charged = capacitor_energy(drive.dc_link, phases.dc_link)
+            charged = link_energy(drive.dc_link, phases.dc_link)
             _begin_link_ledger(phases.dc_link)
         for part in range(drive.modulator.control_every):
             begin_angle = angle + part * (drive.pole_pairs * held * carrier)

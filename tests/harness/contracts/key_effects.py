@@ -304,6 +304,7 @@ _DRIVE: Final[dict[str, Effect]] = {
     "drive.link.source_voltage_v": Refused(33.0, ("source_voltage_v", "33", "link_voltage_v"), _LINK),
     "drive.link.capacitance_f": Runs(2e-3, _LINK),
     "drive.link.source_resistance_ohm": Runs(1.0, _LINK),
+    "drive.link.source_inductance_h": Runs(1e-4, _LINK),
     "drive.link.charge_limit_a": Nameplate(3.0, _LINK),
     "drive.link.discharge_limit_a": Nameplate(9.0, _LINK),
     "drive.link.link_limit_v": Nameplate(170.0, _LINK),

@@ -36,6 +36,8 @@ class DcLink(NamedTuple):
     """Voltage at which it turns off by itself (V)."""
     chopper_conductance: float = 0.0
     """Conductance of the chopper while it is on (S); 0 without a chopper."""
+    source_inductance: float = 0.0
+    """Inductance between source and capacitor (H)."""
 
 
 VOLTAGE: Final = 0
@@ -48,7 +50,9 @@ CLAMPED: Final = 3
 """1 while the bridge's diodes keep an empty capacitor at 0 V."""
 PENDING: Final = 4
 """Core and switching loss of the preceding control period, which the link supplies in this one (W)."""
-STATES: Final = 5
+CURRENT: Final = 5
+"""Current of a source with an inductance (A); 0 for one without, whose current follows from the voltage."""
+STATES: Final = 6
 
 DRAWN: Final = 0
 """Energy from the source's voltage (J)."""
@@ -86,13 +90,16 @@ class LinkState(NamedTuple):
     """Work space: series of the voltage (V)."""
     bridge: NDArray[np.float64]
     """Work space: series of the current into the bridge (A)."""
+    source: NDArray[np.float64]
+    """Work space: series of the current of a source with an inductance (A)."""
     product: NDArray[np.float64]
     """Work space: series in which an event is searched."""
 
 
 def make_link_state(terms: int) -> LinkState:
     """Return the state of an empty link; `terms` is the maximum number of coefficients of a series."""
-    return LinkState(np.zeros(STATES), np.zeros(ENTRIES), np.zeros(terms), np.zeros(terms), np.zeros(terms))
+    series = (np.zeros(terms), np.zeros(terms), np.zeros(terms), np.zeros(terms))
+    return LinkState(np.zeros(STATES), np.zeros(ENTRIES), *series)
 
 
 @inlined
@@ -110,7 +117,8 @@ def charge_link(link: LinkState, voltage: float) -> None:
 
 
 @inlined
-def capacitor_energy(constants: DcLink, link: LinkState) -> float:
-    """Return the energy of the capacitor (J)."""
-    voltage = link.state[VOLTAGE]
-    return float(0.5 * constants.capacitance * voltage * voltage)
+def link_energy(constants: DcLink, link: LinkState) -> float:
+    """Return the energy of the capacitor and of the source's inductance (J)."""
+    voltage, current = link.state[VOLTAGE], link.state[CURRENT]
+    charged = 0.5 * constants.capacitance * voltage * voltage
+    return float(charged + 0.5 * constants.source_inductance * current * current)

@@ -39,9 +39,12 @@ from drivegate_models.pm_ac.plant.dc_link import (
     BATTERY,
     CHOPPER,
     CLAMPED,
+    CURRENT,
     FLUX,
     PENDING,
+    RESISTED,
     SOURCE,
+    THROUGHPUT,
     VOLTAGE,
     DcLink,
     LinkState,
@@ -70,7 +73,7 @@ from drivegate_models.pm_ac.plant.linked_series import (
 )
 from drivegate_models.pm_ac.plant.modulator import Gates, schedule_gates
 from drivegate_models.pm_ac.plant.polynomial import value_at
-from drivegate_models.pm_ac.plant.series import shorten, shorten_both
+from drivegate_models.pm_ac.plant.series import shorten, shorten_both, shorten_one
 from drivegate_models.pm_ac.plant.settling import EMPTY, FREE, Legs, settle, show_voltages
 from drivegate_models.pm_ac.plant.volt_seconds import add_volt_seconds, is_followed
 
@@ -82,10 +85,20 @@ _LEAST_SUPPLYING: Final = 0.2
 
 @inlined
 def _connect_source(constants: DcLink, link: LinkState, source: float) -> None:
-    """Connect or disconnect the source at the start of a period; at 0 V it is disconnected."""
+    """Connect or disconnect the source at the start of a period; at 0 V it is disconnected.
+
+    The switch that does it takes the energy of the source's inductance.
+    """
     state = link.state
-    conducts = source > 0.0 and (constants.source == BATTERY or state[VOLTAGE] <= source)
+    current = state[CURRENT]
+    takes = constants.source == BATTERY or current > 0.0 or state[VOLTAGE] <= source
+    conducts = source > 0.0 and takes
     state[SOURCE] = 1.0 if conducts else 0.0
+    if not conducts and current != 0.0:
+        broken = 0.5 * constants.source_inductance * current * current
+        link.totals[RESISTED] += broken
+        link.totals[THROUGHPUT] += broken
+        state[CURRENT] = 0.0
 
 
 @inlined
@@ -93,12 +106,24 @@ def _feed(constants: DcLink, link: LinkState, source: float, lost: float) -> Fee
     """Return what acts on the capacitor now; `lost` is the conductance of core and switching losses (S)."""
     state = link.state
     chopper = constants.chopper_conductance if state[CHOPPER] != 0.0 else 0.0
+    conducts = state[SOURCE] != 0.0
+    is_inductive = constants.source_inductance > 0.0
     return Feed(
         source,
-        1.0 / constants.source_resistance if state[SOURCE] != 0.0 else 0.0,
+        1.0 / constants.source_resistance if conducts and not is_inductive else 0.0,
         lost + chopper,
         0.0 if state[CLAMPED] != 0.0 else 1.0 / constants.capacitance,
+        1.0 / constants.source_inductance if conducts and is_inductive else 0.0,
+        constants.source_resistance,
     )
+
+
+@inlined
+def _end_link(feed: Feed, link: LinkState, count: int) -> None:
+    """Set the link to the end of a segment, of which the series are known."""
+    link.state[VOLTAGE] = value_at(link.voltage, count, 1.0)
+    if feed.per_inductance != 0.0:
+        link.state[CURRENT] = value_at(link.source, count, 1.0)
 
 
 @inlined
@@ -236,6 +261,8 @@ def _segment(
         length *= share
         cosine, sine = cosine_sine(begin_angle + electrical * length)
         shorten_both(link.voltage, link.bridge, count, share)
+        if feed.per_inductance != 0.0:
+            shorten_one(link.source, count, share)
         after = RotorFrame(0.0, 0.0, cosine, sine)
         if held != EMPTY:
             shorten(series, count, share)
@@ -264,7 +291,7 @@ def _segment(
         add_volt_seconds(
             circuit, phases.legs, series, frame, held, count, whole, passed, rise, phases.volt_seconds
         )
-    link.state[VOLTAGE] = value_at(link.voltage, count, 1.0)
+    _end_link(feed, link, count)
     enter_link_event(link, kind)
     return event, kind, length, after
 
@@ -332,7 +359,7 @@ def _pass_quietly(
     if is_followed(phases.volt_seconds):
         rise = link.totals[FLUX] - before - link.state[VOLTAGE] * length
         add_volt_seconds(circuit, legs, series, frame, FREE, count, length, 1.0, rise, phases.volt_seconds)
-    link.state[VOLTAGE] = value_at(link.voltage, count, 1.0)
+    _end_link(feed, link, count)
     return True, after
 
 
@@ -379,6 +406,7 @@ def advance_linked_period(
         speed,
         voltage,
         source,
+        state[CURRENT],
         (frame.direct, frame.quadrature),
         lost + constants.chopper_conductance,
         duration,

@@ -10,7 +10,15 @@ from numpy.typing import NDArray
 from drivegate_models.compilation.kernels import inlined, unallocating
 from drivegate_models.machine.rotor_frame import RotorFrame
 from drivegate_models.pm_ac.plant.circuit import Circuit
-from drivegate_models.pm_ac.plant.dc_link import BATTERY, CHOPPER, CLAMPED, SOURCE, VOLTAGE, LinkState
+from drivegate_models.pm_ac.plant.dc_link import (
+    BATTERY,
+    CHOPPER,
+    CLAMPED,
+    CURRENT,
+    SOURCE,
+    VOLTAGE,
+    LinkState,
+)
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
 from drivegate_models.pm_ac.plant.events import (
     BEYOND,
@@ -87,6 +95,19 @@ def voltage_range(link: LinkState, count: int) -> tuple[float, float, bool]:
     return lowest - deviation, highest + deviation, False
 
 
+@inlined
+def _passing_supply(drive: PmAcDrive, link: LinkState, source: float, count: int) -> float:
+    """Return the share at which the current into the bridge falls below that of the source, at an empty capacitor."""
+    constants = drive.dc_link
+    if link.state[SOURCE] == 0.0:
+        return _passing(link.bridge, count, 0.0, 1, drive.current_limit)
+    if constants.source_inductance == 0.0:
+        return _passing(link.bridge, count, source / constants.source_resistance, 1, drive.current_limit)
+    for k in range(count):
+        link.product[k] = link.bridge[k] - link.source[k]
+    return _passing(link.product, count, 0.0, 1, drive.current_limit)
+
+
 @unallocating
 def link_event(
     drive: PmAcDrive, link: LinkState, source: float, count: int, follows_thresholds: bool
@@ -102,13 +123,14 @@ def link_event(
     voltage = link.voltage
     first = LinkEvent(NOTHING, 1.0)
     if state[CLAMPED] != 0.0:
-        supplied = source / constants.source_resistance if state[SOURCE] != 0.0 else 0.0
-        return _earlier(first, CHARGED, _passing(link.bridge, count, supplied, 1, drive.current_limit))
+        return _earlier(first, CHARGED, _passing_supply(drive, link, source, count))
     lowest, highest, _ = voltage_range(link, count)
     if lowest <= 0.0:
         first = _earlier(first, EMPTIED, _passing(voltage, count, 0.0, 1, scale))
     if constants.source != BATTERY and source > 0.0:
-        if state[SOURCE] != 0.0:
+        if state[SOURCE] != 0.0 and constants.source_inductance > 0.0:
+            first = _earlier(first, BLOCKED, _passing(link.source, count, 0.0, 1, drive.current_limit))
+        elif state[SOURCE] != 0.0:
             if highest >= source:
                 first = _earlier(first, BLOCKED, _passing(voltage, count, source, -1, scale))
         elif lowest <= source:
@@ -128,6 +150,7 @@ def enter_link_event(link: LinkState, kind: int) -> None:
     state = link.state
     if kind == BLOCKED:
         state[SOURCE] = 0.0
+        state[CURRENT] = 0.0
     elif kind == CONDUCTING:
         state[SOURCE] = 1.0
     elif kind == CHOPPER_ON:

@@ -162,6 +162,14 @@ def _values_at(series: Series, link: LinkState, count: int, place: float) -> tup
 
 
 @inlined
+def _source_current(feed: Feed, link: LinkState, voltage: float, count: int, place: float) -> float:
+    """Return the current of the source (A) at a share of a segment, where the link has this voltage (V)."""
+    if feed.per_inductance != 0.0:
+        return value_at(link.source, count, place)
+    return (feed.source - voltage) * feed.per_resistance
+
+
+@inlined
 def _exchanged(series: Series, link: LinkState, count: int) -> float:
     """Return the integral of the magnitude of the bridge's power, per segment length (W), where it changes its sign."""
     terms = min(2 * count - 1, TERMS)
@@ -252,7 +260,7 @@ def add_linked_segment(
             voltage, current_a, current_b = _values_at(series, link, count, place)
         voltage_sum += weight * voltage
         voltage_square += weight * (voltage * voltage)
-        current = (feed.source - voltage) * feed.per_resistance
+        current = _source_current(feed, link, voltage, count, place)
         current_sum += weight * current
         current_square += weight * (current * current)
         if held == EMPTY:

@@ -14,7 +14,7 @@ from typing import Final, NamedTuple
 from drivegate_models.compilation.kernels import inlined, unallocating
 from drivegate_models.machine.rotor_frame import HALF_ROOT, RotorFrame, axis_of, from_phases, turned
 from drivegate_models.pm_ac.plant.circuit import UNBOUNDED, Circuit, circuit_of, drop_of, is_on_upper_rail
-from drivegate_models.pm_ac.plant.dc_link import LinkState
+from drivegate_models.pm_ac.plant.dc_link import CURRENT, DcLink, LinkState
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
 from drivegate_models.pm_ac.plant.polynomial import value_at
 from drivegate_models.pm_ac.plant.series import (
@@ -42,11 +42,15 @@ class Feed(NamedTuple):
     source: float
     """Voltage of the source (V)."""
     per_resistance: float
-    """Conductance between source and capacitor (S); 0 while the source carries no current."""
+    """Conductance between source and capacitor (S); 0 while the source carries no current, or has an inductance."""
     conductance: float
     """Conductance of the chopper and of the losses that the link supplies (S)."""
     per_capacitance: float
     """One over the capacitance (1/F); 0 while the bridge's diodes keep the capacitor at 0 V."""
+    per_inductance: float
+    """One over the inductance of the source (1/H); 0 while it carries no current, or has none."""
+    resistance: float
+    """Resistance of the source (ohm)."""
 
 
 class Connection(NamedTuple):
@@ -59,34 +63,50 @@ class Connection(NamedTuple):
 
 
 @inlined
+def rate_of_source(link: DcLink) -> float:
+    """Return the fastest rate of capacitor and source, for a source with an inductance (1/s)."""
+    inductance = link.source_inductance
+    return 1.0 / sqrt(inductance * link.capacitance) + link.source_resistance / inductance
+
+
+@inlined
 def linked_circuit(
     drive: PmAcDrive,
     speed: float,
     voltage: float,
     source: float,
+    supplied: float,
     currents: tuple[float, float],
     conductance: float,
     duration: float,
 ) -> Circuit:
     """Return the constants of an advance whose link has this voltage (V) at the start.
 
-    `source`: voltage of the source (V). `currents`: d-axis and q-axis currents at the start (A). `conductance`:
-    greatest conductance at the capacitor besides the source's (S). `duration`: length of the advance (s). The bound of
-    slopes holds for the greatest voltage that the link can reach; it is `UNBOUNDED` if none is known.
+    `source`: voltage of the source (V). `supplied`: its current at the start, if it has an inductance (A). `currents`:
+    d-axis and q-axis currents at the start (A). `conductance`: greatest conductance at the capacitor besides the
+    source's (S). `duration`: length of the advance (s). The bound of slopes holds for the greatest voltage that the
+    link can reach; it is `UNBOUNDED` if none is known.
     """
     link = drive.dc_link
     direct, quadrature = currents
     top = max(voltage, source)
+    drained = 0.0
+    own = (1.0 / link.source_resistance + conductance) / link.capacitance
+    if link.source_inductance > 0.0:
+        own = rate_of_source(link) + conductance / link.capacitance
+        # The energy in the oscillation about the source's voltage grows only by what bridge and losses take.
+        apart = voltage - source
+        top = source + sqrt(apart * apart + link.source_inductance / link.capacitance * supplied * supplied)
+        drained = conductance * source
     reached = top * (1.0 + _GROWTH) + _GROWTH * drive.link_voltage
     bound = circuit_of(drive, speed, reached, direct, quadrature, duration)
     steepest = bound.steepest
     if steepest < UNBOUNDED:
         size = sqrt(direct * direct + quadrature * quadrature) + steepest * duration
-        if top + duration * size / link.capacitance > reached:
+        if top + duration * (size + drained) / link.capacitance > reached:
             steepest = UNBOUNDED
     least = min(drive.direct_inductance, drive.quadrature_inductance)
     exchange = sqrt(1.5 / (least * link.capacitance))
-    own = (1.0 / link.source_resistance + conductance) / link.capacitance
     return Circuit(
         bound.resistance,
         bound.direct,
@@ -154,18 +174,44 @@ def _own_rate(feed: Feed, link: LinkState, k: int) -> float:
     """Return the coefficient of order `k` of the capacitor's current over its capacitance (V/s)."""
     source = feed.source if k == 0 else 0.0
     voltage = link.voltage[k]
-    current = (source - voltage) * feed.per_resistance - link.bridge[k] - feed.conductance * voltage
+    supplied = (source - voltage) * feed.per_resistance if feed.per_inductance == 0.0 else link.source[k]
+    current = supplied - link.bridge[k] - feed.conductance * voltage
     return float(feed.per_capacitance * current)
+
+
+@inlined
+def _begin_link(circuit: Circuit, link: LinkState, bridge: float) -> None:
+    """Begin the series of the link, with the current into the bridge at the start (A)."""
+    link.voltage[0] = circuit.link
+    link.bridge[0] = bridge
+    link.source[0] = link.state[CURRENT]
+
+
+@inlined
+def _extend_link(feed: Feed, link: LinkState, step: float, k: int) -> None:
+    """Write the coefficients of order `k` of voltage and source, from those before; `step`: length over `k` (s)."""
+    link.voltage[k] = step * _own_rate(feed, link, k - 1)
+    if feed.per_inductance != 0.0:
+        source = feed.source if k == 1 else 0.0
+        driving = source - link.voltage[k - 1] - feed.resistance * link.source[k - 1]
+        link.source[k] = step * feed.per_inductance * driving
+
+
+@inlined
+def _is_link_small(feed: Feed, link: LinkState, size: float, k: int) -> bool:
+    """Return True if the coefficients of order `k` of the link are negligible; `size`: that of the currents (A)."""
+    if abs(link.voltage[k]) > CUT * abs(link.voltage[0]):
+        return False
+    return feed.per_inductance == 0.0 or abs(link.source[k]) <= CUT * (size + abs(link.source[0]))
 
 
 @unallocating
 def idle_series(circuit: Circuit, feed: Feed, link: LinkState, length: float) -> int:
     """Write the series of the link's voltage while no current flows in the bridge; return the number of terms."""
     count = term_count(circuit.rate * length)
-    link.voltage[0] = circuit.link
-    link.bridge[0] = 0.0
+    _begin_link(circuit, link, 0.0)
     for k in range(1, count):
-        link.voltage[k] = length / k * _own_rate(feed, link, k - 1)
+        _extend_link(feed, link, length / k, k)
         link.bridge[k] = 0.0
     return count
 
@@ -192,8 +238,7 @@ def free_linked_series(
     pushed_a, pushed_b = from_phases(first.offset, second.offset, third.offset)
     current_a, current_b = turned(frame, frame.direct, frame.quadrature)
     voltage, bridge = link.voltage, link.bridge
-    voltage[0] = circuit.link
-    bridge[0] = 1.5 * (along * current_a + across * current_b)
+    _begin_link(circuit, link, 1.5 * (along * current_a + across * current_b))
     series.direct[0] = current_a
     series.quadrature[0] = current_b
     angle = circuit.electrical * length
@@ -238,13 +283,13 @@ def free_linked_series(
             current_b += swing * varied_b
         series.direct[k] = current_a
         series.quadrature[k] = current_b
-        voltage[k] = step * _own_rate(feed, link, k - 1)
+        _extend_link(feed, link, step, k)
         bridge[k] = 1.5 * (along * current_a + across * current_b)
         term = abs(current_a) + abs(current_b)
         size += term
         is_small = (
             term <= CUT * size
-            and abs(voltage[k]) <= CUT * abs(voltage[0])
+            and _is_link_small(feed, link, size, k)
             and mean * (abs(magnet_a) + abs(magnet_b)) <= CUT * size
             and turns <= k
         )
@@ -329,8 +374,7 @@ def held_linked_series(
     inductance = mean + swing * double_cosine
     currents[0] = sine * frame.direct + cosine * frame.quadrature
     flux[0] = inductance * currents[0]
-    voltage[0] = circuit.link
-    bridge[0] = HALF_ROOT * rails * currents[0]
+    _begin_link(circuit, link, HALF_ROOT * rails * currents[0])
     emf = circuit.electrical * circuit.flux
     size = 0.0
     used = count
@@ -344,11 +388,11 @@ def held_linked_series(
         for n in range(1, k + 1):
             varied += doubles[n] * currents[k - n]
         currents[k] = (flux[k] - swing * varied) / inductance
-        voltage[k] = step * _own_rate(feed, link, k - 1)
+        _extend_link(feed, link, step, k)
         bridge[k] = HALF_ROOT * rails * currents[k]
         size += abs(currents[k])
         rest = max(abs(currents[k]), abs(currents[k - 1]))
-        is_small = abs(cosines[k]) + abs(sines[k]) <= CUT and abs(voltage[k]) <= CUT * abs(voltage[0])
+        is_small = abs(cosines[k]) + abs(sines[k]) <= CUT and _is_link_small(feed, link, size, k)
         if k >= LEAST_TERMS and rest <= CUT * size and is_small:
             used = k + 1
             break

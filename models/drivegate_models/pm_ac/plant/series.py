@@ -247,6 +247,15 @@ def shorten(series: Series, count: int, share: float) -> None:
 
 
 @inlined
+def shorten_one(series: NDArray[np.float64], count: int, share: float) -> None:
+    """Rescale a series, shape (n,), to a share of its segment."""
+    power = 1.0
+    for k in range(count):
+        series[k] *= power
+        power *= share
+
+
+@inlined
 def shorten_both(first: NDArray[np.float64], second: NDArray[np.float64], count: int, share: float) -> None:
     """Rescale two series, shape (n,), to a share of their segment."""
     power = 1.0

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from math import sqrt
+from math import exp, pi, sqrt
 from typing import TYPE_CHECKING, Any, Final, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
 from drivegate_cases.documents.document import Section
+from drivegate_cases.drive.pm_ac.link_fit import check_link
 
 if TYPE_CHECKING:
     from drivegate_models.pm_ac.plant.dc_link import DcLink
@@ -16,14 +16,10 @@ if TYPE_CHECKING:
 Source = Literal["ideal", "battery", "rectifier"]
 USUAL_LIMIT: Final = 1.2
 """Greatest permitted voltage of the link over its nominal one, for a drive that does not state it (1)."""
-FASTEST: Final = 20.0
-"""Greatest rate of the link's own voltage times the control period, which still is followed exactly (1)."""
 USUAL_DISCHARGE: Final = 1.5
 """Greatest mean current of the source over that of rated power, for a drive that does not state it (1)."""
-_IN_HAND: Final = 2.0
-"""Least power that the source can supply at all, over rated power (1)."""
 _MOST_FARADS: Final = 10.0
-_LEAST_HYSTERESIS: Final = 0.001
+_MOST_HENRIES: Final = 1.0
 
 
 class PmAcLink(Section):
@@ -45,6 +41,12 @@ class PmAcLink(Section):
     )
     source_resistance_ohm: float | None = Field(
         default=None, gt=0.0, le=1e6, description="resistance between source and capacitor, in ohms"
+    )
+    source_inductance_h: float | None = Field(
+        default=None,
+        gt=0.0,
+        le=_MOST_HENRIES,
+        description="inductance between source and capacitor, in henries, by default none",
     )
     charge_limit_a: float | None = Field(
         default=None,
@@ -74,15 +76,14 @@ class PmAcLink(Section):
         default=None, gt=0.0, le=1e6, description="resistance of the brake chopper, in ohms"
     )
 
-    @model_validator(mode="before")
+    @field_validator("source_inductance_h", mode="before")
     @classmethod
-    def _source_has_no_inductance(cls, values: Any) -> Any:
-        if isinstance(values, Mapping) and "source_inductance_h" in values:
+    def _is_in_henries(cls, inductance: Any) -> Any:
+        if isinstance(inductance, int | float) and inductance > _MOST_HENRIES:
             raise ValueError(
-                "the key 'source_inductance_h' is unknown: the source has a resistance alone, so leave its inductance "
-                "out"
+                f"must be at most {_MOST_HENRIES:g}: in henries, {inductance:g} µH are {1e-6 * inductance:g}"
             )
-        return values
+        return inductance
 
     @field_validator("capacitance_f", mode="before")
     @classmethod
@@ -138,64 +139,17 @@ class PmAcLink(Section):
 
     def check_fit(self, machine: Any, inverter: Any, rating: Any) -> None:
         """Refuse values that do not fit the machine, the bridge or the rating of the drive."""
-        nominal = inverter.link_voltage_v
-        if self.source == "ideal":
-            return
-        if self.source_voltage_v is not None and self.source_voltage_v != nominal:
-            raise ValueError(
-                f"the key 'source_voltage_v' in [link] is {self.source_voltage_v:g}, but must be the link_voltage_v of "
-                f"[inverter], {nominal:g} V; state the voltage of the source there"
-            )
-        self._check_voltages(nominal)
-        capacitance, resistance = self.capacitance_f, self.source_resistance_ohm
-        assert capacitance is not None
-        assert resistance is not None
-        period = inverter.control_period_s
-        own = 1.0 / (resistance * capacitance)
-        if own * period > FASTEST:
-            raise ValueError(
-                f"the link charges from its source in {1.0 / own:.3g} s, less than a twentieth of the control period "
-                f"of {period:.3g} s; state a greater capacitance_f or source_resistance_ohm in [link], or leave [link] "
-                "out for an ideal source"
-            )
-        least = min(machine.direct_inductance_h, machine.quadrature_inductance_h)
-        if sqrt(1.5 / (least * capacitance)) * period > FASTEST:
-            raise ValueError(
-                f"the key 'capacitance_f' in [link] is {capacitance:g}, with which the link oscillates with the "
-                f"machine more than three times in a control period of {period:.3g} s; is it in farads?"
-            )
-        most = nominal * nominal / (4.0 * resistance)
-        if most < _IN_HAND * rating.rated_power_w:
-            raise ValueError(
-                f"the key 'source_resistance_ohm' in [link] is {resistance:g}, with which {nominal:g} V supply at most "
-                f"{most:.3g} W; a rated power of {rating.rated_power_w:g} W requires at most "
-                f"{nominal * nominal / (4.0 * _IN_HAND * rating.rated_power_w):.3g} ohm"
-            )
+        if self.source != "ideal":
+            check_link(self, machine, inverter, rating)
 
-    def _check_voltages(self, nominal: float) -> None:
-        """Refuse a limit or thresholds below the nominal voltage (V), or in the wrong order."""
-        limit = self.limit(nominal)
-        if limit <= nominal:
-            raise ValueError(
-                f"the key 'link_limit_v' in [link] is {limit:g}, but must be above the nominal {nominal:g} V"
-            )
-        on, off = self.chopper_on_v, self.chopper_off_v
-        if on is None or off is None:
-            return
-        if off <= nominal:
-            raise ValueError(
-                f"the key 'chopper_off_v' in [link] is {off:g}, but must be above the nominal {nominal:g} V, or the "
-                "chopper burns what the source supplies"
-            )
-        if on < off + _LEAST_HYSTERESIS * nominal:
-            raise ValueError(
-                f"the key 'chopper_on_v' in [link] is {on:g}, but must be above chopper_off_v, {off:g}, by at least "
-                f"0.1 % of the nominal {nominal:g} V"
-            )
-        if on >= limit:
-            raise ValueError(
-                f"the key 'chopper_on_v' in [link] is {on:g}, but must be below the link's limit of {limit:g} V"
-            )
+    @property
+    def overshoot(self) -> float:
+        """Return by how much the link exceeds its source after a step of it, over the height of the step (1)."""
+        inductance, capacitance = self.source_inductance_h, self.capacitance_f
+        if inductance is None or capacitance is None or self.source_resistance_ohm is None:
+            return 0.0
+        damping = 0.5 * self.source_resistance_ohm * sqrt(capacitance / inductance)
+        return exp(-pi * damping / sqrt(1.0 - damping * damping)) if damping < 1.0 else 0.0
 
     def limit(self, nominal: float) -> float:
         """Return the greatest permitted voltage of the link (V) by its nominal one (V)."""
@@ -225,4 +179,5 @@ class PmAcLink(Section):
             float(self.chopper_on_v or 0.0),
             float(self.chopper_off_v or 0.0),
             1.0 / self.chopper_resistance_ohm if self.chopper_resistance_ohm else 0.0,
+            float(self.source_inductance_h or 0.0),
         )

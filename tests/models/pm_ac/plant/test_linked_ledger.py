@@ -11,7 +11,7 @@ from drivegate_models.machine import ledger
 from drivegate_models.machine.advance_status import COMPLETED
 from drivegate_models.pm_ac.plant import dc_link
 from drivegate_models.pm_ac.plant.advance import make_phases, stored_energy
-from drivegate_models.pm_ac.plant.dc_link import DcLink, capacitor_energy, charge_link
+from drivegate_models.pm_ac.plant.dc_link import DcLink, charge_link, link_energy
 from drivegate_models.pm_ac.plant.drive import make_pm_ac_drive
 from drivegate_models.pm_ac.plant.linked_advance import advance_linked_period
 
@@ -35,6 +35,10 @@ def missing(seed: int) -> tuple[float, float]:
     link = DcLink(
         capacitance, resistance, kind, 1.5 * volt, 0.0, 0.0, 1.15 * volt, 1.1 * volt, float(chopper)
     )
+    if seed % 2 == 1:
+        # From an overdamped source to one that rings for long.
+        inductance = resistance * resistance * capacitance * 10.0 ** draw.uniform(-1.0, 3.0)
+        link = link._replace(source_inductance=max(inductance, (time / 20.0) ** 2 / capacitance))
     drive = run.drive._replace(dc_link=link)
     phases = make_phases(follows_torque=True)
     phases.rotor_currents[:] = run.currents
@@ -42,7 +46,7 @@ def missing(seed: int) -> tuple[float, float]:
     charge_link(state, float(volt * draw.choice([1.0, 1.0, 0.5, 0.0, 1.2, 1.09])))
     brake = float(draw.choice([np.nan, np.nan, 0.3, 1.0, 0.0]))
     source = float(draw.choice([volt, volt, volt, 0.0, 0.7 * volt]))
-    windings, charged = stored_energy(drive, phases), capacitor_energy(link, state)
+    windings, charged = stored_energy(drive, phases), link_energy(link, state)
     worst = [0.0, 0.0]
     for k, (ratios, modes, alignment) in enumerate(zip(run.ratios, run.modes, run.alignments, strict=True)):
         period = np.zeros(ledger.ENTRIES)
@@ -72,7 +76,7 @@ def missing(seed: int) -> tuple[float, float]:
         least = 1e-6 * volt * current * time
         worst[0] = max(worst[0], abs(net - used) / max(through, least))
         windings = now
-        account, now = state.totals, capacitor_energy(link, state)
+        account, now = state.totals, link_energy(link, state)
         used = sum(
             account[entry] for entry in (dc_link.RESISTED, dc_link.BURNT, dc_link.SUPPLIED, dc_link.BRIDGE)
         )

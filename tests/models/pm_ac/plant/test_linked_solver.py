@@ -26,8 +26,8 @@ from drivegate_models.pm_ac.plant.linked_advance import advance_linked_period
 
 AGREEMENT = 1e-9
 """Greatest difference of currents, voltage and integrals, relative to the scale of each."""
-VOLTAGE = 7
-"""Place of the link's voltage in the solver's state, after flux linkage and five integrals."""
+VOLTAGE, CURRENT = 7, 11
+"""Places of the link's voltage and of its source's current in the solver's state."""
 LIMIT = 400.0
 ON, OFF, BURNING = 140.0, 132.0, 0.05
 """Thresholds (V) and conductance (S) of the chopper."""
@@ -40,6 +40,7 @@ class LinkedPoint(Point):
     source: int = BATTERY
     capacitance: float = 2e-4
     resistance: float = 0.5
+    inductance: float = 0.0
     begin: float | None = None
     sources: tuple[float, ...] = ()
     """Voltages of the source in consecutive periods (V); 0 while it is lost."""
@@ -50,26 +51,32 @@ class LinkedPoint(Point):
 
     def __str__(self) -> str:
         kind = "battery" if self.source == BATTERY else "rectifier"
-        own = f"{self.capacitance:g}F-{self.resistance:g}ohm-{self.begin}-{self.sources}-{self.chopper}-{self.brake}"
+        source = f"{self.capacitance:g}F-{self.resistance:g}ohm-{self.inductance:g}H"
+        own = f"{source}-{self.begin}-{self.sources}-{self.chopper}-{self.brake}"
         return f"{kind}-{own}-{self.lost}-{super().__str__()}"
 
     @property
     def constants(self) -> DcLink:
-        return DcLink(self.capacitance, self.resistance, self.source, LIMIT, 0.0, 0.0, ON, OFF, self.chopper)
+        own = (self.capacitance, self.resistance, self.source, LIMIT, 0.0, 0.0, ON, OFF, self.chopper)
+        return DcLink(*own, self.inductance)
 
     def source_in(self, period: int) -> float:
         return self.sources[period % len(self.sources)] if self.sources else self.link
 
 
 class LinkedSolver(Solver):
-    """The state has four more entries: voltage, charge of the source, energy into the bridge and into the chopper."""
+    """The state has five more entries.
+
+    They are the voltage, the charge of the source, the energy into the bridge and into the chopper, and the current of
+    a source with an inductance.
+    """
 
     point: LinkedPoint
 
     def __init__(self, drive: PmAcDrive, point: LinkedPoint) -> None:
         super().__init__(drive, point)
         self.volt = point.link if point.begin is None else point.begin
-        self.state = np.concatenate([self.state, [self.volt, 0.0, 0.0, 0.0]])
+        self.state = np.concatenate([self.state, [self.volt, 0.0, 0.0, 0.0, 0.0]])
         self.source = point.link
         self.conducts = self.burns = self.is_empty = False
         self.lost = 0.0
@@ -79,7 +86,10 @@ class LinkedSolver(Solver):
         """Connect the source and the commanded chopper at the start of a control period."""
         point, voltage = self.point, self.state[VOLTAGE]
         self.source = point.source_in(index)
-        self.conducts = self.source > 0.0 and (point.source == BATTERY or voltage <= self.source)
+        carries = point.source == BATTERY or voltage <= self.source or self.state[CURRENT] > 0.0
+        self.conducts = self.source > 0.0 and carries
+        if not self.conducts:
+            self.state[CURRENT] = 0.0
         self.lost = point.lost / max(voltage, 0.2 * self.drive.link_voltage) ** 2
         if not math.isnan(point.brake):
             self.burns = point.brake > 0.0
@@ -101,28 +111,32 @@ class LinkedSolver(Solver):
         self.volt = self.state[VOLTAGE]
         return super().law(stop)
 
-    def current_of_source(self, voltage: float) -> float:
-        return (self.source - voltage) / self.point.resistance if self.conducts else 0.0
+    def current_of_source(self, state: np.ndarray) -> float:
+        if self.point.inductance > 0.0:
+            return float(state[CURRENT])
+        return float((self.source - state[VOLTAGE]) / self.point.resistance) if self.conducts else 0.0
 
     def rate(self, law: Law, time: float, state: np.ndarray) -> np.ndarray:
         machine = super().rate(law, time, state)
         voltage, bridge = state[VOLTAGE], machine[5]
-        current = self.current_of_source(voltage)
+        current = self.current_of_source(state)
         chopper = self.point.chopper if self.burns else 0.0
         rise = (current - bridge - (self.lost + chopper) * voltage) / self.point.capacitance
         link = [0.0 if self.is_empty else rise, current, voltage * bridge, chopper * voltage * voltage]
-        return np.concatenate([machine, link])
+        driving = self.source - voltage - self.point.resistance * current
+        is_inductive = self.conducts and self.point.inductance > 0.0
+        return np.concatenate([machine, link, [driving / self.point.inductance if is_inductive else 0.0]])
 
     def changes(self, law: Law) -> dict[str, Callable[[float, np.ndarray], float]]:
         """Return what is positive until each event of the link."""
         if self.is_empty:
-            return {
-                "charged": lambda t, y: float(self.rate(law, t, y)[5] - self.current_of_source(y[VOLTAGE]))
-            }
+            return {"charged": lambda t, y: float(self.rate(law, t, y)[5] - self.current_of_source(y))}
         found: dict[str, Callable[[float, np.ndarray], float]] = {"emptied": lambda t, y: float(y[VOLTAGE])}
         if self.point.source == RECTIFIER and self.source > 0.0:
             side = 1.0 if self.conducts else -1.0
             found["source"] = lambda t, y: float(side * (self.source - y[VOLTAGE]))
+            if self.conducts and self.point.inductance > 0.0:
+                found["source"] = lambda t, y: float(y[CURRENT])
         if self.point.chopper > 0.0 and math.isnan(self.point.brake):
             level, way = (OFF, -1.0) if self.burns else (ON, 1.0)
             found["chopper"] = lambda t, y: float(way * (level - y[VOLTAGE]))
@@ -133,6 +147,7 @@ class LinkedSolver(Solver):
     def change(self, name: str) -> None:
         if name == "source":
             self.conducts = not self.conducts
+            self.state[CURRENT] = 0.0
         elif name == "chopper":
             self.burns = not self.burns
         elif name == "emptied":
@@ -164,6 +179,7 @@ class LinkedSolver(Solver):
         start, scale = self.time, max(self.drive.current_limit, 1.0)
         least = np.full(len(self.state), 1e-17 * scale * self.drive.direct_inductance)
         least[VOLTAGE] = 1e-14 * self.drive.link_voltage
+        least[CURRENT] = 1e-14 * scale
         found = solve_ivp(
             lambda time, state: self.rate(law, time, state),
             (start, stop),
@@ -238,6 +254,33 @@ POINTS = [
     ),
     LinkedPoint(9000, modes=(BLOCKED,), changes={"quadrature_inductance": 2.18e-3}, periods=16),
     LinkedPoint(750, changes={"resistance": 0.0}, ratio=0.2, dead_time=2e-6, capacitance=2e-5),
+    LinkedPoint(750, inductance=2e-6),
+    LinkedPoint(750, inductance=1e-4, source=RECTIFIER, dead_time=2e-6),
+    LinkedPoint(750, inductance=1e-5, capacitance=2e-5, begin=60.0, periods=8),
+    LinkedPoint(
+        0, inductance=2e-5, capacitance=5e-5, begin=60.0, source=RECTIFIER, modes=(BLOCKED,), periods=8
+    ),
+    LinkedPoint(
+        750, lead_deg=-90, ratio=0.6, currents=(0.0, -6.0), inductance=1e-4, source=RECTIFIER, periods=12
+    ),
+    LinkedPoint(750, inductance=1e-4, source=RECTIFIER, sources=(120.0, 150.0, 90.0, 0.0, 120.0), periods=10),
+    LinkedPoint(
+        300,
+        ratio=0.9,
+        sources=(0.0,) * 4 + (120.0,) * 4,
+        currents=(0.0, 8.0),
+        capacitance=1e-5,
+        inductance=2e-5,
+    ),
+    LinkedPoint(9000, modes=(BLOCKED,), inductance=1e-5, source=RECTIFIER, chopper=BURNING, periods=20),
+    LinkedPoint(
+        750,
+        inductance=5e-5,
+        begin=139.0,
+        chopper=BURNING,
+        changes={"quadrature_inductance": 34.88e-3},
+        lost=40.0,
+    ),
 ]
 
 
@@ -269,6 +312,7 @@ def _drawn(seed: int) -> LinkedPoint:
         chopper=float(draw.choice([0.0, BURNING, 0.5])),
         brake=float(draw.choice([math.nan, math.nan, 0.4])),
         lost=float(draw.choice([0.0, 30.0])),
+        inductance=float(draw.choice([0.0, 10.0 ** draw.uniform(-5.0, -3.0)])),
     )
 
 
@@ -317,11 +361,13 @@ def differences(interior: Callable[..., PmAcDrive], point: LinkedPoint) -> dict[
         )
     time = point.periods * point.period
     volt = drive.link_voltage
-    magnitude, square, impulse, _, device, _, source, energy, burnt = solver.state[2:]
+    magnitude, square, impulse, _, device, _, source, energy, burnt, supplied = solver.state[2:]
     torque = (drive.magnet_flux + drive.quadrature_inductance * peak) * 3.0 * peak
     short = volt / point.resistance
+    inflow = float(link.state[dc_link.CURRENT]) - float(supplied) if point.inductance > 0.0 else 0.0
     return {
         "currents": current_error / peak,
+        "supplied": abs(inflow) / short,
         "voltage": voltage_error / volt,
         "magnitude": abs(totals[ledger.MAGNITUDE] - magnitude) / (peak * time),
         "square": abs(totals[ledger.SQUARE] - square) / (peak * peak * time),

@@ -17,6 +17,7 @@ from drivegate.contracts.duty.scenarios.drawn_range import (
     unnoticed_because,
 )
 from drivegate.contracts.duty.scenarios.hot import unfair_heat
+from drivegate.contracts.duty.scenarios.linked import unfair_supply
 from drivegate.contracts.duty.scenarios.reaching import (
     BRAKING_SHARE,
     greatest_braking,
@@ -68,6 +69,7 @@ def unfair_because(scenario: Scenario) -> str | None:
         unfair_without_sensor,
         unfair_release,
         unfair_heat,
+        unfair_supply,
         _unfair_load,
     )
     return next((because for reason in reasons if (because := reason(scenario)) is not None), None)

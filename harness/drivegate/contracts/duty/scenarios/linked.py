@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Final
 
+from drivegate.contracts.duty.document import duty_document
 from drivegate.contracts.duty.scenarios.building import share_scenario
 from drivegate.contracts.duty.scenarios.drawn_range import speed_of
 from drivegate.scenarios.changes import in_steps
@@ -46,4 +48,18 @@ def _lost(drive: PmAcDocument, speed_rpm: float) -> list[Scenario]:
     begin = round(0.3 * run.duration_s / period) * period
     end = begin + round(LOST_S / period) * period
     halves = in_steps((nominal, LOST_SHARE * nominal, nominal), (begin, end))
-    return [titled(run.replaced(duration_s=2.0 * run.duration_s, supply_v=halves))]
+    lost = titled(run.replaced(duration_s=2.0 * run.duration_s, supply_v=halves))
+    return [lost] if unfair_supply(lost) is None else []
+
+
+def unfair_supply(scenario: Scenario) -> str | None:
+    """State why the source alone charges a link beyond its limit, which no controller prevents."""
+    document = duty_document(scenario.drive)
+    link = document.real_link
+    if link is None or link.overshoot == 0.0:
+        return None
+    limit = link.limit(document.inverter.link_voltage_v)
+    voltages = [2.0 * half for _, half in scenario.supply_v or ()]
+    if any(now + link.overshoot * max(now - before, 0.0) > limit for before, now in pairwise(voltages)):
+        return "a step of its source alone, with the source's inductance, charges the link beyond its limit"
+    return None

@@ -15,7 +15,7 @@ from tests.harness.contracts.reading import is_read, read_off
 from drivegate.candidates.declaration import Declaration
 from drivegate.contracts.duty.checks.link import swing_of
 from drivegate.contracts.duty.scenarios.building import failing, restarted, share_scenario
-from drivegate.contracts.duty.scenarios.linked import linked_scenarios
+from drivegate.contracts.duty.scenarios.linked import linked_scenarios, unfair_supply
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.scenario import Scenario
@@ -90,6 +90,29 @@ def test_a_swing_is_the_most_that_three_voltages_in_a_row_go_away_and_back(volta
         if max(first, third) < second or second < min(first, third)
     )
     assert swing_of(np.array(voltages)) == max(turns, default=0.0)
+
+
+def test_a_source_with_an_inductance_exceeds_its_voltage_as_it_comes_back(
+    servo: PmAcDocument, run: Run
+) -> None:
+    ringing = servo.replaced(source_inductance_h=1e-5)
+    assert isinstance(ringing, PmAcDocument)
+    lost = linked_scenarios(ringing)[-1]
+    record = run(lost)
+    assert 48.5 < record.run.column("link_highest").max() < 48.0 + 0.163 * 43.2
+    margins = [judged(check, record) for check in NAMES]
+    assert all(margin is None or margin.met for margin in margins), margins
+    assert record.run.worst_balance < 1e-9
+
+
+def test_no_run_is_fair_in_which_the_source_alone_exceeds_the_limit(servo: PmAcDocument) -> None:
+    fair, ringing = servo, servo.replaced(source_inductance_h=1e-4)
+    assert isinstance(ringing, PmAcDocument)
+    lost = linked_scenarios(fair)[-1]
+    assert lost.supply_v is not None
+    assert unfair_supply(lost) is None
+    assert "with the source's inductance" in (unfair_supply(lost.replaced(drive=ringing)) or "")
+    assert len(linked_scenarios(ringing)) == len(linked_scenarios(fair)) - 1
 
 
 def test_a_chopper_that_burns_may_let_the_link_swing(braking: Scenario, run: Run) -> None:
