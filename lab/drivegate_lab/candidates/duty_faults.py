@@ -655,12 +655,6 @@ _UNNAMED: Final = {
         "rectifier",
         alter=_charges_nervously,
     ),
-    "capacitance-overestimated": _links(
-        "LNK-1",
-        "Takes ten times the capacitance, and relies on its room.",
-        "rectifier",
-        link_capacitance=lambda plate: 10.0 * plate.link_capacitance,
-    ),
     "charging-limited-as-discharging": _links(
         "LNK-2",
         "Takes the limit of discharging for that of charging.",

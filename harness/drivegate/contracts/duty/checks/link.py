@@ -24,7 +24,7 @@ LINK_FAMILIES: Final = ("link", "torque step", "speed step", "weakening")
 MEAN_S: Final = 0.01
 """Time over which the current of the source is averaged (s)."""
 AFTER_SUPPLY_STEP: Final = 10.0
-"""Time in which a step of the source charges the link, in its time constants with the source's resistance (1)."""
+"""Time in which a step of the source charges the link, in its time constants with the source (1)."""
 LEAST_BRAKING: Final = 0.05
 """Least of the oracle's greatest braking torque that is judged, over rated torque (1)."""
 SHOWN_S: Final = 0.05
@@ -152,7 +152,10 @@ def _is_charged_by_steps(record: DutyRecord, count: int) -> NDArray[np.bool_]:
     """Return in which means a step of the source charges the link, which no controller prevents, shape (n,)."""
     period, link = record.scenario.control_period_s, record.plant.dc_link
     charged = np.zeros(len(record.run.trace) - count + 1, np.bool_)
-    lasting = AFTER_SUPPLY_STEP * link.capacitance * link.source_resistance
+    slowest = max(
+        link.capacitance * link.source_resistance, 2.0 * link.source_inductance / link.source_resistance
+    )
+    lasting = AFTER_SUPPLY_STEP * slowest
     profile = record.scenario.supply_v or ()
     for time, _ in profile[1:]:
         first = max(round(time / period) - count, 0)
@@ -275,7 +278,6 @@ LNK_3 = Check(
 )
 LNK_4 = Check(
     id="LNK-4",
-    level="advisory",
     families=LINK_FAMILIES,
     requirement="In steady state the voltage of the link swings by at most {link_swing} of the nominal voltage.",
     limit="{link_swing} of the nominal voltage, peak to peak",
