@@ -36,8 +36,8 @@ def servo() -> str:
         ),
         (
             "",
-            f"{THERMAL}time_constant_s = 100.0\n",
-            "divide the windings' time constant by thermal_resistance",
+            f"{THERMAL}time_constant_min = 6.0\n",
+            "divide the windings' time constant in seconds by thermal_resistance",
         ),
         ("", "\n[sensing]\nposition = none\n", 'a text has no quotes; write position = "none"'),
     ],

@@ -22,7 +22,9 @@ LEAST_CONTINUOUS: Final = 0.1
 MOST_CONTINUOUS: Final = 2.0
 """Greatest continuous current over the current limit (1)."""
 _MOST_PER_K: Final = 0.01
-_TIME_CONSTANTS: Final = ("time_constant_s", "thermal_time_constant_s")
+_TIME_CONSTANT: Final = "time_constant"
+_HOTTEST_C: Final = 260.0
+_ZERO_C: Final = 273.15
 COPPER: Final = 0.00393
 """Temperature coefficient of copper (1/K)."""
 
@@ -40,12 +42,14 @@ class PmAcThermal(Section):
         "per watt",
     )
     limit_c: float = Field(
-        ge=-50.0, le=400.0, description="greatest permitted temperature of the windings, in degrees Celsius"
+        ge=-50.0,
+        le=_HOTTEST_C,
+        description="greatest permitted temperature of the windings, in degrees Celsius",
     )
     ambient_c: float = Field(
         default=25.0,
         ge=-60.0,
-        le=200.0,
+        le=_HOTTEST_C,
         description="temperature of the surroundings, at which resistance_ohm is stated, in degrees Celsius",
     )
     temperature_coefficient_per_k: float = Field(
@@ -65,16 +69,25 @@ class PmAcThermal(Section):
     @classmethod
     def _has_no_time_constant(cls, values: Any) -> Any:
         known = (
-            next((key for key in values if key in _TIME_CONSTANTS), None)
+            next((key for key in values if _TIME_CONSTANT in str(key)), None)
             if isinstance(values, Mapping)
             else None
         )
         if known is not None:
             raise ValueError(
-                f"the key '{known}' is unknown: divide the windings' time constant by thermal_resistance_k_per_w, and "
-                "state that as heat_capacity_j_per_k"
+                f"the key '{known}' is unknown: divide the windings' time constant in seconds by "
+                "thermal_resistance_k_per_w, and state that as heat_capacity_j_per_k"
             )
         return values
+
+    @field_validator("limit_c", "ambient_c", mode="before")
+    @classmethod
+    def _is_in_degrees_celsius(cls, temperature: Any) -> Any:
+        if isinstance(temperature, int | float) and temperature > _HOTTEST_C:
+            raise ValueError(
+                f"must be at most {_HOTTEST_C:g}: in degrees Celsius, {temperature:g} K are {temperature - _ZERO_C:g}"
+            )
+        return temperature
 
     @field_validator("temperature_coefficient_per_k", mode="before")
     @classmethod
