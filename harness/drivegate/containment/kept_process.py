@@ -13,6 +13,7 @@ from typing import Final
 
 import psutil
 
+from drivegate.candidates.command_path import command_path
 from drivegate.containment.keeper_process import KeeperProcess, NewKeeper
 from drivegate.containment.templates import TEMPLATES, KeeperOrder, Preparation
 from drivegate.containment.temporary_folder import TemporaryFolder
@@ -79,6 +80,7 @@ def _lasting_environment(inherited: Mapping[str, str], kernels: Path | None) -> 
         # The order of a set of strings depends on it, so a candidate would differ from process to process (`DET-1`).
         "PYTHONHASHSEED": "0",
         **passed,
+        "PATH": command_path(inherited),
         # A template imports numba before there is a temporary folder. Each copy sets its own in the end.
         NUMBA_VARIABLE: os.devnull,
         **({} if kernels is None else {KERNELS_VARIABLE: str(kernels)}),

@@ -66,7 +66,7 @@ def test_the_environment_is_a_short_list_and_names_folders_of_its_own():
     inherited = {"PATH": "/bin", "LC_ALL": "C", "AWS_SECRET_ACCESS_KEY": "x", "DRIVEGATE_CACHE": "kernels"}
     given = worker_environment(inherited, Path("/scratch"), Path("/kernels"))
     assert given == {
-        "PATH": "/bin",
+        "PATH": f"{Path(sys.executable).parent}:/bin",
         "LC_ALL": "C",
         "DRIVEGATE_KERNELS": "/kernels",
         "NUMBA_CACHE_DIR": "/scratch/numba",

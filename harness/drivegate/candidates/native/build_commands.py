@@ -22,6 +22,7 @@ from types import MappingProxyType
 from typing import Final
 
 from drivegate.candidates.candidate import hash_of
+from drivegate.candidates.command_path import command_path
 from drivegate.candidates.fault import bounded_line
 from drivegate.candidates.native.bounded_command import Bounds, Ended, run_bounded
 from drivegate.candidates.native.build import cache_folder, digest_of
@@ -102,7 +103,7 @@ def _words_of(command: str, manifest: str) -> list[str]:
         ) from error
     if not words:
         raise InputError(f"{manifest}: the key 'build' has an empty command; write one such as 'make'")
-    if os.sep not in words[0] and shutil.which(words[0]) is None:
+    if os.sep not in words[0] and shutil.which(words[0], path=command_path()) is None:
         program = one_line(words[0])
         how = _INSTALLATION.get(words[0], "install it, or add its folder to PATH")
         raise InputError(
@@ -119,7 +120,7 @@ def _key(build: ProjectBuild) -> str:
     return hash_of(
         build.sources,
         digest_of(
-            *(*build.commands, build.artefact, platform.machine(), os.environ.get("PATH", "")),
+            *(*build.commands, build.artefact, platform.machine(), command_path()),
             *flags,
             *places,
         ),
@@ -175,7 +176,7 @@ def _copy_of(build: ProjectBuild, root: Path, common: Path) -> Path:
 
 def _environment(scratch: Path) -> dict[str, str]:
     """Return what the commands find in the environment: `drivegate include-dir` too, and no network for cargo."""
-    path = os.pathsep.join(filter(None, (os.environ.get("PATH"), sysconfig.get_path("scripts"))))
+    path = os.pathsep.join((command_path(), sysconfig.get_path("scripts")))
     temporary = scratch / "temporary"
     own = {"LC_ALL": "C", "TMPDIR": str(temporary), "PATH": path, "CARGO_NET_OFFLINE": "true"}
     return own | private_caches(temporary)
@@ -183,7 +184,7 @@ def _environment(scratch: Path) -> dict[str, str]:
 
 def _readable() -> Iterator[str]:
     """Return what tools may read, besides the system: programs, headers, Rust's compilers and the crates at hand."""
-    yield from filter(os.path.isabs, os.environ.get("PATH", "").split(os.pathsep))
+    yield from filter(os.path.isabs, command_path().split(os.pathsep))
     yield str(include_folder())
     home = Path.home()
     yield os.environ.get("RUSTUP_HOME", str(home / ".rustup"))

@@ -8,6 +8,8 @@ import shutil
 from collections.abc import Sequence
 from pathlib import Path
 
+from drivegate.candidates.command_path import command_path
+
 
 def found_rustc() -> str | None:
     return shutil.which("rustc")
@@ -25,4 +27,4 @@ def write_shim(folder: Path, flags: Sequence[str], copied: Path, original: Path)
     # Flags come last, so that they win over those of the build.
     shim.write_text(f'#!/bin/sh\nexec {shlex.join(words)} "$@" {shlex.join(flags)}\n', encoding="utf-8")
     shim.chmod(0o755)
-    return {"RUSTC": str(shim), "PATH": os.pathsep.join((str(folder), os.environ.get("PATH", "")))}
+    return {"RUSTC": str(shim), "PATH": os.pathsep.join((str(folder), command_path()))}

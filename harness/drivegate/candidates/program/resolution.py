@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from drivegate.candidates.candidate import STEP_DEADLINE, Candidate, Program, hash_of
+from drivegate.candidates.command_path import command_path
 from drivegate.candidates.kinds import EXEC_PREFIX
 from drivegate.isolation.layers import system_places
 from drivegate_cases.documents.wording import one_line, shown_path
@@ -76,7 +77,7 @@ def _program(words: Sequence[str], folder: Path, where: str, step_deadline: floa
     """Find the executable: a name with a slash from the folder on, any other in PATH."""
     word = words[0]
     if "/" not in word:
-        found = shutil.which(word)
+        found = shutil.which(word, path=command_path())
         if found is None:
             hint = "" if not (folder / word).is_file() else f", or ./{one_line(word)} for the file there"
             raise InputError(
@@ -99,7 +100,7 @@ def _require_reached(words: Sequence[str], reach: "Reach", where: str) -> None:
 
     Programs in PATH are the user's, whatever links lead to them: the `python3` of a virtual environment does.
     """
-    programs = [Path(place).resolve() for place in os.environ.get("PATH", "").split(os.pathsep) if place]
+    programs = [Path(place).resolve() for place in command_path().split(os.pathsep) if place]
     usual = [Path(place).resolve() for place in system_places()]
     for number, word in enumerate(words):
         file = _file_named(word, reach.folder)
