@@ -2,23 +2,34 @@
 
 from __future__ import annotations
 
-import tempfile
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias
 
 from drivegate.commands.options import chosen_scenario, looked_at, named_drive
 from drivegate.commands.stated_options import MANIFEST, stated_by
+from drivegate.interactive.arguments import (
+    candidate_text,
+    named_text,
+    one_of,
+    optional_path,
+    report_folder,
+    seconds,
+    settings_words,
+    texts,
+    whole_number,
+)
 from drivegate.interactive.results import CheckResult, Comparison, Replayed, Simulation
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.scenario.scenario import Scenario
+from drivegate_models.errors import InputError
 
 if TYPE_CHECKING:
     from drivegate.results.counterexample import Counterexample
 
 Drive: TypeAlias = str | Path | DriveDocument
 """An included drive, a file of one, or what `load_drive` returns."""
+EFFORTS: Final = ("quick", "default", "nightly")
 
 
 def load_drive(name: str | Path, settings: Mapping[str, Any] | None = None) -> DriveDocument:
@@ -43,8 +54,8 @@ def load_drive(name: str | Path, settings: Mapping[str, Any] | None = None) -> D
     """
     from drivegate_cases.drive.drive_document import load_drive as load
 
-    drive = load(str(name))
-    return looked_at(drive.with_overrides([f"{key}={value}" for key, value in (settings or {}).items()]))
+    named = named_text(name, "the drive", "the name of an included drive, or a TOML or JSON file of one")
+    return looked_at(load(named).with_overrides(settings_words(settings)))
 
 
 def check(
@@ -56,12 +67,13 @@ def check(
     workers: int | None = None,
     max_time: float | None = None,
     search: bool = True,
-    only: Sequence[str] = (),
+    only: str | Sequence[str] = (),
     stop_at_first: bool = False,
     last_failed: bool = False,
     corpus: str | Path | None = None,
     waivers: str | Path | None = None,
     baseline: str | Path | None = None,
+    requirements: str | Path | None = None,
     fail_on: Literal["required", "advisory"] | None = None,
     contested: Literal["pass", "fail"] | None = None,
     output: str | Path | None = None,
@@ -75,7 +87,7 @@ def check(
         What the command takes, such as ``"controller.py:Controller"``. By default the manifest in this folder.
     drive : str, Path or DriveDocument, optional
         By default that of the manifest, or the default drive of the candidate's contract.
-    effort, seed, corpus, waivers, baseline, fail_on, contested : optional
+    effort, seed, corpus, waivers, baseline, requirements, fail_on, contested : optional
         Options of the command. By default what the table ``[check]`` of the manifest states, else those of the
         command.
     workers, max_time, search, only, stop_at_first, last_failed : optional
@@ -93,14 +105,24 @@ def check(
     Raises
     ------
     drivegate.InputError
-        If the candidate, the drive or a file is refused.
+        If the candidate, the drive, a file or an option is refused.
     """
     from drivegate.gate.options import CheckOptions
     from drivegate.studies.check.check_all import Records, check_all
     from drivegate.studies.check.part import Part
 
-    stated = stated_by(str(candidate))
-    given = {"effort": effort, "seed": seed, "fail_on": fail_on, "contested": contested}
+    if last_failed and output is None:
+        raise InputError(
+            "last_failed reads the last report, which is kept in a folder only; name it with output"
+        )
+    named = candidate_text(candidate)
+    stated = stated_by(named)
+    given = {
+        "effort": one_of(effort, "effort", EFFORTS),
+        "seed": whole_number(seed, "seed", 0),
+        "fail_on": one_of(fail_on, "fail_on", ("required", "advisory")),
+        "contested": one_of(contested, "contested", ("pass", "fail")),
+    }
     chosen: dict[str, Any] = {
         name: stated.get(name) if value is None else value for name, value in given.items()
     }
@@ -108,23 +130,33 @@ def check(
     options = CheckOptions(
         drive=own_drive,
         drive_named=drive if isinstance(drive, str) else None,
-        workers=workers,
-        max_time=max_time,
+        workers=whole_number(workers, "workers", 1),
+        max_time=seconds(max_time, "max_time"),
         search=search,
         **{name: value for name, value in chosen.items() if value is not None},
     )
     files = {
         name: stated.get(name) if value is None else value
-        for name, value in (("corpus", corpus), ("waivers", waivers), ("baseline", baseline))
+        for name, value in (
+            ("corpus", corpus),
+            ("waivers", waivers),
+            ("baseline", baseline),
+            ("requirements", requirements),
+        )
     }
-    records = Records(**{name: None if value is None else Path(value) for name, value in files.items()})
-    with _report_folder(output) as folder:
+    records = Records(**{name: optional_path(value, name) for name, value in files.items()})
+    part = Part(
+        texts(only, "only", "the name of a check, such as 'DEC-1', or a list of them"),
+        stop_at_first,
+        last_failed,
+    )
+    with report_folder(output) as folder:
         (checked,) = check_all(
-            [str(candidate)],
+            [named],
             folder,
             options,
             records,
-            Part(tuple(only), stop_at_first, last_failed),
+            part,
             quiet=quiet,
         )
         if checked.document is None:
@@ -170,12 +202,17 @@ def simulate(
     from drivegate.drives.kinds import scenario_at_declared_timing
     from drivegate.studies.simulate import document_of, simulated, trace_frame
 
-    resolved = resolve_candidate(str(candidate))
-    scenario = case if isinstance(case, Scenario) else chosen_scenario(str(case), None, ())
+    resolved = resolve_candidate(candidate_text(candidate))
+    if not isinstance(case, Scenario):
+        case = chosen_scenario(
+            named_text(case, "the case", "the name of an included scenario, a file of one, or a Scenario"),
+            None,
+            (),
+        )
+    scenario = case
     if drive is not None or settings:
         chosen = scenario.drive if drive is None else _drive(drive)
-        words = [f"{key}={value}" for key, value in (settings or {}).items()]
-        scenario = scenario.replaced(drive=looked_at(chosen.with_overrides(words)))
+        scenario = scenario.replaced(drive=looked_at(chosen.with_overrides(settings_words(settings))))
     scenario = scenario_at_declared_timing(scenario, [resolved])
     ended = simulated(resolved, scenario)
     trace = pandas.DataFrame() if isinstance(ended, Fault) else trace_frame(scenario, ended.run)
@@ -184,7 +221,7 @@ def simulate(
 
 def compare(
     *candidates: str | Path,
-    drives: Sequence[Drive] = (),
+    drives: Drive | Sequence[Drive] = (),
     effort: Literal["quick", "default", "nightly"] = "default",
     seed: int | None = None,
     workers: int | None = None,
@@ -198,7 +235,7 @@ def compare(
     ----------
     *candidates : str or Path
         What the command takes.
-    drives : sequence of str, Path or DriveDocument
+    drives : str, Path or DriveDocument, or a sequence of them
         By default the candidates' own drive.
     effort, seed, workers, checks, cycle : optional
         Options of the command.
@@ -213,14 +250,30 @@ def compare(
     Raises
     ------
     drivegate.InputError
-        If a candidate or a drive is refused.
+        If a candidate, a drive or an option is refused.
     """
+    from drivegate.candidates.resolution import resolve_candidate
     from drivegate.studies.compare.compare import compare as compare_all
     from drivegate.studies.compare.compared_drive import ComparisonOptions
 
-    options = ComparisonOptions(effort, seed, workers, checks, cycle)
-    with _report_folder(output) as folder:
-        ending = compare_all(list(map(str, candidates)), [_drive(drive) for drive in drives], folder, options)
+    if not candidates:
+        raise InputError(
+            "no candidate is named; name one or more, such as drivegate.compare('foc', 'foc-mtpa')"
+        )
+    named = list(map(candidate_text, candidates))
+    # A name that is wrong shows here, and not after the others' runs.
+    for name in named:
+        resolve_candidate(name)
+    options = ComparisonOptions(
+        one_of(effort, "effort", EFFORTS) or "default",
+        whole_number(seed, "seed", 0),
+        whole_number(workers, "workers", 1),
+        checks,
+        cycle,
+    )
+    chosen = [drives] if isinstance(drives, str | Path | DriveDocument) else drives
+    with report_folder(output) as folder:
+        ending = compare_all(named, [_drive(drive) for drive in chosen], folder, options)
     for _, error in ending.refused:
         raise error
     assert ending.document is not None, "no candidate was refused"
@@ -250,16 +303,15 @@ def replay(counterexample: str | Path | Counterexample, candidate: str | Path | 
     import pandas
 
     from drivegate.candidates.fault import Fault
-    from drivegate.results.counterexample import read_counterexample
+    from drivegate.results.counterexample import Counterexample, read_counterexample
     from drivegate.studies.replay.replay import candidate_for, document_of, replayed
     from drivegate.studies.simulate import trace_frame
 
-    stored = (
-        read_counterexample(Path(counterexample))
-        if isinstance(counterexample, str | Path)
-        else counterexample
-    )
-    resolved = candidate_for(stored, None if candidate is None else str(candidate))
+    stored = counterexample
+    if not isinstance(stored, Counterexample):
+        what = "the file of a counterexample, or what counterexample(check) of a CheckResult returns"
+        stored = read_counterexample(Path(named_text(stored, "the counterexample", what)))
+    resolved = candidate_for(stored, None if candidate is None else candidate_text(candidate))
     ended = replayed(stored, resolved)
     trace = pandas.DataFrame()
     # A script is run on no plant.
@@ -270,13 +322,3 @@ def replay(counterexample: str | Path | Counterexample, candidate: str | Path | 
 
 def _drive(drive: Drive) -> DriveDocument:
     return drive if isinstance(drive, DriveDocument) else load_drive(drive)
-
-
-@contextmanager
-def _report_folder(output: str | Path | None) -> Iterator[Path]:
-    """Return the folder of a report, which is deleted at the end unless it was named."""
-    if output is not None:
-        yield Path(output)
-        return
-    with tempfile.TemporaryDirectory(prefix="drivegate-") as scratch:
-        yield Path(scratch) / "report"

@@ -74,7 +74,9 @@ class CheckResult:
 
         rows = {row["id"]: row for row in self.document["checks"]}
         if check not in rows:
-            raise InputError(f"there is no check '{check}', the nearest is '{nearest(check, list(rows))}'")
+            raise InputError(
+                f"there is no check '{check}', the nearest is '{nearest(str(check), list(rows))}'"
+            )
         found = recorded_trace(self.document, rows[check])
         if found is None:
             raise InputError(f"the result has no trace of '{check}', which was judged on no run of its own")

@@ -13,7 +13,7 @@ from pydantic import Field, field_validator, model_validator
 
 from drivegate_cases.documents.document import Document, Section, parse_document
 from drivegate_cases.documents.reading import parse_overrides
-from drivegate_cases.documents.wording import nearest, shown
+from drivegate_cases.documents.wording import nearest, nearest_key, one_line, shown
 from drivegate_cases.drive.advance import Advance, advance_line
 from drivegate_cases.drive.data_sheet import (
     Provenance,
@@ -26,6 +26,7 @@ from drivegate_cases.drive.plant import NOMINAL, OF_SHAPE, Inverter, Machine, Sc
 from drivegate_cases.drive.rating import Rating
 from drivegate_cases.drive.requirements import NO_REQUIREMENTS, Requirements, check_points
 from drivegate_cases.drive.usual_values import UsualRange, ranges_of_current_fed
+from drivegate_models.errors import InputError
 from drivegate_models.units import RADIANS_PER_RPM
 
 if TYPE_CHECKING:
@@ -284,6 +285,11 @@ class DriveDocument(Document):
         return ranges_of_current_fed(self)
 
     def value(self, key: str) -> Any:
+        if key not in self.table_of_key():
+            raise InputError(
+                f"the drive '{one_line(self.name)}' has no key {shown(key)}; "
+                f"{nearest_key(str(key), self.table_of_key())}"
+            )
         return getattr(getattr(self, self.table_of_key()[key]), key)
 
     def replaced(self, **changes: Any) -> Self:
