@@ -14,6 +14,7 @@ from drivegate_models.errors import InputError
 
 _FILES: Final = ("corpus", "waivers", "baseline", "requirements", "output")
 """Keys that name a place in the manifest's folder."""
+_FOLDERS: Final = ("corpus", "output")
 _Place = Annotated[str, Field(min_length=1)]
 
 
@@ -57,10 +58,19 @@ class CheckTable(Section):
                         f"the key '{key}' of [check] names {shown_path(_shown(place))}, which does not exist; name an "
                         "existing one, or leave the key out"
                     )
+                _require_kind(key, place)
                 stated[key] = _shown(place)
-        if self.drive is not None and not is_included(self.drive):
+        if self.drive is not None and not is_included(self.drive) and Path(self.drive).suffix:
             stated["drive"] = _shown(reach.place(self.drive, "the key 'drive' of [check]"))
         return stated
+
+
+def _require_kind(key: str, place: Path) -> None:
+    """Refuse a file for a folder, or the other way round."""
+    if key in _FOLDERS and place.exists() and not place.is_dir():
+        raise InputError(f"the key '{key}' of [check] names {shown_path(_shown(place))}, a file; name a folder")
+    if key not in _FOLDERS and place.is_dir():
+        raise InputError(f"the key '{key}' of [check] names {shown_path(_shown(place))}, a folder; name a file in it")
 
 
 def _shown(place: Path) -> str:

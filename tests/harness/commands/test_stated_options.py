@@ -128,6 +128,19 @@ def test_several_candidates_take_nothing_from_a_manifest(command, engine, writte
             "the key 'waivers' of [check] names missing.toml, which does not",
         ),
         ('[check]\ncorpus = "none"\n', "the key 'corpus' of [check] names none, which does not exist"),
+        (
+            '[check]\ncorpus = "candidate.toml"\n',
+            "'corpus' of [check] names candidate.toml, a file; name a folder",
+        ),
+        (
+            '[check]\noutput = "candidate.toml"\n',
+            "'output' of [check] names candidate.toml, a file; name a folder",
+        ),
+        ('[check]\nwaivers = "."\n', "a folder; name a file in it"),
+        (
+            '[check]\ndrive = "pm-ac-interor"\n',
+            "no drive is called 'pm-ac-interor', the nearest is 'pm-ac-interior'",
+        ),
     ],
 )
 def test_what_a_manifest_may_not_state_is_refused(refused, engine, written, table, sentence):
