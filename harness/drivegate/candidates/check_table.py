@@ -68,9 +68,13 @@ class CheckTable(Section):
 def _require_kind(key: str, place: Path) -> None:
     """Refuse a file for a folder, or the other way round."""
     if key in _FOLDERS and place.exists() and not place.is_dir():
-        raise InputError(f"the key '{key}' of [check] names {shown_path(_shown(place))}, a file; name a folder")
+        raise InputError(
+            f"the key '{key}' of [check] names {shown_path(_shown(place))}, a file; name a folder"
+        )
     if key not in _FOLDERS and place.is_dir():
-        raise InputError(f"the key '{key}' of [check] names {shown_path(_shown(place))}, a folder; name a file in it")
+        raise InputError(
+            f"the key '{key}' of [check] names {shown_path(_shown(place))}, a folder; name a file in it"
+        )
 
 
 def _shown(place: Path) -> str:

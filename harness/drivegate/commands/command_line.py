@@ -53,6 +53,19 @@ LABORATORY_COMMANDS: Final = frozenset({"selftest", "reproduce", "bench"})
 """Commands that are entry points of the laboratory instead."""
 
 
+_ASKING: Final = {"help": "Print the help of a command, or what a check requires."}
+"""Words in the place of a command, which are none."""
+
+
+def _complete_topic(context: click.Context, option: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    from drivegate.commands.completion import complete_checks
+
+    commands = [
+        CompletionItem(name, help=line) for name, line in COMMANDS.items() if name.startswith(incomplete)
+    ]
+    return [*commands, *complete_checks(context, option, incomplete)]
+
+
 class LazyGroup(click.Group):
     """A group that imports a command's module only to run it or to show its own help."""
 
@@ -78,6 +91,10 @@ class LazyGroup(click.Group):
     ) -> tuple[str | None, click.Command | None, list[str]]:
         from drivegate_cases.documents.wording import nearest, one_line
 
+        if ctx.resilient_parsing and args[0] in _ASKING:
+            # A shell completes what help is wanted of.
+            topic = click.Argument(["topic"], shell_complete=_complete_topic)
+            return args[0], click.Command(args[0], params=[topic]), args[1:]
         if args == ["help"]:
             click.echo(ctx.get_help())
             ctx.exit()
@@ -96,8 +113,9 @@ class LazyGroup(click.Group):
         """Complete the commands without importing them, and the group's own options."""
         if incomplete.startswith("-"):
             return super().shell_complete(ctx, incomplete)
+        lines = {**COMMANDS, **_ASKING}
         return [
-            CompletionItem(name, help=line) for name, line in COMMANDS.items() if name.startswith(incomplete)
+            CompletionItem(name, help=line) for name, line in lines.items() if name.startswith(incomplete)
         ]
 
     def format_commands(

@@ -24,11 +24,17 @@ def completed(*words: str) -> list[str]:
 
 def test_names_of_commands_drives_scenarios_and_checks(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    assert completed("") == list(COMMANDS)
+    assert completed("") == [*COMMANDS, "help"]
     assert completed("check", "--drive", "pm-") == [name for name in drive_names() if name.startswith("pm-")]
     assert completed("simulate", "foc", "--case", "") == list(scenario_names())
     assert completed("checks", "FW") == sorted(name for name in all_checks() if name.startswith("FW"))
     assert completed("check", "--only", "STP-1,MT") == ["STP-1,MTP-1"]
+
+
+def test_help_is_completed_by_commands_and_checks(capfd):
+    assert completed("help", "che") == ["check", "checks"]
+    assert completed("help", "FWK-") == ["FWK-1", "FWK-2", "FWK-3"]
+    assert capfd.readouterr() == ("", ""), "a shell shows what is printed amid the line"
 
 
 def test_candidates_are_names_and_files_of_a_kind(tmp_path, monkeypatch):
