@@ -14,7 +14,7 @@ from typing import Final, NoReturn
 
 import click
 from click.core import ParameterSource
-from click.shell_completion import CompletionItem
+from click.shell_completion import CompletionItem, FishComplete, add_completion_class
 
 from drivegate.commands.conduct import conducted, wants_json
 from drivegate.commands.options import json_option
@@ -55,6 +55,13 @@ LABORATORY_COMMANDS: Final = frozenset({"selftest", "reproduce", "bench"})
 
 _ASKING: Final = {"help": "Print the help of a command, or what a check requires."}
 """Words in the place of a command, which are none."""
+
+
+@add_completion_class
+class _CompletionForFish(FishComplete):
+    """Completes lists of checks too: click's own script takes a comma for the end of a value."""
+
+    source_template = FishComplete.source_template.replace('string split ","', 'string split --max 1 ","')
 
 
 def _complete_topic(context: click.Context, option: click.Parameter, incomplete: str) -> list[CompletionItem]:

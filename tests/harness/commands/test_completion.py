@@ -56,6 +56,13 @@ def test_every_shell_gets_a_script(shell):
     assert "_DRIVEGATE_COMPLETE" in found(command_line, {}, "drivegate", "_DRIVEGATE_COMPLETE").source()
 
 
+def test_fish_takes_a_comma_for_a_part_of_the_value():
+    found = get_completion_class("fish")
+    assert found is not None
+    source = found(command_line, {}, "drivegate", "_DRIVEGATE_COMPLETE").source()
+    assert 'string split --max 1 "," $completion' in source
+
+
 def test_a_real_shell_completes_a_drive(tmp_path):
     program = tmp_path / "drivegate"
     program.write_text(
