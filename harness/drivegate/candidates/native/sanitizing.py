@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -33,14 +34,28 @@ _COMMON: Final = ("-g", "-fno-omit-frame-pointer", "-fno-sanitize-recover=all")
 _UNOPTIMIZED: Final = ("-O0",)
 _PATTERN, _ZERO = "-ftrivial-auto-var-init=pattern", "-ftrivial-auto-var-init=zero"
 """What variables are that nothing has written, in the build with sanitizers and in its reference."""
+_FILLED: Final = tuple(f"-Wl,--wrap={name}" for name in ("malloc", "_Znwm", "_Znam"))
+"""The allocations that `two_builds.c` fills, malloc and C++'s two; linkers of macOS cannot replace them."""
+_HEAP_PATTERN, _HEAP_ZERO = "-DDRIVEGATE_FILL=0xfe", "-DDRIVEGATE_FILL=0"
 _ANALYSIS: Final = ("-O0", "-Wuninitialized")
+# Each path by itself, since where paths are merged, what one of them has written counts as written; and more of them,
+# for templates of C++.
+_OF_GCC: Final = (
+    "-fanalyzer",
+    "-fno-analyzer-state-merge",
+    "--param=analyzer-bb-explosion-factor=50",
+    "-fdiagnostics-path-format=none",
+)
+_OF_CLANG: Final = ("-Wconditional-uninitialized",)
 
 _UNDEFINED_OPTIONS: Final = "halt_on_error=1:print_stacktrace=0:color=never"
 _UNWRITTEN: Final = re.compile(
     r"^(?P<file>[^\s:][^:\n]*):(?P<line>\d+):\d+:\s*warning:\s*(?P<message>.*uninitialized.*?)\s*\[-W",
     re.MULTILINE,
 )
-_MOST_SUSPECTS: Final = 3
+# What the analysis calls a value that has no name in the source, and the number of the weakness.
+_INTERNAL: Final = re.compile(r" '[^']*[<(][^']*'| \[CWE-\d+\]")
+_MOST_SUSPECTS: Final = 5
 
 
 def sanitized_candidate(candidate: Candidate, sanitizers: Sequence[str], folder: Path) -> Candidate:
@@ -53,8 +68,11 @@ def sanitized_candidate(candidate: Candidate, sanitizers: Sequence[str], folder:
     # Older compilers cannot choose what is in a variable that nothing has written.
     chooses = all(_accepts(compiler, _PATTERN) for compiler in compilers_of(plan).values())
     checked = [flag for name in sanitizers for flag in _FLAGS[name]]
-    built = second_build(plan, (*_UNOPTIMIZED, *_COMMON, *checked, *([_PATTERN] if chooses else [])))
-    reference = second_build(plan, (*_UNOPTIMIZED, *([_ZERO] if chooses else [])))
+    pattern, zero = ([_PATTERN], [_ZERO]) if chooses else ([], [])
+    if sys.platform != "darwin":
+        pattern, zero = [*pattern, *_FILLED, _HEAP_PATTERN], [*zero, *_FILLED, _HEAP_ZERO]
+    built = second_build(plan, (*_UNOPTIMIZED, *_COMMON, *checked, *pattern))
+    reference = second_build(plan, (*_UNOPTIMIZED, *zero))
     language = plan.languages[-1]
     environment = {
         "UBSAN_OPTIONS": _UNDEFINED_OPTIONS,
@@ -90,19 +108,22 @@ def _accepts(compiler: Sequence[str], *flags: str) -> bool:
 def _suspects(plan: Compilation, folder: Path) -> tuple[str, ...]:
     """Return the places of which the compiler says that a variable there may be read before it is written."""
     compilers = compilers_of(plan).values()
-    deeper = "-Wconditional-uninitialized" if all(map(is_clang, compilers)) else "-fanalyzer"
-    if not all(_accepts(compiler, *_ANALYSIS, deeper) for compiler in compilers):
+    flags = (*_ANALYSIS, *(_OF_CLANG if all(map(is_clang, compilers)) else _OF_GCC))
+    if not all(_accepts(compiler, *flags) for compiler in compilers):
         return ()
     try:
-        output = short_lines((second_build(plan, (*_ANALYSIS, deeper)) / OUTPUT).read_text(encoding="utf-8"))
+        output = short_lines((second_build(plan, flags) / OUTPUT).read_text(encoding="utf-8"))
     except CompilationError:
         # It takes long on some sources, and only adds a line to a fault.
         return ()
-    found = [
-        f"{_shown(found['file'], folder)}, line {found['line']}: {bounded_reason(found['message'])}"
+    # The last complaint of a line is that of the analysis of paths.
+    found = {
+        f"{_shown(found['file'], folder)}, line {found['line']}": bounded_reason(
+            _INTERNAL.sub("", found["message"])
+        )
         for found in _UNWRITTEN.finditer(output)
-    ]
-    return tuple(dict.fromkeys(found))[:_MOST_SUSPECTS]
+    }
+    return tuple(f"{place}: {message}" for place, message in found.items())[:_MOST_SUSPECTS]
 
 
 def _shown(file: str, folder: Path) -> str:

@@ -64,3 +64,20 @@ void drivegate_write_counters(void) {
     __gcov_reset();
 }
 #endif
+
+#ifdef DRIVEGATE_FILL
+/* The linker leads the controller's allocations here, so that what is read before it is written differs between two
+ * builds. */
+#define FILLING(name) \
+    EXTERN void *__real_##name(size_t size); \
+    EXTERN void *__wrap_##name(size_t size); \
+    void *__wrap_##name(size_t size) { \
+        void *memory = __real_##name(size); \
+        return memory ? memset(memory, DRIVEGATE_FILL, size) : memory; \
+    }
+FILLING(malloc)
+#ifdef __cplusplus
+FILLING(_Znwm)
+FILLING(_Znam)
+#endif
+#endif

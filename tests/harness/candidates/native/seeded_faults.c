@@ -31,6 +31,13 @@ static double sum_of(const double *values, int count) {
     return sum;
 }
 
+static double unwritten_part(int written) {
+    double taps[4], sum = 0.0;
+    for (int place = 0; place < written; ++place) taps[place] = 0.0;
+    for (int place = 0; place < 4; ++place) sum += taps[place]; /* array written in part */
+    return sum;
+}
+
 static double unwritten(int number) {
     double estimate;
     if (number > 100) estimate = 0.0;
@@ -64,6 +71,8 @@ void drivegate_duty_step(void *state, const drivegate_duty_sense *sense, drivega
     case 12: self->table[8] = 1.0; break;                            /* past the heap */
     case 13: *(volatile int *)(uintptr_t)(number - 13) = 1; break;   /* null pointer */
     case 14: ((double *)self)[sizeof(*self) / 8] = 1.0; break;       /* past the state */
+    case 15: command->torque = self->table[2]; break;
+    case 16: command->torque = unwritten_part(number - 14); break;
     default: break;
     }
 }

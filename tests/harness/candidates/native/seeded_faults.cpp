@@ -12,7 +12,15 @@ struct Other {
     virtual ~Other() = default;
     virtual double other() const { return 1.0; }
 };
+struct Observer {
+    double angle, gain = 2.0;
+    explicit Observer(bool is_warm) {
+        if (is_warm) angle = 0.0;
+    }
+    double answer() const { return gain * angle; } // member that no constructor wrote
+};
 struct Controller {
+    double *allocated;
     std::vector<double> *table;
     double *released;
     Gain gain;
@@ -25,6 +33,7 @@ int64_t drivegate_abi_version() { return DRIVEGATE_ABI_VERSION; }
 int64_t drivegate_state_size() { return 0; }
 
 int drivegate_duty_reset(void *, const drivegate_duty_nameplate *) {
+    controller.allocated = new double[4];
     controller.table = new std::vector<double>(4, 0.5);
     auto gone = std::make_unique<double>(1.0);
     controller.released = gone.get();
@@ -45,6 +54,8 @@ void drivegate_duty_step(void *, const drivegate_duty_sense *sense, drivegate_du
     case 2: command->torque = *controller.released; break; // use after it is deleted
     case 3: command->torque = static_cast<const Gain *>(other)->of(1.0); break; // object of another type
     case 4: command->torque = is_on ? 1.0 : 0.0; break; // no truth value
+    case 5: command->torque = Observer(number > 5).answer(); break;
+    case 6: command->torque = controller.allocated[2]; break;
     default: break;
     }
 }

@@ -25,6 +25,7 @@ from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.errors import InputError
 
 SOURCE = Path(__file__).with_name("seeded_faults.c")
+IN_CPP_SOURCE = SOURCE.with_suffix(".cpp")
 FAULTS = {
     1: "one past the end",
     2: "use after reset",
@@ -40,6 +41,10 @@ FAULTS = {
     13: "null pointer",
     14: "past the state",
 }
+ON_HEAP = "memory that reset allocated"
+"""No compiler sees across functions what was written."""
+UNWRITTEN = {6: "uninitialised read", 15: ON_HEAP, 16: "array written in part"}
+UNWRITTEN_IN_CPP = {5: "member that no constructor wrote", 6: ON_HEAP}
 IN_CPP = {1: "past a vector", 2: "use after it is deleted", 3: "object of another type", 4: "no truth value"}
 
 
@@ -97,30 +102,47 @@ def test_each_fault_is_reported_with_its_line(judge: Judge, number: int, comment
     assert fault.scenario["duration_s"] == 0.005
 
 
-def test_what_is_read_before_it_is_written_shows_in_the_answer(judge: Judge) -> None:
-    fault = judge.once(Job(run_once, scenario_with(6)))
+@pytest.mark.parametrize(("number", "comment"), UNWRITTEN.items(), ids=UNWRITTEN.values())
+def test_what_is_read_before_it_is_written_shows_in_the_answer(
+    judge: Judge, number: int, comment: str
+) -> None:
+    fault = judge.once(Job(run_once, scenario_with(number)))
     assert isinstance(fault, Fault)
     assert fault.kind is FaultKind.BUILDS
-    assert (
-        f"seeded_faults.c, line {line_of('uninitialised read')}: use of uninitialized value" in fault.message
-    )
+    if comment != ON_HEAP:
+        assert f"seeded_faults.c, line {line_of(comment)}: use of uninitialized value" in fault.message
 
 
 @pytest.mark.nightly
 @pytest.mark.needs("c++")
 @pytest.mark.parametrize(("number", "comment"), IN_CPP.items(), ids=IN_CPP.values())
 def test_faults_that_are_of_cpp_alone_are_reported_too(tmp_path: Path, number: int, comment: str) -> None:
-    source = SOURCE.with_suffix(".cpp")
-    candidate = KINDS["c"].sanitized_candidate(
-        resolve_candidate(str(source)), ("address", "undefined"), tmp_path
+    fault = _fault_in_cpp(tmp_path, number)
+    assert (fault.kind, fault.error) == (
+        FaultKind.SANITIZER,
+        f"seeded_faults.cpp, line {line_of(comment, IN_CPP_SOURCE)}",
     )
+
+
+def _fault_in_cpp(folder: Path, number: int) -> Fault:
+    candidate = resolve_candidate(str(IN_CPP_SOURCE))
+    candidate = KINDS["c"].sanitized_candidate(candidate, ("address", "undefined"), folder)
     with Judge(candidate) as judge:
         fault = judge.once(Job(run_once, scenario_with(number)))
     assert isinstance(fault, Fault), "nothing was reported"
-    assert (fault.kind, fault.error) == (
-        FaultKind.SANITIZER,
-        f"seeded_faults.cpp, line {line_of(comment, source)}",
-    )
+    return fault
+
+
+@pytest.mark.nightly
+@pytest.mark.needs("c++")
+@pytest.mark.parametrize(("number", "comment"), UNWRITTEN_IN_CPP.items(), ids=UNWRITTEN_IN_CPP.values())
+def test_what_objects_of_cpp_leave_unwritten_shows_in_the_answer(
+    tmp_path: Path, number: int, comment: str
+) -> None:
+    fault = _fault_in_cpp(tmp_path, number)
+    assert fault.kind is FaultKind.BUILDS
+    if comment != ON_HEAP:
+        assert f"seeded_faults.cpp, line {line_of(comment, IN_CPP_SOURCE)}: use of uni" in fault.message
 
 
 @pytest.mark.nightly
