@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -33,19 +33,20 @@ def code_document(result: ResultDocument, files: Sequence[SourceFile]) -> dict[s
     assert result.code_coverage is not None, "it was measured"
     assert result.drive is not None, "every check has a drive"
     drive = parse_document(result.drive.document or {}, DriveDocument, "the drive")
-    moved_by = contract_of(drive).moved_by
+    # Signals pass from one file to another.
+    conditions = Conditions([line for file in files for line in file.text], contract_of(drive).moved_by)
     return {
         "kind": KIND,
         "candidate": result.candidate.name,
         "drive": result.drive.name,
         "runs": result.runs,
         "message": result.code_coverage.message,
-        "files": [_file(file, moved_by) for file in files],
+        "files": [_file(file, conditions) for file in files],
     }
 
 
-def _file(file: SourceFile, moved_by: Mapping[str, str]) -> dict[str, Any]:
-    conditions, measured = Conditions(file.text, moved_by), {line.number: line for line in file.lines}
+def _file(file: SourceFile, conditions: Conditions) -> dict[str, Any]:
+    measured = {line.number: line for line in file.lines}
     return {
         "name": file.name,
         "lines": [_line(text, measured.get(number), conditions) for number, text in enumerate(file.text, 1)],

@@ -16,6 +16,12 @@ SOURCE = """
     if (self->weak < 0.0) return;
     if (self->enable_count) return;
     speed = sense.speed
+static double limited(double value, double top) {
+    clarke(sense->supply_voltage, &alpha, &self->beta);
+    return limited(fmax(sense->supply_voltage, 1.0), 3.0);
+    first, second = sense.speed, 0.0
+fn bounded(level: f64) -> f64 {
+    let x = bounded(sense.enable);
 """.splitlines()
 
 
@@ -27,6 +33,11 @@ SOURCE = """
         ("if speed > 3.0 and not sense.enable:", "enable: restarts_s; speed: speed_rpm"),
         ("if (self->enable_count) return;", ""),
         ("if (other) return; // sense->enable", ""),
+        ("if (self->beta > alpha)", "supply_voltage: link_voltage_v"),
+        ("return value > other", "supply_voltage: link_voltage_v"),
+        ("if (top > 0.0)", ""),
+        ("if second > 3.0:", "speed: speed_rpm"),
+        ("if level > 3.0 {", "enable: restarts_s"),
     ],
 )
 def test_a_condition_names_the_signals_that_it_depends_on(line: str, hint: str) -> None:
@@ -45,5 +56,6 @@ def test_every_contract_says_what_moves_its_signals() -> None:
 def test_a_long_line_is_looked_at_at_once() -> None:
     """Hostile sources may have any."""
     began = time.process_time()
-    assert Conditions(["a" * 40_000], KEYS).hint("/*" * 40_000) == ""
+    hostile = [word * 40_000 for word in ("a", "a ", "a,", "f(", "&a,")]
+    assert Conditions(hostile, KEYS).hint("/*" * 40_000) == ""
     assert time.process_time() - began < 2.0
