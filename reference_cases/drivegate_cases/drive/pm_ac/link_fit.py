@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 from math import sqrt
-from typing import TYPE_CHECKING, Any, Final
-
-if TYPE_CHECKING:
-    from drivegate_cases.drive.pm_ac.link import PmAcLink
+from typing import Any, Final
 
 FASTEST: Final = 20.0
 """Greatest rate of the link's own voltage times the control period, which still is followed exactly (1)."""
@@ -22,7 +19,7 @@ _MOST_CURRENT: Final = 100.0
 _LEAST_BURNT, _MOST_BURNT = 0.02, 100.0
 
 
-def check_link(link: PmAcLink, machine: Any, inverter: Any, rating: Any) -> None:
+def check_link(link: Any, machine: Any, inverter: Any, rating: Any) -> None:
     """Refuse values that do not fit the machine, the bridge or the rating of the drive."""
     nominal, power = inverter.link_voltage_v, rating.rated_power_w
     if link.source_voltage_v is not None and link.source_voltage_v != nominal:
@@ -50,7 +47,7 @@ def check_link(link: PmAcLink, machine: Any, inverter: Any, rating: Any) -> None
     _check_chopper(link, power)
 
 
-def _check_voltages(link: PmAcLink, nominal: float) -> None:
+def _check_voltages(link: Any, nominal: float) -> None:
     """Refuse a limit or thresholds below the nominal voltage (V), or in the wrong order."""
     limit = link.limit(nominal)
     if limit <= nominal:
@@ -108,7 +105,7 @@ def _check_charging(capacitance: float, resistance: float, period: float) -> Non
         )
 
 
-def _check_inductance(link: PmAcLink, inductance: float, nominal: float, power: float, period: float) -> None:
+def _check_inductance(link: Any, inductance: float, nominal: float, power: float, period: float) -> None:
     """Refuse an inductance (H) that is too fast for the control period (s), or unstable at rated power (W)."""
     capacitance, resistance = link.capacitance_f, link.source_resistance_ohm
     assert capacitance is not None
@@ -128,7 +125,7 @@ def _check_inductance(link: PmAcLink, inductance: float, nominal: float, power: 
         )
 
 
-def _check_currents(link: PmAcLink, nominal: float, power: float) -> None:
+def _check_currents(link: Any, nominal: float, power: float) -> None:
     """Refuse limits of the source's current that only a wrong unit has."""
     rated = power / nominal
     for key, current, least in (
@@ -142,7 +139,7 @@ def _check_currents(link: PmAcLink, nominal: float, power: float) -> None:
             )
 
 
-def _check_chopper(link: PmAcLink, power: float) -> None:
+def _check_chopper(link: Any, power: float) -> None:
     """Refuse a chopper that burns next to nothing, or all at once, by rated power (W)."""
     voltage, resistance = link.chopper_on_v, link.chopper_resistance_ohm
     if voltage is None or resistance is None:
