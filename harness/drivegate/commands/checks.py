@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -10,6 +11,7 @@ import click
 from drivegate.commands.completion import complete_checks
 from drivegate.commands.conduct import Outcome
 from drivegate.commands.options import drive_option, json_option, named_drive
+from drivegate.commands.stated_options import own_drive
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -34,8 +36,9 @@ def command(names: tuple[str, ...], drive: str | None, requirements: Path | None
     """List the checks with their requirements, sources and limits, and what covers each fact of the paper.
 
     With a CHECK such as STP-1, or a family such as STP, print all of it: requirement, limit on the drive, formula of
-    the margin and likely causes of a failure. The numbers are those of the drive; without --drive, of the paper's, or
-    of the default drive of the CHECK, or for --requirements of the drive of duty ratios.
+    the margin and likely causes of a failure. The numbers are those of the drive; without --drive, of the one that
+    candidate.toml in this folder states, else of the paper's, or of the default drive of the CHECK, or for
+    --requirements of the drive of duty ratios.
     """
     if names and requirements is not None:
         raise click.UsageError("--requirements lists a whole file; leave the CHECK out, or --requirements")
@@ -50,17 +53,20 @@ def command(names: tuple[str, ...], drive: str | None, requirements: Path | None
 
     own = Declaration(requirements=None if requirements is None else read_requirements(requirements))
     usual = DEFAULT_DRIVE if requirements is None else DEFAULT_DRIVES["duty"]
-    chosen = load_drive(usual if drive is None else drive)
+    mine = own_drive() if drive is None else None
+    chosen = mine or load_drive(drive or usual)
     require_fitting(own, chosen)
     checks = traced_checks(chosen, own)
     document = {"schema": SCHEMA, "checks": checks, "facts": traced_facts()}
-    return Outcome(document, lambda console: _show(console, document))
+    return Outcome(document, lambda console: _show(console, document, "" if mine else " CANDIDATE"))
 
 
 def _explained(names: tuple[str, ...], drive: str | None) -> Outcome:
     from drivegate.studies.checks import explained_checks
 
-    checks = explained_checks(names, named_drive(drive))
+    own = own_drive() if drive is None else None
+    checks = explained_checks(names, named_drive(drive), own)
+    is_own = own is not None and all(row["drive"] == own.name for row in checks)
     document = {"schema": SCHEMA, "checks": checks}
 
     def show(console: Console) -> None:
@@ -78,13 +84,16 @@ def _explained(names: tuple[str, ...], drive: str | None) -> Outcome:
         only = ",".join(dict.fromkeys(row["id"] for row in checks))
         # Checks that apply nowhere together are named without a drive.
         others = {row["applies_on"] for row in checks}
-        drive_words = f" --drive {next(iter(others))}" if len(others) == 1 and None not in others else ""
-        print_line(console, f"next: drivegate check CANDIDATE --only {only}{drive_words}", "dim")
+        other = next(iter(others)) if len(others) == 1 else None
+        chosen = drive if other is None else other
+        drive_words = "" if chosen is None else f" --drive {quote(chosen)}"
+        candidate = "" if is_own else " CANDIDATE"
+        print_line(console, f"next: drivegate check{candidate} --only {only}{drive_words}", "dim")
 
     return Outcome(document, show)
 
 
-def _show(console: Console, document: dict[str, Any]) -> None:
+def _show(console: Console, document: dict[str, Any], candidate: str) -> None:
     from drivegate.output.console import plain, print_line, table
 
     listed = table(*_COLUMNS)
@@ -102,4 +111,4 @@ def _show(console: Console, document: dict[str, Any]) -> None:
             plain(", ".join(name.replace("_", " ") for name in by["figures"])),
         )
     console.print(covered)
-    print_line(console, "next: drivegate check CANDIDATE applies them; --json prints more", "dim")
+    print_line(console, f"next: drivegate check{candidate} applies them; --json prints more", "dim")

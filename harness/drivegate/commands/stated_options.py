@@ -5,11 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from shlex import join
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import click
 
 from drivegate.candidates.kinds import MANIFEST_SUFFIX
+from drivegate.commands.options import named_drive
+
+if TYPE_CHECKING:
+    from drivegate.candidates.manifest import Manifest
+    from drivegate_cases.documents.reach import Reach
+    from drivegate_cases.drive.drive_document import DriveDocument
 
 MANIFEST: Final = f"candidate{MANIFEST_SUFFIX}"
 """The manifest that is checked where no candidate is named."""
@@ -74,13 +80,29 @@ def _own_manifest() -> str:
 
 def stated_by(specification: str, roots: Iterable[str] = ()) -> dict[str, Any]:
     """Return the options that a candidate's manifest states; one that is no manifest states none."""
+    found = _read(specification, roots)
+    return {} if found is None else found[0].check.options(found[1])
+
+
+def own_drive() -> DriveDocument | None:
+    """Return the drive that the manifest in this folder states; None where there is none, or it states none."""
+    found = _read(MANIFEST) if Path(MANIFEST).is_file() else None
+    if found is None:
+        return None
+    manifest, reach = found
+    stated = manifest.check.options(reach).get("drive")
+    return manifest.drive if stated is None else named_drive(stated)
+
+
+def _read(specification: str, roots: Iterable[str] = ()) -> tuple[Manifest, Reach] | None:
+    """Read a manifest, with the files in its reach; None for any other candidate."""
     file = Path(specification)
     if file.suffix.lower() != MANIFEST_SUFFIX or ":" in specification:
-        return {}
+        return None
     # Reading a manifest needs pydantic, which takes longer to import than the rest of this module.
     from drivegate.candidates.manifest import Manifest
     from drivegate.candidates.resolution import reach_of
     from drivegate_cases.documents.document import read_document
 
     reach = reach_of(file, roots)
-    return read_document(file, Manifest, reach).check.options(reach)
+    return read_document(file, Manifest, reach), reach

@@ -15,9 +15,16 @@ from drivegate_cases.drive.drive_document import DriveDocument, included_drives,
 from drivegate_models.errors import InputError
 
 
-def explained_checks(names: Sequence[str], drive: DriveDocument | None) -> list[dict[str, Any]]:
-    """Explain checks or families of them, on a drive; without one, on the default drive of each contract."""
+def explained_checks(
+    names: Sequence[str], drive: DriveDocument | None, own: DriveDocument | None = None
+) -> list[dict[str, Any]]:
+    """Explain checks or families of them, on a drive.
+
+    Without one it is the user's own where that is judged by them, else the default drive of each contract.
+    """
     wanted = named_checks(names, list(all_checks()))
+    if drive is None and own is not None and (rows := _explained(own, wanted)):
+        return rows
     drives = [load_drive(DEFAULT_DRIVES[contract.name]) for contract in all_contracts()]
     rows = [row for each in ([drive] if drive else drives) for row in _explained(each, wanted)]
     if not rows:

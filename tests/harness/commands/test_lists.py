@@ -57,6 +57,24 @@ def test_one_check_is_explained_with_its_limit_on_the_drive_formula_and_causes(c
     assert "is not judged by STP-1" in refused("checks", "STP-1", "--drive", "paper-5-phase")
 
 
+def test_checks_are_those_of_the_drive_of_the_manifest_in_this_folder(command, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    manifest = tmp_path / "candidate.toml"
+    words = 'schema = 1\nname = "mine"\nkind = "python"\nentry = "mine.py:Mine"\ndrive = "pm-ac-surface"\n'
+    manifest.write_text(words, encoding="utf-8")
+    listed = command("checks", "--json").document["checks"]
+    assert "STP-1" in {row["id"] for row in listed}, "not those of the paper's drive"
+    own = command("help", "FWK-2").out
+    assert own.startswith("FWK-2 on pm-ac-surface")
+    assert "next: drivegate check --only FWK-2\n" in own
+    other = command("help", "FWK-2", "--drive", "pm-ac-2kw").out
+    assert "next: drivegate check CANDIDATE --only FWK-2 --drive pm-ac-2kw\n" in other
+    # The command line wins, and checks of the other contract are explained on a drive of theirs.
+    manifest.write_text(words + '[check]\ndrive = "pm-ac-msl"\n', encoding="utf-8")
+    assert command("checks", "FWK-2").out.startswith("FWK-2 on pm-ac-msl")
+    assert command("checks", "CNV-1").out.startswith("CNV-1 on paper-5-phase")
+
+
 def test_help_of_a_command_and_of_a_check_is_also_asked_for_by_a_word(command):
     assert command("help").out == command("--help").out
     assert command("help", "check").out == command("check", "--help").out
