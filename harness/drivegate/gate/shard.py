@@ -56,8 +56,8 @@ class DrawnRuns:
     search: bool = True
     """Whether to step toward small margins; if not, scenarios are drawn evenly throughout."""
     only: tuple[str, ...] = ()
-    """Checks that are judged; empty for all. The shard is left out where none of them judges what it draws.
-    """
+    """Checks that are judged; empty for all. The shard is left out where none of them judges what it draws, and its
+    last run where none looks at that."""
 
 
 def content_key(scenario: Mapping[str, Any]) -> str:
@@ -112,12 +112,14 @@ def searched_checks(checks: Iterable[Check]) -> frozenset[str]:
 class _Collector:
     """Runs the scenarios that a search asks for, and keeps what comes of them."""
 
-    def __init__(self, loaded: JudgedCandidate, drive: DriveDocument, examples: int) -> None:
+    def __init__(self, loaded: JudgedCandidate, plan: DrawnRuns) -> None:
+        drive = plan.drive
         self._loaded = loaded
         self._controller = loaded.controller()
-        self._examples = examples
+        self._examples = plan.examples
+        self._only = plan.only
         # A search that finds nothing new any more has ended too.
-        self._asked = _ASKED * examples
+        self._asked = _ASKED * plan.examples
         self.contract = contract_of(drive)
         self.checks = checks_of(drive, loaded.candidate.declaration)
         self.searched = searched_checks(self.checks)
@@ -141,6 +143,12 @@ class _Collector:
         if (reason := self.contract.unfair_because(scenario)) is not None:
             self.infeasible.append(InfeasibleScenario(scenario.name, reason))
             return None
+        if len(self.runs) == self._examples - 1 and not is_needed(
+            scenario, self._loaded.candidate.declaration, self._only
+        ):
+            # No later scenario depends on the last run of a shard.
+            self._asked = 0
+            return None
         try:
             record = recorded(self._loaded, scenario, self._controller)
         except CandidateFault as fault:
@@ -163,7 +171,7 @@ def run_drawn(loaded: JudgedCandidate, plan: DrawnRuns) -> ShardOutcome:
     drawn = contract_of(plan.drive).drawn_scenarios(plan.drive, declaration, plan.seed)
     if plan.only and not _draws_needed(plan, drawn, declaration):
         return ShardOutcome(())
-    collector = _Collector(loaded, plan.drive, plan.examples)
+    collector = _Collector(loaded, plan)
     search = Search(plan.seed)
     source = ChoiceSource(plan.seed, search.choices if plan.search else tuple)
 
