@@ -138,7 +138,7 @@ def write_candidate(
     if not _NAME.fullmatch(name):
         raise InputError(
             f"the name '{one_line(name)}' must begin with a letter and have letters, digits, '-' and '_' after it, "
-            "64 at most"
+            "64 at most; a folder is named with --output"
         )
     occupied = folder.is_symlink() or (folder.exists() and not folder.is_dir())
     if occupied or (folder.is_dir() and any(folder.iterdir())):
