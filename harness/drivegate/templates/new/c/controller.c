@@ -1,5 +1,6 @@
 /* A speed regulator, and an advance angle that rises with speed by a straight line. */
 #include "drivegate.h"
+#include <math.h>
 
 #define PI 3.141592653589793
 
@@ -30,25 +31,14 @@ int drivegate_reset(void *state, const drivegate_nameplate *nameplate) {
     return 0;
 }
 
-static double between(double lowest, double highest, double value) {
-    if (value < lowest) return lowest;
-    return value > highest ? highest : value;
-}
+static double between(double lowest, double highest, double value) { return fmin(fmax(value, lowest), highest); }
 
-/* Give the current reference (A); the integral waits while the limit leaves nothing to do. */
+/* Give the current reference (A); the integral waits while the limits leave nothing to do. */
 static double regulate(controller *self, double error) {
-    double integral = between(0.0, self->limit, self->integral + self->integral_step * error);
-    double reference = self->proportional * error + integral;
-    if (reference > self->limit) {
-        if (error <= 0.0 || integral < self->integral) self->integral = integral;
-        return self->limit;
-    }
-    if (reference < 0.0) {
-        if (error >= 0.0 || integral > self->integral) self->integral = integral;
-        return 0.0;
-    }
-    self->integral = integral;
-    return reference;
+    double integral = self->integral + self->integral_step * error;
+    double reference = self->proportional * error + integral, limited = between(0.0, self->limit, reference);
+    if (limited == reference) self->integral = integral;
+    return limited;
 }
 
 /* Give the advance angle (rad, electrical). Below base speed it must be 0 exactly (check ADV-1). */

@@ -33,14 +33,12 @@ public:
     }
 
 private:
-    // Return the current reference (A); the integral waits while the limit leaves nothing to do.
+    // Return the current reference (A); the integral waits while the limits leave nothing to do.
     double regulate(double error) {
-        const double next = std::clamp(integral + integral_step * error, 0.0, limit);
-        const double reference = proportional * error + next;
-        const bool is_over = reference > limit && error > 0.0 && next >= integral;
-        const bool is_under = reference < 0.0 && error < 0.0 && next <= integral;
-        if (!is_over && !is_under) integral = next;
-        return std::clamp(reference, 0.0, limit);
+        const double next = integral + integral_step * error;
+        const double reference = proportional * error + next, limited = std::clamp(reference, 0.0, limit);
+        if (limited == reference) integral = next;
+        return limited;
     }
 
     // Return the advance angle (rad, electrical). Below base speed it must be 0 exactly (check ADV-1).

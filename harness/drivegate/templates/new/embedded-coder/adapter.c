@@ -70,9 +70,7 @@ static double within_a_turn(double angle) { return angle - TURN * floor(angle / 
 
 /* Convert to counts: to the nearest, and to the end of the type's range beyond it. */
 static double counts(double value, double worth, double lowest, double highest) {
-    double nearest = floor(value / worth + 0.5);
-    if (!(nearest >= lowest)) return lowest;
-    return nearest > highest ? highest : nearest;
+    return fmin(fmax(floor(value / worth + 0.5), lowest), highest);
 }
 
 /* Give the torque at the current limit where the voltage is free: the best of all angles of the current. */

@@ -34,17 +34,13 @@ class Controller:
         }
 
     def current_reference(self, error):
-        """Regulate the speed; the integral stands still while the output is limited in the error's direction."""
-        integral = min(max(self.integral + self.integral_step * error, 0.0), self.limit)
+        """Regulate the speed; the integral waits while the limits leave nothing to do."""
+        integral = self.integral + self.integral_step * error
         reference = self.proportional * error + integral
-        if reference > self.limit:
-            self.integral = min(self.integral, integral) if error > 0.0 else integral
-            return self.limit
-        if reference < 0.0:
-            self.integral = max(self.integral, integral) if error < 0.0 else integral
-            return 0.0
-        self.integral = integral
-        return reference
+        limited = min(max(reference, 0.0), self.limit)
+        if limited == reference:
+            self.integral = integral
+        return limited
 
     def advance_angle(self, speed):
         """Follow a straight line above base speed."""

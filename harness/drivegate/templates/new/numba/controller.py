@@ -47,19 +47,13 @@ def step(state, sense, command):
 
 @numba.njit
 def regulate(state, error):
-    """Return the current reference (A); the integral waits while the limit leaves nothing to do."""
-    integral = min(max(state.integral + state.integral_step * error, 0.0), state.limit)
+    """Return the current reference (A); the integral waits while the limits leave nothing to do."""
+    integral = state.integral + state.integral_step * error
     reference = state.proportional * error + integral
-    if reference > state.limit:
-        if error <= 0.0 or integral < state.integral:
-            state.integral = integral
-        return state.limit
-    if reference < 0.0:
-        if error >= 0.0 or integral > state.integral:
-            state.integral = integral
-        return 0.0
-    state.integral = integral
-    return reference
+    limited = min(max(reference, 0.0), state.limit)
+    if limited == reference:
+        state.integral = integral
+    return limited
 
 
 @numba.njit

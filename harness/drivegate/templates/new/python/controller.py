@@ -33,19 +33,13 @@ class Controller:
         )
 
     def regulate(self, error: float) -> float:
-        """Return the current reference (A); the integral waits while the limit leaves nothing to do."""
-        integral = min(max(self.integral + self.integral_step * error, 0.0), self.limit)
+        """Return the current reference (A); the integral waits while the limits leave nothing to do."""
+        integral = self.integral + self.integral_step * error
         reference = self.proportional * error + integral
-        if reference > self.limit:
-            if error <= 0.0 or integral < self.integral:
-                self.integral = integral
-            return self.limit
-        if reference < 0.0:
-            if error >= 0.0 or integral > self.integral:
-                self.integral = integral
-            return 0.0
-        self.integral = integral
-        return reference
+        limited = min(max(reference, 0.0), self.limit)
+        if limited == reference:
+            self.integral = integral
+        return limited
 
     def angle(self, speed: float) -> float:
         """Return the advance angle (rad, electrical). Below base speed it must be 0 exactly (check ADV-1)."""

@@ -29,10 +29,10 @@ static real32_T torque_per_ampere(real32_T direct) {
 static real32_T least_current(real32_T torque) {
     real32_T saliency = rtP.QuadratureInductance - rtP.DirectInductance, direct = 0.0F;
     int32_T round;
-    if (saliency < 1e-3F * rtP.DirectInductance) return 0.0F;
-    for (round = 0; round < 6; round++)
-        direct = (rtP.MagnetFlux - hypotf(rtP.MagnetFlux, 2.0F * saliency * torque / torque_per_ampere(direct)))
-                 / (2.0F * saliency);
+    for (round = 0; round < 6; round++) {
+        real32_T quadrature = torque / torque_per_ampere(direct), turned = 2.0F * saliency * quadrature;
+        direct = -turned * quadrature / (rtP.MagnetFlux + hypotf(rtP.MagnetFlux, turned));
+    }
     return direct;
 }
 
@@ -46,8 +46,8 @@ static real32_T greatest_torque(real32_T direct, real32_T electrical, real32_T v
     real32_T b = resistance * (along - reactance * direct);
     real32_T c = resistance * resistance * direct * direct + along * along - voltage * voltage;
     real32_T inside = b * b - a * c;
-    if (room < 0.0F || inside < 0.0F) return -1.0F;
-    return torque_per_ampere(direct) * fminf(sqrtf(room), a > 0.0F ? (sqrtf(inside) - b) / a : sqrtf(room));
+    if (inside < 0.0F) return -1.0F;
+    return torque_per_ampere(direct) * fminf(sqrtf(room), (sqrtf(inside) - b) / a);
 }
 
 /* Give the direct current for a torque, at least 0: that of least magnitude, weakened as far as the voltage asks for,

@@ -87,24 +87,15 @@ impl Controller {
         command.input_power = sense.half_supply_voltage * sense.current_magnitude_sum;
     }
 
-    /// Give the current reference (A); the integral waits while the limit leaves nothing to do.
+    /// Give the current reference (A); the integral waits while the limits leave nothing to do.
     fn regulate(&mut self, error: f64) -> f64 {
-        let integral = (self.integral + self.integral_step * error).clamp(0.0, self.limit);
+        let integral = self.integral + self.integral_step * error;
         let reference = self.proportional * error + integral;
-        if reference > self.limit {
-            if error <= 0.0 || integral < self.integral {
-                self.integral = integral;
-            }
-            return self.limit;
+        let limited = reference.clamp(0.0, self.limit);
+        if limited == reference {
+            self.integral = integral;
         }
-        if reference < 0.0 {
-            if error >= 0.0 || integral > self.integral {
-                self.integral = integral;
-            }
-            return 0.0;
-        }
-        self.integral = integral;
-        reference
+        limited
     }
 
     /// Give the advance angle (rad, electrical). Below base speed it must be 0 exactly (check ADV-1).
