@@ -116,6 +116,8 @@ class Instrumented:
     """The library with the function that steps both builds; None where it is in the second build."""
     counts_branches: bool = True
     """Whether branches are counted, not lines alone."""
+    copied: tuple[Path, Path] | None = None
+    """The folder of sources and the copy in which it was built, which reports name; None where it was built itself."""
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@ import sysconfig
 import tempfile
 import time
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
@@ -26,9 +27,11 @@ from drivegate.candidates.command_path import command_path
 from drivegate.candidates.fault import bounded_line
 from drivegate.candidates.native.bounded_command import Bounds, Ended, run_bounded
 from drivegate.candidates.native.build import cache_folder, digest_of
+from drivegate.candidates.native.c_shims import FurtherFlags, write_shims
 from drivegate.candidates.native.compiler import include_folder
 from drivegate.candidates.native.compiler_wrappers import private_caches
 from drivegate.candidates.native.rust_shim import write_shim
+from drivegate.candidates.native.second_build import OWN_SOURCE
 from drivegate.isolation.layers import Places, isolated_command, requested_layers
 from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.documents.wording import one_line, shown_path
@@ -38,6 +41,12 @@ BUILD: Final = Bounds(600.0, 8 * 2**30, 2**30)
 """What all commands of a build may use together, and each of its processes."""
 
 _LAST_LINES: Final = 4
+_PROJECT: Final = "project"
+"""Name of the copy's folder."""
+TOOLS: Final = "tools"
+"""Name of the folder next to it with programs in the places of compilers."""
+_KEPT: Final = ".built-"
+"""What the name of a folder begins with in which all that was made is kept."""
 _INSTALLATION: Final = MappingProxyType(
     {
         "cargo": "install Rust from https://rustup.rs",
@@ -64,6 +73,8 @@ class ProjectBuild:
     bounds: Bounds = BUILD
     rust_flags: tuple[str, ...] = ()
     """Further flags of Rust's compiler, whatever command starts it."""
+    c_flags: FurtherFlags | None = None
+    """Further flags of the compilers of C and C++."""
 
 
 def built_artefact(build: ProjectBuild) -> Path:
@@ -71,26 +82,60 @@ def built_artefact(build: ProjectBuild) -> Path:
 
     Raises InputError if a command is missing or fails, or if the file is not made.
     """
+    artefact, commands = _required(build)
+    folder = cache_folder()
+    kept = folder / f"{_key(build)}{artefact.suffix}"
+    with _writing(build, folder):
+        if not kept.exists():
+            with tempfile.TemporaryDirectory(prefix=".building-", dir=folder) as scratch:
+                # Renamed as a whole, so that another process finds either all of the file or none.
+                _made(build, commands, Path(scratch).resolve()).replace(kept)
+    return kept
+
+
+def build_in_kept_folder(build: ProjectBuild) -> Path:
+    """Do the same, but keep all that the commands make where they make it."""
+    artefact, commands = _required(build)
+    folder = cache_folder()
+    place = folder / f"{_key(build)}.place"
+    with _writing(build, folder):
+        if not place.exists():
+            scratch = Path(tempfile.mkdtemp(prefix=_KEPT, dir=folder)).resolve()
+            try:
+                _made(build, commands, scratch)
+                write_atomically(place, scratch.name)
+            except BaseException:
+                shutil.rmtree(scratch)
+                raise
+        root = (folder / place.read_text(encoding="utf-8") / _PROJECT).resolve()
+    return root / build.folder.relative_to(common_folder(build)) / artefact
+
+
+def copy_around(made: Path) -> Path:
+    """Return the copy of a project in whose kept folder a file was made."""
+    return next(folder for folder in made.parents if folder.parent.name.startswith(_KEPT))
+
+
+def _required(build: ProjectBuild) -> tuple[Path, tuple[list[str], ...]]:
+    """Return the file that the commands make, and the words of each."""
     artefact = Path(build.artefact)
     if artefact.is_absolute() or ".." in artefact.parts:
         raise InputError(
             f"{build.manifest}: the key 'entry' is '{one_line(build.artefact)}', but with 'build' must be a path "
             "inside the manifest's folder"
         )
-    commands = tuple(_words_of(command, build.manifest) for command in build.commands)
-    folder = cache_folder()
-    kept = folder / f"{_key(build)}{artefact.suffix}"
+    return artefact, tuple(_words_of(command, build.manifest) for command in build.commands)
+
+
+@contextmanager
+def _writing(build: ProjectBuild, folder: Path) -> Iterator[None]:
     try:
-        if not kept.exists():
-            with tempfile.TemporaryDirectory(prefix=".building-", dir=folder) as scratch:
-                # Renamed as a whole, so that another process finds either all of the file or none.
-                _made(build, commands, Path(scratch).resolve()).replace(kept)
+        yield
     except OSError as error:
         raise InputError(
             f"{build.manifest}: its sources cannot be copied to {shown_path(folder)} and built there: "
             f"{error.strerror}; name another folder in DRIVEGATE_CACHE"
         ) from error
-    return kept
 
 
 def _words_of(command: str, manifest: str) -> list[str]:
@@ -117,6 +162,9 @@ def _key(build: ProjectBuild) -> str:
     places = [os.path.relpath(source, build.folder) for source in build.sources]
     # Such a build names the files themselves, for reports.
     flags = (*build.rust_flags, str(build.folder)) if build.rust_flags else ()
+    if build.c_flags:
+        own = OWN_SOURCE.read_text(encoding="utf-8")
+        flags = (*flags, *build.c_flags.compiled, *build.c_flags.linked, own)
     return hash_of(
         build.sources,
         digest_of(
@@ -130,12 +178,17 @@ def _key(build: ProjectBuild) -> str:
 def _made(build: ProjectBuild, commands: tuple[list[str], ...], scratch: Path) -> Path:
     """Build in a copy, and return the file that was made there."""
     _log.info("building %s for %s", one_line(build.artefact), build.manifest)
-    root, common = scratch / "project", _common_folder(build)
+    root, common = scratch / _PROJECT, common_folder(build)
     here = _copy_of(build, root, common)
     (scratch / "temporary").mkdir()
     environment = _environment(scratch)
+    tools = scratch / TOOLS
+    tools.mkdir()
+    environment["PATH"] = os.pathsep.join((str(tools), environment["PATH"]))
     if build.rust_flags:
-        environment |= write_shim(scratch / "tools", build.rust_flags, root, common)
+        environment |= write_shim(tools, build.rust_flags, root, common)
+    if build.c_flags:
+        write_shims(tools, build.c_flags)
     deadline = time.monotonic() + build.bounds.seconds
     for words, command in zip(commands, build.commands, strict=True):
         # All commands share the time; one without any left starts all the same, and is reported as out of time.
@@ -158,7 +211,7 @@ def _made(build: ProjectBuild, commands: tuple[list[str], ...], scratch: Path) -
     return made
 
 
-def _common_folder(build: ProjectBuild) -> Path:
+def common_folder(build: ProjectBuild) -> Path:
     """Return the folder that the manifest's and all sources are in."""
     return Path(os.path.commonpath((build.folder, *(source.parent for source in build.sources))))
 

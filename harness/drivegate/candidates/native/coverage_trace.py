@@ -74,7 +74,9 @@ def _excluded_lines(text: Sequence[str]) -> Iterator[int]:
 
 def _empty_trace(work: Path) -> dict[str, Any]:
     """Have gcovr write a trace of nothing, which has the version of its format."""
-    trace = work / f"empty-{TRACE}"
-    gcovr(["--root", str(work), "--json", str(trace), str(work)], work, (), work)
+    nothing = work / "nothing"
+    nothing.mkdir()
+    trace = nothing / TRACE
+    gcovr(["--root", str(nothing), "--json", str(trace), str(nothing)], nothing, (), work)
     empty: dict[str, Any] = json.loads(made_content(trace))
     return empty

@@ -40,9 +40,9 @@ def rust_build(candidate: Candidate, option: str) -> ProjectBuild:
     build = details.made_by
     if not isinstance(build, ProjectBuild) or not any(source.suffix == ".rs" for source in build.sources):
         raise InputError(
-            f"{option} needs the sources of '{one_line(candidate.name)}', which is a library: for Rust, name them in "
-            "the manifest's key 'sources' and the command in 'build', such as 'cargo build --release'; for C, "
-            'write kind = "c"'
+            f"{option} needs the sources of '{one_line(candidate.name)}', which is a library: name them in the "
+            "manifest's key 'sources' and the command in 'build', such as 'cargo build --release' or 'make'; for C, "
+            'kind = "c" without a command does too'
         )
     return build
 

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import os
 import shlex
 import shutil
 from collections.abc import Sequence
 from pathlib import Path
-
-from drivegate.candidates.command_path import command_path
 
 
 def found_rustc() -> str | None:
@@ -16,15 +13,14 @@ def found_rustc() -> str | None:
 
 
 def write_shim(folder: Path, flags: Sequence[str], copied: Path, original: Path) -> dict[str, str]:
-    """Write the program into a folder, and return the variables by which builds find it.
+    """Write the program into a folder of PATH, and return the variable by which builds find it too.
 
     `copied`, `original`: folder in which a build runs, and the one that it is a copy of, which messages name.
     """
-    folder.mkdir()
     compiler = found_rustc() or "rustc"
     words = [compiler, f"--remap-path-prefix={copied}={original}"]
     shim = folder / "rustc"
     # Flags come last, so that they win over those of the build.
     shim.write_text(f'#!/bin/sh\nexec {shlex.join(words)} "$@" {shlex.join(flags)}\n', encoding="utf-8")
     shim.chmod(0o755)
-    return {"RUSTC": str(shim), "PATH": os.pathsep.join((str(folder), command_path()))}
+    return {"RUSTC": str(shim)}

@@ -14,7 +14,9 @@ from drivegate.candidates.candidate import Candidate, Instrumented
 from drivegate.candidates.fault import bounded_reason, short_lines
 from drivegate.candidates.native import rust_sanitizing
 from drivegate.candidates.native.bounded_command import asked
-from drivegate.candidates.native.compiler import Compilation, CompilationError
+from drivegate.candidates.native.build_commands import common_folder, copy_around
+from drivegate.candidates.native.c_project import c_project, language_of_project, second_project_build
+from drivegate.candidates.native.compiler import Compilation, CompilationError, Compilers, found_compiler
 from drivegate.candidates.native.coverage import is_compiled_here, plan_of
 from drivegate.candidates.native.sanitizer_runtime import preloaded
 from drivegate.candidates.native.second_build import LIBRARY, OUTPUT, compilers_of, is_clang, second_build
@@ -60,38 +62,49 @@ _MOST_SUSPECTS: Final = 5
 
 def sanitized_candidate(candidate: Candidate, sanitizers: Sequence[str], folder: Path) -> Candidate:
     """Return a candidate whose processes also run a build with sanitizers."""
-    if not is_compiled_here(candidate):
+    project = c_project(candidate)
+    if not is_compiled_here(candidate) and project is None:
         return rust_sanitizing.sanitized_candidate(candidate, sanitizers, folder)
-    plan = plan_of(candidate)
+    languages = plan_of(candidate).languages if project is None else (language_of_project(project),)
+    compilers = {language: found_compiler(language) for language in languages}
     for name in sanitizers:
-        _require(plan, name)
+        _require(compilers, name)
     # Older compilers cannot choose what is in a variable that nothing has written.
-    chooses = all(_accepts(compiler, _PATTERN) for compiler in compilers_of(plan).values())
-    checked = [flag for name in sanitizers for flag in _FLAGS[name]]
+    chooses = all(_accepts(compiler, _PATTERN) for compiler in compilers.values())
+    checked = tuple(flag for name in sanitizers for flag in _FLAGS[name])
     pattern, zero = ([_PATTERN], [_ZERO]) if chooses else ([], [])
-    if sys.platform != "darwin":
-        pattern, zero = [*pattern, *_FILLED, _HEAP_PATTERN], [*zero, *_FILLED, _HEAP_ZERO]
-    built = second_build(plan, (*_UNOPTIMIZED, *_COMMON, *checked, *pattern))
-    reference = second_build(plan, (*_UNOPTIMIZED, *zero))
-    language = plan.languages[-1]
+    filled = () if sys.platform == "darwin" else _FILLED
+    if filled:
+        pattern, zero = [*pattern, _HEAP_PATTERN], [*zero, _HEAP_ZERO]
+    flags, own = (*_UNOPTIMIZED, *_COMMON, *checked, *pattern), (*_UNOPTIMIZED, *zero)
+    if project is None:
+        plan = plan_of(candidate)
+        built, reference = (second_build(plan, (*each, *filled)) / LIBRARY for each in (flags, own))
+        suspects, copied = _suspects(plan, candidate.folder), None
+    else:
+        built, reference = (
+            second_project_build(candidate, "--sanitize", each, filled) for each in (flags, own)
+        )
+        suspects, copied = (), (common_folder(project), copy_around(built))
     environment = {
         "UBSAN_OPTIONS": _UNDEFINED_OPTIONS,
-        **preloaded(compilers_of(plan)[language], language, sanitizers),
+        **preloaded(compilers[languages[-1]], languages[-1], sanitizers),
     }
     instrumented = Instrumented(
         "sanitizers",
         folder,
-        built / LIBRARY,
-        reference / LIBRARY,
+        built,
+        reference,
         tuple(environment.items()),
-        _suspects(plan, candidate.folder),
+        suspects,
+        copied=copied,
     )
     return replace(candidate, instrumented=instrumented)
 
 
-def _require(plan: Compilation, name: str) -> None:
+def _require(compilers: Compilers, name: str) -> None:
     """Refuse a sanitizer that a compiler does not have."""
-    for language, compiler in compilers_of(plan).items():
+    for language, compiler in compilers.items():
         if not _accepts(compiler, *_FLAGS[name]):
             packages = "libubsan" if name != "address" else "libasan"
             raise InputError(

@@ -151,7 +151,7 @@ def test_a_library_without_sources_in_rust_is_refused(faults: Candidate, tmp_pat
         (KINDS["so"].sanitized_candidate, (("address",),)),
     ):
         with pytest.raises(
-            InputError, match=r"needs the sources of 'mine\.so', which is a library: for Rust"
+            InputError, match=r"needs the sources of 'mine\.so', which is a library: name them"
         ):
             method(given, *words, tmp_path)
 
