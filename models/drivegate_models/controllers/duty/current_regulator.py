@@ -43,7 +43,8 @@ def reset_regulator(state: Any, nameplate: Any) -> None:
     state.dead_current = _DEAD_SHARE * nameplate.current_limit
     state.switch_drop = nameplate.switch_drop
     state.diode_drop = nameplate.diode_drop
-    state.ripple = carrier_period / (nameplate.direct_inductance + nameplate.quadrature_inductance)
+    state.half_carrier = 0.5 * carrier_period
+    state.edge_centre = 0.5 if nameplate.updates == 2 else 0.0
     state.direct_gain = bandwidth * nameplate.direct_inductance
     state.quadrature_gain = bandwidth * nameplate.quadrature_inductance
     state.direct_integral_step = BANDWIDTH * max(nameplate.resistance, _INTEGRAL * state.direct_gain)
@@ -116,44 +117,104 @@ def write_ratios(command: Any, along: float, across: float, supply: float) -> No
 
 
 @inlined
-def _compensated_ratio(state: Any, ratio: float, current: float, ripple: float, per_volt: float) -> float:
-    """Return a duty ratio with compensation of dead time and drops for a current (A), limited to 0 to 1.
+def _compensated_ratio(state: Any, ratio: float, current: float, rise: float, per_volt: float) -> float:
+    """Return a duty ratio with compensation of dead time and drops for a current (A).
 
-    `ripple` is the current above its mean when the leg turns on (A), and below it when the leg turns off. A current
-    that has different signs at the two edges loses no time at either. `per_volt` is a duty ratio over its voltage
-    (1/V). A current into the machine flows through the upper switch and the lower diode, and the opposite one through
-    the other two; either way, both drops oppose it.
+    `rise` is the current above that in the middle when the leg turns on (A), and below it when the leg turns off. A
+    current that has different signs at the two edges loses no time at either. `per_volt` is a duty ratio over its
+    voltage (1/V). A current into the machine flows through the upper switch and the lower diode, and the opposite one
+    through the other two; either way, both drops oppose it.
     """
-    on = min(max((current + ripple) / state.dead_current, -1.0), 1.0)
-    off = min(max((current - ripple) / state.dead_current, -1.0), 1.0)
+    on = min(max((current + rise) / state.dead_current, -1.0), 1.0)
+    off = min(max((current - rise) / state.dead_current, -1.0), 1.0)
     sign = 0.5 * (on + off)
     upper, lower = state.switch_drop, state.diode_drop
     if sign < 0.0:
         upper, lower = lower, upper
     drop = per_volt * (ratio * upper + (1.0 - ratio) * lower)
-    return float(min(max(ratio + sign * (state.dead_ratio + drop), 0.0), 1.0))
+    return float(ratio + sign * (state.dead_ratio + drop))
 
 
 @inlined
-def _ripple_at_edge(one: float, second: float, third: float) -> float:
-    """Return the current above its mean when the leg of duty ratio `one` turns on, in a period centred on its pulses.
+def _flux_at_edge(ratio: float, first: float, second: float, third: float) -> tuple[float, float]:
+    """Return the ripple of the flux, along and across the first phase's axis, when the leg of a duty ratio turns on.
 
-    The unit is the supply times half of a carrier period over the inductance (1).
+    The period is centred on the pulses of the three duty ratios. The unit is the supply times half of a carrier period.
     """
-    mean = (one + second + third) / 3.0
-    # Legs of larger duty ratios are on already, and raise the neutral.
-    earlier = (max(second - one, 0.0) + max(third - one, 0.0)) / 3.0
-    return -earlier - (one - mean) * (1.0 - one)
+    before = 1.0 - ratio
+    return from_phases(
+        max(first - ratio, 0.0) - before * first,
+        max(second - ratio, 0.0) - before * second,
+        max(third - ratio, 0.0) - before * third,
+    )
+
+
+@inlined
+def _ripple_of(state: Any, turned: tuple[float, float], leg: int, flux: tuple[float, float]) -> float:
+    """Return the current of a phase (A) that belongs to a flux in the stationary frame (V s)."""
+    cosine, sine = turned
+    direct = (cosine * flux[0] + sine * flux[1]) / state.direct_inductance
+    quadrature = (cosine * flux[1] - sine * flux[0]) / state.quadrature_inductance
+    return of_phase(leg, cosine * direct - sine * quadrature, sine * direct + cosine * quadrature)
+
+
+@inlined
+def _rise_at_edge(
+    state: Any,
+    turned: tuple[float, float],
+    moved: tuple[float, float],
+    leg: int,
+    ratio: float,
+    ratios: tuple[float, float, float],
+    unit: float,
+) -> float:
+    """Return the current of a phase when its leg turns on, above that in the middle of a control period (A).
+
+    It is the ripple, and what the current moves until then. `moved` is what the current in the stationary frame turns
+    back in half a carrier period (A), and `unit` the supply times that time (V s).
+    """
+    along, across = _flux_at_edge(ratio, ratios[0], ratios[1], ratios[2])
+    ripple = _ripple_of(state, turned, leg, (unit * along, unit * across))
+    return ripple + (ratio - state.edge_centre) * of_phase(leg, moved[0], moved[1])
+
+
+@inlined
+def _shift_to_rail(least: float, greatest: float, lowest: float, highest: float) -> float:
+    """Return the common shift of three duty ratios that takes one which compensation takes beyond a rail to that rail.
+
+    `least` and `greatest` are of the duty ratios without compensation, `lowest` and `highest` with it. A common shift
+    changes no voltage of the machine, whereas one duty ratio cut at a rail does.
+    """
+    if lowest >= 0.0 and highest <= 1.0:
+        return 0.0
+    return -least if -lowest >= highest - 1.0 else 1.0 - greatest
+
+
+@inlined
+def _shifted(ratio: float, compensated: float, shift: float, least: float, greatest: float) -> float:
+    """Return a compensated duty ratio with a common shift; a leg at a rail does not switch, and loses no time."""
+    if shift < 0.0 and ratio == least:
+        return 0.0
+    if shift > 0.0 and ratio == greatest:
+        return 1.0
+    return float(min(max(compensated + shift, 0.0), 1.0))
 
 
 @inlined
 def compensate_bridge(
-    state: Any, command: Any, turned: tuple[float, float], direct: float, quadrature: float, supply: float
+    state: Any,
+    command: Any,
+    turned: tuple[float, float],
+    electrical: float,
+    direct: float,
+    quadrature: float,
+    supply: float,
 ) -> None:
     """Compensate the command's duty ratios for dead time, and for the drops of switches and diodes, if there are any.
 
-    `turned` is the cosine and sine of the rotor's electrical angle while the duty ratios act. `direct` and
-    `quadrature` are the reference currents at that time (A), and `supply` is the link voltage (V).
+    `turned` is the cosine and sine of the rotor's electrical angle while the duty ratios act, and `electrical` its
+    speed (rad/s). `direct` and `quadrature` are the reference currents at that time (A), and `supply` is the link
+    voltage (V).
     """
     drops = state.switch_drop + state.diode_drop
     if state.dead_ratio <= 0.0 and drops <= 0.0:
@@ -163,16 +224,23 @@ def compensate_bridge(
     cosine, sine = turned
     along, across = cosine * direct - sine * quadrature, sine * direct + cosine * quadrature
     first, second, third = command.first_duty, command.second_duty, command.third_duty
-    unit = supply * state.ripple
-    command.first_duty = _compensated_ratio(
-        state, first, along, unit * _ripple_at_edge(first, second, third), per_volt
+    ratios, unit, turning = (
+        (first, second, third),
+        supply * state.half_carrier,
+        electrical * state.half_carrier,
     )
-    command.second_duty = _compensated_ratio(
-        state, second, of_phase(1, along, across), unit * _ripple_at_edge(second, third, first), per_volt
-    )
-    command.third_duty = _compensated_ratio(
-        state, third, of_phase(2, along, across), unit * _ripple_at_edge(third, first, second), per_volt
-    )
+    moved = (turning * across, -turning * along)
+    rise = _rise_at_edge(state, turned, moved, 0, first, ratios, unit)
+    second_rise = _rise_at_edge(state, turned, moved, 1, second, ratios, unit)
+    third_rise = _rise_at_edge(state, turned, moved, 2, third, ratios, unit)
+    one = _compensated_ratio(state, first, along, rise, per_volt)
+    two = _compensated_ratio(state, second, of_phase(1, along, across), second_rise, per_volt)
+    three = _compensated_ratio(state, third, of_phase(2, along, across), third_rise, per_volt)
+    least, greatest = min(first, second, third), max(first, second, third)
+    shift = _shift_to_rail(least, greatest, min(one, two, three), max(one, two, three))
+    command.first_duty = _shifted(first, one, shift, least, greatest)
+    command.second_duty = _shifted(second, two, shift, least, greatest)
+    command.third_duty = _shifted(third, three, shift, least, greatest)
 
 
 @inlined
@@ -181,12 +249,14 @@ def write_voltage(
     sense: Any,
     command: Any,
     turned: tuple[float, float],
+    halfway: tuple[float, float],
     voltage: tuple[float, float],
     current: tuple[float, float],
 ) -> None:
     """Write the duty ratios for d-axis and q-axis voltages (V), with the bridge compensated for d and q currents (A).
 
-    `turned` is the cosine and sine of the rotor's electrical angle while the duty ratios act.
+    `turned` is the cosine and sine of the rotor's electrical angle in whose frame the voltages are, and `halfway` that
+    in the middle of the control period in which the duty ratios act.
     """
     cosine, sine = turned
     along, across = voltage
@@ -196,7 +266,8 @@ def write_voltage(
     state.across_voltage[0] = sine * along + cosine * across
     supply = max(sense.supply_voltage, 1e-9)
     write_ratios(command, state.along_voltage[0], state.across_voltage[0], supply)
-    compensate_bridge(state, command, turned, current[0], current[1], supply)
+    electrical = state.pole_pairs * sense.speed
+    compensate_bridge(state, command, halfway, electrical, current[0], current[1], supply)
 
 
 @inlined
@@ -270,5 +341,5 @@ def regulate_currents(
     )
     ahead = cosine_sine(state.pole_pairs * sense.angle + electrical * state.lead)
     voltage, current = (direct_limited, quadrature_limited), (direct_reference, quadrature_reference)
-    write_voltage(state, sense, command, ahead, voltage, current)
+    write_voltage(state, sense, command, ahead, ahead, voltage, current)
     return float(sqrt(direct_voltage * direct_voltage + quadrature_voltage * quadrature_voltage))

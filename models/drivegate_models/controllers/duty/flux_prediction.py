@@ -142,7 +142,10 @@ def regulate_flux(
         flux, across_flux = foreseen
     state.direct_foreseen, state.quadrature_foreseen = flux, across_flux
     ahead = cosine_sine(state.pole_pairs * sense.angle + electrical * state.control_period * state.delay)
-    write_voltage(
-        state, sense, command, ahead, (applied, across_applied), (direct_reference, quadrature_reference)
+    middle = (
+        ahead[0] * halfway[0] - ahead[1] * halfway[1],
+        ahead[1] * halfway[0] + ahead[0] * halfway[1],
     )
+    voltage, current = (applied, across_applied), (direct_reference, quadrature_reference)
+    write_voltage(state, sense, command, ahead, middle, voltage, current)
     return float(sqrt(along * along + across * across))

@@ -70,8 +70,9 @@ FOC_STATE: Final = np.dtype(
         # Forward drops of a switch and of a diode (V).
         ("switch_drop", np.float64),
         ("diode_drop", np.float64),
-        # Half of a carrier period over the mean inductance (s/H): the ripple of a current per volt.
-        ("ripple", np.float64),
+        # Half of a carrier period (s), and the duty ratio of a leg that turns on in the middle of a control period.
+        ("half_carrier", np.float64),
+        ("edge_centre", np.float64),
         ("direct_gain", np.float64),
         ("quadrature_gain", np.float64),
         ("direct_integral_step", np.float64),

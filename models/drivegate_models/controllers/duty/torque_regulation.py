@@ -157,7 +157,6 @@ def regulate_torque(
     state.direct_integral += state.direct_integral_step / state.direct_inductance * error
     state.quadrature_integral += state.quadrature_integral_step / state.quadrature_inductance * across_error
     ahead = cosine_sine(state.pole_pairs * sense.angle + electrical * state.lead)
-    write_voltage(
-        state, sense, command, ahead, (applied, across_applied), (direct_reference, quadrature_reference)
-    )
+    voltage, current = (applied, across_applied), (direct_reference, quadrature_reference)
+    write_voltage(state, sense, command, ahead, ahead, voltage, current)
     return float(sqrt(requested * requested + across_requested * across_requested))
