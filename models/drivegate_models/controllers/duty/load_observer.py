@@ -44,6 +44,7 @@ from drivegate_models.controllers.duty.reference_voltage import (
     with_reserve,
 )
 from drivegate_models.controllers.duty.residuals import detect_failure, reset_detector, watch_currents
+from drivegate_models.controllers.duty.speed_regulator import SWING_SHARE, has_hall_switches
 from drivegate_models.controllers.duty.state import FOC_STATE
 from drivegate_models.machine.cycle import within_half_turn
 
@@ -115,6 +116,8 @@ _OBSERVER: Final = 5.0
 # by the rate's square: both together answer it, at its worst frequency, by 15.5 J e / p at most.
 _SWING_TORQUE: Final = 2.0
 _ANSWERED: Final = 15.5
+# The rate of the observer between Hall edges over that of the other one.
+_HALL_OBSERVER: Final = 2.0
 # Control periods in which the torque may change by the maximum torque, and the greatest observed load over it.
 _FULL_TORQUE_PERIODS: Final = 40.0
 _MOST_LOAD: Final = 4.0
@@ -141,6 +144,9 @@ def reset_state(state: Any, nameplate: Any) -> None:
     if nameplate.position_error > 0.0:
         torque = _SWING_TORQUE * nameplate.rated_power / nameplate.base_speed
         answered = _ANSWERED * nameplate.inertia * nameplate.position_error / nameplate.pole_pairs
+        if has_hall_switches(nameplate):
+            torque = min(torque, SWING_SHARE * machine.greatest_torque)
+            answered *= _HALL_OBSERVER
         rate = min(rate, sqrt(torque / answered))
     state.speed_rate = rate
     # All three poles of the observer are at 1 - share.

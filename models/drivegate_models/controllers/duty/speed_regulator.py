@@ -6,7 +6,7 @@ from math import inf, sqrt
 from typing import Any, Final
 
 from drivegate_models.compilation.kernels import inlined
-from drivegate_models.contract.duty.signals import SPEED_REFERENCE
+from drivegate_models.contract.duty.signals import HALL_POSITION, SPEED_REFERENCE
 from drivegate_models.controllers.duty.current_regulator import BANDWIDTH
 
 LIMITED: Final = 0.999999
@@ -23,6 +23,11 @@ _MOST_SPEED_BANDWIDTH = 300.0
 # rate of the filter of the seen speed relative to the bandwidth, which a rotor of 0.3 of the nominal inertia triples.
 _SWING_TORQUE = 1.0
 _LEAST_FILTER = 6.0
+# Of a drive with Hall switches: their greatest error (rad electrical); the minimum rate of their filter, which is twice
+# that of the observer of the shaft; and the swing over the greatest torque, whose limit would lower the mean speed.
+HALL_ERROR: Final = 0.0437
+_HALL_FILTER = 20.0
+SWING_SHARE: Final = 0.5
 _SPEED_INTEGRAL = 0.25
 # Control periods in which a speed regulator may change its torque by the maximum torque.
 _FULL_TORQUE_PERIODS = 80.0
@@ -31,13 +36,13 @@ _ACCELERATING = 0.5
 
 
 @inlined
-def _speed_bandwidth(nameplate: Any) -> tuple[float, float]:
+def _speed_bandwidth(nameplate: Any, greatest: float) -> tuple[float, float]:
     """Return the bandwidth of the speed regulator, and the rate of the filter of its seen speed (rad/s).
 
     At a speed ``w`` an electrical error of amplitude ``e`` that comes ``n`` times a turn swings the seen speed by
     ``n w e / p``. A filter of rate ``f`` leaves less than ``f e / p`` of it at any ``w`` and ``n``. A regulator of
     bandwidth ``b`` answers that with less than ``b f J e / p`` of torque. This torque bounds the filter's rate, and the
-    bandwidth where the filter would otherwise be too slow for the regulator.
+    bandwidth where the filter would otherwise be too slow for the regulator. `greatest` is the maximum torque (N m).
     """
     slope = _FAN_EXPONENT * nameplate.rated_power / (nameplate.base_speed * nameplate.base_speed)
     current_bandwidth = BANDWIDTH / nameplate.control_period
@@ -48,7 +53,16 @@ def _speed_bandwidth(nameplate: Any) -> tuple[float, float]:
     torque = _SWING_TORQUE * nameplate.rated_power / nameplate.base_speed
     both = torque * nameplate.pole_pairs / (nameplate.inertia * nameplate.position_error)
     bandwidth = min(bandwidth, sqrt(both / _LEAST_FILTER))
+    if has_hall_switches(nameplate):
+        left = min(torque, SWING_SHARE * greatest) / torque
+        bandwidth = min(bandwidth, sqrt(left * both / _HALL_FILTER))
     return bandwidth, both / bandwidth
+
+
+@inlined
+def has_hall_switches(nameplate: Any) -> bool:
+    """Return True if the stated error is that of Hall switches; that of another sensor is greater, and bounds more."""
+    return bool(nameplate.position == HALL_POSITION and nameplate.position_error <= HALL_ERROR)
 
 
 @inlined
@@ -57,7 +71,7 @@ def reset_speed_regulator(state: Any, nameplate: Any) -> tuple[float, float]:
 
     Return the bandwidth of the regulator, and the rate of the filter of its seen speed (rad/s).
     """
-    bandwidth, filter_rate = _speed_bandwidth(nameplate)
+    bandwidth, filter_rate = _speed_bandwidth(nameplate, state.greatest_torque)
     state.regulates_speed = 1 if nameplate.reference_kind == SPEED_REFERENCE else 0
     state.speed_gain = nameplate.inertia * bandwidth
     state.speed_integral_step = state.speed_gain * _SPEED_INTEGRAL * bandwidth * nameplate.control_period

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from math import radians
+from typing import Any
+
 import numpy as np
 import pytest
+from tests.models.controllers.duty.test_plausibility import NAMEPLATE, RATED_TORQUE
 
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.check import judged
@@ -14,6 +18,9 @@ from drivegate.drives.running import recorded
 from drivegate.scenarios.changes import with_scales
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario
+from drivegate_models.contract.duty.records import duty_nameplate_record
+from drivegate_models.contract.duty.signals import HALL_POSITION
+from drivegate_models.controllers.duty.load_observer import LOAD_OBSERVER_STATE, reset_state
 from drivegate_models.units import RADIANS_PER_RPM
 
 DRIVES = ("pm-ac-interior", "pm-ac-surface", "pm-ac-msl", "pm-ac-2kw")
@@ -48,3 +55,17 @@ def test_the_observed_load_holds_the_speed_under_a_load_step(name: str) -> None:
     ]
     assert margins
     assert all(margin.met for margin in margins), margins
+
+
+@pytest.mark.kernel
+@pytest.mark.parametrize("share", [0.3, 1.0, 10.0])
+def test_an_error_of_hall_switches_leaves_torque_for_the_load(share: float) -> None:
+    """A swing that the greatest torque cuts on one side would take the mean speed off its reference."""
+    error, inertia = radians(2.5), 10.0
+    state: Any = np.zeros(1, LOAD_OBSERVER_STATE).view(np.recarray)[0]
+    limit = share * NAMEPLATE.current_limit
+    hall = {"position": HALL_POSITION, "position_error": error, "current_limit": limit}
+    plate = NAMEPLATE._replace(pole_pairs=15, inertia=inertia, **hall)
+    reset_state(state, duty_nameplate_record(plate).view(np.recarray)[0])
+    swing = 2.0 * 15.5 * inertia * error / 15 * state.speed_rate**2
+    assert swing == pytest.approx(min(2.0 * RATED_TORQUE, 0.5 * state.machine.greatest_torque))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import hypot, pi, sin
+from math import hypot, pi, radians, sin
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,7 @@ from tests.models.controllers.duty.test_plausibility import (
 )
 
 from drivegate_models.contract.duty.records import duty_nameplate_record, duty_sense_record
+from drivegate_models.contract.duty.signals import HALL_POSITION
 from drivegate_models.controllers.duty.foc import reset_state
 from drivegate_models.controllers.duty.position import regulated_speed
 from drivegate_models.controllers.duty.speed_regulator import ramped, requested_torque, unwind_speed
@@ -67,6 +68,18 @@ def test_an_error_of_the_position_costs_no_more_than_rated_torque_at_any_speed(
     rate = state.filter_share / ((1.0 - state.filter_share) * PERIOD)
     left = slope * rate / hypot(rate, around)
     assert state.speed_gain * left <= 1.001 * RATED_TORQUE
+
+
+@pytest.mark.parametrize("share", [0.3, 1.0, 10.0])
+def test_an_error_of_hall_switches_leaves_torque_for_the_load(share: float) -> None:
+    """A swing that the greatest torque cuts on one side would take the mean speed off its reference."""
+    error, pairs = radians(2.5), 15
+    limit = share * NAMEPLATE.current_limit
+    hall = {"position": HALL_POSITION, "position_error": error, "current_limit": limit}
+    state = reset_with(pole_pairs=pairs, inertia=10.0, **hall)
+    # At each edge, the observer corrects the speed by twice its rate.
+    swing = state.speed_gain * 2.0 * state.observer_rate * error / pairs
+    assert swing == pytest.approx(min(RATED_TORQUE, 0.5 * state.greatest_torque))
 
 
 def test_an_exact_position_slows_the_speed_regulator_of_no_machine() -> None:
