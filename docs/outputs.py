@@ -72,11 +72,15 @@ COMMANDS: Final = MappingProxyType(
             "drivegate new embedded-coder my-firmware",
             "drivegate check my-firmware/candidate.toml --only STP-1,FWK-2,OVC-1",
         ),
+        "gallery": (
+            "drivegate new embedded-coder my-firmware",
+            "drivegate replay docs/gallery --candidate my-firmware/candidate.toml",
+        ),
         "spread": ("drivegate campaign examples/campaign/spread.toml --output spread --workers 2",),
         "pm-ac": ("drivegate campaign examples/campaign/pm-ac.toml --output pm-ac --workers 2",),
     }
 )
-"""Commands by the name of what is inserted, run one after the other in an empty folder next to the examples."""
+"""Commands by the name of what is inserted, run one after the other in an empty folder next to examples and docs."""
 FAULTS: Final = "faults"
 """Name of the lines that each have a command of their own."""
 
@@ -89,7 +93,8 @@ def lines_of(name: str, shown: Sequence[str]) -> list[str]:
     """Run the commands of a name, and return the lines that are shown of them."""
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(scratch)
-        (folder / "examples").symlink_to(ROOT / "examples")
+        for shown_folder in ("examples", "docs"):
+            (folder / shown_folder).symlink_to(ROOT / shown_folder)
         if name == FAULTS:
             return [_fault_line(line, folder) for line in shown]
         return selected(shown, [line for command in COMMANDS[name] for line in printed_by(command, folder)])
