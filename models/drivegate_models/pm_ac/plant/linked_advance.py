@@ -60,6 +60,7 @@ from drivegate_models.pm_ac.plant.linked_events import (
     link_event,
 )
 from drivegate_models.pm_ac.plant.linked_integrals import add_linked_segment
+from drivegate_models.pm_ac.plant.linked_period import pass_linked_segments
 from drivegate_models.pm_ac.plant.linked_series import (
     Feed,
     at_voltage,
@@ -297,6 +298,12 @@ def _segment(
 
 
 @inlined
+def observes_sums_alone(phases: PmAcPhases) -> bool:
+    """Return True if neither the extremes of the torque nor the voltages of the terminals are computed."""
+    return phases.torque_bounds.size == 0 and not is_followed(phases.volt_seconds)
+
+
+@inlined
 def _distant_edge(circuit: Circuit, legs: Legs, gates: Gates, duration: float) -> float:
     """Return the time of the next change of a leg's rail or device, if no current changes its sign (s)."""
     limit = duration
@@ -421,6 +428,8 @@ def advance_linked_period(
     time = 0.0
     segments = 0
     settled = settle(circuit, legs, frame, NO_LEG, 0)
+    is_steady = constants.source_inductance == 0.0 and (brake_end == 0.0 or brake_end == duration)
+    passes_many = is_steady and observes_sums_alone(phases)
     while time < duration:
         segments += 1
         if segments > EVENT_LIMIT:
@@ -429,10 +438,21 @@ def advance_linked_period(
         held = settled.held
         frame = settled.frame
         feed = _feed(constants, link, source, lost)
+        if held == FREE and passes_many:
+            count, time, after = pass_linked_segments(
+                drive, circuit, feed, phases, frame, time, duration, follows_thresholds, totals
+            )
+            if count > 0:
+                segments += count - 1
+                circuit = _follow_link(circuit, legs, state[VOLTAGE])
+                brake_end = _end_braking(link, brake_end, time)
+                totals[ledger.SWITCHING] += pass_edges(circuit, legs, gates, time)
+                settled = settle(circuit, legs, after, NO_LEG, 0)
+                continue
         longest = longest_linked(circuit, held, duration)
         limit = _next_edge(circuit, legs, gates, duration)
         end = brake_end if time < brake_end else duration
-        if held == FREE:
+        if held == FREE and not passes_many:
             far = min(_distant_edge(circuit, legs, gates, duration), end, time + longest)
             if far > limit:
                 is_quiet, after = _pass_quietly(

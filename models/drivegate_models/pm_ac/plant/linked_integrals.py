@@ -16,9 +16,7 @@ from drivegate_models.pm_ac.plant.circuit import Circuit, is_on_upper_rail, sagi
 from drivegate_models.pm_ac.plant.dc_link import CHOPPER, DcLink, LinkState
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
 from drivegate_models.pm_ac.plant.integrals import (
-    FOUR_POINTS,
     PLACES,
-    THREE_POINTS,
     WEIGHTS,
     add_exchange,
     add_magnitude,
@@ -54,6 +52,10 @@ _ALL_WEIGHTS: Final = (
     0.08566224618958518,
 )
 _SIX_POINTS: Final = 12
+# Segment times the fastest rate up to which three and four points have a relative error below 1e-11 for the square of a
+# current that begins at zero: 9e-5 r**4 and 4e-7 r**6.
+_THREE_POINTS: Final = 0.018
+_FOUR_POINTS: Final = 0.16
 _NEWTON_STEPS: Final = 4
 # Excess of the integral of a current's magnitude over the magnitude of its integral that is only rounding.
 _ROUNDING = 1e-12
@@ -62,9 +64,9 @@ _ROUNDING = 1e-12
 @inlined
 def _rule(reach: float, is_free: bool) -> tuple[int, int]:
     """Return the first place and the number of places for a segment times the fastest rate (1)."""
-    if is_free and reach <= THREE_POINTS:
+    if is_free and reach <= _THREE_POINTS:
         return 0, 3
-    if is_free and reach <= FOUR_POINTS:
+    if is_free and reach <= _FOUR_POINTS:
         return 3, 4
     if reach <= LONGEST:
         return 7, 5

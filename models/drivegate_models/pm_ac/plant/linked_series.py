@@ -18,7 +18,6 @@ from drivegate_models.pm_ac.plant.dc_link import CURRENT, DcLink, LinkState
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
 from drivegate_models.pm_ac.plant.polynomial import value_at
 from drivegate_models.pm_ac.plant.series import (
-    CUT,
     LEAST_TERMS,
     LONGEST_HELD,
     TERMS,
@@ -33,7 +32,10 @@ LONGEST_LINKED: Final = 1.0
 """Maximum segment times the fastest rate, while no leg is held in a salient machine (1)."""
 # Share by which the voltage may grow in an advance for the bound of the currents' slopes to be valid.
 _GROWTH = 0.05
-_NEGLIGIBLE = 1e-18
+NEGLIGIBLE = 1e-18
+# Coefficient over the size of its series from which on the rest is negligible: a hundredth of what counts as an event.
+_CUT = 1e-15
+PER_ORDER = (0.0, *(1.0 / order for order in range(1, TERMS)))
 
 
 class Feed(NamedTuple):
@@ -200,9 +202,9 @@ def _extend_link(feed: Feed, link: LinkState, step: float, k: int) -> None:
 @inlined
 def _is_link_small(feed: Feed, link: LinkState, size: float, k: int) -> bool:
     """Return True if the coefficients of order `k` of the link are negligible; `size`: that of the currents (A)."""
-    if abs(link.voltage[k]) > CUT * abs(link.voltage[0]):
+    if abs(link.voltage[k]) > _CUT * abs(link.voltage[0]):
         return False
-    return feed.per_inductance == 0.0 or abs(link.source[k]) <= CUT * (size + abs(link.source[0]))
+    return feed.per_inductance == 0.0 or abs(link.source[k]) <= _CUT * (size + abs(link.source[0]))
 
 
 @unallocating
@@ -254,14 +256,12 @@ def free_linked_series(
     doubles[0] = frame.cosine * frame.cosine - frame.sine * frame.sine
     double_sines[0] = 2.0 * frame.sine * frame.cosine
     turns = 1
-    count = term_count(circuit.rate * length)
     size = abs(current_a) + abs(current_b)
-    was_small = False
-    for k in range(1, count):
-        step = length / k
+    for k in range(1, TERMS):
+        step = length * PER_ORDER[k]
         pushed_a += along * voltage[k - 1] - circuit.resistance * current_a
         pushed_b += across * voltage[k - 1] - circuit.resistance * current_b
-        turned_by = angle / k
+        turned_by = angle * PER_ORDER[k]
         magnet_a, magnet_b = -turned_by * magnet_b, turned_by * magnet_a
         flux_a = step * pushed_a - magnet_a
         flux_b = step * pushed_b - magnet_b
@@ -273,7 +273,7 @@ def free_linked_series(
             fluxes_b[k] = flux_b
             doubles[k] = -2.0 * turned_by * double_sines[k - 1]
             double_sines[k] = 2.0 * turned_by * doubles[k - 1]
-            if turns == k and abs(doubles[k]) + abs(double_sines[k]) > _NEGLIGIBLE:
+            if turns == k and abs(doubles[k]) + abs(double_sines[k]) > NEGLIGIBLE:
                 turns = k + 1
             varied_a = varied_b = 0.0
             for j in range(turns):
@@ -288,15 +288,14 @@ def free_linked_series(
         term = abs(current_a) + abs(current_b)
         size += term
         is_small = (
-            term <= CUT * size
+            term <= _CUT * size
             and _is_link_small(feed, link, size, k)
-            and mean * (abs(magnet_a) + abs(magnet_b)) <= CUT * size
+            and mean * (abs(magnet_a) + abs(magnet_b)) <= _CUT * size
             and turns <= k
         )
-        if is_small and was_small and k >= LEAST_TERMS:
+        if is_small and k >= LEAST_TERMS:
             return k + 1
-        was_small = is_small
-    return count
+    return TERMS
 
 
 @inlined
@@ -368,10 +367,12 @@ def held_linked_series(
     cosines, sines = series.cosine, series.sine
     doubles, double_sines = series.direct, series.quadrature
     turning_series(cosines, sines, count, cosine, sine, angle)
-    turning_series(doubles, double_sines, count, double_cosine, 2.0 * sine * cosine, 2.0 * angle)
+    if swing != 0.0:
+        turning_series(doubles, double_sines, count, double_cosine, 2.0 * sine * cosine, 2.0 * angle)
     currents, flux = series.current, series.flux
     voltage, bridge = link.voltage, link.bridge
     inductance = mean + swing * double_cosine
+    per_inductance = 1.0 / inductance
     currents[0] = sine * frame.direct + cosine * frame.quadrature
     flux[0] = inductance * currents[0]
     _begin_link(circuit, link, HALF_ROOT * rails * currents[0])
@@ -379,25 +380,28 @@ def held_linked_series(
     size = 0.0
     used = count
     for k in range(1, count):
-        step = length / k
+        step = length * PER_ORDER[k]
         forced = gain * voltage[k - 1]
         if k == 1:
             forced += constant
         flux[k] = step * (forced - circuit.resistance * currents[k - 1] - emf * cosines[k - 1])
         varied = 0.0
-        for n in range(1, k + 1):
-            varied += doubles[n] * currents[k - n]
-        currents[k] = (flux[k] - swing * varied) / inductance
+        if swing != 0.0:
+            for n in range(1, k + 1):
+                varied += doubles[n] * currents[k - n]
+        currents[k] = (flux[k] - swing * varied) * per_inductance
         _extend_link(feed, link, step, k)
         bridge[k] = HALF_ROOT * rails * currents[k]
         size += abs(currents[k])
         rest = max(abs(currents[k]), abs(currents[k - 1]))
-        is_small = abs(cosines[k]) + abs(sines[k]) <= CUT and _is_link_small(feed, link, size, k)
-        if k >= LEAST_TERMS and rest <= CUT * size and is_small:
+        is_small = abs(cosines[k]) + abs(sines[k]) <= _CUT and _is_link_small(feed, link, size, k)
+        if k >= LEAST_TERMS and rest <= _CUT * size and is_small:
             used = k + 1
             break
     for k in range(used):
-        series.holding[k] = circuit.flux * cosines[k] - swing * product_term(currents, double_sines, k)
+        series.holding[k] = circuit.flux * cosines[k]
+        if swing != 0.0:
+            series.holding[k] -= swing * product_term(currents, double_sines, k)
     share = 0.5 * (ahead.upper + behind.upper)
     for k in range(used):
         change = 1.5 * (k + 1) * series.holding[k + 1] / length if k < used - 1 else 0.0

@@ -107,20 +107,21 @@ def lay_out(
     legs: Legs,
     gates: Gates,
     upcoming: Upcoming,
+    begin: float,
     duration: float,
     rows: NDArray[np.float64],
 ) -> Pattern:
-    """Divide a period into segments of constant voltages, if no current changes its sign.
+    """Divide a period, from a time in it on, into segments of constant voltages, if no current changes its sign.
 
-    `duration`: length of the period (s). `rows`: receives the rows of this module; after the last segment the time is
-    `duration`.
+    `begin`: that time, up to which the gates are passed (s). `duration`: length of the period (s). `rows`: receives the
+    rows of this module; after the last segment the time is `duration`.
     """
     for leg in range(3):
-        _enter(circuit, legs, gates, upcoming, leg, 0, duration)
+        _enter(circuit, legs, gates, upcoming, leg, legs.positions[leg], duration)
     upcoming.volt_seconds[:] = 0.0
     count = 0
     longest = 0.0
-    time = 0.0
+    time = begin
     while time < duration:
         if count == MOST:
             return Pattern(0, longest)

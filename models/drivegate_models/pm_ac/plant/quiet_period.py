@@ -73,7 +73,7 @@ def _integrate(
 
 
 @inlined
-def _add_drops(circuit: Circuit, rows: NDArray[np.float64], count: int, totals: NDArray[np.float64]) -> None:
+def add_drops(circuit: Circuit, rows: NDArray[np.float64], count: int, totals: NDArray[np.float64]) -> None:
     """Add the loss in the forward drops to the ledger."""
     if not has_drops(circuit):
         return
@@ -86,7 +86,7 @@ def _add_drops(circuit: Circuit, rows: NDArray[np.float64], count: int, totals: 
 
 
 @inlined
-def _add_magnitude(
+def add_magnitude(
     leg: int, magnitude: float, magnitudes: NDArray[np.float64], totals: NDArray[np.float64]
 ) -> None:
     """Add the integral of a current's magnitude to the ledger (A s)."""
@@ -124,10 +124,10 @@ def _add(
     totals[ledger.LOWER] += 0.5 * circuit.link * drawn
     totals[ledger.EXCHANGED] += circuit.link * exchanged
     totals[ledger.RETURNED] += 0.5 * circuit.link * (exchanged - drawn)
-    _add_magnitude(0, abs(along) + first.magnitude, magnitudes, totals)
-    _add_magnitude(1, abs(of_phase(1, along, across)) + second.magnitude, magnitudes, totals)
-    _add_magnitude(2, abs(of_phase(2, along, across)) + third.magnitude, magnitudes, totals)
-    _add_drops(circuit, rows, count, totals)
+    add_magnitude(0, abs(along) + first.magnitude, magnitudes, totals)
+    add_magnitude(1, abs(of_phase(1, along, across)) + second.magnitude, magnitudes, totals)
+    add_magnitude(2, abs(of_phase(2, along, across)) + third.magnitude, magnitudes, totals)
+    add_drops(circuit, rows, count, totals)
 
 
 @inlined
@@ -163,7 +163,7 @@ def pass_period(
     - Result: no segments if a current may reach zero with an effect on a voltage, if a segment is too long, or if
       there are too many segments.
     """
-    pattern = lay_out(circuit, legs, gates, upcoming, duration, rows)
+    pattern = lay_out(circuit, legs, gates, upcoming, 0.0, duration, rows)
     count = pattern.segments
     reach = circuit.rate * pattern.longest
     if count == 0 or reach > SHORT:

@@ -62,7 +62,27 @@ LINK_ACROSS: Final = 21 * WIDTH
 """The link's current per current across the first phase's axis (1)."""
 DROP: Final = 22 * WIDTH
 """Forward drop in the first leg (V), if there are drops; the rows of the other two legs follow."""
-_ROWS = 25
+
+# Rows of a period of a link with a capacitor, which needs neither derivatives nor maps.
+DROPPED: Final = 4 * WIDTH
+"""Integral of the source's voltage less the link's over each segment (V s)."""
+DROPPED_SQUARE: Final = 5 * WIDTH
+"""Integral of the square of that (V2 s)."""
+ENERGY: Final = 6 * WIDTH
+"""Energy into the bridge (J)."""
+PHASE_ENDS: Final = 11 * WIDTH
+"""Current of the first phase at the start of each segment, and after the last one (A); the other phases follow."""
+DEVIATION: Final = 14 * WIDTH
+"""Maximum distance of a phase current from its chord (A)."""
+SERIES_ORDERS: Final = 12
+"""Coefficients of the series in each segment."""
+SERIES_ALONG: Final = 25 * WIDTH
+"""Series of the current along the first phase's axis (A): a row for each coefficient."""
+SERIES_ACROSS: Final = SERIES_ALONG + SERIES_ORDERS * WIDTH
+"""Series of the current across that axis (A)."""
+SERIES_VOLTAGE: Final = SERIES_ACROSS + SERIES_ORDERS * WIDTH
+"""Series of the link's voltage (V)."""
+_ROWS = 25 + 3 * SERIES_ORDERS
 
 
 def make_rows() -> NDArray[np.float64]:
