@@ -63,8 +63,8 @@ def test_dead_time_is_not_compensated_where_a_current_changes_sign_between_the_e
 def test_ripple_of_the_dead_time_is_no_movement_of_the_current_along_the_magnet() -> None:
     drive = load_drive("pm-ac-servo")
     assert isinstance(drive, PmAcDocument)
-    scenario = torque_scenario(drive, 4300.0, (0.7106, 0.8883))
-    loaded = own_candidate(resolve_candidate("foc"))
+    scenario = torque_scenario(drive, 4400.0, (0.7106, 0.8883))
+    loaded = own_candidate(resolve_candidate("faulty:dead-time-times-ten"))
     record = recorded(loaded, scenario, loaded.controller())
     begin = round(1.0 / scenario.control_period_s)
     direct = record.run.column("direct")
@@ -72,7 +72,7 @@ def test_ripple_of_the_dead_time_is_no_movement_of_the_current_along_the_magnet(
     margin = CHECKS["DEC-1"].evaluate(record)
     assert margin is not None
     allowed = 2.0 * 0.01 * drive.requirements.coupled_current_percent * 0.487
-    assert ripple > 0.8 * allowed, "the current of a steady state moves by most of what a step may move it"
+    assert ripple > 5.0 * allowed, "the current of a steady state moves by more than a step may move it"
     assert margin.value > 0.5, margin.measured
 
 
