@@ -1,13 +1,16 @@
 """`drivegate drive`: what a drive can do, in text, as JSON and as a figure."""
 
+import io
 import json
 import re
 from math import radians
 
 import pytest
+from rich.console import Console
 
 from drivegate.drives.abilities import refuse_unreachable
 from drivegate.results.result import finite
+from drivegate.studies.drive.display import show_drive
 from drivegate.studies.drive.run import studied_drive
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_models.errors import InputError
@@ -148,6 +151,16 @@ def test_speeds_of_a_slow_drive_keep_enough_digits_to_differ(command):
     shown = [speed for speed in speeds if speed.replace(".", "").isdigit()]
     assert len(shown) == len(set(shown)) == 14
     assert {"17.8", "19.0", "20.9"} < set(shown)
+
+
+def test_a_current_that_is_zero_but_for_rounding_has_the_digits_of_the_others():
+    drive = load_drive("pm-ac-surface")
+    document = studied_drive(drive)
+    for point in document["points"]:
+        point["direct_a"] = point["greatest_direct_a"] = -7.3e-8
+    shown = io.StringIO()
+    show_drive(Console(file=shown, width=160), document | {"files": []}, "drive.toml", drive)
+    assert "0.000" not in shown.getvalue()
 
 
 def test_a_band_that_chops_too_often_is_reported_with_what_it_costs(command):

@@ -91,6 +91,8 @@ _WIDTH: Final = 116
 _FEWEST: Final = 3
 """Digits of the greatest value of a column, at least."""
 _MOST_DECIMALS: Final = 9
+_PARTS: Final = {"greatest_direct_a": "greatest_quadrature_a", "direct_a": "least_current_a"}
+"""Columns with parts of a current, which may be 0 but for rounding, by the columns that set their digits."""
 
 
 def show_drive(console: Console, document: dict[str, Any], name: str, drive: DriveDocument) -> None:
@@ -105,7 +107,7 @@ def show_drive(console: Console, document: dict[str, Any], name: str, drive: Dri
         (
             key,
             head if is_wide else short,
-            _decimals([point[key] for point in points], digits, key == "speed_rpm"),
+            _decimals([point[_PARTS.get(key, key)] for point in points], digits, key == "speed_rpm"),
         )
         for key, head, short, digits in layout.columns
         if (short or is_wide) and key in points[0]
