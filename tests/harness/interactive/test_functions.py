@@ -5,10 +5,13 @@ from __future__ import annotations
 import subprocess
 import sys
 from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import pytest
 
 import drivegate
+from drivegate.studies.check import check_all
 
 
 def test_a_drive_has_single_values_replaced() -> None:
@@ -73,6 +76,29 @@ def test_one_check_needs_no_list() -> None:
     # Nothing else is refused until the candidate is.
     with pytest.raises(drivegate.InputError, match="'nobody' is unknown"):
         drivegate.check("nobody", only="DEC-1,STP-1")
+
+
+def test_a_check_takes_what_the_manifest_states(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    taken: list[Any] = []
+
+    def stopped(*arguments: Any, **_options: Any) -> None:
+        taken.extend(arguments)
+        raise drivegate.InputError("enough is known")
+
+    monkeypatch.setattr(check_all, "check_all", stopped)
+    (tmp_path / "own.toml").write_text("schema = 1\n", encoding="utf-8")
+    manifest = tmp_path / "candidate.toml"
+    manifest.write_text(
+        'schema = 1\nname = "mine"\nkind = "python"\nentry = "mine.py:Mine"\n'
+        '[check]\ndrive = "pm-ac-surface"\neffort = "quick"\nrequirements = "own.toml"\n',
+        encoding="utf-8",
+    )
+    with pytest.raises(drivegate.InputError, match="enough"):
+        drivegate.check(manifest, seed=3)
+    candidates, _folder, options, records, _part = taken
+    assert candidates == [str(manifest)]
+    assert (options.drive.name, options.effort, options.seed) == ("pm-ac-surface", "quick", 3)
+    assert records.requirements == tmp_path / "own.toml"
 
 
 def test_importing_loads_nothing_that_is_not_used() -> None:
