@@ -52,7 +52,8 @@ _PANIC: Final = re.compile(
     r"(?:\n(?P<what>.*))?",
     re.MULTILINE,
 )
-_PANIC_FRAME: Final = re.compile(r"^\s+at (?P<file>/[^:\n]*):(?P<line>\d+)", re.MULTILINE)
+# Rust shortens what is below the folder in which the process runs.
+_PANIC_FRAME: Final = re.compile(r"^\s+at (?P<file>\.?/[^:\n]*):(?P<line>\d+)", re.MULTILINE)
 # Where in memory differs from run to run.
 _WHERE: Final = re.compile(r" on (?:unknown )?address 0x[0-9a-f]+.*$")
 
@@ -89,8 +90,16 @@ def read_report(output: str, folder: Path, sources: Sequence[Path]) -> Report | 
 
 def _frames(pattern: re.Pattern[str], output: str, sources: Sequence[Path]) -> list[tuple[str, str]]:
     """List files and lines in a trace, the innermost first; those in a candidate's sources alone where it has any."""
-    frames = [(found["file"], found["line"]) for found in pattern.finditer(output)]
+    frames = [(_whole(found["file"], sources), found["line"]) for found in pattern.finditer(output)]
     return [frame for frame in frames if Path(frame[0]).resolve() in sources] or frames
+
+
+def _whole(file: str, sources: Sequence[Path]) -> str:
+    """Return the source that a shortened path ends the path of; any other path as it is."""
+    parts = Path(file).parts
+    if Path(file).is_absolute():
+        return file
+    return next((str(source) for source in sources if source.parts[-len(parts) :] == parts), file)
 
 
 def _place(file: str, line: str, folder: Path) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 import json
 import os
+import re
 import shutil
 import sys
 import tempfile
@@ -17,6 +18,7 @@ from drivegate.candidates.fault import bounded_reason
 from drivegate.candidates.native.bounded_command import Bounds, run_bounded
 from drivegate.candidates.reached_code import Line, SourceFile
 from drivegate.isolation.layers import Places, isolated_command, requested_layers
+from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.documents.regular_file import made_content, require_made
 from drivegate_cases.documents.wording import one_line
 from drivegate_models.errors import InputError
@@ -27,6 +29,8 @@ COBERTURA: Final = "coverage.xml"
 
 TRACE: Final = "trace.json"
 _READING: Final = Bounds(120.0)
+_DIGEST: Final = re.compile(r"^(DA:\d+,\d+),\S+$", re.MULTILINE)
+"""A line's count in a file of LCOV, with a digest of its text."""
 
 
 def work_folder(candidate: Candidate) -> Path:
@@ -38,8 +42,10 @@ def work_folder(candidate: Candidate) -> Path:
 
 def hand_over(work: Path, output: Path) -> None:
     """Copy the files that services read into a folder."""
-    for name in (LCOV, COBERTURA):
-        take_over(work / name, output)
+    take_over(work / COBERTURA, output)
+    # Digests of lines are hexadecimal from gcovr, and genhtml refuses all but its own.
+    listed = _DIGEST.sub(r"\1", made_content(work / LCOV).decode(errors="replace"))
+    write_atomically(output / LCOV, listed)
 
 
 def take_over(file: Path, folder: Path) -> None:

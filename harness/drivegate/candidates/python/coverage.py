@@ -26,6 +26,14 @@ from drivegate_cases.documents.regular_file import made_content
 
 _DATA: Final = ".coverage"
 _JSON: Final = "coverage.json"
+_ADD_SOURCES: Final = """import sys
+from coverage import CoverageData
+data = CoverageData(sys.argv[1])
+data.read()
+data.add_arcs({})
+data.touch_files(sys.argv[2:])
+"""
+"""Adds the sources that no process has imported, of which nothing ran."""
 
 
 def counted_candidate(candidate: Candidate, folder: Path) -> Candidate:
@@ -76,19 +84,20 @@ def measured_files(candidate: Candidate, output: Path) -> tuple[SourceFile, ...]
     """Read what was counted, and write the files for services into a folder."""
     work = work_folder(candidate)
     folder = work.parent
-    if not list(folder.glob(f"{_DATA}.*")):
-        return ()
+    data, readable = work / _DATA, (folder, *candidate.sources)
+    own_sources = [str(source) for source in candidate.sources if source.suffix == ".py"]
+    # A file of settings in the candidate's folder is for its own tests.
+    options = ("--rcfile=/dev/null", f"--data-file={data}", "-q")
     for words in (
-        ("combine", "--keep", str(folder)),
-        ("json", "-o", str(work / _JSON)),
-        ("lcov", "-o", str(work / LCOV)),
-        ("xml", "-o", str(work / COBERTURA)),
+        ("-m", "coverage", "combine", *options, "--keep", str(folder)),
+        ("-c", _ADD_SOURCES, str(data), *own_sources),
+        ("-m", "coverage", "json", *options, "-o", str(work / _JSON)),
+        ("-m", "coverage", "lcov", *options, "-o", str(work / LCOV)),
+        ("-m", "coverage", "xml", *options, "-o", str(work / COBERTURA)),
     ):
-        command, *further = words
-        # A file of settings in the candidate's folder is for its own tests.
-        options = ("--rcfile=/dev/null", f"--data-file={work / _DATA}", "-q")
-        tool = [sys.executable, "-P", "-m", "coverage", command, *options, *further]
-        run_tool(tool, candidate.folder, (folder, *candidate.sources), work, "coverage")
+        # A process that ends itself at once leaves nothing to combine.
+        if "combine" not in words or list(folder.glob(f"{_DATA}.*")):
+            run_tool([sys.executable, "-P", *words], candidate.folder, readable, work, "coverage")
     hand_over(work, output)
     document = json.loads(made_content(work / _JSON))
     # The candidate's process wrote the names, and could name any file.

@@ -68,6 +68,7 @@ def test_what_its_own_commands_build_is_counted_and_checked(tmp_path: Path) -> N
     assert 9 in {line.number for line in files[1].lines if not all(line.branches)}
     listed = (output / "coverage.info").read_text(encoding="utf-8")
     assert f"SF:{tmp_path / 'src' / 'mine.c'}\n" in listed
+    assert {line.count(",") for line in listed.splitlines() if line.startswith("DA:")} == {1}
     checked = KINDS["so"].sanitized_candidate(mine, ("undefined",), tmp_path / "checked")
     with Judge(checked) as judge:
         fault = judge.once(Job(run_once, scenario_with(1)))

@@ -164,6 +164,12 @@ def test_panics_are_read_as_each_version_of_rust_prints_them() -> None:
         "thread 'main' panicked at /rustc/1/library/core/src/num.rs:1:2:\nattempt to divide by zero\nstack backtrace:\n"
         "   0: core::panicking\n             at /rustc/1/library/core/src/panicking.rs:7:5\n"
         "   1: mine::step\n             at /home/me/src/lib.rs:9:5\n",
+        # Shortened, from the candidate's folder and from the one above.
+        "thread 'main' panicked at /rustc/1/library/core/src/num.rs:1:2:\nattempt to divide by zero\nstack backtrace:\n"
+        "   0: <i16>::abs\n             at /rustc/1/library/core/src/num.rs:7:5\n"
+        "   1: mine::step\n             at ./src/lib.rs:9:5\n",
+        "thread 'main' panicked at /rustc/1/library/core/src/num.rs:1:2:\nattempt to divide by zero\nstack backtrace:\n"
+        "   1: mine::step\n             at ./me/src/lib.rs:9:5\n",
     ):
         report = read_report(printed, Path("/home/me"), sources)
         assert report is not None

@@ -123,3 +123,16 @@ def test_counters_name_no_file_but_the_candidates(tmp_path: Path) -> None:
     data.write()
     (measured,) = KINDS["python"].measured_files(candidate, output)
     assert measured.name == "mine.py"
+
+
+def test_sources_that_no_process_has_imported_are_not_reached(tmp_path: Path) -> None:
+    """Nothing is left of a process that the candidate ends at once."""
+    file, counted, output = tmp_path / "mine.py", tmp_path / "counted", tmp_path / "output"
+    file.write_text(SOURCE, encoding="utf-8")
+    counted.mkdir()
+    output.mkdir()
+    candidate = KINDS["python"].counted_candidate(resolve_candidate(f"{file}:Controller"), counted)
+    (measured,) = KINDS["python"].measured_files(candidate, output)
+    assert measured.name == "mine.py"
+    assert {line.count for line in measured.lines} == {0}
+    assert "SF:mine.py" in (output / "coverage.info").read_text(encoding="utf-8")
