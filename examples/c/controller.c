@@ -80,18 +80,10 @@ int drivegate_reset(void *state, const drivegate_nameplate *nameplate) {
 
 /* Return the current reference: a PI regulator whose integral waits while the output is limited. */
 static double regulate(controller *self, double error) {
-    double integral = limited(self->integral + self->integral_step * error, 0.0, self->limit);
-    double reference = self->gain * error + integral;
-    if (reference > self->limit) {
-        if (error < 0.0 || integral < self->integral) self->integral = integral;
-        return self->limit;
-    }
-    if (reference < 0.0) {
-        if (error > 0.0 || integral > self->integral) self->integral = integral;
-        return 0.0;
-    }
-    self->integral = integral;
-    return reference;
+    double integral = self->integral + self->integral_step * error;
+    double reference = self->gain * error + integral, output = limited(reference, 0.0, self->limit);
+    if (output == reference) self->integral = integral;
+    return output;
 }
 
 /* Return the initial line over speed, at the same EMF over supply, plus the search's offset. */

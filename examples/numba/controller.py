@@ -95,18 +95,11 @@ def step(state: Any, sense: Any, command: Any) -> None:
 def regulate(state: Any, error: float) -> float:
     """Return the current reference: a PI regulator whose integral waits while the output is limited."""
     integral = state.integral + state.integral_step * error
-    integral = min(max(integral, 0.0), state.limit)
     reference = state.gain * error + integral
-    if reference > state.limit:
-        if error < 0.0 or integral < state.integral:
-            state.integral = integral
-        return state.limit
-    if reference < 0.0:
-        if error > 0.0 or integral > state.integral:
-            state.integral = integral
-        return 0.0
-    state.integral = integral
-    return reference
+    output = min(max(reference, 0.0), state.limit)
+    if output == reference:
+        state.integral = integral
+    return output
 
 
 @numba.njit

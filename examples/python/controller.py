@@ -84,18 +84,11 @@ class Controller:
     def regulate(self, error: float) -> float:
         """Return the current reference: a PI regulator whose integral waits while the output is limited."""
         integral = self.integral + self.integral_step * error
-        integral = min(max(integral, 0.0), self.limit)
         reference = self.gain * error + integral
-        if reference > self.limit:
-            if error < 0.0 or integral < self.integral:
-                self.integral = integral
-            return self.limit
-        if reference < 0.0:
-            if error > 0.0 or integral > self.integral:
-                self.integral = integral
-            return 0.0
-        self.integral = integral
-        return reference
+        output = min(max(reference, 0.0), self.limit)
+        if output == reference:
+            self.integral = integral
+        return output
 
     def advance_angle(self, speed: float, voltage: float) -> float:
         """Return the initial line over speed, at the same EMF over supply, plus the search's offset."""

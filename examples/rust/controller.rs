@@ -178,22 +178,13 @@ impl Controller {
 
     /// Return the current reference: a PI regulator whose integral waits while the output is limited.
     fn regulate(&mut self, error: f64) -> f64 {
-        let integral = limited(self.integral + self.integral_step * error, 0.0, self.limit);
+        let integral = self.integral + self.integral_step * error;
         let reference = self.gain * error + integral;
-        if reference > self.limit {
-            if error < 0.0 || integral < self.integral {
-                self.integral = integral;
-            }
-            return self.limit;
+        let output = limited(reference, 0.0, self.limit);
+        if output == reference {
+            self.integral = integral;
         }
-        if reference < 0.0 {
-            if error > 0.0 || integral > self.integral {
-                self.integral = integral;
-            }
-            return 0.0;
-        }
-        self.integral = integral;
-        reference
+        output
     }
 
     /// Return the initial line over speed, at the same EMF over supply, plus the search's offset.
