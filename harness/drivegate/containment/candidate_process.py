@@ -278,9 +278,8 @@ class CandidateProcess:
         """Make the end of a process that a sanitizer has ended into what that reports."""
         if self.candidate.instrumented is None or self.candidate.instrumented.by != "sanitizers":
             return fault
-        instrumented = self.candidate.instrumented
-        if instrumented is not None and instrumented.copied is not None:
-            original, copy = map(str, instrumented.copied)
+        if self.candidate.instrumented.copied is not None:
+            original, copy = self.candidate.instrumented.copied
             output = output.replace(f"{copy}/", f"{original}/")
         report = read_report(output, self.candidate.folder, self.candidate.sources)
         if report is None:
