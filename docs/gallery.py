@@ -1,7 +1,7 @@
 """The gallery of faults: ``python docs/gallery.py`` runs its counterexamples; with ``--search`` it finds them first.
 
-Each fault changes a few lines of the template ``embedded-coder``. The page has the lines, the measured value and the
-figure of one run of the counterexample in ``docs/gallery``.
+Each fault changes a few lines of the template ``embedded-coder``, or is a faulty controller that is included. The page
+has the lines, the measured value and the figure of one run of the counterexample in ``docs/gallery``.
 """
 
 from __future__ import annotations
@@ -30,6 +30,7 @@ from drivegate.results.counterexample import read_counterexample
 from drivegate.scenarios.facts import facts_in_short
 from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.scenario.scenario import Scenario
+from drivegate_lab.candidates.duty_faults import DUTY_FAULTS
 from drivegate_reports.page.style import house_style, new_figure, svg_document
 
 if TYPE_CHECKING:
@@ -57,11 +58,15 @@ class Fault:
     """What the figure shows of the whole run, where the check states no deciding moment."""
     reference: str = ""
     """Column whose last value the figure marks then."""
+    included: str = ""
+    """A faulty controller that is included, in place of changed lines."""
+    drive: str = "pm-ac-interior"
+    """The drive on which its counterexample is searched."""
 
     @property
     def counterexample(self) -> Path:
-        """Its file."""
-        return DOCS / "gallery" / f"{self.check}.json"
+        """Its file; a controller that knows of no link is not run in those of included ones."""
+        return DOCS / "gallery" / ("included" if self.included else "") / f"{self.check}.json"
 
     @property
     def figure(self) -> Path:
@@ -77,11 +82,22 @@ class Fault:
             text = text.replace(right, wrong)
         return text
 
+    def words(self) -> list[str]:
+        """The lines of the model that the fault changes, as a diff, or what the included controller does."""
+        if self.included:
+            sentence = DUTY_FAULTS[self.included].sentence
+            return [f"`faulty:{self.included}`, the included `foc` with one change: {sentence}"]
+        return ["```diff", *self.lines(), "```"]
+
     def lines(self) -> list[str]:
         """The lines of the model that the fault changes, as a diff."""
         right = (TEMPLATE / MODEL).read_text(encoding="utf-8").splitlines()
         changed = list(unified_diff(right, self.model().splitlines(), n=0, lineterm=""))[2:]
         return [f"{line[0]} {line[1:].strip()}" for line in changed if not line.startswith("@@")]
+
+    def candidate(self, folder: Path) -> str:
+        """Return the name of its candidate, written into a folder if it is no included one."""
+        return f"faulty:{self.included}" if self.included else str(self.write_candidate(folder))
 
     def write_candidate(self, folder: Path) -> Path:
         """Write the template with the fault into a folder; return its manifest."""
@@ -199,6 +215,22 @@ FAULTS: Final = (
         "torque_nm",
         "torque_reference_nm",
     ),
+    Fault(
+        "Braking as if the link were ideal",
+        "LNK-1",
+        (),
+        "link_highest_v",
+        included="link-taken-for-ideal",
+        drive="pm-ac-servo-48v",
+    ),
+    Fault(
+        "Derating of the q current alone",
+        "THM-2",
+        (),
+        "winding_temperature_c",
+        included="torque-alone-derated",
+        drive="pm-ac-hub",
+    ),
 )
 
 
@@ -208,11 +240,11 @@ SOUND: Final = Fault("The template as it is written", "", ())
 def search(fault: Fault) -> None:
     """Check a faulty controller, and keep its counterexample."""
     with TemporaryDirectory() as folder:
-        manifest, report = fault.write_candidate(Path(folder) / "candidate"), Path(folder) / "report"
+        candidate, report = fault.candidate(Path(folder) / "candidate"), Path(folder) / "report"
         subprocess.run(
             [
-                *(sys.executable, "-m", "drivegate", "check", manifest, "--only", fault.check),
-                *("--effort", "quick", "--output", report, "--quiet"),
+                *(sys.executable, "-m", "drivegate", "check", candidate, "--only", fault.check),
+                *("--drive", fault.drive, "--effort", "quick", "--output", report, "--quiet"),
             ],
             check=False,
             stdout=subprocess.DEVNULL,
@@ -225,7 +257,7 @@ def shown(fault: Fault) -> tuple[str, Figure]:
     """Run the counterexample of a fault; return its section of the page and its figure."""
     found = read_counterexample(fault.counterexample)
     assert isinstance(found.scenario, Scenario)
-    record, healthy = _run(fault, found.scenario), _run(SOUND, found.scenario)
+    record, healthy = _run(fault, found.scenario), _run(None if fault.included else SOUND, found.scenario)
     check, contract = check_of("duty", fault.check), contract_of(found.scenario.drive)
     margin = check.evaluate(record)
     assert margin is not None
@@ -242,9 +274,10 @@ def shown(fault: Fault) -> tuple[str, Figure]:
     return "\n".join(_section(fault, margin.measured, facts_in_short(found.scenario.to_mapping()))), figure
 
 
-def _run(fault: Fault, scenario: Scenario) -> Record:
+def _run(fault: Fault | None, scenario: Scenario) -> Record:
+    """Run a fault, or without one the included controller, in a scenario."""
     with TemporaryDirectory() as folder:
-        loaded = own_candidate(resolve_candidate(str(fault.write_candidate(Path(folder)))))
+        loaded = own_candidate(resolve_candidate(fault.candidate(Path(folder)) if fault else "foc"))
         return recorded(loaded, scenario, loaded.controller())
 
 
@@ -265,13 +298,11 @@ def _section(fault: Fault, measured: str, facts: str) -> list[str]:
     return [
         f"## {fault.title}",
         "",
-        "```diff",
-        *fault.lines(),
-        "```",
+        *fault.words(),
         "",
         f"[`{fault.check}`](checks/{fault.check}.md): {measured}",
         "",
-        f"[Counterexample](gallery/{fault.check}.json): {facts}",
+        f"[Counterexample]({fault.counterexample.relative_to(DOCS).as_posix()}): {facts}",
         "",
         f"![{fault.check}](images/{fault.figure.name})",
         "",
