@@ -279,6 +279,14 @@ _OF_KINDS: Final = {
             under=TORQUE_REFERENCE,
         ),
     },
+    "link steps below base speed": {
+        "link-filtered": _fault(
+            "STP-1",
+            "Measures the link's voltage through a filter of 20 ms.",
+            faults.LINK_FILTERED,
+            0.02,
+        ),
+    },
     "minutes": {
         "offset-creeps": _fault(
             "RIP-4",

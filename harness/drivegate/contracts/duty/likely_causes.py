@@ -101,6 +101,12 @@ LIKELY_CAUSES: Final = (
         "slow-currents clamped-phases",
     ),
     _cause(
+        "the voltage of the link is measured late, as through a filter, or not at all",
+        "STP-1 STP-1:link",
+        "STP-1:link: the torque moves with the link",
+        "link-filtered",
+    ),
+    _cause(
         "the speed or its regulator is wrong, in scale or integral part",
         "ACC-1 ACC-1:speed ROB-4 ROB-4:error ROB-5",
         "ROB-4:error: the speed is off after a step; ACC-1:speed: the speed is off in steady state",
@@ -240,6 +246,7 @@ LIKELY_CAUSES: Final = (
 _SHOWN: Final = (
     ("STP-1", re.compile(r"overshoot"), "overshoot"),
     ("STP-1", re.compile(r".* to [\d.]+ %|[\d.]+ % is not"), "late"),
+    ("STP-1", re.compile(r".* after the link steps"), "link"),
     ("ACC-1", re.compile(r"torque"), "torque"),
     ("ACC-1", re.compile(r"torque off by \S+ N·m from 0 N·m"), "zero"),
     ("ACC-1", re.compile(r"speed"), "speed"),

@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, Mark, Moment, Point, at_most
 from drivegate.checks.means import exact_mean
-from drivegate.contracts.duty.checks.judged import worst
+from drivegate.contracts.duty.checks.judged import SHOWN_BEFORE, worst
 from drivegate.contracts.duty.checks.steps import (
-    SHOWN_BEFORE,
     TorqueStep,
     is_free,
     least_state,

@@ -29,6 +29,8 @@ Purpose: TypeAlias = Literal["current", "loss"]
 PartT = TypeVar("PartT")
 """What a check judges apart: a stretch, a step, or runs that it compares."""
 
+SHOWN_BEFORE: Final = 10
+"""Control periods before a step that figures show."""
 _KEPT: Final = 20_000
 _UNLIMITED_V: Final = 1e9
 SUPPLIED_SHARE: Final = 0.9

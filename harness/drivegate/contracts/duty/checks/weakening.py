@@ -13,6 +13,7 @@ from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, Mark, Moment, Point, at_most, normalised
 from drivegate.contracts.duty.checks.current import FREE_SHARE
 from drivegate.contracts.duty.checks.judged import (
+    SHOWN_BEFORE,
     STEADY_FAMILIES,
     TURNED_SHARE,
     Purpose,
@@ -25,7 +26,7 @@ from drivegate.contracts.duty.checks.judged import (
     undistorted,
     worst,
 )
-from drivegate.contracts.duty.checks.steps import SHOWN_BEFORE, TorqueStep, overshoot_of, torque_steps
+from drivegate.contracts.duty.checks.steps import TorqueStep, overshoot_of, torque_steps
 from drivegate.contracts.duty.current_reference import unless_current
 from drivegate.contracts.duty.document import duty_document
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow

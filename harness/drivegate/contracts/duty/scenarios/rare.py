@@ -136,6 +136,12 @@ def _link_while_braking(drive: PmAcDocument) -> list[Scenario]:
     return [supply_step_scenario(share_scenario(drive, top, -0.8), drive, (1.0, 1.15, 0.85, 1.15))]
 
 
+def _link_while_driving(drive: PmAcDocument) -> list[Scenario]:
+    """Make the run whose link steps below base speed, where its lower voltage suffices."""
+    below = speed_of(drive, -0.35)
+    return [supply_step_scenario(share_scenario(drive, below, 0.9), drive, (0.85, 1.15, 0.85))]
+
+
 def _minutes(drive: PmAcDocument) -> list[Scenario]:
     slow = speed_of(drive, -0.5)
     return [_lasting(speed_scenario(drive, (slow,), torque_nm=torque_of(drive, slow, 0.9)), LONG_S)]
@@ -188,6 +194,7 @@ RARE: Final[Mapping[str, RareRuns]] = MappingProxyType(
         "rated torque under a speed reference": _rated_loads,
         "repeated lost samples": _lost_samples,
         "link steps while braking at top speed": _link_while_braking,
+        "link steps below base speed": _link_while_driving,
         "minutes": _minutes,
         "transients of the speed": _small_speed_steps,
         "large torque steps": _large_torque_steps,

@@ -13,6 +13,7 @@ from drivegate_lab.kernels.faults.duty.field.clocks import alter_by_clock
 from drivegate_lab.kernels.faults.duty.field.measurements import (
     alter_by_lost_samples,
     alter_over_minutes,
+    filter_link,
     trip_at_sag,
     write_currents,
 )
@@ -42,6 +43,8 @@ def _alter(state: Any, sense: Any, fault: int) -> None:
         alter_by_lost_samples(state, sense, fault)
     elif fault == faults.LINK_SAG_TRIPS:
         trip_at_sag(state)
+    elif fault == faults.LINK_FILTERED:
+        filter_link(state)
     elif fault in (faults.DRIVING_LIMITED, faults.LOWERING_LIMITED):
         limit_torque(state, fault)
     alter_by_clock(state, fault)

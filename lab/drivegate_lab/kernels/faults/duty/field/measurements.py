@@ -52,6 +52,17 @@ def trip_at_sag(state: Any) -> None:
 
 
 @inlined
+def filter_link(state: Any) -> None:
+    """Show the controller the link's voltage through a filter of first order, which leaves a lost sample out."""
+    sense = state.sense
+    if state.steps == 1:
+        state.memory = sense.supply_voltage
+    elif sense.supply_voltage > 0.0:
+        state.memory += state.control_period / state.size * (sense.supply_voltage - state.memory)
+    sense.supply_voltage = state.memory
+
+
+@inlined
 def alter_over_minutes(state: Any, fault: int) -> None:
     """Change what adds up over a long time: an offset, a model of the heat, and a sum of all turns."""
     sense, controller = state.sense, state.controller

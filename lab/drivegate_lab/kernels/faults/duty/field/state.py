@@ -49,6 +49,8 @@ LOST_SAMPLES_AVERAGED: Final = 41
 
 LINK_SAG_TRIPS: Final = 50
 """The bridge is off for good at a link voltage below `extent` while a torque brakes a speed above `size`."""
+LINK_FILTERED: Final = 51
+"""The link's voltage is measured through a filter with a time constant of `size`."""
 
 OFFSET_CREEPS: Final = 60
 """The offset of the first sensor creeps by `size` a second."""
