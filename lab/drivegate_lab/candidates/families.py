@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 DESIGN_NAMES: Final = ("golden-section", "quadratic-interpolation", "angle-table", "sweep")
 """Names of the correct designs, without their prefix."""
+SENSORLESS_DESIGN_NAMES: Final = ("two-directions", "slower-observer")
+"""Names of those for drives without a position sensor."""
 
 
 class FaultyControllers(PrefixedControllers):
@@ -74,19 +76,26 @@ class NearDesigns(PrefixedControllers):
 
 
 class CorrectDesigns(PrefixedControllers):
-    """Correct controllers of other designs than the reference controller."""
+    """Correct controllers of other designs than the reference controller, and than `foc-sensorless`."""
 
-    def contract(self, name: str) -> ContractName:  # noqa: ARG002  (the interface of all families)
-        """Return the one contract that has any."""
-        return "current"
+    def contract(self, name: str) -> ContractName:
+        """Return the contract of a design."""
+        return "duty" if name in SENSORLESS_DESIGN_NAMES else "current"
 
     def declaration(self, name: str) -> Declaration:
-        """Return what every design declares."""
-        _known(DESIGN_PREFIX, name, DESIGN_NAMES)
+        """Return what a design declares."""
+        _known(DESIGN_PREFIX, name, (*DESIGN_NAMES, *SENSORLESS_DESIGN_NAMES))
+        if self.contract(name) == "duty":
+            return DUTY_CANDIDATES["foc-sensorless"]
         return Declaration(estimates_power=True)
 
     def load_controller(self, name: str) -> Controller:
         """Make a new instance of a design."""
+        if self.contract(name) == "duty":
+            from drivegate_lab.candidates.sensorless_controller import SensorlessController
+            from drivegate_lab.candidates.sensorless_designs import SENSORLESS_DESIGNS
+
+            return SensorlessController(SENSORLESS_DESIGNS[name])
         from drivegate_lab.candidates.designs import DesignController
 
         return DesignController(name)

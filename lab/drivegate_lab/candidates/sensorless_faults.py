@@ -24,7 +24,7 @@ class SensorlessFault(SeededFault):
 
     base: str = "foc-sensorless"
     kind: str = "Without a position sensor"
-    fault: int = 0
+    variation: int = 0
     """What its steps do wrong, from `drivegate_lab.kernels.faults.duty.sensorless`."""
     alter: Alter | None = None
 
@@ -35,14 +35,14 @@ class SensorlessFault(SeededFault):
         return FaultOnDrive(self.check, self.sentence, "", because)
 
     def _idle_because(self, drive: Any) -> str | None:
-        if drive.one_way_because is not None and self.fault in _BACKWARD:
+        if drive.one_way_because is not None and self.variation in _BACKWARD:
             return str(drive.one_way_because)
-        if self.alter is _long_dead_time and drive.inverter.dead_time_s == 0.0:
+        if self.alter in (_long_dead_time, _no_dead_time) and drive.inverter.dead_time_s == 0.0:
             return "this drive has no dead time"
-        if self.fault not in _TURNED:
+        if self.variation not in _TURNED:
             return None
         electrical = drive.machine.pole_pairs * drive.rating.highest_speed_rpm * RADIANS_PER_RPM
-        turned = _TURNED[self.fault] * electrical * drive.control_period_s
+        turned = _TURNED[self.variation] * electrical * drive.control_period_s
         return (
             None
             if turned > 1.1 * _ALLOWED
@@ -53,11 +53,17 @@ class SensorlessFault(SeededFault):
 # Error of the angle over what the shaft turns in a control period (1), and the greatest one (electrical rad).
 _TURNED: Final = {faults.NEWER_VOLTAGE: 0.56, faults.LATE_ANGLE: 1.0}
 _ALLOWED: Final = radians(SENSORLESS_ANGLE_DEG)
-_BACKWARD: Final = frozenset({faults.UNSIGNED_GAIN, faults.STARTS_FORWARD, faults.TURNS_FORWARD})
+_BACKWARD: Final = frozenset(
+    {faults.UNSIGNED_GAIN, faults.STARTS_FORWARD, faults.TURNS_FORWARD, faults.COASTS}
+)
 
 
 def _no_resistance(state: Any) -> None:
     state["machine"]["resistance"] = 0.0
+
+
+def _no_dead_time(state: Any) -> None:
+    state["machine"]["dead_ratio"] = 0.0
 
 
 def _long_dead_time(state: Any) -> None:
@@ -68,12 +74,17 @@ def _weak_start(state: Any) -> None:
     state["start_current"] *= 0.3
 
 
+def _slow_speed_regulator(state: Any) -> None:
+    state["machine"]["speed_gain"] *= 0.25
+    state["machine"]["speed_integral_step"] *= 0.25 * 0.25
+
+
 def _slow_observer(state: Any) -> None:
     state["bandwidth"] *= 0.05
 
 
-def _fault(check: str, sentence: str, fault: int = 0, alter: Alter | None = None) -> SensorlessFault:
-    return SensorlessFault("", sentence, check, fault=fault, alter=alter)
+def _fault(check: str, sentence: str, variation: int = 0, alter: Alter | None = None) -> SensorlessFault:
+    return SensorlessFault("", sentence, check, variation=variation, alter=alter)
 
 
 _UNNAMED: Final = {
@@ -82,6 +93,11 @@ _UNNAMED: Final = {
     ),
     "long-dead-time-assumed": _fault(
         "SLS-2", "Compensates for five times the dead time, which its observer misses.", alter=_long_dead_time
+    ),
+    "dead-time-left-out": _fault(
+        "SLS-2",
+        "Takes its commands for the voltage that acts, and leaves the dead time out.",
+        alter=_no_dead_time,
     ),
     "observer-voltage-too-new": _fault(
         "SLS-3", "Observes the voltage of the answer after the one that acted.", faults.NEWER_VOLTAGE
@@ -104,6 +120,21 @@ _UNNAMED: Final = {
     ),
     "electrical-angle-reported": _fault(
         "SLS-3", "Reports the electrical angle as that of the shaft.", faults.ELECTRICAL_ANGLE
+    ),
+    "handover-half-a-turn-off": _fault(
+        "SLS-1", "Hands over to an observer that is half a turn off.", faults.HALF_TURN_OFF
+    ),
+    "handover-without-torque": _fault(
+        "SLS-1",
+        "Hands over to a slow speed regulator that begins without a torque.",
+        faults.FROM_ZERO,
+        _slow_speed_regulator,
+    ),
+    "stall-believed": _fault(
+        "SLS-7", "Drives a rotor that stands still as long as the flux is right.", faults.STALL_BELIEVED
+    ),
+    "coasts-to-reverse": _fault(
+        "SLS-5", "Lets a shaft coast whose reference has changed its sense.", faults.COASTS
     ),
     "starts-forward-only": _fault("SLS-1", "Starts forward whatever the reference.", faults.STARTS_FORWARD),
     "forward-presumed": _fault(

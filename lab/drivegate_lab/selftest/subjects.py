@@ -12,7 +12,7 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.drives.kinds import require_contract
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_lab.candidates.duty_faults import DUTY_FAULTS
-from drivegate_lab.candidates.families import DESIGN_NAMES
+from drivegate_lab.candidates.families import DESIGN_NAMES, SENSORLESS_DESIGN_NAMES
 from drivegate_lab.candidates.faults.catalogue import MUTATIONS, find_fault
 from drivegate_lab.candidates.faults.seeded_fault import SeededFault
 from drivegate_lab.candidates.faults.tolerances import NEAR_DESIGNS
@@ -47,7 +47,7 @@ def correct_designs(contract: str = "current", *, sensed: bool = True) -> tuple[
     The published search fails what its lock-up fails, but follows its own flowchart. Of the field-oriented ones, the
     one without weakening gives less torque above base speed than there is.
     """
-    return _CORRECT[contract] if sensed else (CorrectDesign(SENSORLESS),)
+    return _CORRECT[contract] if sensed else _UNSENSED
 
 
 _CORRECT: Final = {
@@ -59,6 +59,10 @@ _CORRECT: Final = {
     ),
     "duty": tuple(CorrectDesign(name) for name in DUTY_CANDIDATES if name not in _NOT_EVERYWHERE),
 }
+_UNSENSED: Final = tuple(
+    CorrectDesign(name)
+    for name in (SENSORLESS, *(f"{DESIGN_PREFIX}{name}" for name in SENSORLESS_DESIGN_NAMES))
+)
 
 
 def chosen_faults(names: Sequence[str], drive: DriveDocument) -> tuple[SeededFault, ...]:

@@ -19,13 +19,17 @@ from drivegate.contracts.duty.scenarios.sensorless import (
     flying_start,
     least_rpm,
     lost_rotor,
+    overloaded,
     sensorless_load_step,
+    sensorless_reversal,
     sensorless_start,
     slowly_loaded,
 )
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario
+from drivegate_lab.candidates.families import DESIGN, SENSORLESS_DESIGN_NAMES
 from drivegate_lab.candidates.sensorless_controller import SensorlessController
+from drivegate_lab.candidates.sensorless_designs import SENSORLESS_DESIGNS
 from drivegate_lab.candidates.sensorless_faults import SENSORLESS_FAULTS
 from drivegate_models.pm_ac.closed_loop import prepared_duty_loop
 
@@ -49,6 +53,11 @@ SHOWN_BY: dict[str, Callable[[], Scenario]] = {
     ),
     "forward-presumed": lambda: flying_start(DRIVE, -BASE),
     "weak-start": lambda: sensorless_start(DRIVE, TWICE, 0.5, 90.0),
+    "dead-time-left-out": lambda: slowly_loaded(DRIVE, LEAST, 0.8),
+    "handover-half-a-turn-off": lambda: sensorless_start(DRIVE, TWICE, 0.0, 0.0),
+    "handover-without-torque": lambda: sensorless_start(DRIVE, TWICE, 0.5, 0.0),
+    "stall-believed": lambda: overloaded(DRIVE, TWICE),
+    "coasts-to-reverse": lambda: sensorless_reversal(DRIVE, 4.0 * LEAST, 0.0),
     "slow-observer": lambda: sensorless_load_step(DRIVE, BASE, 0.8),
 }
 
@@ -92,3 +101,23 @@ def test_a_fault_idles_on_a_drive_with_a_sensor() -> None:
     idle = [name for name, fault in SENSORLESS_FAULTS.items() if fault.on(DRIVE).idle_because is not None]
     assert idle == ["observer-voltage-too-new"], "3.4 degrees at its highest speed"
     assert all(fault.on(FAST).idle_because is None for fault in SENSORLESS_FAULTS.values())
+
+
+def test_designs_are_candidates_by_name() -> None:
+    assert set(SENSORLESS_DESIGN_NAMES) == set(SENSORLESS_DESIGNS)
+    for name in SENSORLESS_DESIGN_NAMES:
+        assert DESIGN.contract(name) == "duty"
+        assert isinstance(DESIGN.load_controller(name), SensorlessController)
+
+
+@pytest.mark.one_in(3)
+@pytest.mark.parametrize("name", SENSORLESS_DESIGN_NAMES)
+def test_a_design_starts_and_bears_a_load_as_the_controller_does_but_otherwise(name: str) -> None:
+    scenario = slowly_loaded(DRIVE, -TWICE, 0.8)
+    record = _record(scenario, SensorlessController(SENSORLESS_DESIGNS[name]))
+    for check in ("SLS-1", "SLS-2", "SLS-3"):
+        margin = _margin(check, record)
+        assert margin is not None
+        assert margin.met, margin
+    plain = _record(scenario, DutyController(SENSORLESS))
+    assert record.run.column("speed").tolist() != plain.run.column("speed").tolist(), "it is another design"

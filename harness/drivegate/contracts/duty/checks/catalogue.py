@@ -15,7 +15,8 @@ from drivegate.contracts.duty.checks.failures import SAF_1
 from drivegate.contracts.duty.checks.link import LNK_1, LNK_2, LNK_3, LNK_4
 from drivegate.contracts.duty.checks.power import DUTY_PWR_1
 from drivegate.contracts.duty.checks.ripple import DTM_1, RIP_4
-from drivegate.contracts.duty.checks.sensorless.changes import SLS_4, SLS_5, SLS_7
+from drivegate.contracts.duty.checks.sensorless.changes import SLS_4, SLS_5
+from drivegate.contracts.duty.checks.sensorless.lost import SLS_7
 from drivegate.contracts.duty.checks.sensorless.starting import SLS_1, SLS_6
 from drivegate.contracts.duty.checks.sensorless.steady import SLS_2, SLS_3, SLS_8
 from drivegate.contracts.duty.checks.speed_response import ROB_4

@@ -18,6 +18,7 @@ from drivegate.contracts.duty.scenarios.drawn_range import (
 )
 from drivegate.contracts.duty.scenarios.hot import unfair_heat
 from drivegate.contracts.duty.scenarios.linked import unfair_supply
+from drivegate.contracts.duty.scenarios.overload import overloaded_s
 from drivegate.contracts.duty.scenarios.reaching import (
     BRAKING_SHARE,
     greatest_braking,
@@ -116,9 +117,10 @@ def _unfair_load(scenario: Scenario) -> str | None:
         return "at so low a speed its load stops the shaft before a regulator of the speed can act"
     if _stops_within_a_sector(scenario):
         return "a load stops the shaft before the next edge of its Hall switches can show it"
-    # No controller turns a shaft that is stalled at first.
+    # No controller turns a shaft that is stalled at first, or overloaded at last.
     turning = duty_dwells(scenario)[1 if is_stalled(scenario) else 0 :]
-    if not all(_is_driven(scenario, dwell) for dwell in turning):
+    _, overloaded = overloaded_s(scenario)
+    if not all(_is_driven(scenario, dwell) for dwell in turning if dwell.start < overloaded):
         unweakened = "" if weakens else " without field weakening"
         return f"at one of its operating points no currents within the limits give the torque{unweakened}"
     if runs_away(scenario):

@@ -6,6 +6,7 @@ from math import ceil
 from typing import Final
 
 from drivegate.contracts.duty.scenarios.building import (
+    TORQUE_DIGITS,
     dwell_periods,
     failing,
     share_scenario,
@@ -14,13 +15,14 @@ from drivegate.contracts.duty.scenarios.building import (
     torque_of,
 )
 from drivegate.contracts.duty.scenarios.drawn_range import BEYOND_SHARE, speed_of
+from drivegate.contracts.duty.scenarios.overload import OVERLOAD, greatest_at_rest
 from drivegate.contracts.duty.scenarios.reaching import reaction_s
 from drivegate.contracts.duty.scenarios.unsensed import REACTION_S, conducts_off
 from drivegate.scenarios.changes import with_scales
 from drivegate.scenarios.drive_scale import rated_torque_at, tidy
 from drivegate.scenarios.rotation import mirrored
 from drivegate.scenarios.title import titled
-from drivegate_cases.drive.limits import nearest_step
+from drivegate_cases.drive.limits import nearest_step, rounded
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.sensorless import START_TORQUE
 from drivegate_cases.scenario.control_periods import first_period_from, period_start_s
@@ -172,6 +174,18 @@ def lost_rotor(
     return failing(_longer(run, 2.0 * LOSS_S), "locked-rotor", run.duration_s)
 
 
+def overloaded(drive: PmAcDocument, speed_rpm: float) -> Scenario:
+    """Make a start to a speed, at which a load rises slowly until the shaft stops."""
+    run = sensorless_start(drive, speed_rpm, 0.0, 0.0)
+    greatest = greatest_at_rest(drive.plant(), 2.0 * drive.inverter.supply_voltage_v)
+    on, whole = run.duration_s, run.duration_s + _RAMP_S
+    torque = rounded(OVERLOAD * greatest, TORQUE_DIGITS)
+    stopping_s = drive.machine.inertia_kg_m2 * speed_rpm * RADIANS_PER_RPM / ((OVERLOAD - 1.0) * greatest)
+    factor: Profile = ((0.0, 0.0), (on, 0.0), (whole, 1.0))
+    load = ConstantTorqueLoad(kind="constant_torque", torque_nm=torque, factor=factor)
+    return titled(_longer(run, _RAMP_S + stopping_s + 2.0 * LOSS_S).replaced(load=load))
+
+
 def sensorless_scenarios(drive: PmAcDocument) -> list[Scenario]:
     """List the fixed runs of a drive without a position sensor, in both senses of rotation."""
     least, twice = least_rpm(drive), least_rpm(drive, WELL_ABOVE)
@@ -207,7 +221,11 @@ def sensorless_scenarios(drive: PmAcDocument) -> list[Scenario]:
             (part, way, 40.0 * number) for number, part in enumerate(_FLYING_SHARES) for way in (1.0, -1.0)
         )
     ]
-    lost = [lost_rotor(drive, base, 0.5), lost_rotor(drive, base, 0.0, from_standstill=True)]
+    lost = [
+        lost_rotor(drive, base, 0.5),
+        lost_rotor(drive, base, 0.0, from_standstill=True),
+        mirrored(overloaded(drive, twice)),
+    ]
     others = [
         with_scales(slowly_loaded(drive, speed, LOADED_SHARE), **{name: factor})
         for name, factor in _PARAMETERS

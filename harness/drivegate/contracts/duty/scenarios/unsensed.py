@@ -59,7 +59,8 @@ def most_induced(document: PmAcDocument) -> float:
     Diodes that conduct all the time put a fundamental of ``(2 / pi) V`` on a phase, against its current. Without
     resistance, ``(2 / pi) V (cos(a)**2 + (L_d / L_q) sin(a)**2) / cos(a)`` is the EMF of a phase whose terminals lag
     behind it by an angle ``a``. A sample differs from their fundamental by up to 30 degrees, and must not differ from
-    the EMF by more than 90: ``a`` is at most 60 degrees.
+    the EMF by more than 90: ``a`` is at most 60 degrees. A controller that models the diodes could follow a shaft
+    further, which none has to.
     """
     machine = document.machine
     share = machine.direct_inductance_h / machine.quadrature_inductance_h

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from drivegate.contracts.duty.document import duty_document
+from drivegate.contracts.duty.scenarios.overload import overloaded_s
 from drivegate_cases.drive.limits import limits_of
 from drivegate_cases.drive.plant import Scales
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
@@ -68,9 +69,9 @@ def duty_windows(scenario: Scenario) -> list[tuple[Dwell, float, float]]:
     length = WINDOW_SHARE * settling
     windows = []
     speed = scenario.initial_speed_rpm
-    released = released_s(scenario)
+    released, (_, overloaded) = released_s(scenario), overloaded_s(scenario)
     for dwell in duty_dwells(scenario):
-        if released is not None and dwell.start >= released:
+        if (released is not None and dwell.start >= released) or dwell.start >= overloaded:
             break
         change = 0.0 if held else dwell.speed_rpm - speed
         run_up = run_up_s(drive, change, shaft_inertia(scenario, dwell.scales) / drive.machine.inertia_kg_m2)

@@ -1,8 +1,12 @@
-"""Faults of field-oriented control without a position sensor: what is wrong before and after each of its steps."""
+"""Variations of field-oriented control without a position sensor: what differs before and after each of its steps.
+
+Some are faults, others are correct designs.
+"""
 
 from __future__ import annotations
 
 from functools import cache
+from math import pi
 from typing import Any, Final
 
 import numba
@@ -12,11 +16,12 @@ from numba.np.numpy_support import carray
 from drivegate_models.compilation.calling import step_signature
 from drivegate_models.compilation.kernels import KEEPS_CACHE, inlined
 from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE
-from drivegate_models.controllers.duty.flux_observer import SPEED_GAIN
+from drivegate_models.controllers.duty.flux_observer import SPEED_GAIN, place_rotor
 from drivegate_models.controllers.duty.foc_sensorless import step_state
 from drivegate_models.controllers.duty.sensorless_state import (
     ALIGNING,
     RAMPING,
+    RUNNING,
     SENSORLESS_STATE,
     WATCHING,
 )
@@ -42,63 +47,119 @@ TURNS_FORWARD: Final = 9
 LATE_ANGLE: Final = 10
 """The reported angle is that of the preceding control period."""
 
-FAULTY_SENSORLESS_STATE: Final = np.dtype(
+HALF_TURN_OFF: Final = 11
+"""The field is handed over with the rotor half a turn off."""
+FROM_ZERO: Final = 12
+"""The speed regulator begins at handover without a torque."""
+STALL_BELIEVED: Final = 13
+"""A rotor that stands still while the observed flux is right is not lost."""
+COASTS: Final = 14
+"""A shaft whose reference has changed its sense is left to itself below the least speed."""
+TWO_DIRECTIONS: Final = 21
+"""Correct: a start holds its current along one direction and then across it, and turns neither slowly."""
+
+VARIED_SENSORLESS_STATE: Final = np.dtype(
     [
-        # The controller without the fault.
+        # The controller without the variation.
         ("controller", SENSORLESS_STATE),
-        # What is wrong, 0 for nothing, and the observer's gain without rotation (1/s).
-        ("fault", np.int64),
+        # What differs, 0 for nothing, and the observer's gain without rotation (1/s).
+        ("variation", np.int64),
         ("still_gain", np.float64),
     ],
     align=True,
 )
-"""State of a controller with a fault."""
+"""State of a controller with a variation."""
 
 
 @inlined
-def _alter_before(state: Any) -> None:
+def _alter_handover(controller: Any, variation: int) -> None:
+    """Change the state with which the observed angle takes over."""
+    if variation == HALF_TURN_OFF:
+        angle = controller.angle + pi
+        place_rotor(controller, angle, controller.speed, controller.along_before, controller.across_before)
+    elif variation == FROM_ZERO:
+        controller.machine.speed_integral = 0.0
+        controller.machine.torque = 0.0
+
+
+@inlined
+def _coast(controller: Any, sense: Any) -> None:
+    """Let a shaft coast at low speed whose reference has the other sense."""
+    forward = 1.0 if controller.speed >= 0.0 else -1.0
+    wanted = forward * controller.machine.pole_pairs * sense.reference < 0.5 * controller.least_speed
+    slow = abs(controller.speed) < 1.2 * controller.least_speed
+    if controller.machine.regulates_speed == 1 and controller.mode == RUNNING and slow and wanted:
+        controller.mode = WATCHING
+        controller.age = 0
+        controller.agreed = 0
+        controller.turned = 0.0
+        controller.magnitudes = 0.0
+
+
+@inlined
+def _turn_at_once(controller: Any) -> None:
+    """Have the current vector stand along one direction for the first part of a start, and then across it."""
+    first = controller.align_periods // 2
+    if controller.age < first:
+        # The step turns it by this much itself.
+        step = controller.sense_of_start * pi / first
+        controller.field = (
+            0.5 * pi * controller.sense_of_start if controller.age + 1 == first else 0.0
+        ) - step
+
+
+@inlined
+def _alter_before(state: Any, sense: Any) -> None:
     """Change the controller's state before a step."""
-    controller, fault = state.controller, state.fault
+    controller, variation = state.controller, state.variation
     machine = controller.machine
-    if fault == NEWER_VOLTAGE:
+    if variation == NEWER_VOLTAGE:
         machine.along_voltage[machine.delay] = machine.along_voltage[0]
         machine.across_voltage[machine.delay] = machine.across_voltage[0]
-    elif fault == UNSIGNED_GAIN:
+    elif variation == UNSIGNED_GAIN:
         controller.still_gain = state.still_gain + 2.0 * SPEED_GAIN * min(controller.speed, 0.0)
-    elif fault == STANDSTILL_PRESUMED and controller.mode == WATCHING:
+    elif variation == STANDSTILL_PRESUMED and controller.mode == WATCHING:
         controller.magnitudes = 0.0
-    elif fault == FIELD_FOR_EVER and controller.mode == RAMPING:
+    elif variation == FIELD_FOR_EVER and controller.mode == RAMPING:
         controller.age = 0
-    elif fault == TURNS_FORWARD and controller.mode == WATCHING:
+    elif variation == TURNS_FORWARD and controller.mode == WATCHING:
         controller.turned = abs(controller.turned)
+    elif variation == TWO_DIRECTIONS and controller.mode == ALIGNING:
+        _turn_at_once(controller)
+    elif variation == STALL_BELIEVED and abs(controller.flux_error) < 0.5:
+        controller.lost = 0
+    elif variation == COASTS:
+        _coast(controller, sense)
 
 
 @inlined
-def step_faulty(state: Any, sense: Any, command: Any) -> None:
-    """Compute the command of one control period, with the state's fault."""
-    controller = state.controller
-    _alter_before(state)
-    reference = sense.reference
-    if state.fault == STARTS_FORWARD and controller.mode in (ALIGNING, RAMPING):
+def step_varied(state: Any, sense: Any, command: Any) -> None:
+    """Compute the command of one control period, with the state's variation."""
+    controller, variation = state.controller, state.variation
+    _alter_before(state, sense)
+    reference, mode = sense.reference, controller.mode
+    if variation == STARTS_FORWARD and controller.mode in (ALIGNING, RAMPING):
         sense.reference = abs(reference)
     step_state(controller, sense, command)
     sense.reference = reference
-    if state.fault == ANGLE_NEGATED:
+    if mode == RAMPING and controller.mode == RUNNING:
+        _alter_handover(controller, variation)
+    if variation == ANGLE_NEGATED:
         command.angle = -command.angle
-    elif state.fault == ELECTRICAL_ANGLE:
+    elif variation == ELECTRICAL_ANGLE:
         command.angle *= controller.machine.pole_pairs
-    elif state.fault == LATE_ANGLE:
+    elif variation == LATE_ANGLE:
         command.angle -= command.speed * controller.machine.control_period
-    elif state.fault == LOSS_UNTOLD:
+    elif variation == LOSS_UNTOLD:
         command.fault = 0
 
 
 @cache
-def faulty_sensorless_step() -> Any:
-    """Return the step of a controller with a fault, compiled; the caller must retain the object."""
-    signature = step_signature(FAULTY_SENSORLESS_STATE, DUTY_SENSE, DUTY_COMMAND)
+def varied_sensorless_step() -> Any:
+    """Return the step of a controller with a variation, compiled; the caller must retain the object."""
+    signature = step_signature(VARIED_SENSORLESS_STATE, DUTY_SENSE, DUTY_COMMAND)
 
     def drivegate_duty_step(state: Any, sense: Any, command: Any) -> None:
-        step_faulty(carray(state, 1)[0], carray(sense, 1)[0], carray(command, 1)[0])
+        step_varied(carray(state, 1)[0], carray(sense, 1)[0], carray(command, 1)[0])
 
     return numba.cfunc(signature, cache=KEEPS_CACHE)(drivegate_duty_step)

@@ -1,15 +1,14 @@
-"""Checks of a load that steps, of a reversal, and of a lost rotor without a position sensor."""
+"""Checks of a load that steps and of a reversal without a position sensor."""
 
 from __future__ import annotations
 
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, Mark, Moment, Point, at_most
-from drivegate.checks.stretches import lasting_from, stretches
+from drivegate.checks.stretches import stretches
 from drivegate.contracts.duty.checks.judged import decisive, worst
 from drivegate.contracts.duty.checks.sensorless.judged import (
     if_speed,
@@ -18,14 +17,11 @@ from drivegate.contracts.duty.checks.sensorless.judged import (
 )
 from drivegate.contracts.duty.checks.sensorless.measures import back_after_s, longest_s, time_below_s
 from drivegate.contracts.duty.record import DutyRecord
-from drivegate.contracts.duty.right_trips import legs_are_low, legs_are_off
 from drivegate.contracts.duty.scenarios.reaching import load_on_shaft
-from drivegate.contracts.duty.scenarios.sensorless import BACK_S, LOADED_SHARE, LOSS_S
+from drivegate.contracts.duty.scenarios.sensorless import BACK_S, LOADED_SHARE
 from drivegate.contracts.duty.scenarios.unsensed import REACTION_S
 from drivegate.contracts.duty.scenarios.windows import duty_dwells
-from drivegate_cases.drive.pm_ac.greatest_torque import greatest_within
 from drivegate_cases.scenario.profile import Dwell
-from drivegate_models.pm_ac.oracle import undistorted_limits
 from drivegate_models.units import RADIANS_PER_RPM
 
 LEAST_DIP_SHARE = 0.05
@@ -36,8 +32,6 @@ OUT_OF_STEP_S = 0.2
 """That time (s)."""
 SLOWER, ADDED_S = 2.0, 0.5
 """Time below the least speed in a reversal: over that of the reference (1), and added (s)."""
-SWING = 1.2
-"""Greatest torque of a lost rotor over that of the current limit (1)."""
 
 
 def load_step(record: DutyRecord) -> Margin | None:
@@ -182,75 +176,6 @@ def _reversal(record: DutyRecord) -> tuple[float, float] | None:
     return None
 
 
-def lost_rotor(record: DutyRecord) -> Margin | None:
-    """Judge the time in which a controller reports that the rotor is locked, and the torque until then."""
-    failure = record.scenario.failure
-    if not regulates_speed(record) or failure is None or failure.kind != "locked-rotor":
-        return None
-    if not record.has_nominal_plant:
-        return None
-    period = record.scenario.control_period_s
-    first = failure.first_period(period)
-    allowed, reported = _allowed_loss_s(record), _reported(record)
-    if len(reported) - first < allowed / period:
-        return None
-    count = lasting_from(reported[first:])
-    time = count * period
-    verb = "reported" if first + count < len(reported) else "not reported"
-    words = f"{verb} {time:.4g} s after"
-    greatest = float(np.max(np.abs(record.run.column("torque")[first:])))
-    limits = undistorted_limits(record.plant, float(record.run.column("link")[first]))
-    most = SWING * greatest_within(record.plant, limits, 0.0, weakens=True).torque
-    return worst(
-        (
-            Margin("SLS-7", at_most(time, allowed), f"{words} the lock at {failure.time_s:.4g} s"),
-            Margin("SLS-7", at_most(greatest, most), f"torque {greatest:.4g} N·m at a locked rotor"),
-        )
-    )
-
-
-def lost_moment(record: DutyRecord) -> Moment | None:
-    """Show the torque from the lock on, until it is reported or the greatest."""
-    margin, failure = lost_rotor(record), record.scenario.failure
-    if margin is None or failure is None:
-        return None
-    period, torque = record.scenario.control_period_s, record.run.column("torque")
-    first, allowed = failure.first_period(period), _allowed_loss_s(record)
-    if "reported" in margin.measured:
-        place = min(first + lasting_from(_reported(record)[first:]), len(torque) - 1)
-    else:
-        place = first + int(np.argmax(np.abs(torque[first:])))
-    begin, time = first * period, (place + 0.5) * period
-    return Moment(
-        start_s=begin,
-        end_s=min(max(begin + 1.5 * allowed, time + 0.1 * allowed), record.scenario.duration_s),
-        column="torque_nm",
-        origin_s=begin,
-        instants=(Mark(words=f"{allowed:.3g} s allowed", value=begin + allowed),),
-        point=Point(
-            words=margin.measured.partition(" after")[0].partition(" at")[0],
-            time_s=time,
-            value=float(torque[place]),
-        ),
-    )
-
-
-def _allowed_loss_s(record: DutyRecord) -> float:
-    """Return the time within which a lock has to be reported (s)."""
-    failure = record.scenario.failure
-    # A start may be tried twice.
-    starts = failure is not None and failure.time_s == 0.0 and record.scenario.initial_speed_rpm == 0.0
-    return LOSS_S + (2.0 * record.document.start_time_s if starts else 0.0)
-
-
-def _reported(record: DutyRecord) -> NDArray[np.bool_]:
-    """Return in which control periods a lock is reported, shape (n,)."""
-    commands = record.run.commands
-    is_safe = legs_are_off(commands) | legs_are_low(commands)
-    reported: NDArray[np.bool_] = (commands["fault"] != 0) & is_safe
-    return reported
-
-
 SLS_4 = Check(
     id="SLS-4",
     families=("sensorless load step",),
@@ -284,20 +209,4 @@ SLS_5 = Check(
     reason_not_applicable=lambda declaration, drive: (
         if_speed(declaration, drive) or (None if declaration.reverses else "the candidate does not reverse")
     ),
-)
-SLS_7 = Check(
-    id="SLS-7",
-    families=("lost rotor",),
-    requirement=(
-        "Without a position sensor, a rotor that locks is reported by a fault code within 500 ms, with all legs off or "
-        "all low; before a start, after twice the start time more. Until then the torque is at most 1.2 times that of "
-        "the current limit."
-    ),
-    limit="500 ms, twice the start time more before a start; 1.2 times the torque of the current limit",
-    scenarios="runs of the nominal drive whose shaft locks before a start, or at a steady speed under a load",
-    formula="the lesser of 1 - time until it is reported for good / limit and 1 - greatest torque / limit",
-    why="A start that goes on for ever before a locked rotor burns the winding.",
-    evaluate=lost_rotor,
-    moment=lost_moment,
-    reason_not_applicable=if_speed,
 )

@@ -12,6 +12,7 @@ from drivegate.contracts.duty.scenarios.sensorless import (
     least_loaded_rpm,
     least_rpm,
     lost_rotor,
+    overloaded,
     sensorless_load_step,
     sensorless_reversal,
     sensorless_start,
@@ -19,6 +20,7 @@ from drivegate.contracts.duty.scenarios.sensorless import (
 )
 from drivegate.contracts.duty.scenarios.unsensed import fastest_taken_over_rpm
 from drivegate.scenarios.changes import with_scales
+from drivegate.scenarios.rotation import mirrored
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.drive.pm_ac.limits import FAILURE_SPEED_SHARE
 from drivegate_cases.drive.pm_ac.sensorless import START_TORQUE
@@ -94,15 +96,22 @@ def flying_start_scenarios(drive: PmAcDocument) -> Drawn:
 
 
 def lost_rotor_scenarios(drive: PmAcDocument) -> Drawn:
-    """Draw shafts that lock before a start, or at a steady speed up to base speed under a load."""
+    """Draw shafts up to base speed: locked before a start or under a load, or stopped by an overload."""
     base = drive.rating.base_speed_rpm
     least = max(least_rpm(drive, WELL_ABOVE), FAILURE_SPEED_SHARE * base)
-    return st.builds(
+    speeds = speeds_between(drive, min(least, base), base)
+    locked = st.builds(
         lambda speed, share, at_rest: lost_rotor(drive, speed, share, from_standstill=at_rest),
-        speeds_between(drive, min(least, base), base),
+        speeds,
         shares_between(0.3, 0.6),
         st.booleans(),
     )
+    stopped = st.builds(
+        lambda speed, sign: mirrored(overloaded(drive, speed)) if sign < 0.0 else overloaded(drive, speed),
+        speeds,
+        _signs(),
+    )
+    return st.one_of(locked, stopped)
 
 
 def sensorless_parameter_scenarios(drive: PmAcDocument) -> Drawn:
