@@ -57,7 +57,8 @@ CHOICES = (
 @click.option(
     "--sensorless",
     is_flag=True,
-    help="For the kind c: a controller without a position sensor, by default on pm-ac-2kw-sensorless.",
+    help="For the kinds c and embedded-coder: a controller without a position sensor, by default on "
+    "pm-ac-2kw-sensorless.",
 )
 @drive_option
 @json_option

@@ -103,7 +103,11 @@ KINDS: Final = MappingProxyType(
             is_slow=True,
         ),
         "exec": Template("controller.py", {"duty": ("exec-duty",), "current": ("exec",)}, is_slow=True),
-        "embedded-coder": Template("adapter.c", {"duty": ("embedded-coder",)}),
+        "embedded-coder": Template(
+            "adapter.c",
+            {"duty": ("embedded-coder",)},
+            unsensed=("c-sensorless", "embedded-coder-sensorless"),
+        ),
     }
 )
 """The kinds, by the name on the command line."""

@@ -1,4 +1,4 @@
-"""`drivegate new c --sensorless`: a controller in C for a drive without a position sensor."""
+"""`drivegate new --sensorless`: a controller in C for a drive without a position sensor."""
 
 from __future__ import annotations
 
@@ -33,8 +33,9 @@ def run_once(loaded: JudgedCandidate, scenario: Scenario) -> CurrentRecord:
     return recorded(loaded, scenario, loaded.controller())
 
 
-def test_it_starts_from_half_a_turn_and_takes_over_a_turning_shaft(tmp_path: Path) -> None:
-    write_candidate("c", "mine", tmp_path / "mine", TODAY, DRIVE)
+@pytest.mark.parametrize("kind", ["c", "embedded-coder"])
+def test_it_starts_from_half_a_turn_and_takes_over_a_turning_shaft(kind: str, tmp_path: Path) -> None:
+    write_candidate(kind, "mine", tmp_path / "mine", TODAY, DRIVE)
     candidate = resolve_candidate(str(tmp_path / "mine" / "candidate.toml"))
     drive = drive_for(candidate)
     assert isinstance(drive, PmAcDocument)
@@ -52,7 +53,8 @@ def test_it_starts_from_half_a_turn_and_takes_over_a_turning_shaft(tmp_path: Pat
 
 def test_a_template_that_needs_an_angle_is_refused_for_a_drive_without_a_sensor(tmp_path: Path) -> None:
     with pytest.raises(
-        InputError, match=r"'pm-ac-2kw-sensorless' has no position sensor, .* take c, or name"
+        InputError,
+        match=r"'pm-ac-2kw-sensorless' has no position sensor, .* take c or embedded-coder, or name",
     ):
         write_candidate("numba", "mine", tmp_path / "mine", TODAY, DRIVE)
 
@@ -74,4 +76,4 @@ def test_a_drive_file_without_a_sensor_has_the_same_sources(tmp_path: Path) -> N
     file.write_text(drive_toml(load_drive(DRIVE).replaced(name="own")), encoding="utf-8")
     write_candidate("c", "mine", tmp_path / "mine", TODAY, str(file))
     written = {path.name for path in (tmp_path / "mine").iterdir()}
-    assert written >= {"sensorless.c", "controller.c", "drive.toml"}
+    assert written >= {"sensorless.c", "regulators.c", "controller.c", "drive.toml"}

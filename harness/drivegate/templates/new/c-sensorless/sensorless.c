@@ -1,15 +1,7 @@
-/* Start and observer for a machine without a position sensor, around the field-oriented control of controller.c. While the
+/* Start and observer for a machine without a position sensor, around the field-oriented control in regulators.c. While the
  * legs are off, the terminals show whether the shaft turns. A current vector aligns a shaft at rest and turns it up to the
  * least speed, from which an observer of the stator flux shows the angle. All quantities are in SI units. */
-#define drivegate_abi_version foc_abi_version
-#define drivegate_state_size foc_state_size
-#define drivegate_duty_reset foc_reset
-#define drivegate_duty_step foc_step
-#include "controller.c"
-#undef drivegate_abi_version
-#undef drivegate_state_size
-#undef drivegate_duty_reset
-#undef drivegate_duty_step
+#include "regulators.c"
 
 int64_t drivegate_abi_version(void);
 int64_t drivegate_state_size(void);
@@ -42,7 +34,7 @@ typedef struct { double along, across; } vector;
 enum { WATCHING, ALIGNING, RAMPING, RUNNING };
 
 typedef struct {
-    controller foc;
+    regulators foc;
     drivegate_duty_nameplate plate;
     int mode, age, agreed, lost, fault, turned_periods, align_periods, delay;
     /* Speeds are electrical from here on. */
@@ -63,6 +55,8 @@ static vector turned_by(vector v, double angle) {
 static double wrapped(double angle) { return remainder(angle, 2.0 * PI); }
 
 static double size_of(vector v) { return sqrt(v.along * v.along + v.across * v.across); }
+
+static int regulates_torque(const sensorless *self) { return self->plate.reference_kind == DRIVEGATE_TORQUE_REFERENCE; }
 
 static void enter(sensorless *self, int mode) {
     self->mode = mode;
@@ -170,17 +164,15 @@ static double wanted_sense(const sensorless *self, const drivegate_duty_sense *s
 
 /* Begin field-oriented control from a torque (N m), so that the speed regulator does not start from 0. */
 static void run(sensorless *self, double torque) {
-    foc_reset(&self->foc, &self->plate);
-    double faster = fmax(SPEED_BANDWIDTH * self->plate.inertia / self->foc.speed_gain, 1.0);
-    self->foc.speed_gain *= faster;
-    self->foc.speed_step *= faster * faster;
-    self->foc.speed_integral = torque;
+    begin_regulators(&self->foc, &self->plate, SPEED_BANDWIDTH, torque);
     enter(self, RUNNING);
 }
 
 static double present_torque(const sensorless *self) {
+    const drivegate_duty_nameplate *plate = &self->plate;
     vector current = turned_by(self->current, -self->angle);
-    return per_ampere(&self->foc, current.along) * current.across;
+    double saliency = plate->quadrature_inductance - plate->direct_inductance;
+    return 1.5 * plate->pole_pairs * (plate->magnet_flux - saliency * current.along) * current.across;
 }
 
 /* Measure the speed of the terminals' voltage while the legs are off; drive a shaft that turns, or start one at rest. */
@@ -214,7 +206,7 @@ static void watch(sensorless *self, const drivegate_duty_sense *sense, drivegate
     self->turned = 0.0;
     self->turned_periods = 0;
     double wanted = wanted_sense(self, sense);
-    if (self->foc.regulates_torque || wanted == 0.0) return;
+    if (regulates_torque(self) || wanted == 0.0) return;
     self->sense_of_start = wanted;
     place_field(self, 0.0, 0.0, 0.0);
     enter(self, ALIGNING);
@@ -256,16 +248,16 @@ static void drive(sensorless *self, const drivegate_duty_sense *sense, drivegate
     seen.angle = self->angle / self->plate.pole_pairs;
     seen.speed = self->speed / self->plate.pole_pairs;
     double wanted = wanted_sense(self, sense), present = fabs(self->speed), torque = present_torque(self);
-    if (!self->foc.regulates_torque && wanted == copysign(1.0, self->speed))
+    if (!regulates_torque(self) && wanted == copysign(1.0, self->speed))
         seen.reference = wanted * fmax(fabs(sense->reference), self->least / self->plate.pole_pairs);
-    else if (!self->foc.regulates_torque)
+    else if (!regulates_torque(self))
         seen.reference = 0.0;
     foc_step(&self->foc, &seen, command);
     command->angle = seen.angle;
     command->speed = seen.speed;
-    if (self->foc.regulates_torque && present < STALLED * self->least) {
+    if (regulates_torque(self) && present < STALLED * self->least) {
         enter(self, WATCHING);
-    } else if (!self->foc.regulates_torque && seen.reference == 0.0 && present < RETURN * self->least) {
+    } else if (!regulates_torque(self) && seen.reference == 0.0 && present < RETURN * self->least) {
         double most = 1.5 * self->plate.pole_pairs * self->plate.magnet_flux * self->start_current;
         place_field(self, self->angle + acos(fmin(fmax(torque / most, -0.9), 0.9)), self->speed, self->start_current);
         enter(self, RAMPING);
