@@ -58,7 +58,10 @@ def _report_missing(details: ErrorDetails, path: Location, model: type[BaseModel
     if path and isinstance(path[-1], int):
         return f"the key '{key_name(path[:-1])}' has too few entries, {path[-1]}"
     description = _description(model, details["loc"])
-    return f"the key '{key_name(path)}' is missing" + (f", it gives the {description}" if description else "")
+    if not description:
+        return f"the key '{key_name(path)}' is missing"
+    article = "" if description.startswith("what ") else "the "
+    return f"the key '{key_name(path)}' is missing, it gives {article}{description}"
 
 
 def _report_excess(details: ErrorDetails, path: Location, _: type[BaseModel]) -> str:

@@ -89,6 +89,7 @@ def test_no_other_name_ends_so(name: str) -> None:
     [
         (["sensing.position=none", "sensing.least_speed_rpm=1301"], "at most the base speed of 1300 rpm"),
         (["sensing.position=none", "sensing.start_time_s=0.1"], "must be at least 0.105"),
+        (["sensing.start_time_s=1"], "'sensing.position' is missing, it gives what shows angle"),
         (["sensing.position=hall", "sensing.start_time_s=1"], "must be left out where 'position' is 'hall'"),
         (
             ["sensing.position=none", "sensing.voltage_filter_hz=300"],
