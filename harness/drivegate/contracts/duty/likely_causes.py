@@ -221,7 +221,7 @@ LIKELY_CAUSES: Final = (
         "LNK-1 LNK-2 LNK-4",
         "LNK-1: the link exceeds its limit; LNK-2: the source takes back or supplies too much",
         "link-limit-overestimated rectifier-taken-for-battery link-taken-for-ideal charging-unlimited "
-        "discharging-unlimited chopper-overestimated",
+        "discharging-unlimited chopper-overestimated charging-limited-as-discharging braking-burnt-in-bursts",
     ),
     _cause(
         "the link is used for less braking than it bears: by a limit that is taken too low, or too high a gain",
