@@ -21,6 +21,8 @@ _LEAST_MOVING = 0.5
 # Current, as a share of the limit, from which compensation of the bridge is complete. It is small, because a wider ramp
 # leaves ripple at a low voltage, and the reference current used for compensation has no noise.
 _DEAD_SHARE = 0.0005
+# Shortest pulse or gap over a carrier period, which a counter of ten bits does not round away.
+_SHORTEST = 0.001
 
 
 @inlined
@@ -175,28 +177,25 @@ def _rise_at_edge(
     """
     along, across = _flux_at_edge(ratio, ratios[0], ratios[1], ratios[2])
     ripple = _ripple_of(state, turned, leg, (unit * along, unit * across))
-    return ripple + (ratio - state.edge_centre) * of_phase(leg, moved[0], moved[1])
+    return float(ripple + (ratio - state.edge_centre) * of_phase(leg, moved[0], moved[1]))
 
 
 @inlined
-def _shift_to_rail(least: float, greatest: float, lowest: float, highest: float) -> float:
-    """Return the common shift of three duty ratios that takes one which compensation takes beyond a rail to that rail.
+def _shift_to_rail(least: float, lowest: float, highest: float) -> float:
+    """Return the common shift of three duty ratios to the lower rail, where compensation takes one beyond a rail.
 
-    `least` and `greatest` are of the duty ratios without compensation, `lowest` and `highest` with it. A common shift
-    changes no voltage of the machine, whereas one duty ratio cut at a rail does.
+    `least` is of the duty ratios without compensation, `lowest` and `highest` with it. A common shift changes no
+    voltage of the machine, whereas one duty ratio cut at a rail does. At the upper rail, the gap between two periods
+    would still lose its dead time.
     """
-    if lowest >= 0.0 and highest <= 1.0:
-        return 0.0
-    return -least if -lowest >= highest - 1.0 else 1.0 - greatest
+    return 0.0 if lowest >= _SHORTEST and highest <= 1.0 - _SHORTEST else -least
 
 
 @inlined
-def _shifted(ratio: float, compensated: float, shift: float, least: float, greatest: float) -> float:
+def _shifted(ratio: float, compensated: float, shift: float) -> float:
     """Return a compensated duty ratio with a common shift; a leg at a rail does not switch, and loses no time."""
-    if shift < 0.0 and ratio == least:
+    if shift < 0.0 and ratio + shift <= 0.0:
         return 0.0
-    if shift > 0.0 and ratio == greatest:
-        return 1.0
     return float(min(max(compensated + shift, 0.0), 1.0))
 
 
@@ -236,11 +235,10 @@ def compensate_bridge(
     one = _compensated_ratio(state, first, along, rise, per_volt)
     two = _compensated_ratio(state, second, of_phase(1, along, across), second_rise, per_volt)
     three = _compensated_ratio(state, third, of_phase(2, along, across), third_rise, per_volt)
-    least, greatest = min(first, second, third), max(first, second, third)
-    shift = _shift_to_rail(least, greatest, min(one, two, three), max(one, two, three))
-    command.first_duty = _shifted(first, one, shift, least, greatest)
-    command.second_duty = _shifted(second, two, shift, least, greatest)
-    command.third_duty = _shifted(third, three, shift, least, greatest)
+    shift = _shift_to_rail(min(first, second, third), min(one, two, three), max(one, two, three))
+    command.first_duty = _shifted(first, one, shift)
+    command.second_duty = _shifted(second, two, shift)
+    command.third_duty = _shifted(third, three, shift)
 
 
 @inlined

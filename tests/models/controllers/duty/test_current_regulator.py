@@ -134,6 +134,8 @@ def test_dead_time_near_the_voltage_limit_takes_no_voltage(
     found = np.array(compensated(with_drops(0.0, 0.0, dead), ratios, angle, 0.0))
     lost = np.where((found > 0.0) & (found < 1.0), dead * np.clip(currents / 0.01, -1.0, 1.0), 0.0)
     assert np.diff(found - lost) == pytest.approx(np.diff(ratios), abs=1e-12)
+    assert np.all((found == 0.0) | (found >= 0.001)), "a counter of ten bits rounds this pulse away"
+    assert found.max() < 1.0, "the gap between two periods at the upper rail loses its dead time"
 
 
 @pytest.mark.parametrize("degrees", [-12.0, -5.0, -2.0, 2.0, 5.0, 12.0])
