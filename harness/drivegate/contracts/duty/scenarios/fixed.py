@@ -244,10 +244,10 @@ def _at_once(drive: PmAcDocument) -> list[Scenario]:
 
 
 def turned_scenario(drive: PmAcDocument, turns: int | None = None) -> Scenario:
-    """Make the run of a shaft that has turned for long at its highest speed, before a step of the torque."""
-    top = speed_of(drive, 1.0)
-    run = share_scenario(drive, top, 0.0, 0.6)
-    seen = TURNING_PERIODS * drive.control_period_s * top / 60.0
+    """Make the run of a shaft that has turned fast for long, before a step of the torque."""
+    fast = speed_of(drive, 0.5)
+    run = share_scenario(drive, fast, 0.0, 0.6)
+    seen = TURNING_PERIODS * drive.control_period_s * fast / 60.0
     return titled(run.replaced(turns_before=int(rounded(seen, 2)) if turns is None else turns))
 
 
