@@ -98,6 +98,7 @@ class Variables:
 
         Raises InputError if there is no such variable, or if it is no number.
         """
+        typed: Typed | None
         if place.address is None:
             address, typed = self._variable(place.root)
         else:
