@@ -7,7 +7,6 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from numbers import Integral, Real
 from pathlib import Path
-from typing import Any
 
 from drivegate_cases.documents.wording import short_line
 from drivegate_models.errors import InputError
@@ -29,7 +28,7 @@ def candidate_text(value: object) -> str:
     )
 
 
-def texts(value: str | Iterable[str], what: str, advice: str) -> tuple[str, ...]:
+def texts(value: object, what: str, advice: str) -> tuple[str, ...]:
     """Return several names; a single one may go without a list."""
     listed = (value,) if isinstance(value, str | Path) else value
     if not isinstance(listed, Iterable) or isinstance(listed, Mapping):
@@ -37,7 +36,7 @@ def texts(value: str | Iterable[str], what: str, advice: str) -> tuple[str, ...]
     return tuple(named_text(one, what, advice) for one in listed)
 
 
-def settings_words(settings: Mapping[str, Any] | None) -> list[str]:
+def settings_words(settings: object) -> list[str]:
     """Write settings of a drive as the command line has them."""
     if settings is None:
         return []
@@ -48,27 +47,29 @@ def settings_words(settings: Mapping[str, Any] | None) -> list[str]:
     return [f"{key}={value}" for key, value in settings.items()]
 
 
-def one_of(value: str | None, what: str, known: Collection[str]) -> str | None:
+def one_of(value: object, what: str, known: Collection[str]) -> str | None:
     """Return a word, None for none; refuse one that is not known."""
-    if value is None or value in known:
+    if value is None:
+        return None
+    if isinstance(value, str) and value in known:
         return value
     raise InputError(f"{what} is {_described(value)}, but must be one of {', '.join(known)}")
 
 
-def whole_number(value: int | None, what: str, least: int) -> int | None:
+def whole_number(value: object, what: str, least: int) -> int | None:
     """Return a whole number, None for none; refuse another one, or what is below the least one."""
     if value is None:
         return None
-    if isinstance(value, bool) or not isinstance(value, Integral) or value < least:
+    if isinstance(value, bool) or not isinstance(value, Integral) or int(value) < least:
         raise InputError(f"{what} is {_described(value)}, but must be a whole number of {least} or more")
     return int(value)
 
 
-def seconds(value: float | None, what: str) -> float | None:
+def seconds(value: object, what: str) -> float | None:
     """Return a time, None for none; refuse what is no time to wait."""
     if value is None:
         return None
-    if isinstance(value, bool) or not isinstance(value, Real) or not value > 0.0:
+    if isinstance(value, bool) or not isinstance(value, Real) or not float(value) > 0.0:
         raise InputError(f"{what} is {_described(value)}, but must be a number of seconds above 0")
     return float(value)
 
