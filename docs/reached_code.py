@@ -17,6 +17,7 @@ WHY: Final[Mapping[str, str]] = MappingProxyType(
         "template c --sensorless": "restart and size of the included `controller.c`; torque references, an EMF "
         "above the link, a stop, keys of the nameplate that are left out",
         "examples/c": "an offset of the search below 0 where a load rises",
+        "examples/firmware/interrupt": "a machine without saliency, a current beyond the limit, an EMF above the link",
         "ODrive, current control and modulation": "voltage control and missing measurements, by settings",
         "VESC, `foc_math` and `utils_math`": "other observers, by settings",
         "SimpleFOC, motor, sensor and regulators": "other modulations and modes, alignment of sensors, by settings",
