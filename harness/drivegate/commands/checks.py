@@ -77,8 +77,8 @@ def _explained(names: tuple[str, ...], drive: str | None) -> Outcome:
             for key in _EXPLAINED:
                 print_line(console, f"  {key}: {row[key]}")
             if row["not_applicable"]:
-                other = f"; it applies on {row['applies_on']}" if row["applies_on"] else ""
-                print_line(console, f"  not applicable on {row['drive']}: {row['not_applicable']}{other}")
+                hint = f"; it applies on {row['applies_on']}" if row["applies_on"] else ""
+                print_line(console, f"  not applicable on {row['drive']}: {row['not_applicable']}{hint}")
             for cause in row["likely_causes"]:
                 print_line(console, f"  likely cause: {cause}")
         only = ",".join(dict.fromkeys(row["id"] for row in checks))
