@@ -31,6 +31,7 @@ from drivegate.scenarios.facts import facts_in_short
 from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_lab.candidates.duty_faults import DUTY_FAULTS
+from drivegate_lab.candidates.sensorless_faults import SENSORLESS_FAULTS
 from drivegate_reports.page.style import house_style, new_figure, svg_document
 
 if TYPE_CHECKING:
@@ -44,6 +45,8 @@ DOCS: Final = Path(__file__).parent
 PAGE: Final = DOCS / "gallery.md"
 TEMPLATE: Final = DOCS.parent / "harness" / "drivegate" / "templates" / "new" / "embedded-coder"
 MODEL: Final = Path("model") / "controller.c"
+INCLUDED: Final = {**DUTY_FAULTS, **SENSORLESS_FAULTS}
+"""Faulty controllers that are included."""
 BEGIN, END = "<!-- gallery: begin -->", "<!-- gallery: end -->"
 
 
@@ -85,8 +88,8 @@ class Fault:
     def words(self) -> list[str]:
         """The lines of the model that the fault changes, as a diff, or what the included controller does."""
         if self.included:
-            sentence = DUTY_FAULTS[self.included].sentence
-            return [f"`faulty:{self.included}`, the included `foc` with one change: {sentence}"]
+            fault = INCLUDED[self.included]
+            return [f"`faulty:{fault.name}`, the included `{fault.base}` with one change: {fault.sentence}"]
         return ["```diff", *self.lines(), "```"]
 
     def lines(self) -> list[str]:
@@ -231,6 +234,13 @@ FAULTS: Final = (
         included="torque-alone-derated",
         drive="pm-ac-hub",
     ),
+    Fault(
+        "An observer without the resistance",
+        "SLS-1",
+        (),
+        included="observer-without-resistance",
+        drive="pm-ac-2kw-sensorless",
+    ),
 )
 
 
@@ -257,7 +267,7 @@ def shown(fault: Fault) -> tuple[str, Figure]:
     """Run the counterexample of a fault; return its section of the page and its figure."""
     found = read_counterexample(fault.counterexample)
     assert isinstance(found.scenario, Scenario)
-    record, healthy = _run(fault, found.scenario), _run(None if fault.included else SOUND, found.scenario)
+    record, healthy = _run(fault, found.scenario), _run(_sound(fault), found.scenario)
     check, contract = check_of("duty", fault.check), contract_of(found.scenario.drive)
     margin = check.evaluate(record)
     assert margin is not None
@@ -274,10 +284,16 @@ def shown(fault: Fault) -> tuple[str, Figure]:
     return "\n".join(_section(fault, margin.measured, facts_in_short(found.scenario.to_mapping()))), figure
 
 
-def _run(fault: Fault | None, scenario: Scenario) -> Record:
-    """Run a fault, or without one the included controller, in a scenario."""
+def _sound(fault: Fault) -> Fault | str:
+    """Return what has the fault not: the template, or the name of an included controller."""
+    return INCLUDED[fault.included].base if fault.included else SOUND
+
+
+def _run(fault: Fault | str, scenario: Scenario) -> Record:
+    """Run a fault, or an included controller by its name, in a scenario."""
     with TemporaryDirectory() as folder:
-        loaded = own_candidate(resolve_candidate(fault.candidate(Path(folder)) if fault else "foc"))
+        name = fault if isinstance(fault, str) else fault.candidate(Path(folder))
+        loaded = own_candidate(resolve_candidate(name))
         return recorded(loaded, scenario, loaded.controller())
 
 
