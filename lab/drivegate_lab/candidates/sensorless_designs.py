@@ -20,7 +20,7 @@ class SensorlessDesign:
 
 
 def _less_current(state: Any) -> None:
-    state["start_current"] *= 0.85
+    state["start_current"] *= 0.7
 
 
 def _slower_observer(state: Any) -> None:
