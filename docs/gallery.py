@@ -134,12 +134,12 @@ FAULTS: Final = (
         "OVC-1",
         (
             (
-                "    real32_T room = rtP.CurrentLimit * rtP.CurrentLimit - direct * direct;\n",
-                "    real32_T room = rtP.CurrentLimit * rtP.CurrentLimit;\n",
+                "    real32_T headroom = rtP.CurrentLimit * rtP.CurrentLimit - direct * direct;\n",
+                "    real32_T headroom = rtP.CurrentLimit * rtP.CurrentLimit;\n",
             ),
             (
-                "    room = sqrtf(rtP.CurrentLimit * rtP.CurrentLimit - direct_error * direct_error);\n",
-                "    room = rtP.CurrentLimit;\n",
+                "    headroom = sqrtf(rtP.CurrentLimit * rtP.CurrentLimit - direct_error * direct_error);\n",
+                "    headroom = rtP.CurrentLimit;\n",
             ),
         ),
     ),

@@ -1,15 +1,15 @@
 /* A period all of whose segments go at once: each is an affine map of the currents, whose power series have the
  * coefficients of the period. The magnitude of a current that passes zero is divided there. */
-enum { ROOM = 8, ORDERS = 9 };
+enum { CAPACITY = 8, ORDERS = 9 };
 /* Segments over the time of the fastest rate up to which six orders will do; eight do in all. */
 #define SIX_ORDERS 0.0125
 
 typedef struct {
     int count;
-    double longest, time[ROOM + 1], along[ROOM], across[ROOM], link_along[ROOM], link_across[ROOM];
-    double d[ROOM + 1], q[ROOM + 1], cosine[ROOM + 1], sine[ROOM + 1];
-    double dd[ROOM], dq[ROOM], da[ROOM], qq[ROOM], qd[ROOM], qa[ROOM];
-    double square[ROOM], torque[ROOM], charge_along[ROOM], charge_across[ROOM];
+    double longest, time[CAPACITY + 1], along[CAPACITY], across[CAPACITY], link_along[CAPACITY], link_across[CAPACITY];
+    double d[CAPACITY + 1], q[CAPACITY + 1], cosine[CAPACITY + 1], sine[CAPACITY + 1];
+    double dd[CAPACITY], dq[CAPACITY], da[CAPACITY], qq[CAPACITY], qd[CAPACITY], qa[CAPACITY];
+    double square[CAPACITY], torque[CAPACITY], charge_along[CAPACITY], charge_across[CAPACITY];
 } segments;
 
 /* An order of the growth without a voltage, and of what voltages make of no current. */
@@ -55,8 +55,8 @@ static void lay_out(const task *k, const double edge[3][2], segments *s) {
             }
         time = limit;
     }
-    for (int n = s->count; n <= ROOM; n++) s->time[n] = k->period;
-    for (int n = s->count; n < ROOM; n++) s->along[n] = s->across[n] = 0.0;
+    for (int n = s->count; n <= CAPACITY; n++) s->time[n] = k->period;
+    for (int n = s->count; n < CAPACITY; n++) s->along[n] = s->across[n] = 0.0;
 }
 
 static inline step following(const rates *r, double h, step b, int order) {
@@ -170,7 +170,7 @@ static double turning_value(const jet *b, const jet *e, double h) {
 }
 
 /* The phase currents at the ends of segments, and which of them keep their signs. */
-typedef struct { double at[3][ROOM + 1], top[3]; int keeps[3]; } ends;
+typedef struct { double at[3][CAPACITY + 1], top[3]; int keeps[3]; } ends;
 
 static ends ends_of(const rates *r, const segments *s) {
     ends all = {0};
@@ -287,7 +287,7 @@ static int pass_period(const task *k, const rates *r, frame *f, const double edg
     const ends c = ends_of(r, &s);
     for (int leg = 0; leg < 3; leg++)
         if (!c.keeps[leg] && !passes_zero(r, &s, &c, leg)) return 0;
-    for (int n = s.count; n < ROOM; n++) s.d[n + 1] = s.q[n + 1] = s.cosine[n + 1] = s.sine[n + 1] = 0.0;
+    for (int n = s.count; n < CAPACITY; n++) s.d[n + 1] = s.q[n + 1] = s.cosine[n + 1] = s.sine[n + 1] = 0.0;
     if (reach <= SHORTEST) integrate(k, r, &s, 1);
     else integrate(k, r, &s, 0);
     double square = 0.0, torque = 0.0, along = 0.0, across = 0.0, taken = 0.0, exchanged = 0.0, beyond[3] = {0.0};

@@ -49,14 +49,14 @@ static float least_current(float torque) {
 
 /* Greatest torque at a direct current within the limits of current and voltage; negative for none. */
 static float greatest_torque(float direct, float electrical, float voltage) {
-    float room = motor.current_limit * motor.current_limit - direct * direct, resistance = motor.resistance;
+    float headroom = motor.current_limit * motor.current_limit - direct * direct, resistance = motor.resistance;
     float emf = electrical * (motor.direct_inductance * direct + motor.magnet_flux);
     float reactance = electrical * motor.quadrature_inductance;
     /* a q^2 + 2 b q + c = 0 at the limit of the voltage. */
     float a = reactance * reactance + resistance * resistance, b = resistance * (emf - reactance * direct);
     float c = resistance * resistance * direct * direct + emf * emf - voltage * voltage, inside = b * b - a * c;
-    if (room < 0.0F || inside < 0.0F) return -1.0F;
-    return torque_per_ampere(direct) * fminf(sqrtf(room), (sqrtf(inside) - b) / a);
+    if (headroom < 0.0F || inside < 0.0F) return -1.0F;
+    return torque_per_ampere(direct) * fminf(sqrtf(headroom), (sqrtf(inside) - b) / a);
 }
 
 /* Direct current between two that allows a torque, of which the first allows less and the second more. */

@@ -80,14 +80,14 @@ public:
           most_torque{greatest_torque(weakened(0.0, std::numeric_limits<double>::max(), 0.0, limits.voltage), 0.0, limits.voltage)} {}
 
     double greatest_torque(double direct, double speed, double voltage) const {
-        double room = limit * limit - direct * direct;
+        double headroom = limit * limit - direct * direct;
         double emf = speed * (motor.direct_inductance * direct + motor.magnet_flux);
         double reactance = speed * motor.quadrature_inductance;
         double a = reactance * reactance + motor.resistance * motor.resistance;
         double b = motor.resistance * (emf - reactance * direct);
         double c = std::pow(motor.resistance * direct, 2) + emf * emf - voltage * voltage, inside = b * b - a * c;
-        if (room < 0.0 || inside < 0.0) return -1.0;
-        return motor.torque_per_ampere(direct) * std::min(std::sqrt(room), (std::sqrt(inside) - b) / a);
+        if (headroom < 0.0 || inside < 0.0) return -1.0;
+        return motor.torque_per_ampere(direct) * std::min(std::sqrt(headroom), (std::sqrt(inside) - b) / a);
     }
 
     double direct_for(double torque, double speed, double voltage, double trim) const {

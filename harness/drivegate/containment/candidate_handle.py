@@ -18,7 +18,7 @@ from drivegate.candidates.candidate import Candidate
 from drivegate.candidates.fault import LONGEST_TRACEBACK
 from drivegate.containment.candidate_isolation import own_environment, own_places, written_places
 from drivegate.containment.kept_process import KeptProcess, Role
-from drivegate.containment.machine_memory import room_of
+from drivegate.containment.machine_memory import free_memory_of
 from drivegate.containment.protocol import (
     LONGEST_REPLY,
     PACKET,
@@ -148,10 +148,10 @@ class CandidateHandle:
         """Measure the memory of all processes of the candidate, shared memory included (bytes)."""
         return memory_of_descendants(self._kept.keeper.pid)
 
-    def room_for_memory(self) -> int:
+    def free_memory(self) -> int:
         """Return what limits of the system leave the process to allocate (bytes)."""
         process = self._kept.process_id
-        return sys.maxsize if process is None else room_of(process)
+        return sys.maxsize if process is None else free_memory_of(process)
 
     def drain_output(self) -> None:
         """Read what the process has printed, so that it never waits for a reader; only the end is kept."""

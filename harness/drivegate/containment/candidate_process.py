@@ -88,7 +88,7 @@ class CandidateProcess:
         self._handle: CandidateHandle | None = None
         self._memory_watch: MemoryWatch | None = None
         self._killed_before = 0
-        self._room = 0
+        self._free_memory = 0
         self.generation = 0
         self.starts_afresh = False
         self._is_set_up = False
@@ -164,7 +164,7 @@ class CandidateProcess:
         self._memory_watch = None
         self._replied(Setup(self.candidate, self._limits.memory_bytes), 0)
         self._memory_watch = MemoryWatch(self._limits.memory_bytes, self._handle.used_memory())
-        self._room = self._handle.room_for_memory()
+        self._free_memory = self._handle.free_memory()
         self._is_set_up = True
 
     def _replied(self, order: Order, steps: int) -> Reply:
@@ -288,7 +288,7 @@ class CandidateProcess:
 
     def _require_memory(self, fault: Fault) -> None:
         """End the job without a verdict where a candidate may have had less memory than it is allowed to allocate."""
-        if self._is_set_up and is_for_memory(fault, self._room, self._limits.memory_bytes):
+        if self._is_set_up and is_for_memory(fault, self._free_memory, self._limits.memory_bytes):
             self.kill()
             raise lack_of_memory(f"the candidate's process was refused an allocation ({fault.message})")
 

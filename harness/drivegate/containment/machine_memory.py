@@ -28,7 +28,7 @@ WORKER_BYTES: Final = 200 * MEBIBYTE
 LEAST_BYTES: Final = 500 * MEBIBYTE
 """Memory without which no check ends: much of what processes map from files may be read again and again."""
 _NEAR: Final = 256 * MEBIBYTE
-"""Room in which a process may end at any allocation."""
+"""Free memory with which a process may end at any allocation."""
 _CONTROL_GROUPS: Final = Path("/sys/fs/cgroup")
 _PROC: Final = Path("/proc")
 _LIMITS: Final = ("memory.max", "memory.limit_in_bytes")
@@ -81,8 +81,8 @@ def _number_after(file: Path, key: str) -> int | None:
 
 def usual_workers() -> int:
     """Return the workers that are started where the user names no number: as many as processors and memory allow."""
-    room = (memory_limit() - BASE_BYTES) // WORKER_BYTES
-    return max(min(os.cpu_count() or 1, room), 1)
+    affordable = (memory_limit() - BASE_BYTES) // WORKER_BYTES
+    return max(min(os.cpu_count() or 1, affordable), 1)
 
 
 def require_memory() -> None:
@@ -116,9 +116,9 @@ def _address_limit() -> int | None:
     return min(limits, default=None)
 
 
-def room_of(process: int) -> int:
+def free_memory_of(process: int) -> int:
     """Return what limits of the system leave a process to allocate (bytes)."""
-    rooms = [psutil.virtual_memory().total + psutil.swap_memory().total]
+    free = [psutil.virtual_memory().total + psutil.swap_memory().total]
     with suppress(psutil.Error, OSError, AttributeError):
         used = psutil.Process(process).memory_info()
         for which, size in ((resource.RLIMIT_AS, used.vms), (resource.RLIMIT_DATA, used.data)):
@@ -127,20 +127,20 @@ def room_of(process: int) -> int:
             soft = resource.getrlimit(which)[0]
             least = min((value for value in (soft, limit) if value != resource.RLIM_INFINITY), default=None)
             if least is not None:
-                rooms.append(max(least - size, 0))
-    return min(rooms)
+                free.append(max(least - size, 0))
+    return min(free)
 
 
-def is_for_memory(fault: Fault, room: int, allowed: int) -> bool:
+def is_for_memory(fault: Fault, free: int, allowed: int) -> bool:
     """Return True if a fault may come from a machine that gives less than a candidate is allowed to allocate.
 
-    `room`: what the machine's limits left the candidate's process at its start (bytes). `allowed`: what it may allocate
+    `free`: what the machine's limits left the candidate's process at its start (bytes). `allowed`: what it may allocate
     (bytes).
     """
-    if room >= allowed:
+    if free >= allowed:
         return False
     says = _SAID.search(f"{fault.error} {fault.message} {fault.traceback}") is not None
     # A null pointer from an allocation that nobody checked.
     return says or (
-        room < _NEAR and fault.error in (signal.SIGSEGV.name, signal.SIGABRT.name, signal.SIGBUS.name)
+        free < _NEAR and fault.error in (signal.SIGSEGV.name, signal.SIGABRT.name, signal.SIGBUS.name)
     )

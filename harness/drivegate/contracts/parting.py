@@ -40,8 +40,8 @@ class Parting:
         ).rstrip()
 
 
-def room_for_commands(scenario: Scenario) -> NDArray[Any]:
-    """Make room for the command of every step of a run."""
+def empty_commands(scenario: Scenario) -> NDArray[Any]:
+    """Return empty rows for the command of every step of a run."""
     return np.zeros(scenario.control_periods, contract_of(scenario.drive).layout.command)
 
 

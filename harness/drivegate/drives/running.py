@@ -16,7 +16,7 @@ from drivegate.checks.installed import installed_checks
 from drivegate.containment.contained_controller import ContainedController
 from drivegate.containment.messages import AnyController, JudgedCandidate
 from drivegate.contracts.catalogue import contract_of
-from drivegate.contracts.parting import SEED_IN_RESET, Parting, parting_of, room_for_commands
+from drivegate.contracts.parting import SEED_IN_RESET, Parting, empty_commands, parting_of
 from drivegate.drives.kinds import kind_of, require_contract
 from drivegate_cases.scenario.scenario import Scenario
 
@@ -80,10 +80,10 @@ def with_repetitions(
     digests, partings = [], []
     # A new instance takes the place of the one before, so it is made after that has run.
     for new in (False, True):
-        room = room_for_commands(record.scenario)
+        rows = empty_commands(record.scenario)
         instance = loaded.controller() if new else controller
-        digests.append(recorded(loaded, record.scenario, instance, kept=room).run.digest)
-        partings.append(parting_of(record.scenario, room, kept))
+        digests.append(recorded(loaded, record.scenario, instance, kept=rows).run.digest)
+        partings.append(parting_of(record.scenario, rows, kept))
     return replace(record, repeated_digests=tuple(digests), parting=_in_words(partings))
 
 

@@ -13,7 +13,7 @@ from drivegate.checks.check import JudgedRun
 from drivegate.checks.margin import Margin
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.containment.pool import WorkerPool
-from drivegate.contracts.parting import SEED_IN_RESET, parting_of, room_for_commands
+from drivegate.contracts.parting import SEED_IN_RESET, empty_commands, parting_of
 from drivegate.drives.running import recorded
 from drivegate.gate.plan import REPEATED
 from drivegate_cases.documents.document import parse_document
@@ -48,7 +48,7 @@ def repetition_job(scenario: Scenario, *, keep: bool = False) -> Job[Repetition]
 
 def run_repetition(loaded: JudgedCandidate, request: _Request) -> Repetition:
     """Run a scenario; this is what the worker process does."""
-    kept = room_for_commands(request.scenario) if request.keep else None
+    kept = empty_commands(request.scenario) if request.keep else None
     record = recorded(loaded, request.scenario, loaded.controller(), kept=kept)
     return Repetition(record.run.digest, kept)
 

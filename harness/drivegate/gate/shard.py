@@ -15,7 +15,7 @@ from drivegate.checks.check import Check, InfeasibleScenario, JudgedRun, NotRun,
 from drivegate.checks.margin import Margin
 from drivegate.containment.messages import JudgedCandidate
 from drivegate.contracts.catalogue import checks_of, contract_of
-from drivegate.contracts.parting import room_for_commands
+from drivegate.contracts.parting import empty_commands
 from drivegate.drives.running import recorded, with_repetitions
 from drivegate.scenarios.rotation import needs_reverse
 from drivegate_cases.drive.drive_document import DriveDocument
@@ -74,7 +74,7 @@ def run_fixed(loaded: JudgedCandidate, plan: FixedRuns) -> ShardOutcome:
     if not scenarios:
         return ShardOutcome((), infeasible)
     controller = loaded.controller()
-    kept = room_for_commands(scenarios[0]) if plan.repeat else None
+    kept = empty_commands(scenarios[0]) if plan.repeat else None
     first = recorded(loaded, scenarios[0], controller, kept=kept)
     records = [first, *(recorded(loaded, scenario, controller) for scenario in scenarios[1:])]
     # After all other runs on the same instance, so that what any of them leaves behind can show.

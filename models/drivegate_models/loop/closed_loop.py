@@ -19,7 +19,7 @@ from drivegate_models.contract.layout import CURRENT
 from drivegate_models.loop import observation
 from drivegate_models.loop.exchange import Exchange, make_exchange
 from drivegate_models.loop.loop_inputs import CurrentLoopInputs, SteppedController
-from drivegate_models.loop.loop_kernel import PlantKernels, Records, Room, Timing
+from drivegate_models.loop.loop_kernel import PlantKernels, Records, Timing, Workspace
 from drivegate_models.loop.observation import (
     RunObservation,
     WindowObservation,
@@ -105,11 +105,11 @@ def prepared_loop(
     phases = plant.make_phases(drive)
     # Work space for the segments of a control period, in which the torque's extremes are found. The currents are shared
     # with `phases`; the loop chooses one of both in each period.
-    room = plant.make_phases(drive, inputs.control_period)
+    made = plant.make_phases(drive, inputs.control_period)
     arguments = (
         drive,
         phases,
-        phases._replace(rows=room.rows, row_counts=room.row_counts),
+        phases._replace(rows=made.rows, row_counts=made.row_counts),
         inputs.load,
         inputs.schedule,
         ideal_sensors(drive.phases) if inputs.sensors is None else inputs.sensors,
@@ -117,7 +117,7 @@ def prepared_loop(
         no_restarts() if restarts is None else restarts,
         timing,
         records,
-        _room(drive.phases, windows, round(inputs.power_window / inputs.control_period)),
+        _workspace(drive.phases, windows, round(inputs.power_window / inputs.control_period)),
     )
     return PreparedLoop(plant.loop, arguments, exchange, records, partial(_results, records, exchange, every))
 
@@ -160,8 +160,8 @@ def _timing(inputs: CurrentLoopInputs) -> Timing:
     )
 
 
-def _room(phases: int, windows: int, products: int) -> Room:
-    return Room(
+def _workspace(phases: int, windows: int, products: int) -> Workspace:
+    return Workspace(
         np.zeros(len(Conditions._fields), np.int64),
         np.zeros(phases, np.int64),
         np.zeros(max(products, 1)),

@@ -96,7 +96,7 @@ class Records(NamedTuple):
     shaft: NDArray[np.float64]
 
 
-class Room(NamedTuple):
+class Workspace(NamedTuple):
     """Work space of the loop."""
 
     course_positions: NDArray[np.int64]
@@ -170,17 +170,22 @@ def _watched_window(windows: NDArray[np.int64], step: int) -> int:
 
 @inlined
 def _observe_windows(
-    timing: Timing, records: Records, room: Room, step: int, speed_reference: float, applied: Applied
+    timing: Timing,
+    records: Records,
+    workspace: Workspace,
+    step: int,
+    speed_reference: float,
+    applied: Applied,
 ) -> None:
     """Add one control period to every window that contains it."""
     windows = timing.windows
     for window in range(windows.shape[0]):
         if windows[window, _BEGIN] <= step < windows[window, _END]:
-            room.block_sums[window] = observe_window(
+            workspace.block_sums[window] = observe_window(
                 records.windows[window],
                 applied,
                 speed_reference,
-                room.block_sums[window],
+                workspace.block_sums[window],
                 step + 1 - windows[window, _BEGIN],
                 timing.block,
             )
@@ -229,7 +234,7 @@ def _ripple_follower(torque_range: Callable[..., tuple[float, float]]) -> Callab
         plant: Any,
         recorded: Any,
         records: Records,
-        room: Room,
+        workspace: Workspace,
         watched: int,
         watch: RippleWatch,
         length: float,
@@ -238,12 +243,12 @@ def _ripple_follower(torque_range: Callable[..., tuple[float, float]]) -> Callab
     ) -> RippleWatch:
         if watched < 0:
             return fresh_watch(False)
-        lowest, highest = torque_range(plant, recorded, room.row_positions, length, inf, -inf)
+        lowest, highest = torque_range(plant, recorded, workspace.row_positions, length, inf, -inf)
         if row >= 0:
             records.trace[row].torque_lowest_nm = lowest
             records.trace[row].torque_highest_nm = highest
         lowest, highest = min(lowest, watch.lowest), max(highest, watch.highest)
-        watch = widened_watch(watch, lowest, highest, room.period[ledger.IMPULSE], length)
+        watch = widened_watch(watch, lowest, highest, workspace.period[ledger.IMPULSE], length)
         if not wraps:
             return watch
         observe_ripple(records.windows[watched], watch)
@@ -270,10 +275,10 @@ def loop_of(kernels: PlantKernels) -> Any:
         restarts: Restarts,
         timing: Timing,
         records: Records,
-        room: Room,
+        workspace: Workspace,
     ) -> tuple[int, int]:
         observed = records.run[0]
-        period = room.period
+        period = workspace.period
         length = timing.control_period
         stored = stored_energy(drive, phases.currents)
         speed = timing.initial_speed
@@ -286,7 +291,7 @@ def loop_of(kernels: PlantKernels) -> Any:
         watch = fresh_watch(False)
         for k in range(timing.steps):
             time = k * length
-            conditions = conditions_at(schedule, room.course_positions, time)
+            conditions = conditions_at(schedule, workspace.course_positions, time)
             plant = drifted(drive, conditions.resistance, conditions.emf_constant)
             if load.kind == LOCKED:
                 speed = conditions.speed
@@ -297,7 +302,7 @@ def loop_of(kernels: PlantKernels) -> Any:
                 return status, digest
             digest = digested_command(digest, exchange)
             since = steps_since(restarts, restarted, k)
-            product = _mean_product(room.products, since, measured.supply * measured.current_sum)
+            product = _mean_product(workspace.products, since, measured.supply * measured.current_sum)
             _observe_command(observed, exchange, time, measured, timing.base_speed, product)
             # The inverter limits every command; the checks judge the command before this limit.
             reference = min(max(exchange.command[0].current_reference, 0.0), drive.current_limit)
@@ -326,7 +331,7 @@ def loop_of(kernels: PlantKernels) -> Any:
             opposing = opposing_torque(load, conditions.load, held)
             load_now = opposing + weight_torque(load, conditions.load)
             applied = _applied(period, length, reference, advance, held, current_sum, load_now)
-            _observe_windows(timing, records, room, k, conditions.speed, applied)
+            _observe_windows(timing, records, workspace, k, conditions.speed, applied)
             row = -1
             if traced < records.trace.shape[0] and k % timing.trace_every == 0:
                 row = traced
@@ -335,7 +340,7 @@ def loop_of(kernels: PlantKernels) -> Any:
 
             turned = angle + drive.pole_pairs * held * length
             wraps = turned >= 2.0 * pi
-            watch = follow_ripple(plant, recorded, records, room, watched, watch, length, wraps, row)
+            watch = follow_ripple(plant, recorded, records, workspace, watched, watch, length, wraps, row)
             angle = within_a_turn(turned)
             if load.kind != LOCKED:
                 inertia = conditions.inertia * (drive.inertia + load.inertia)

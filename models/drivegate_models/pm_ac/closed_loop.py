@@ -21,7 +21,13 @@ from drivegate_models.machine import advance_status, ledger
 from drivegate_models.machine.load import Load
 from drivegate_models.pm_ac.failure import make_failure
 from drivegate_models.pm_ac.loop_inputs import DutyLoopInputs
-from drivegate_models.pm_ac.loop_kernel import NEVER, DutyRoom, DutyTiming, release_before_start, run_periods
+from drivegate_models.pm_ac.loop_kernel import (
+    NEVER,
+    DutyTiming,
+    DutyWorkspace,
+    release_before_start,
+    run_periods,
+)
 from drivegate_models.pm_ac.loop_records import DutyRecords, make_records
 from drivegate_models.pm_ac.mean_voltages import no_mean_voltages, unused_mean_voltages
 from drivegate_models.pm_ac.plant.advance import PmAcPhases, make_phases
@@ -70,7 +76,7 @@ def prepared_duty_loop(
         controller = controller._replace(kept=np.empty(before + steps, DUTY_COMMAND))
     exchange = make_exchange(DUTY, 3, controller)
     records = make_records(steps)
-    room = DutyRoom(
+    workspace = DutyWorkspace(
         np.zeros(len(Conditions._fields) + 1, np.int64),
         np.zeros(ledger.ENTRIES),
         np.zeros((2, 3)),
@@ -95,7 +101,7 @@ def prepared_duty_loop(
     )
     phases = make_phases(follows_voltages=voltages.is_sensed)
     winding = no_winding() if inputs.winding is None else copied_winding(inputs.winding)
-    if not _settle_before_start(drive, phases, load, schedule, timing, room, winding):
+    if not _settle_before_start(drive, phases, load, schedule, timing, workspace, winding):
         timing = timing._replace(has_no_start=True)
     phases.volt_seconds[:] = 0.0
     arguments = (
@@ -106,7 +112,7 @@ def prepared_duty_loop(
         steady(0.0) if torque is None else torque,
         exchange,
         timing,
-        room,
+        workspace,
         ideal_duty_sensors() if sensors is None else delayed_glitches(sensors, inputs.waiting * period),
         make_failure() if inputs.failure is None else inputs.failure,
         no_restarts() if restarts is None else restarts,
@@ -133,14 +139,14 @@ def _settle_before_start(
     load: Load,
     schedule: Schedule,
     timing: DutyTiming,
-    room: DutyRoom,
+    workspace: DutyWorkspace,
     winding: Winding,
 ) -> bool:
     """Set the machine to its steady state at the initial speed, with the legs off; return True if there is one.
 
     It is without current, or with the diodes' current. The transient to this state is not part of the run.
     """
-    speed, link, factors = release_before_start(drive, phases, load, schedule, timing, room, winding)
+    speed, link, factors = release_before_start(drive, phases, load, schedule, timing, workspace, winding)
     _, flux_factor = factors
     # There is nothing to settle then, and the loop need not wait for that kernel's compilation.
     if not rectifies(drive, flux_factor * speed, link):
@@ -153,8 +159,8 @@ def _settle_before_start(
         link,
         factors,
         timing.control_period,
-        room.ratios[0],
-        room.legs[0],
-        room.period,
+        workspace.ratios[0],
+        workspace.legs[0],
+        workspace.period,
     )
     return int(status) == advance_status.COMPLETED

@@ -51,7 +51,7 @@ class _Steady(NamedTuple):
     """Kind of modulation, as in `modulation_kind`."""
 
 
-class _Room(NamedTuple):
+class _Workspace(NamedTuple):
     """Work space: duty ratios, and a machine for trials."""
 
     ratios: NDArray[np.float64]
@@ -90,14 +90,14 @@ def _advance(
     steady: _Steady,
     number: int,
     ratios: NDArray[np.float64],
-    room: _Room,
+    workspace: _Workspace,
 ) -> int:
-    """Advance a machine by a control period; `room.bounds` receives the extremes of its torque."""
+    """Advance a machine by a control period; `workspace.bounds` receives the extremes of its torque."""
     every = drive.modulator.control_every
     length = steady.period / every
     turning = drive.pole_pairs * steady.speed * length
-    room.bounds[0] = inf
-    room.bounds[1] = -inf
+    workspace.bounds[0] = inf
+    workspace.bounds[1] = -inf
     for part in range(every):
         status = follow_period(
             drive,
@@ -106,15 +106,15 @@ def _advance(
             steady.speed,
             steady.link,
             ratios,
-            room.legs,
+            workspace.legs,
             alignment_of(drive.modulator.updates, number),
             length,
-            room.totals,
+            workspace.totals,
         )
         if status != COMPLETED:
             return int(status)
-        room.bounds[0] = min(room.bounds[0], phases.torque_bounds[0])
-        room.bounds[1] = max(room.bounds[1], phases.torque_bounds[1])
+        workspace.bounds[0] = min(workspace.bounds[0], phases.torque_bounds[0])
+        workspace.bounds[1] = max(workspace.bounds[1], phases.torque_bounds[1])
     return COMPLETED
 
 
@@ -149,7 +149,7 @@ def _follow_ideal(
     steady: _Steady,
     ignored: int,
     currents: NDArray[np.float64],
-    room: _Room,
+    workspace: _Workspace,
 ) -> float:
     """Return the peak-to-peak torque on ideal switches (N m).
 
@@ -163,14 +163,14 @@ def _follow_ideal(
     for k in range(currents.shape[0]):
         along, across = _voltage_in(steady, k)
         rail = clamped_rail(steady.kind, along, across, 1.0 if steady.turning >= 0.0 else -1.0)
-        write_ratios(room.ratios, along, across, steady.link, rail)
-        if _advance(drive, phases, steady, k, room.ratios, room) != COMPLETED:
+        write_ratios(workspace.ratios, along, across, steady.link, rail)
+        if _advance(drive, phases, steady, k, workspace.ratios, workspace) != COMPLETED:
             return inf
         currents[k, 0] = phases.rotor_currents[0]
         currents[k, 1] = phases.rotor_currents[1]
         if k >= ignored:
-            least = min(least, room.bounds[0])
-            most = max(most, room.bounds[1])
+            least = min(least, workspace.bounds[0])
+            most = max(most, workspace.bounds[1])
     return most - least
 
 
@@ -182,11 +182,11 @@ def _choose_ratios(
     number: int,
     direct: float,
     quadrature: float,
-    room: _Room,
+    workspace: _Workspace,
 ) -> int:
     """Find the duty ratios of a control period that bring the currents nearest to given ones (A) at its end.
 
-    `phases`: state at the start. `room.best` receives the duty ratios. A trial adds the mean voltage that the one
+    `phases`: state at the start. `workspace.best` receives the duty ratios. A trial adds the mean voltage that the one
     before lacked: the distance of the flux linkage from the requested one, over the period. The best trial counts,
     since a current that rests at zero, or a leg at its rail, may leave all of them at a distance.
     """
@@ -196,18 +196,18 @@ def _choose_ratios(
     cosine, sine = cosine_sine((number + 0.5) * steady.turning)
     least = inf
     for _ in range(TRIALS):
-        write_ratios(room.ratios, along, across, steady.link, rail)
-        _copy_state(phases, room.trial)
-        status = _advance(drive, room.trial, steady, number, room.ratios, room)
+        write_ratios(workspace.ratios, along, across, steady.link, rail)
+        _copy_state(phases, workspace.trial)
+        status = _advance(drive, workspace.trial, steady, number, workspace.ratios, workspace)
         if status != COMPLETED:
             return int(status)
-        missing_along = drive.direct_inductance * (direct - room.trial.rotor_currents[0])
-        missing_across = drive.quadrature_inductance * (quadrature - room.trial.rotor_currents[1])
+        missing_along = drive.direct_inductance * (direct - workspace.trial.rotor_currents[0])
+        missing_across = drive.quadrature_inductance * (quadrature - workspace.trial.rotor_currents[1])
         distance = missing_along * missing_along + missing_across * missing_across
         if distance < least:
             least = distance
             for leg in range(3):
-                room.best[leg] = room.ratios[leg]
+                workspace.best[leg] = workspace.ratios[leg]
         along += (cosine * missing_along - sine * missing_across) / steady.period
         across += (sine * missing_along + cosine * missing_across) / steady.period
     return COMPLETED
@@ -221,7 +221,7 @@ def _follow_compensated(
     steady: _Steady,
     ignored: int,
     currents: NDArray[np.float64],
-    room: _Room,
+    workspace: _Workspace,
 ) -> float:
     """Return the peak-to-peak torque of a controller that follows currents by the best duty ratios (N m).
 
@@ -238,24 +238,27 @@ def _follow_compensated(
         # Every lower switch is on at the start of an even one.
         first += first % 2
     _set_currents(phases, currents[first - 1, 0], currents[first - 1, 1], first * steady.turning)
-    predicted = room.predicted
+    predicted = workspace.predicted
     _copy_state(phases, predicted)
     least = inf
     most = -inf
     for k in range(first, currents.shape[0]):
-        if _choose_ratios(exact, predicted, steady, k, currents[k, 0], currents[k, 1], room) != COMPLETED:
+        if (
+            _choose_ratios(exact, predicted, steady, k, currents[k, 0], currents[k, 1], workspace)
+            != COMPLETED
+        ):
             return inf
         if drive.modulator.update_delay > 0:
             _copy_state(phases, predicted)
-            if _advance(exact, predicted, steady, k, room.best, room) != COMPLETED:
+            if _advance(exact, predicted, steady, k, workspace.best, workspace) != COMPLETED:
                 return inf
-        if _advance(drive, phases, steady, k, room.best, room) != COMPLETED:
+        if _advance(drive, phases, steady, k, workspace.best, workspace) != COMPLETED:
             return inf
         if drive.modulator.update_delay == 0:
             _copy_state(phases, predicted)
         if k >= ignored:
-            least = min(least, room.bounds[0])
-            most = max(most, room.bounds[1])
+            least = min(least, workspace.bounds[0])
+            most = max(most, workspace.bounds[1])
     return most - least
 
 
@@ -301,7 +304,7 @@ def ideal_swing(
         float(period),
         int(kind),
     )
-    room = _Room(
+    workspace = _Workspace(
         np.zeros(3),
         np.zeros(3),
         np.full(3, LEG_PWM, np.int64),
@@ -315,10 +318,12 @@ def ideal_swing(
     ends = np.zeros((ignored + watched, 2))
     phases = make_phases(follows_torque=True)
     _set_currents(phases, float(currents[0]), float(currents[1]), 0.0)
-    swing = float(_follow_ideal(ideal, phases, steady, int(ignored), ends, room))
+    swing = float(_follow_ideal(ideal, phases, steady, int(ignored), ends, workspace))
     if _has_ideal_switches(drive) or swing == inf:
         return swing
     exact = drive._replace(modulator=modulator._replace(dead_time=drive.modulator.dead_time))
     return float(
-        _follow_compensated(drive, exact, make_phases(follows_torque=True), steady, int(ignored), ends, room)
+        _follow_compensated(
+            drive, exact, make_phases(follows_torque=True), steady, int(ignored), ends, workspace
+        )
     )

@@ -78,8 +78,8 @@ def _is_within(
     drive: PmAcDrive, source: float, electrical: float, direct: float, quadrature: float, current: float
 ) -> bool:
     """Return True if currents are within the limits of current, voltage and source, except for rounding."""
-    room = 1.0 + _SLACK
-    if direct * direct + quadrature * quadrature > current * current * room:
+    slack = 1.0 + _SLACK
+    if direct * direct + quadrature * quadrature > current * current * slack:
         return False
     link = drive.dc_link
     along, across = steady_voltages(drive, electrical, direct, quadrature)
@@ -89,7 +89,7 @@ def _is_within(
     if not least - rounding <= power <= most + rounding:
         return False
     voltage = LINEAR_LIMIT * max(link_voltage(link, source, power) - 2.0 * drive.switch_drop, 0.0)
-    return along * along + across * across <= voltage * voltage * room
+    return along * along + across * across <= voltage * voltage * slack
 
 
 @inlined

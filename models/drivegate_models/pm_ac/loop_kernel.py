@@ -85,7 +85,7 @@ class DutyTiming(NamedTuple):
     """True if the plant has no steady state to start from, which ends the run."""
 
 
-class DutyRoom(NamedTuple):
+class DutyWorkspace(NamedTuple):
     """Work space of the loop."""
 
     course_positions: NDArray[np.int64]
@@ -198,16 +198,16 @@ def _turn_sensors(
 
 
 @inlined
-def _turn_off(exchange: Exchange, kept: int, room: DutyRoom) -> None:
+def _turn_off(exchange: Exchange, kept: int, workspace: DutyWorkspace) -> None:
     """Turn all legs off at once, and store that in place of an answer that does not act.
 
     `kept`: number of the answer among those that are stored.
     """
     for row in range(2):
         for leg in range(3):
-            room.legs[row, leg] = LEG_OFF
-            room.ratios[row, leg] = 0.0
-        room.brakes[row] = nan
+            workspace.legs[row, leg] = LEG_OFF
+            workspace.ratios[row, leg] = 0.0
+        workspace.brakes[row] = nan
     command = exchange.kept[kept]
     command.first_leg = command.second_leg = command.third_leg = LEG_OFF
     command.first_duty = command.second_duty = command.third_duty = 0.0
@@ -223,7 +223,7 @@ def _command(
     step: int,
     before: int,
     waiting: int,
-    room: DutyRoom,
+    workspace: DutyWorkspace,
     delay: int,
 ) -> tuple[int, int]:
     """Step the controller, after a reset if one is due; return the command's status and the number of resets.
@@ -239,10 +239,10 @@ def _command(
     exchange.sense[0].enable = 0 if step < 0 or waits else 1
     step_controller(exchange, before + step)
     if waits:
-        _turn_off(exchange, before + step, room)
+        _turn_off(exchange, before + step, workspace)
     if step < 0 or waits:
         return STOPPED if exchange.command[0].struct_size < 0 else COMPLETED, restarted
-    return copy_command(exchange, room.ratios, room.legs, room.brakes, delay), restarted
+    return copy_command(exchange, workspace.ratios, workspace.legs, workspace.brakes, delay), restarted
 
 
 @unallocating
@@ -252,7 +252,7 @@ def release_before_start(
     load: Load,
     schedule: Schedule,
     timing: DutyTiming,
-    room: DutyRoom,
+    workspace: DutyWorkspace,
     winding: Winding,
 ) -> tuple[float, float, tuple[float, float]]:
     """Turn all legs off at the initial speed of the run, as they are until a command acts.
@@ -260,7 +260,7 @@ def release_before_start(
     Returns that speed (rad/s), the link voltage (V) and the factors on winding resistance and magnet flux (1).
     A kernel of its own passes through the compiler in half the time.
     """
-    begin = conditions_at(schedule, room.course_positions, 0.0)
+    begin = conditions_at(schedule, workspace.course_positions, 0.0)
     speed = begin.speed if load.kind == LOCKED else timing.initial_speed
     link = 2.0 * begin.supply
     resistance = begin.resistance * resistance_factor(winding)
@@ -280,7 +280,7 @@ def run_periods(
     torque: Course,
     exchange: Exchange,
     timing: DutyTiming,
-    room: DutyRoom,
+    workspace: DutyWorkspace,
     sensors: DutySensors,
     failure: Failure,
     restarts: Restarts,
@@ -300,7 +300,7 @@ def run_periods(
     if timing.has_no_start:
         return PLANT_FAULT, 0
     length = timing.control_period
-    period = room.period
+    period = workspace.period
     delay = 1 if drive.modulator.update_delay > 0 else 0
     speed = timing.initial_speed
     angle = timing.initial_angle
@@ -319,7 +319,7 @@ def run_periods(
         now = max(k, 0) * length
         # The sensors' own time begins when the shaft turns.
         since_turning = max(k + timing.waiting, 0)
-        conditions = conditions_at(schedule, room.course_positions, now)
+        conditions = conditions_at(schedule, workspace.course_positions, now)
         plant = drifted(drive, conditions.resistance * resistance_factor(winding), conditions.emf_constant)
         is_locked = has_failed(failure, LOCKED_ROTOR, k)
         is_held = load.kind == LOCKED and k < timing.released
@@ -328,7 +328,7 @@ def run_periods(
             change = 0.0
             if is_locked:
                 stop_shaft(records.shaft)
-        torque_reference = follow(torque, room.course_positions, len(schedule), now)
+        torque_reference = follow(torque, workspace.course_positions, len(schedule), now)
         reference = torque_reference if timing.regulates_torque else conditions.speed
         source = 2.0 * conditions.supply
         link = source if has_ideal_link else phases.dc_link.state[VOLTAGE]
@@ -348,7 +348,7 @@ def run_periods(
                 return STOPPED, before + k
         turned_before = turning.periods if k >= -timing.waiting else 0
         clock = timing.clock_start + (turned_before + before + k) * length
-        currents = room.no_currents if rests else phases.currents
+        currents = workspace.no_currents if rests else phases.currents
         write_sense(exchange, currents, link, reference, clock, shaft_angle, speed)
         _write_voltages(exchange, phases, rests, drive.diode_drop)
         show_mean_voltages(voltages, exchange)
@@ -358,19 +358,21 @@ def run_periods(
             else:
                 ended = alignment_of(drive.modulator.updates, k + 1)
                 carrier = length / drive.modulator.control_every
-                show_phase_currents(sensors, exchange.sensed_currents, ended, room.last, carrier)
+                show_phase_currents(sensors, exchange.sensed_currents, ended, workspace.last, carrier)
             show_shaft(sensors, exchange.sense[0], since_turning, length)
         is_exact = sensors.ideal or sensors.position == EXACT
         show_failed(failure, k, exchange.sensed_currents, exchange.sense[0], is_exact)
         drop_signals(sensors, k * length, exchange.sensed_currents, exchange.sense[0])
         if rests and sensors.position != NONE:
             exchange.sense[0].speed = 0.0
-        status, restarted = _command(exchange, restarts, restarted, k, before, timing.waiting, room, delay)
+        status, restarted = _command(
+            exchange, restarts, restarted, k, before, timing.waiting, workspace, delay
+        )
         if status != COMPLETED:
             return status, before + k
         if rests:
             continue
-        fail_legs(failure, k, room.legs[0])
+        fail_legs(failure, k, workspace.legs[0])
         for entry in range(ledger.ENTRIES):
             period[entry] = 0.0
         held = held_speed(speed, change)
@@ -388,9 +390,9 @@ def run_periods(
                     begin_angle,
                     held,
                     source,
-                    room.ratios[0],
-                    room.legs[0],
-                    room.brakes[0],
+                    workspace.ratios[0],
+                    workspace.legs[0],
+                    workspace.brakes[0],
                     alignment_of(drive.modulator.updates, k),
                     carrier,
                     period,
@@ -403,8 +405,8 @@ def run_periods(
                 begin_angle,
                 held,
                 link,
-                room.ratios[0],
-                room.legs[0],
+                workspace.ratios[0],
+                workspace.legs[0],
                 alignment_of(drive.modulator.updates, k),
                 carrier,
                 period,
@@ -447,7 +449,7 @@ def run_periods(
         if not sensors.ideal:
             _turn_sensors(sensors, failure, k, since_turning, length, held)
             for leg in range(3):
-                room.last[leg] = low_side_ratio(room.ratios[0, leg], room.legs[0, leg])
+                workspace.last[leg] = low_side_ratio(workspace.ratios[0, leg], workspace.legs[0, leg])
         if k >= 0 and not is_held and not is_locked:
             inertia = conditions.inertia * (drive.inertia + load.inertia)
             resisting = (opposing, drag_torque(load, held), conditions.friction)
@@ -457,9 +459,9 @@ def run_periods(
             speed += gained
         if delay > 0:
             for leg in range(3):
-                room.ratios[0, leg] = room.ratios[1, leg]
-                room.legs[0, leg] = room.legs[1, leg]
-            room.brakes[0] = room.brakes[1]
+                workspace.ratios[0, leg] = workspace.ratios[1, leg]
+                workspace.legs[0, leg] = workspace.legs[1, leg]
+            workspace.brakes[0] = workspace.brakes[1]
     observed[0].steps = before + timing.steps
     observed[0].speed_final = speed
     return COMPLETED, before + timing.steps

@@ -65,10 +65,10 @@ def _no_state() -> SteadyState:
 def _is_within(drive: PmAcDrive, limits: Limits, electrical: float, direct: float, quadrature: float) -> bool:
     """Return True if currents are within both limits, except for rounding."""
     along, across = steady_voltages(drive, electrical, direct, quadrature)
-    room = 1.0 + _SLACK
+    slack = 1.0 + _SLACK
     return (
-        direct * direct + quadrature * quadrature <= limits.current * limits.current * room
-        and along * along + across * across <= limits.voltage * limits.voltage * room
+        direct * direct + quadrature * quadrature <= limits.current * limits.current * slack
+        and along * along + across * across <= limits.voltage * limits.voltage * slack
     )
 
 

@@ -90,10 +90,10 @@ class ShaftErrors(NamedTuple):
     latency: float
     """Age of what is shown (s)."""
     past: NDArray[np.float64]
-    """Angle (rad) and speed (rad/s) of the shaft at the last samples, a ring buffer, shape (n, 2); `room_for_past`."""
+    """Angle (rad) and speed (rad/s) of the shaft at the last samples, a ring buffer, shape (n, 2); `empty_past`."""
 
 
-def room_for_past(latency: float, period: float) -> NDArray[np.float64]:
+def empty_past(latency: float, period: float) -> NDArray[np.float64]:
     """Return work space for what the shaft did within a latency (s), for a control period (s)."""
     return np.zeros((int(latency / period) + 2, 2))
 

@@ -43,7 +43,7 @@ class _Point(NamedTuple):
     duration: float
 
 
-class _Room(NamedTuple):
+class _Workspace(NamedTuple):
     """Work space for a search of n = m - 1 unknowns."""
 
     scratch: NDArray[np.float64]
@@ -153,20 +153,20 @@ def _adopt(work: StarPhases, slices: StarPhases) -> None:
 
 
 @inlined
-def _keep(slices: StarPhases, room: _Room) -> None:
+def _keep(slices: StarPhases, workspace: _Workspace) -> None:
     """Store a state for `_is_kept`."""
     for k in range(slices.currents.size):
-        room.kept_currents[k] = slices.currents[k]
-        room.kept_latches[k] = slices.latches[k]
+        workspace.kept_currents[k] = slices.currents[k]
+        workspace.kept_latches[k] = slices.latches[k]
 
 
 @inlined
-def _is_kept(drive: StarDrive, slices: StarPhases, room: _Room, tolerance: float) -> bool:
+def _is_kept(drive: StarDrive, slices: StarPhases, workspace: _Workspace, tolerance: float) -> bool:
     """Return True if a state equals the stored one, except for a tolerance (A)."""
     for k in range(slices.currents.size):
-        if not abs(slices.currents[k] - room.kept_currents[k]) <= tolerance:
+        if not abs(slices.currents[k] - workspace.kept_currents[k]) <= tolerance:
             return False
-        if drive.hysteresis_band > 0.0 and slices.latches[k] != room.kept_latches[k]:
+        if drive.hysteresis_band > 0.0 and slices.latches[k] != workspace.kept_latches[k]:
             return False
     return True
 
@@ -236,24 +236,24 @@ def _update_inverse(
 
 @unallocating
 def _differentiate(
-    drive: StarDrive, work: StarPhases, slices: StarPhases, point: _Point, room: _Room
+    drive: StarDrive, work: StarPhases, slices: StarPhases, point: _Point, workspace: _Workspace
 ) -> bool:
     """Compute the slopes of the gap by differences, and their inverse; return True if there is one."""
-    gap = room.gap
-    last_gap = room.last_gap
+    gap = workspace.gap
+    last_gap = workspace.last_gap
     unknowns = gap.size - 1
     change = _DIFFERENCE * (1.0 + point.reference)
     for k in range(gap.size):
         last_gap[k] = gap[k]
     for column in range(unknowns):
         _shift_current(slices, column, change)
-        _gap(drive, work, slices, point, room.scratch, gap)
+        _gap(drive, work, slices, point, workspace.scratch, gap)
         _shift_current(slices, column, -change)
         for row in range(unknowns):
-            room.slopes[row, column] = (gap[row] - last_gap[row]) / change
+            workspace.slopes[row, column] = (gap[row] - last_gap[row]) / change
     for k in range(gap.size):
         gap[k] = last_gap[k]
-    return _invert(room.slopes, room.inverse)
+    return _invert(workspace.slopes, workspace.inverse)
 
 
 @inlined
@@ -271,39 +271,39 @@ def _newton_step(
     work: StarPhases,
     slices: StarPhases,
     point: _Point,
-    room: _Room,
+    workspace: _Workspace,
     is_known: bool,
     before: float,
 ) -> tuple[bool, float]:
     """Take a step toward the periodic state; return True if its slopes are still valid, and the gap (A)."""
-    gap = room.gap
-    last_gap = room.last_gap
-    step = room.step
-    inverse = room.inverse
+    gap = workspace.gap
+    last_gap = workspace.last_gap
+    step = workspace.step
+    inverse = workspace.inverse
     if not is_known:
-        is_known = _differentiate(drive, work, slices, point, room)
+        is_known = _differentiate(drive, work, slices, point, workspace)
     for row in range(step.size):
         step[row] = 0.0
         for column in range(step.size):
             step[row] -= inverse[row, column] * gap[column]
     if not is_known or _is_out_of_range(step, 10.0 * (point.reference + drive.current_limit)):
         # A period leads closer, although slowly. The differences have overwritten `work`, so repeat it first.
-        _gap(drive, work, slices, point, room.scratch, gap)
+        _gap(drive, work, slices, point, workspace.scratch, gap)
         _adopt(work, slices)
-        return False, _gap(drive, work, slices, point, room.scratch, gap)
+        return False, _gap(drive, work, slices, point, workspace.scratch, gap)
     for k in range(step.size):
         last_gap[k] = gap[k]
         _shift_current(slices, k, step[k])
-    worst = _gap(drive, work, slices, point, room.scratch, gap)
+    worst = _gap(drive, work, slices, point, workspace.scratch, gap)
     if worst <= _GOOD * before:
         for k in range(step.size):
             last_gap[k] = gap[k] - last_gap[k]
-        _update_inverse(inverse, step, last_gap, room.image, room.weights)
+        _update_inverse(inverse, step, last_gap, workspace.image, workspace.weights)
         return True, worst
     if not worst < before:
         # The slopes next to a corner of the map may be useless.
         _adopt(work, slices)
-        worst = _gap(drive, work, slices, point, room.scratch, gap)
+        worst = _gap(drive, work, slices, point, workspace.scratch, gap)
     return False, worst
 
 
@@ -333,7 +333,7 @@ def periodic_start(
     """
     count = drive.phases
     unknowns = count - 1
-    room = _Room(
+    workspace = _Workspace(
         np.zeros(ledger.ENTRIES),
         np.zeros(count),
         np.zeros(count),
@@ -352,7 +352,7 @@ def periodic_start(
         slices.currents[k] = 0.0
         slices.pieces[k] = GAP
         slices.latches[k] = 1
-    worst = _gap(drive, work, slices, point, room.scratch, room.gap)
+    worst = _gap(drive, work, slices, point, workspace.scratch, workspace.gap)
     is_known = False
     waiting = _WARM_UP
     failures = 0
@@ -364,7 +364,7 @@ def periodic_start(
             break
         if waiting == 0 and attempt < _STEPS:
             before = worst
-            is_known, worst = _newton_step(drive, work, slices, point, room, is_known, worst)
+            is_known, worst = _newton_step(drive, work, slices, point, workspace, is_known, worst)
             if worst > _POOR * before:
                 # Near corners of the map these steps may repeat in a circle without end; plain periods lead out of it.
                 failures += 1
@@ -373,14 +373,14 @@ def periodic_start(
             _adopt(work, slices)
             if attempt >= _STEPS:
                 age += 1
-                if oldest > 0 and _is_kept(drive, slices, room, tolerance):
+                if oldest > 0 and _is_kept(drive, slices, workspace, tolerance):
                     periods = age
                     break
                 if age >= oldest:
-                    _keep(slices, room)
+                    _keep(slices, workspace)
                     oldest = max(2 * oldest, 1)
                     age = 0
-            worst = _gap(drive, work, slices, point, room.scratch, room.gap)
+            worst = _gap(drive, work, slices, point, workspace.scratch, workspace.gap)
             waiting = max(waiting - 1, 0)
             is_known = False
     for k in range(count):

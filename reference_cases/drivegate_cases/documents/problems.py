@@ -24,18 +24,18 @@ def described(error: ValidationError, model: type[BaseModel], longest: int = 240
     """
     errors = sorted(error.errors(include_url=False), key=lambda details: details["type"] == "missing")
     reported: list[str] = []
-    room = longest
+    remaining = longest
     for place, details in enumerate(errors):
         path = [step for step, _ in _walk(model, details["loc"])]
         part = _REPORTS.get(details["type"], _report_wrong_value)(details, path, model)
         if part in reported:
             continue
         least = 0 if place == len(errors) - 1 else _LONGEST_REST
-        if reported and len(part) + least > room:
+        if reported and len(part) + least > remaining:
             reported.append(f"and {len(errors) - place} more")
             break
-        reported.append(shortened(part, max(room - least, 0)))
-        room -= len(part) + len("; ")
+        reported.append(shortened(part, max(remaining - least, 0)))
+        remaining -= len(part) + len("; ")
     return "; ".join(reported)
 
 

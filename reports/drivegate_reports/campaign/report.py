@@ -73,7 +73,7 @@ class WorstRow:
     """Its case and the values of its parameters."""
     margin: str
     measured: str
-    """What it came to."""
+    """What was found."""
     tone: str
     """``pass``, ``caution`` or ``fail``."""
     command: str

@@ -149,8 +149,8 @@ def _draw_edge(panel: Axes, document: Mapping[str, Any]) -> None:
     )
     panel.set_ylim(bottom=0.0)
     slowest, fastest = edge[0]["speed_rpm"], edge[-1]["speed_rpm"]
-    room = 0.03 * (fastest - slowest) + 1.0
-    panel.set_xlim(slowest - room, fastest + room)
+    padding = 0.03 * (fastest - slowest) + 1.0
+    panel.set_xlim(slowest - padding, fastest + padding)
 
 
 def _borders(centres: NDArray[np.float64]) -> NDArray[np.float64]:

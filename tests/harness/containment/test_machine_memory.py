@@ -97,7 +97,7 @@ def test_a_check_does_not_begin_where_the_memory_does_not_suffice(monkeypatch: p
 
 
 @pytest.mark.parametrize(
-    ("error", "message", "room", "for_memory"),
+    ("error", "message", "free", "for_memory"),
     [
         ("MemoryError", "MemoryError", GIBIBYTE, True),
         ("MemoryError", "MemoryError", ALLOWED, False),
@@ -111,10 +111,10 @@ def test_a_check_does_not_begin_where_the_memory_does_not_suffice(monkeypatch: p
     ],
 )
 def test_only_a_machine_that_gives_less_than_is_allowed_excuses_a_fault(
-    error: str, message: str, room: int, for_memory: bool
+    error: str, message: str, free: int, for_memory: bool
 ) -> None:
     fault = Fault(FaultKind.CRASH, message, "step", error=error)
-    assert is_for_memory(fault, room, ALLOWED) is for_memory
+    assert is_for_memory(fault, free, ALLOWED) is for_memory
 
 
 CONTROLLER = """

@@ -78,16 +78,16 @@ impl Motor {
 
     /// Return the greatest torque at a direct current within the limits of current and voltage; negative for none.
     fn greatest_torque(&self, direct: f64, speed: f64, voltage: f64) -> f64 {
-        let room = self.current_limit.powi(2) - direct.powi(2);
+        let headroom = self.current_limit.powi(2) - direct.powi(2);
         let emf = speed * (self.direct_inductance * direct + self.magnet_flux);
         let reactance = speed * self.quadrature_inductance;
         let a = reactance.powi(2) + self.resistance.powi(2);
         let b = self.resistance * (emf - reactance * direct);
         let inside = b * b - a * ((self.resistance * direct).powi(2) + emf.powi(2) - voltage.powi(2));
-        if room < 0.0 || inside < 0.0 {
+        if headroom < 0.0 || inside < 0.0 {
             return -1.0;
         }
-        self.torque_per_ampere(direct) * room.sqrt().min((inside.sqrt() - b) / a)
+        self.torque_per_ampere(direct) * headroom.sqrt().min((inside.sqrt() - b) / a)
     }
 
     /// Return the first direct current from a given one on that allows a torque, else the one that allows most.

@@ -139,7 +139,7 @@ class UnpackedFmu:
                     "platform, with all that it needs"
                 ) from error
 
-    def make_room(self, instance: FmuInstance) -> None:
+    def close_other(self, instance: FmuInstance) -> None:
         """Close the present instance of an FMU that can have only one in a process, before another one is made."""
         if not self.description.only_once:
             return
@@ -181,7 +181,7 @@ class FmuController(PythonController):
                     f"{shown_path(self._unpacked.file)} takes {count} {name.replace('_', ' ')}, but the motor has "
                     f"{phases} phases; export it for that many, or without {name}"
                 )
-        self._unpacked.make_room(self._fmu)
+        self._unpacked.close_other(self._fmu)
         super().reset(nameplate)
 
 

@@ -24,7 +24,7 @@ from drivegate.contracts.current.run import (
 from drivegate.contracts.current.scenarios.feasibility import unfair_because
 from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
 from drivegate.contracts.current.scenarios.simplification import SIMPLIFICATIONS
-from drivegate.contracts.current.sensed import room_for_steps, sensed_signals
+from drivegate.contracts.current.sensed import empty_steps, sensed_signals
 from drivegate.contracts.current.timed_steps import current_step_seconds, given_steps
 from drivegate.contracts.current.words import account, judged_point, loss_of_speed, run_signals
 from drivegate.contracts.given_steps import RecordingController
@@ -138,7 +138,7 @@ class _CurrentContract(CurrentColumns):
         kept: NDArray[Any] | None = None,
         keeps_steps: bool = False,
     ) -> CurrentRecord:
-        steps = room_for_steps(scenario, trace_every) if keeps_steps and trace_every > 0 else None
+        steps = empty_steps(scenario, trace_every) if keeps_steps and trace_every > 0 else None
         run = run_in_closed_loop(
             prepare,
             scenario,

@@ -16,8 +16,8 @@ from drivegate_models.loop.step_recording import row_layout
 from drivegate_models.units import RPM
 
 
-def room_for_steps(scenario: Scenario, every: int) -> NDArray[Any]:
-    """Make room for what a controller senses and answers in every n-th step of a run."""
+def empty_steps(scenario: Scenario, every: int) -> NDArray[Any]:
+    """Return empty rows for what a controller senses and answers in every n-th step of a run."""
     return np.zeros(-(-scenario.control_periods // every), row_layout(CURRENT, scenario.drive.machine.phases))
 
 

@@ -28,7 +28,7 @@ from drivegate.contracts.duty.scenarios.feasibility import unfair_because
 from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios, long_scenarios
 from drivegate.contracts.duty.scenarios.simplification import DUTY_SIMPLIFICATIONS
 from drivegate.contracts.duty.scenarios.windows import duty_windows
-from drivegate.contracts.duty.sensed import room_for_steps, sensed_signals
+from drivegate.contracts.duty.sensed import empty_steps, sensed_signals
 from drivegate.contracts.duty.timed_steps import duty_step_seconds, given_duty_steps
 from drivegate.contracts.duty.words import account
 from drivegate_cases.drive.drive_document import DriveDocument
@@ -172,7 +172,7 @@ class _DutyContract(DutyColumns):
             idle=idle_bridge(declaration, scenario.control_period_s),
             follows_current=declaration.follows_current,
         )
-        steps = room_for_steps(scenario) if keeps_steps else None
+        steps = empty_steps(scenario) if keeps_steps else None
         run = run_once(scenario, steps=steps)
         if kept is not None:
             kept[:] = run.commands

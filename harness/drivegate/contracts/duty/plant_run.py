@@ -57,10 +57,10 @@ from drivegate_models.pm_ac.sensing import (
     LOW_SIDE,
     DutySensors,
     ShaftErrors,
+    empty_past,
     ideal_duty_sensors,
     no_shaft_errors,
     real_duty_sensors,
-    room_for_past,
 )
 from drivegate_models.pm_ac.turning import Turning
 from drivegate_models.pm_ac.winding import Winding
@@ -252,7 +252,7 @@ def _shaft_errors(given: ShuntSensors, control_period: float) -> ShaftErrors:
     )
     if not any(errors):
         return no_shaft_errors()
-    return ShaftErrors(True, *errors, room_for_past(given.latency_s, control_period))
+    return ShaftErrors(True, *errors, empty_past(given.latency_s, control_period))
 
 
 def _ideal_sensors(scenario: Scenario) -> DutySensors:

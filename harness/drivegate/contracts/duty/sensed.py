@@ -23,8 +23,8 @@ _TURN: Final = 2.0 * math.pi
 _SAME: Final = 1e-9
 
 
-def room_for_steps(scenario: Scenario) -> NDArray[Any]:
-    """Make room for what a controller senses and answers in a run."""
+def empty_steps(scenario: Scenario) -> NDArray[Any]:
+    """Return empty rows for what a controller senses and answers in a run."""
     every = -(-scenario.control_periods // MOST_STEPS)
     return np.zeros(-(-scenario.control_periods // every), row_layout(DUTY, scenario.drive.machine.phases))
 

@@ -123,7 +123,7 @@ def load_only(loaded: JudgedCandidate, _payload: None) -> None:
     loaded.controller()
 
 
-def refuse_without_room(scenario: Scenario, folder: Path) -> None:
+def refuse_a_full_disk(scenario: Scenario, folder: Path) -> None:
     """Refuse a run whose record would not fit on the disk."""
     needed = scenario.control_periods * _row_of(scenario).itemsize
     free = shutil.disk_usage(folder).free
@@ -271,7 +271,7 @@ def compared(
         )
     with_compiled_kernels([scenario.drive])
     with temporary_folder() as folder, Judge(second) as following:
-        refuse_without_room(scenario, folder)
+        refuse_a_full_disk(scenario, folder)
         path = folder / "steps"
         # One that cannot be loaded is refused before the long run.
         loading = following.run(Job(load_only, None))

@@ -26,7 +26,7 @@ from drivegate.contracts.catalogue import check_of as check_named
 from drivegate.contracts.catalogue import contract_of, on_drive
 from drivegate.contracts.contract import RecordedTrace
 from drivegate.contracts.current.flowchart.judging import judge_script
-from drivegate.contracts.parting import SEED_IN_RESET, room_for_commands
+from drivegate.contracts.parting import SEED_IN_RESET, empty_commands
 from drivegate.contracts.recorded_trace import deciding_moment, trace_of_run
 from drivegate.drives.kinds import drive_for
 from drivegate.drives.running import recorded, with_repetitions
@@ -152,7 +152,7 @@ def run_replay(loaded: JudgedCandidate, stored: Counterexample) -> Replay:
 def _scenario_again(loaded: JudgedCandidate, scenario: Scenario, check: Check) -> Replay:
     controller = loaded.controller()
     every = -(-scenario.control_periods // MOST_ROWS)
-    kept = room_for_commands(scenario) if check.id == REPEATED else None
+    kept = empty_commands(scenario) if check.id == REPEATED else None
     record = recorded(loaded, scenario, controller, trace_every=every, kept=kept, keeps_steps=True)
     if kept is not None:
         record = with_repetitions(loaded, record, kept, controller)

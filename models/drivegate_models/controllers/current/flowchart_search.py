@@ -105,9 +105,9 @@ def may_widen(state: Any) -> bool:
 
     Once per load. False on the way to more angle, near a forbidden angle, and while small steps look for the edge.
     """
-    room: bool = state.offset - state.first_step >= lowest_offset(state)
+    is_free: bool = state.offset - state.first_step >= lowest_offset(state)
     small: bool = state.direction < 0.0 and state.step < state.first_step
-    return room and small and state.retried == NOT_RETRIED and state.widened == 0
+    return is_free and small and state.retried == NOT_RETRIED and state.widened == 0
 
 
 @inlined

@@ -41,14 +41,14 @@ def is_edge_distance_costly(state: Any) -> bool:
 
 @inlined
 def may_retry(state: Any, costly: bool) -> bool:
-    """Return True if angles are forbidden only because the speed was still returning, and there is room among them.
+    """Return True if angles are forbidden only because the speed was still returning, and some are left of them.
 
     `costly` states that avoiding them is costly. Angles are retried once per load.
     """
-    room = state.offset - state.lost_at >= SMALLEST_STEP + MARGIN
+    is_free = state.offset - state.lost_at >= SMALLEST_STEP + MARGIN
     far = (_DOUBTFUL_WHERE_COSTLY if costly else _DOUBTFUL) * state.first_step
     doubtful: bool = state.forbidden - state.lost_at > far
-    return state.retried == NOT_RETRIED and room and doubtful
+    return state.retried == NOT_RETRIED and is_free and doubtful
 
 
 @inlined

@@ -211,6 +211,6 @@ def limited_by_voltage(
 def currents_for_torque(state: Any, direct: float, torque: float, is_backward: bool) -> tuple[float, float]:
     """Return the d-axis and q-axis currents (A) for a torque (N m), within the current limit."""
     direct = max(direct, state.deepest)
-    room = sqrt(max(state.current_limit * state.current_limit - direct * direct, 0.0))
-    quadrature = min(torque / torque_per_quadrature(state, direct), room)
+    headroom = sqrt(max(state.current_limit * state.current_limit - direct * direct, 0.0))
+    quadrature = min(torque / torque_per_quadrature(state, direct), headroom)
     return direct, -quadrature if is_backward else quadrature

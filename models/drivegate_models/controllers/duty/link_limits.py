@@ -44,7 +44,7 @@ def reset_link_limits(state: Any, nameplate: Any) -> None:
     usable = _SHARE_OF_LIMIT * nameplate.link_limit
     reserved = 2.0 * _RESERVED * windings / nameplate.link_capacitance
     nominal = nameplate.supply_voltage
-    # A small capacitor, which that energy alone would overcharge, still needs some room to brake.
+    # A small capacitor, which that energy alone would overcharge, still needs some power to brake.
     highest = max(usable * usable - reserved, 0.5 * (usable * usable + nominal * nominal))
     state.highest_link = sqrt(highest)
     state.charging_gain = 0.5 * nameplate.link_capacitance / (_CHARGING_PERIODS * nameplate.control_period)
@@ -64,8 +64,8 @@ def _power(state: Any, electrical: float, direct: float, quadrature: float) -> f
 @inlined
 def _least_power(state: Any, voltage: float) -> float:
     """Return the least power from the link that source, chopper and capacitor allow at a voltage (W)."""
-    room = state.charging_gain * (state.highest_link * state.highest_link - voltage * voltage)
-    least = -(room + state.burning_power)
+    headroom = state.charging_gain * (state.highest_link * state.highest_link - voltage * voltage)
+    least = -(headroom + state.burning_power)
     if state.charge_limit > 0.0:
         least = max(
             least - voltage * state.charge_limit, -(voltage * state.charge_limit + state.burning_power)

@@ -126,9 +126,9 @@ def draw(ripple: Ripple) -> Figure:
     panel.plot([0.0, _PERIOD_DEG], [cycle.mean_nm] * 2, color=GREEN, linewidth=1.2, linestyle=DASHED)
     panel.plot(cycle.angle_deg, cycle.torque_nm, color=BLUE, linewidth=1.4)
     least, greatest = min(low, border[0]), max(high, border[1])
-    room = 0.08 * (greatest - least)
+    padding = 0.08 * (greatest - least)
     panel.set_xlim(0.0, 1.2 * _PERIOD_DEG)
-    panel.set_ylim(least - room, greatest + room)
+    panel.set_ylim(least - padding, greatest + padding)
     panel.set_xticks(np.arange(0.0, _PERIOD_DEG + 1.0, 72.0))
     outside = VERMILION if _percent(ripple) > 100.0 * ripple.limit else BLUE
     label_ends(

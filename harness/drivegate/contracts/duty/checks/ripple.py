@@ -62,9 +62,9 @@ def _watched(record: DutyRecord, window: DutyWindow) -> int:
     """Return the control periods after which the torque repeats itself: a sixth of an electrical period, or a third."""
     length = record.scenario.control_period_s
     turning = record.document.machine.pole_pairs * abs(window.speed) * length
-    room = round((window.end_s - window.start_s) / length) - _LEAD
+    available = round((window.end_s - window.start_s) / length) - _LEAD
     part = _SIXTH * (2.0 if record.declaration.modulation in ONE_SIDED else 1.0)
-    return min(max(ceil(part / turning), _FEWEST), _MOST, room)
+    return min(max(ceil(part / turning), _FEWEST), _MOST, available)
 
 
 def _swing(record: DutyRecord, window: DutyWindow, extremes: NDArray[np.float64] = NONE_KEPT) -> float:

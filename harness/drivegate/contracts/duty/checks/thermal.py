@@ -190,10 +190,10 @@ def _hot_torque(record: DutyRecord, window: DutyWindow, windings: HotWindings) -
         round(window.dwell.start / record.scenario.control_period_s)
     ]
     heating = max(windings.thermal.limit_c - float(begun), 0.0) / windings.rate
-    room = (1.0 - COOL_SHARE) * windings.thermal.rise_k / windings.rate
+    left = (1.0 - COOL_SHARE) * windings.thermal.rise_k / windings.rate
     if begun >= windings.temperature_c(HOT_SHARE) or window.dwell.duration < APPROACH * heating + SETTLED_S:
         return None
-    if heating > room:
+    if heating > left:
         return None
     greatest = _greatest(record, window, windings, windings.plant.current_limit)
     if not isfinite(greatest) or greatest <= 0.0:

@@ -193,8 +193,8 @@ def _speeds(drive: PmAcDocument) -> list[Scenario]:
 def _beyond_highest(drive: PmAcDocument) -> list[Scenario]:
     """Make the run whose speed steps begin and end above the highest speed."""
     rating = drive.rating
-    highest, room = rating.highest_speed_rpm, rating.overspeed_rpm - rating.highest_speed_rpm
-    first, second = (tidy(highest + share * room) for share in (0.2, 0.8))
+    highest, beyond = rating.highest_speed_rpm, rating.overspeed_rpm - rating.highest_speed_rpm
+    first, second = (tidy(highest + share * beyond) for share in (0.2, 0.8))
     return [speed_scenario(drive, (first, second, first), torque_nm=torque_of(drive, second, 0.5))]
 
 

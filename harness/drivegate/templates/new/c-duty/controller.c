@@ -60,7 +60,7 @@ static real least_current(const controller *self, real torque) {
 
 /* Return the greatest torque at a direct current within both limits (N m), negative if there is none. */
 static real possible(const controller *self, real direct, real electrical, real voltage) {
-    real room = self->limit * self->limit - direct * direct, resistance = self->resistance;
+    real headroom = self->limit * self->limit - direct * direct, resistance = self->resistance;
     real reactance = electrical * self->inductance.quadrature;
     real along = electrical * (self->inductance.direct * direct + self->flux);
     /* The voltage is a quadratic in the quadrature current: a q^2 + 2 b q + c = 0 at its limit. */
@@ -68,7 +68,7 @@ static real possible(const controller *self, real direct, real electrical, real 
     real c = resistance * resistance * direct * direct + along * along - voltage * voltage;
     real inside = b * b - a * c;
     if (inside < 0.0) return inside;
-    return per_ampere(self, direct) * fmin(sqrt(room), (sqrt(inside) - b) / a);
+    return per_ampere(self, direct) * fmin(sqrt(headroom), (sqrt(inside) - b) / a);
 }
 
 /* Return the direct current (A) for a torque: the least, weakened for the voltage, or that of most torque. */

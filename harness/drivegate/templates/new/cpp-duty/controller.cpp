@@ -146,14 +146,14 @@ private:
 
     // Return the greatest torque at a direct current within both limits (N m), negative if there is none.
     double possible(double direct, double electrical, double voltage) const {
-        const double room = limit * limit - direct * direct, reactance = electrical * inductance.quadrature;
+        const double headroom = limit * limit - direct * direct, reactance = electrical * inductance.quadrature;
         const double along = electrical * (inductance.direct * direct + flux);
         // The voltage is a quadratic in the quadrature current: a q^2 + 2 b q + c = 0 at its limit.
         const double a = reactance * reactance + resistance * resistance, b = resistance * (along - reactance * direct);
         const double c = resistance * resistance * direct * direct + along * along - voltage * voltage;
         const double inside = b * b - a * c;
         if (inside < 0.0) return inside;
-        return per_ampere(direct) * std::min(std::sqrt(room), (std::sqrt(inside) - b) / a);
+        return per_ampere(direct) * std::min(std::sqrt(headroom), (std::sqrt(inside) - b) / a);
     }
 
     // Return the direct current with which a torque needs the least current (A).

@@ -152,7 +152,7 @@ def direct_for(state, torque, electrical, voltage):
 @numba.njit
 def possible(state, direct, electrical, voltage):
     """Return the greatest torque at a direct current within both limits (N·m), negative if there is none."""
-    room = state.limit * state.limit - direct * direct
+    headroom = state.limit * state.limit - direct * direct
     along = electrical * (state.direct_inductance * direct + state.flux)
     reactance, resistance = electrical * state.quadrature_inductance, state.resistance
     # The voltage is a quadratic in the quadrature current: a q² + 2 b q + c = 0 at its limit.
@@ -162,7 +162,7 @@ def possible(state, direct, electrical, voltage):
     inside = b * b - a * c
     if inside < 0.0:
         return inside
-    return per_ampere(state, direct) * min(sqrt(room), (sqrt(inside) - b) / a)
+    return per_ampere(state, direct) * min(sqrt(headroom), (sqrt(inside) - b) / a)
 
 
 @numba.njit

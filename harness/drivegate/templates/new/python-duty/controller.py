@@ -137,7 +137,7 @@ class Controller:
 
     def possible(self, direct: float, electrical: float, voltage: float) -> float:
         """Return the greatest torque at a direct current within both limits (N·m), negative if there is none."""
-        room = self.limit * self.limit - direct * direct
+        headroom = self.limit * self.limit - direct * direct
         along = electrical * (self.direct_inductance * direct + self.flux)
         reactance, resistance = electrical * self.quadrature_inductance, self.resistance
         # The voltage is a quadratic in the quadrature current: a q² + 2 b q + c = 0 at its limit.
@@ -147,7 +147,7 @@ class Controller:
         inside = b * b - a * c
         if inside < 0.0:
             return inside
-        return self.per_ampere(direct) * min(sqrt(room), (sqrt(inside) - b) / a)
+        return self.per_ampere(direct) * min(sqrt(headroom), (sqrt(inside) - b) / a)
 
     def least_current(self, torque: float) -> float:
         """Return the direct current with which a torque needs the least current (A)."""

@@ -38,7 +38,7 @@ static real32_T least_current(real32_T torque) {
 
 /* Give the greatest torque at a direct current within the limits of current and voltage; negative for none. */
 static real32_T greatest_torque(real32_T direct, real32_T electrical, real32_T voltage) {
-    real32_T room = rtP.CurrentLimit * rtP.CurrentLimit - direct * direct;
+    real32_T headroom = rtP.CurrentLimit * rtP.CurrentLimit - direct * direct;
     real32_T along = electrical * (rtP.DirectInductance * direct + rtP.MagnetFlux);
     real32_T reactance = electrical * rtP.QuadratureInductance, resistance = rtP.Resistance;
     /* The voltage is a quadratic in the quadrature current: a q^2 + 2 b q + c = 0 at its limit. */
@@ -47,7 +47,7 @@ static real32_T greatest_torque(real32_T direct, real32_T electrical, real32_T v
     real32_T c = resistance * resistance * direct * direct + along * along - voltage * voltage;
     real32_T inside = b * b - a * c;
     if (inside < 0.0F) return -1.0F;
-    return torque_per_ampere(direct) * fminf(sqrtf(room), (sqrtf(inside) - b) / a);
+    return torque_per_ampere(direct) * fminf(sqrtf(headroom), (sqrtf(inside) - b) / a);
 }
 
 /* Give the direct current for a torque, at least 0: that of least magnitude, weakened as far as the voltage asks for,
@@ -112,7 +112,8 @@ static void preload(real32_T angle, real32_T electrical) {
 
 void controller_step(void) {
     real32_T angle, electrical, supply, limit, direct, quadrature, torque;
-    real32_T direct_error, quadrature_error, direct_wanted, quadrature_wanted, direct_given, quadrature_given, room;
+    real32_T direct_error, quadrature_error, direct_wanted, quadrature_wanted, direct_given, quadrature_given;
+    real32_T headroom, share;
     real32_T error = 0.0F, allowed, possible, turning, used;
     angle = (real32_T)rtU.ElectricalAngle * ANGLE_PER_COUNT;
     electrical = (real32_T)rtU.ElectricalSpeed * rtP.SpeedPerCount;
@@ -137,9 +138,10 @@ void controller_step(void) {
     turning = torque < 0.0F ? -electrical : electrical;
     direct_error = direct_for(fminf(fabsf(torque), rtP.GreatestTorque), turning, allowed) + rtDW.Weakening;
     direct_error = fmaxf(direct_error, rtP.DeepestDirect);
-    room = sqrtf(rtP.CurrentLimit * rtP.CurrentLimit - direct_error * direct_error);
+    headroom = sqrtf(rtP.CurrentLimit * rtP.CurrentLimit - direct_error * direct_error);
     possible = fmaxf(greatest_torque(direct_error, turning, allowed), 0.0F);
-    quadrature_error = saturate(saturate(torque, -possible, possible) / torque_per_ampere(direct_error), -room, room);
+    quadrature_error = saturate(torque, -possible, possible) / torque_per_ampere(direct_error);
+    quadrature_error = saturate(quadrature_error, -headroom, headroom);
     /* The integral of the speed waits while the limits leave less than it asks for. */
     if (!rtP.RegulatesTorque && fabsf(torque) > possible && torque * error > 0.0F)
         rtDW.SpeedIntegral -= rtP.SpeedStep * error;
@@ -152,9 +154,9 @@ void controller_step(void) {
                         + electrical * (rtP.DirectInductance * direct + rtP.MagnetFlux);
     /* A voltage beyond the limit is shortened, not turned: one axis alone would never get the other back. */
     used = hypotf(direct_wanted, quadrature_wanted);
-    room = used > limit ? limit / used : 1.0F;
-    direct_given = room * direct_wanted;
-    quadrature_given = room * quadrature_wanted;
+    share = used > limit ? limit / used : 1.0F;
+    direct_given = share * direct_wanted;
+    quadrature_given = share * quadrature_wanted;
     /* What the limit has taken does not enter the integrals. */
     rtDW.DirectIntegral += rtP.DirectStep * (direct_error + (direct_given - direct_wanted) / rtP.DirectGain);
     rtDW.QuadratureIntegral +=

@@ -237,7 +237,7 @@ impl Controller {
 
     /// Return the greatest torque at a direct current within both limits (N·m), negative if there is none.
     fn possible(&self, direct: f64, electrical: f64, voltage: f64) -> f64 {
-        let room = self.limit * self.limit - direct * direct;
+        let headroom = self.limit * self.limit - direct * direct;
         let along = electrical * (self.direct_inductance * direct + self.flux);
         let (reactance, resistance) = (electrical * self.quadrature_inductance, self.resistance);
         // The voltage is a quadratic in the quadrature current: a q² + 2 b q + c = 0 at its limit.
@@ -248,7 +248,7 @@ impl Controller {
         if inside < 0.0 {
             return inside;
         }
-        self.per_ampere(direct) * room.sqrt().min((inside.sqrt() - b) / a)
+        self.per_ampere(direct) * headroom.sqrt().min((inside.sqrt() - b) / a)
     }
 
     /// Return the direct current with which a torque needs the least current (A).
