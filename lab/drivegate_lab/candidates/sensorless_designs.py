@@ -6,21 +6,15 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Final
 
-from drivegate_lab.kernels.faults.duty import sensorless as kernels
-
 
 @dataclass(frozen=True)
 class SensorlessDesign:
-    """Another observer or another start."""
+    """Another observer."""
 
     variation: int = 0
     """What its steps do otherwise, from `drivegate_lab.kernels.faults.duty.sensorless`; 0 for nothing."""
     alter: Callable[[Any], None] | None = None
     """Changes the record of its state, just reset."""
-
-
-def _less_current(state: Any) -> None:
-    state["start_current"] *= 0.7
 
 
 def _slower_observer(state: Any) -> None:
@@ -29,7 +23,6 @@ def _slower_observer(state: Any) -> None:
 
 
 SENSORLESS_DESIGNS: Final = {
-    "two-directions": SensorlessDesign(kernels.TWO_DIRECTIONS, _less_current),
     "slower-observer": SensorlessDesign(alter=_slower_observer),
 }
 """All of them, by the name behind ``design:``."""

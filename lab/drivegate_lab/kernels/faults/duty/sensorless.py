@@ -55,8 +55,6 @@ STALL_BELIEVED: Final = 13
 """A rotor that stands still while the observed flux is right is not lost."""
 COASTS: Final = 14
 """A shaft whose reference has changed its sense is left to itself below the least speed."""
-TWO_DIRECTIONS: Final = 21
-"""Correct: a start holds its current along one direction and then across it, and turns neither slowly."""
 
 VARIED_SENSORLESS_STATE: Final = np.dtype(
     [
@@ -97,18 +95,6 @@ def _coast(controller: Any, sense: Any) -> None:
 
 
 @inlined
-def _turn_at_once(controller: Any) -> None:
-    """Have the current vector stand along one direction for the first part of a start, and then across it."""
-    first = controller.align_periods // 2
-    if controller.age < first:
-        # The step turns it by this much itself.
-        step = controller.sense_of_start * pi / first
-        controller.field = (
-            0.5 * pi * controller.sense_of_start if controller.age + 1 == first else 0.0
-        ) - step
-
-
-@inlined
 def _alter_before(state: Any, sense: Any) -> None:
     """Change the controller's state before a step."""
     controller, variation = state.controller, state.variation
@@ -124,8 +110,6 @@ def _alter_before(state: Any, sense: Any) -> None:
         controller.age = 0
     elif variation == TURNS_FORWARD and controller.mode == WATCHING:
         controller.turned = abs(controller.turned)
-    elif variation == TWO_DIRECTIONS and controller.mode == ALIGNING:
-        _turn_at_once(controller)
     elif variation == STALL_BELIEVED and abs(controller.flux_error) < 0.5:
         controller.lost = 0
     elif variation == COASTS:
