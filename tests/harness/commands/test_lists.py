@@ -43,7 +43,8 @@ def test_an_argument_too_many_is_refused(refused):
 def test_one_check_is_explained_with_its_limit_on_the_drive_formula_and_causes(command, refused):
     (row,) = command("checks", "stp-1", "--drive", "pm-ac-servo", "--json").document["checks"]
     assert (row["id"], row["drive"]) == ("STP-1", "pm-ac-servo")
-    assert row["likely_causes"][0].startswith("the gains of the current regulator are too high")
+    shown = "the gains of the current regulator are too high"
+    assert any(cause.startswith(shown) for cause in row["likely_causes"]), row["likely_causes"]
     text = command("checks", "STP-1").out
     for key in ("requirement", "limit", "formula"):
         assert f"{key}: " in text

@@ -98,7 +98,8 @@ def with_findings(
 
 def _measured(candidate: Candidate, output: Path) -> tuple[SourceFile, ...]:
     files = KINDS[candidate.kind].measured_files(candidate, output)
-    if not files:
+    # Of sources that nobody imports, no line was counted either.
+    if not reached_lines(files).reached:
         raise InputError(
             f"--coverage: no line of {candidate.name} was counted; name its sources in the manifest, and compile it "
             "with them in place"

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from math import exp, pi, sqrt
+from math import ceil, pi, prod, sqrt
 from typing import TYPE_CHECKING, Any, Final, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
 from drivegate_cases.documents.document import Section
 from drivegate_cases.drive.pm_ac.link_fit import check_link
+from drivegate_models.pm_ac.decay import decay_of
 
 if TYPE_CHECKING:
     from drivegate_models.pm_ac.plant.dc_link import DcLink
@@ -18,6 +19,8 @@ USUAL_LIMIT: Final = 1.2
 """Greatest permitted voltage of the link over its nominal one, for a drive that does not state it (1)."""
 USUAL_DISCHARGE: Final = 1.5
 """Greatest mean current of the source over that of rated power, for a drive that does not state it (1)."""
+_WELL_DAMPED: Final = 0.99
+"""Damping from which on a step of the source exceeds it by less than 3e-10 of the step (1)."""
 _MOST_FARADS: Final = 10.0
 _MOST_HENRIES: Final = 1.0
 
@@ -149,7 +152,12 @@ class PmAcLink(Section):
         if inductance is None or capacitance is None or self.source_resistance_ohm is None:
             return 0.0
         damping = 0.5 * self.source_resistance_ohm * sqrt(capacitance / inductance)
-        return exp(-pi * damping / sqrt(1.0 - damping * damping)) if damping < 1.0 else 0.0
+        if damping >= _WELL_DAMPED:
+            return 0.0
+        exponent = pi * damping / sqrt(1.0 - damping * damping)
+        # The series is for arguments up to 1.
+        parts = ceil(exponent)
+        return prod([decay_of(exponent / parts)] * parts)
 
     def limit(self, nominal: float) -> float:
         """Return the greatest permitted voltage of the link (V) by its nominal one (V)."""
