@@ -303,6 +303,7 @@ def test_report_and_junit_are_kept_whatever_comes(github: Job) -> None:
     assert tests.find("testsuite").get("tests") == "1"  # type: ignore[union-attr]
 
 
+@pytest.mark.nightly
 def test_a_committed_report_is_not_taken_for_the_one_of_a_refused_check(tmp_path: Path) -> None:
     folder = hostile_checkout(tmp_path / "checkout")
     job = github_job(folder, {"candidate": "none.toml"}, "")

@@ -126,6 +126,7 @@ def test_where_a_unit_slipped_its_key_is_to_be_corrected_and_nothing_else(comman
     assert "rated_power_w = " not in str(refused.value)
 
 
+@pytest.mark.nightly
 def test_torques_of_a_small_drive_keep_their_digits(command):
     small = ("drive", "fan-3-phase")
     document = command(*small, "--json").document

@@ -41,7 +41,7 @@ def failed(name: str, drive_name: str, share: float) -> set[str]:
 
 
 # Each table takes seconds to compute; those of the star's variants are made alike.
-@pytest.mark.one_in(15)
+@pytest.mark.nightly
 @pytest.mark.parametrize("share", [0.05, 0.5, 1.0])
 @pytest.mark.parametrize("drive", [name for name in drive_names(but=PM_AC) if "-150-" not in name])
 def test_the_table_of_a_drive_leads_to_its_optimum(drive: str, share: float) -> None:

@@ -28,6 +28,7 @@ def document(reproduction: tuple[Path, dict[str, Any]]) -> dict[str, Any]:
     return reproduction[1]
 
 
+@pytest.mark.nightly
 def test_every_figure_is_a_file_and_in_the_page(folder: Path, document: dict[str, Any]) -> None:
     labels = [figure["label"] for figure in document["figures"]]
     expected = [

@@ -45,6 +45,7 @@ def by_point(stated: Document, case: str = "fig5-search") -> Document:
     return stated | {"runs": 2 * stated["runs"]} | several
 
 
+@pytest.mark.nightly
 def test_each_point_that_was_chosen_has_a_row_and_all_have_no_interval(campaign_document: Document) -> None:
     candidate = campaign_document["candidates"][0]
     candidate["not_passed"] = by_point(candidate["not_passed"])
@@ -93,6 +94,7 @@ def test_nothing_of_a_candidate_acts_on_the_page(campaign_document: Document) ->
     assert text.count("<script>") == 1, "the script of every page, and no other"
 
 
+@pytest.mark.nightly
 def test_the_same_summary_gives_the_same_bytes(campaign_document: Document, tmp_path: Path) -> None:
     path = write(campaign_document, tmp_path)
     assert path == tmp_path / REPORT_FILE
@@ -112,6 +114,7 @@ def test_the_curve_is_the_share_of_runs_with_at_most_that_margin() -> None:
     assert "ROB-1: least −inf, median −0.5" in alternative([row])
 
 
+@pytest.mark.nightly
 def test_a_check_that_never_decides_and_a_candidate_without_runs_are_reported(
     campaign_document: Document,
 ) -> None:

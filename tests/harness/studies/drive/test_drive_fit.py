@@ -103,6 +103,7 @@ def test_what_the_points_do_not_show_is_uncertain_without_end() -> None:
     assert isinf(uncertainty["resistance_ohm"]) or uncertainty["resistance_ohm"] > 0.08
 
 
+@pytest.mark.nightly
 def test_torques_that_no_constants_explain_propose_none() -> None:
     true = measured(PAPER)
     scattered = [replace(point, torque=5.0 + 3.0 * (number % 3)) for number, point in enumerate(true)]

@@ -152,6 +152,7 @@ def test_the_command_writes_the_same_files_whatever_the_workers(command, tmp_pat
     assert "<svg" in (tmp_path / "map.svg").read_text(encoding="utf-8")
 
 
+@pytest.mark.nightly
 def test_a_map_of_one_row_is_drawn_as_lines(command, tmp_path):
     code, out, err = command("--speed-rpm", "1500", "--torque-nm", "2:9.8:3", "--plot", "map.png")
     assert code == 0, err

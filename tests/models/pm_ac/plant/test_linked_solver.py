@@ -379,7 +379,7 @@ def differences(interior: Callable[..., PmAcDrive], point: LinkedPoint) -> dict[
     }
 
 
-@pytest.mark.one_in(12)
+@pytest.mark.one_in(16)
 @pytest.mark.parametrize(
     "point",
     [

@@ -144,6 +144,7 @@ def test_the_search_converges_within_k1_and_k2(scenario: Scenario) -> None:
     assert margin.met, f"CNV-1: {margin.measured} in {scenario.name}"
 
 
+@pytest.mark.nightly
 @FEW
 @given(scenario=steady_scenarios(DRIVE))
 def test_a_search_that_hunts_for_ever_breaks_the_law(altered, scenario: Scenario) -> None:
