@@ -9,7 +9,6 @@ from pydantic import Field, field_validator, model_validator
 
 from drivegate_cases.documents.document import Section
 from drivegate_cases.drive.pm_ac.link_fit import check_link
-from drivegate_models.pm_ac.decay import decay_of
 
 if TYPE_CHECKING:
     from drivegate_models.pm_ac.plant.dc_link import DcLink
@@ -148,6 +147,8 @@ class PmAcLink(Section):
     @property
     def overshoot(self) -> float:
         """Return by how much the link exceeds its source after a step of it, over the height of the step (1)."""
+        from drivegate_models.pm_ac.decay import decay_of
+
         inductance, capacitance = self.source_inductance_h, self.capacitance_f
         if inductance is None or capacitance is None or self.source_resistance_ohm is None:
             return 0.0
