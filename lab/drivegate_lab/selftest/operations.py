@@ -23,8 +23,15 @@ from drivegate_lab.candidates.field_faults import FIELD_FAULTS
 _PROOFS_OF_CURRENT: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
     {
         "clocks": ("milliseconds-overflow", "timer-always-due"),
-        "short control period": ("integral-of-eight-bits", "step-count-in-a-byte"),
-        "minutes": ("milliseconds-overflow",),
+        "short control period": (
+            "integral-of-eight-bits",
+            "step-count-in-a-byte",
+            "period-taken-for-1-millisecond",
+        ),
+        "minutes": ("milliseconds-overflow", "derates-after-a-minute", "derating-chatters"),
+        "lost samples again and again": ("lost-current-trips", "lost-speeds-add-up"),
+        "supply above its nominal voltage": ("swell-trips",),
+        "standstill": ("standstill-latches",),
     }
 )
 

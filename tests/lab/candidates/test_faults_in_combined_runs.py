@@ -6,11 +6,7 @@ from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.contracts.current.checks.convergence import CNV_2
 from drivegate.contracts.current.record import CurrentRecord
-from drivegate.contracts.current.scenarios.combined import (
-    combined_scenarios,
-    long_scenarios,
-    shortest_period_scenarios,
-)
+from drivegate.contracts.current.scenarios.combined import long_scenarios
 from drivegate.drives.running import run_scenario
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario
@@ -22,15 +18,6 @@ from drivegate_cases.scenario.scenario import Scenario
 def test_the_busy_run_shows_a_search_that_restarts_twenty_times_only(name: str, seed: int) -> None:
     *_, busy = long_scenarios(load_drive(name), None, seed)
     assert_shown("twenty-restarts", (busy,))
-
-
-@pytest.mark.nightly
-@pytest.mark.parametrize("name", ["paper-5-phase", "star-3-phase"])
-def test_the_shortest_period_shows_a_search_that_takes_it_for_another_with_any_seed(name: str) -> None:
-    scenarios = shortest_period_scenarios(load_drive(name), None)
-    for seed in (0, 5):
-        assert set(scenarios) <= set(combined_scenarios(load_drive(name), None, seed))
-    assert_shown("period-taken-for-1-millisecond", scenarios)
 
 
 def assert_shown(fault: str, scenarios: tuple[Scenario, ...]) -> None:

@@ -13,8 +13,8 @@ from drivegate.checks.margin import Margin
 from drivegate.contracts.current.checks.catalogue import CHECKS
 from drivegate.contracts.current.record import CurrentRecord
 from drivegate.contracts.current.scenarios.building import base_speed_scenario, coming_on
-from drivegate.contracts.current.scenarios.combined import shortest_period_scenarios
 from drivegate.contracts.current.scenarios.fixed import fixed_scenarios, steady_scenario
+from drivegate.contracts.current.scenarios.rare import RARE
 from drivegate.drives.running import run_scenario
 from drivegate.scenarios.changes import (
     pulsed,
@@ -67,7 +67,7 @@ def shortest_period() -> Scenario:
 
 
 def shortest_period_at_part_load() -> Scenario:
-    return shortest_period_scenarios(DRIVE, None)[1]
+    return RARE["short control period"](DRIVE)[-1]
 
 
 def disturbed_often() -> Scenario:

@@ -4,7 +4,15 @@ from __future__ import annotations
 
 import math
 
-from drivegate.scenarios.changes import coming_on_to, pulsed, with_drift, with_load_factor
+from drivegate.contracts.current.scenarios.feasibility import COASTING_SHARE
+from drivegate.scenarios.changes import (
+    coming_on_to,
+    pulsed,
+    stepped,
+    with_drift,
+    with_load_factor,
+    with_speed,
+)
 from drivegate.scenarios.drive_scale import scale_of, tidy
 from drivegate.scenarios.title import titled
 from drivegate_cases.drive.drive_document import DriveDocument
@@ -16,6 +24,8 @@ from drivegate_models.units import RADIANS_PER_RPM
 
 TORQUE_DIGITS = 3
 """Digits that the torque of a load is rounded to."""
+STANDSTILL_UNITS = 2.0
+"""Units of time for which a reference stays at zero (1)."""
 
 
 def coming_on(drive: DriveDocument) -> Profile:
@@ -110,3 +120,28 @@ def vehicle_scenario(
 def plain_scenario(drive: DriveDocument) -> Scenario:
     """Make the run without any fact: rated torque at the highest required speed."""
     return steady_scenario(drive, drive.rating.highest_speed_rpm, power_share=1.0, constant_power=False)
+
+
+def standstill_scenario(
+    drive: DriveDocument,
+    speed_rpm: float,
+    *,
+    torque_nm: float,
+    at_s: float,
+    over_s: float,
+    begins: bool = False,
+) -> Scenario:
+    """Make a run that begins at standstill, or comes to it and leaves it again, under a constant torque."""
+    scale = scale_of(drive)
+    torque = rounded(torque_nm, TORQUE_DIGITS)
+    load = ConstantTorqueLoad(kind="constant_torque", torque_nm=torque, factor=coming_on(drive))
+    run = steady_scenario(drive, speed_rpm, power_share=0.5, constant_power=False).replaced(load=load)
+    if begins:
+        return with_speed(run, stepped(0.0, speed_rpm, at_s, over_s=over_s))
+    fall = COASTING_SHARE * load.torque_nm / drive.machine.inertia_kg_m2 / RADIANS_PER_RPM
+    down = tidy(at_s + scale.tenth_s * math.ceil(speed_rpm / fall / scale.tenth_s))
+    up = tidy(down + scale.units(STANDSTILL_UNITS))
+    return with_speed(
+        run,
+        ((0.0, speed_rpm), (at_s, speed_rpm), (down, 0.0), (up, 0.0), (tidy(up + over_s), speed_rpm)),
+    )

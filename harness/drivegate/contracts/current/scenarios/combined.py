@@ -10,10 +10,11 @@ from typing import Final, TypeAlias
 from drivegate.contracts.current.scenarios.building import (
     TORQUE_DIGITS,
     coming_on,
+    standstill_scenario,
     steady_scenario,
     vehicle_scenario,
 )
-from drivegate.contracts.current.scenarios.drawn.courses import load_course, standstill_scenario
+from drivegate.contracts.current.scenarios.drawn.courses import load_course
 from drivegate.contracts.current.scenarios.feasibility import COASTING_SHARE, unfair_because
 from drivegate.scenarios.changes import (
     moments,
@@ -52,12 +53,6 @@ ATTEMPTS: Final = 60
 """Draws for one row, ever lighter ones, before it is left out."""
 LIGHTEST: Final = 0.1
 """Lightest load that is drawn, as a share of rated power (1)."""
-SHORTEST_PERIOD_S: Final = 5e-5
-"""Shortest control period of any run."""
-# Speed of one run with it, as a share of the range from base speed to the highest.
-_FAST: Final = 0.8
-# Its load, as a share of rated power's: `CNV-2` only advises on less than half, and torques are rounded.
-_ABOVE_HALF: Final = 0.52
 _PERIODS: Final = {"500 µs": 5e-4, "400 µs": 4e-4, "250 µs": 2.5e-4, "100 µs": 1e-4}
 _CLOCKS: Final = {"0": 0.0, "2³¹ µs": 2147.483648 - 5.0, "2³² µs": 4294.967296 - 5.0}
 
@@ -72,24 +67,7 @@ def combined_scenarios(
     rows = list(enumerate(covering_rows()))[part::parts]
     drawn = [_drawn(drive, speed_range, row, seed, number) for number, row in rows]
     fair = tuple(scenario for scenario in drawn if scenario is not None)
-    others = (*long_scenarios(drive, speed_range, seed), *shortest_period_scenarios(drive, speed_range))
-    return fair + others[part::parts]
-
-
-def shortest_period_scenarios(drive: DriveDocument, speed_range: SpeedRange | None) -> tuple[Scenario, ...]:
-    """Make the runs with the shortest control period, whatever the seed.
-
-    A search that decides too early by the number of its steps shows it where Σ|i| takes long to follow a step of the
-    angle: near the greatest load, or at part load at a high speed. No row of the array has so short a period, and few
-    drawn runs have both.
-    """
-    lowest, highest = loaded_range(drive, speed_range)
-    fast = min(max(scale_of(drive).speed(_FAST), lowest), highest)
-    runs = (
-        steady_scenario(drive, speed, power_share=share, constant_power=False)
-        for speed, share in ((highest, 1.0), (fast, _ABOVE_HALF))
-    )
-    return tuple(with_beginning(run, control_period_s=SHORTEST_PERIOD_S) for run in runs)
+    return fair + long_scenarios(drive, speed_range, seed)[part::parts]
 
 
 def long_scenarios(drive: DriveDocument, speed_range: SpeedRange | None, seed: int) -> tuple[Scenario, ...]:

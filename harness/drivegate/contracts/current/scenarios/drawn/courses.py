@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import math
-
 from hypothesis import strategies as st
 
-from drivegate.contracts.current.scenarios.building import TORQUE_DIGITS, coming_on, steady_scenario
+from drivegate.contracts.current.scenarios.building import (
+    standstill_scenario,
+    steady_scenario,
+)
 from drivegate.contracts.current.scenarios.drawn.steps import (
     LOAD_STEP,
     Drawn,
@@ -14,18 +15,13 @@ from drivegate.contracts.current.scenarios.drawn.steps import (
     loaded_speeds,
     shares,
 )
-from drivegate.contracts.current.scenarios.feasibility import COASTING_SHARE
-from drivegate.scenarios.changes import coming_on_to, pulsed, repeated, stepped, with_load_factor, with_speed
+from drivegate.scenarios.changes import coming_on_to, pulsed, repeated, stepped, with_load_factor
 from drivegate.scenarios.drive_scale import DriveScale, SpeedRange, scale_of, tidy
 from drivegate_cases.drive.drive_document import DriveDocument
-from drivegate_cases.drive.limits import rounded
-from drivegate_cases.scenario.load import ConstantTorqueLoad
 from drivegate_cases.scenario.piecewise import Profile
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.units import RADIANS_PER_RPM
 
-STANDSTILL_UNITS = 2.0
-"""Units of time for which a reference stays at zero (1)."""
 _HEAVIEST_AT_STANDSTILL = 0.5
 
 
@@ -96,29 +92,4 @@ def standstill_scenarios(drive: DriveDocument, speed_range: SpeedRange | None = 
         st.integers(2, 18),
         change_times(drive),
         loaded_speeds(drive, speed_range),
-    )
-
-
-def standstill_scenario(
-    drive: DriveDocument,
-    speed_rpm: float,
-    *,
-    torque_nm: float,
-    at_s: float,
-    over_s: float,
-    begins: bool = False,
-) -> Scenario:
-    """Make a run that begins at standstill, or comes to it and leaves it again, under a constant torque."""
-    scale = scale_of(drive)
-    torque = rounded(torque_nm, TORQUE_DIGITS)
-    load = ConstantTorqueLoad(kind="constant_torque", torque_nm=torque, factor=coming_on(drive))
-    run = steady_scenario(drive, speed_rpm, power_share=0.5, constant_power=False).replaced(load=load)
-    if begins:
-        return with_speed(run, stepped(0.0, speed_rpm, at_s, over_s=over_s))
-    fall = COASTING_SHARE * load.torque_nm / drive.machine.inertia_kg_m2 / RADIANS_PER_RPM
-    down = tidy(at_s + scale.tenth_s * math.ceil(speed_rpm / fall / scale.tenth_s))
-    up = tidy(down + scale.units(STANDSTILL_UNITS))
-    return with_speed(
-        run,
-        ((0.0, speed_rpm), (at_s, speed_rpm), (down, 0.0), (up, 0.0), (tidy(up + over_s), speed_rpm)),
     )
