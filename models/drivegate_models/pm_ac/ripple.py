@@ -26,7 +26,7 @@ def swing_of_updates(
     phases: PmAcPhases,
     angle: float,
     speed: float,
-    link: float,
+    links: NDArray[np.float64],
     ratios: NDArray[np.float64],
     legs: NDArray[np.int64],
     first: int,
@@ -38,6 +38,7 @@ def swing_of_updates(
     """Return maximum minus minimum torque of the carrier's updates after the ignored ones.
 
     - `phases`: state before the first one, with `torque_bounds`; replaced by the state after the last.
+    - `links`, shape (n,): voltage of the dc link in each (V).
     - `ratios`, `legs`, shape (n, 3): what acts in each.
     - `first`: number of the first one, on which the alignment depends.
     - `totals`, shape (ledger.ENTRIES,): the exact integrals are added to it.
@@ -55,7 +56,7 @@ def swing_of_updates(
                 phases,
                 angle + k * turning,
                 speed,
-                link,
+                links[k],
                 ratios[k],
                 legs[k],
                 alignment_of(drive.modulator.updates, first + k),
@@ -79,7 +80,7 @@ def commanded_swing(
     currents: tuple[float, float],
     angle: float,
     speed: float,
-    link: float,
+    links: NDArray[np.float64],
     ratios: NDArray[np.float64],
     legs: NDArray[np.int64],
     *,
@@ -93,7 +94,7 @@ def commanded_swing(
     - `currents`: d-axis and q-axis currents at the start (A).
     - `angle`: electrical angle at the start (rad).
     - `speed`: constant speed of the shaft (rad/s).
-    - `link`: voltage of the dc link (V).
+    - `links`, shape (n,): voltage of the dc link in each control period (V).
     - `ratios`, shape (n, 3): duty ratios that act in each control period (1).
     - `legs`, shape (n, 3): states of the legs in each control period.
     - `first`: number of the first control period. With two updates per carrier period it must be even: every lower
@@ -118,7 +119,7 @@ def commanded_swing(
             phases,
             float(angle),
             float(speed),
-            float(link),
+            np.repeat(links, every),
             np.repeat(ratios, every, axis=0),
             np.repeat(legs, every, axis=0),
             int(first),

@@ -98,7 +98,16 @@ def uncompensated_swing(drive: PmAcDrive, speed: float = SPEED) -> float:
         write_ratios(ratios[number], along, across, LINK, NO_RAIL)
     legs = np.full(ratios.shape, LEG_PWM, np.int64)
     return commanded_swing(
-        drive, CURRENTS, 0.0, speed, LINK, ratios, legs, first=0, ignored=600, period=PERIOD
+        drive,
+        CURRENTS,
+        0.0,
+        speed,
+        np.full(len(ratios), LINK),
+        ratios,
+        legs,
+        first=0,
+        ignored=600,
+        period=PERIOD,
     )
 
 

@@ -33,7 +33,7 @@ def swing_of(
         (0.0, 0.0),
         0.0,
         0.0,
-        LINK,
+        np.full(periods, LINK),
         np.tile(ratios, (periods, 1)),
         np.full((periods, 3), mode, np.int64),
         first=0,

@@ -25,7 +25,7 @@ from drivegate_cases.scenario.load import DynamometerLoad
 from drivegate_cases.scenario.profile import Dwell
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import IdealSensors
-from drivegate_models.pm_ac.plant.drive import PmAcDrive
+from drivegate_models.pm_ac.plant.drive import PmAcDrive, drifted
 from drivegate_models.units import RADIANS_PER_RPM
 
 
@@ -86,6 +86,14 @@ class DutyRecord(Record):
         drive: Any = self.drive
         plant: PmAcDrive = drive
         return plant
+
+    def plant_at(self, period: int) -> PmAcDrive:
+        """Return the plant with its windings as warm as they are at the start of a control period."""
+        thermal = self.document.thermal
+        if thermal is None:
+            return self.plant
+        temperature = float(self.run.column("winding_temperature")[period])
+        return drifted(self.plant, thermal.resistance_at(temperature, 1.0), 1.0)
 
     @property
     def limits(self) -> Limits:

@@ -123,7 +123,7 @@ class TorqueCourse:
 
 def torque_course(record: DutyRecord, first: int, count: int) -> TorqueCourse:
     """Follow the torque of a run at a held speed over some control periods; the first one is at least number 2."""
-    replay = _Replay(record, record.plant, first)
+    replay = _Replay(record, record.plant_at(first), first)
     for row in range(first, first + count):
         replay.advance(row)
     starts, lengths, means, rises, least, greatest, direct, quadrature = (
@@ -168,7 +168,7 @@ class _Replay:
     def advance(self, row: int) -> None:
         """Advance by a control period, stretch by stretch."""
         run = self.record.run
-        angle, speed, link = (float(run.column(name)[row]) for name in ("angle", "speed", "link"))
+        angle, speed, link = (float(run.column(name)[row]) for name in ("angle", "speed", "link_mean"))
         turning = self.plant.pole_pairs * speed
         least, greatest = np.inf, -np.inf
         for begin, start, end in self._stretches(row):
@@ -177,7 +177,7 @@ class _Replay:
             totals = np.zeros(ledger.ENTRIES)
             phases, length = self.phases, end - start
             instant = angle + turning * (begin + start)
-            held = (speed, link, _NO_RATIOS, legs[np.newaxis])
+            held = (speed, np.array([link]), _NO_RATIOS, legs[np.newaxis])
             if isinf(swing_of_updates(self.plant, phases, instant, *held, 0, 0, length, totals, NONE_KEPT)):
                 raise HarnessFault(f"the plant could not follow the commands of step {row}")
             seen = (row * self.length + (begin + start), length, totals[ledger.IMPULSE] / length)

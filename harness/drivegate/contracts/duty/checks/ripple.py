@@ -14,6 +14,7 @@ from drivegate.candidates.declaration import NOTHING_DECLARED
 from drivegate.checks.check import Check
 from drivegate.checks.course import course_of
 from drivegate.checks.margin import Course, Margin, Mark, Moment, Point, at_most
+from drivegate.checks.means import exact_mean
 from drivegate.contracts.duty.checks.judged import at, decisive, undistorted, worst
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
 from drivegate.contracts.duty.run import DUTY_RATIOS, LEGS
@@ -75,7 +76,7 @@ def _swing(record: DutyRecord, window: DutyWindow, extremes: NDArray[np.float64]
     """
     run, length, count = record.run, record.scenario.control_period_s, _watched(record, window)
     rows = _swing_rows(record, window)
-    first, drive = rows.start, record.plant
+    first, drive = rows.start, record.plant_at(rows.start)
     delay = 1 if drive.modulator.update_delay > 0 else 0
     commands = run.commands[rows.start - delay : rows.stop - delay]
     ratios: NDArray[np.float64] = np.stack([commands[name] for name in DUTY_RATIOS], axis=1)
@@ -88,7 +89,7 @@ def _swing(record: DutyRecord, window: DutyWindow, extremes: NDArray[np.float64]
         (direct, quadrature),
         float(run.column("angle")[first]),
         speed,
-        window.link,
+        run.column("link_mean")[rows],
         np.ascontiguousarray(ratios),
         np.ascontiguousarray(legs),
         first=first,
@@ -117,13 +118,15 @@ def _extremes(record: DutyRecord, window: DutyWindow) -> tuple[NDArray[np.float6
 
 
 def _ideal_swing(record: DutyRecord, window: DutyWindow) -> float:
-    drive, length = record.plant, record.scenario.control_period_s
+    """Return the swing of ideal modulation on the drive as it is at the end of a window (N·m)."""
+    rows, length = _swing_rows(record, window), record.scenario.control_period_s
+    drive = record.plant_at(rows.start)
     slowest = max(drive.direct_inductance, drive.quadrature_inductance)
     settled = _TIME_CONSTANTS * slowest / (drive.resistance * length) if drive.resistance > 0.0 else _LONGEST
     return ideal_swing(
         drive,
         window.speed,
-        window.link,
+        exact_mean(record.run.column("link_mean")[rows]),
         (window.direct, window.quadrature),
         ignored=2 * ceil(min(settled, _LONGEST) / 2.0),
         watched=max(_watched(record, window), LEAST_IDEAL_PERIODS),
@@ -144,12 +147,13 @@ def _is_rippling(record: DutyRecord, window: DutyWindow) -> bool:
     if is_slow or is_weak or window.voltage > VOLTAGE_SHARE * greatest or _link_swings(record, window):
         return False
     # Legs that ignore their duty ratios make another voltage than these ask for; the currents show the true one.
-    own = steady_state(record.plant, window.speed, window.direct, window.quadrature)
+    warm = record.plant_at(_swing_rows(record, window).start)
+    own = steady_state(warm, window.speed, window.direct, window.quadrature)
     return bool(own.voltage >= LEAST_VOLTAGE_SHARE * greatest)
 
 
 def _link_swings(record: DutyRecord, window: DutyWindow) -> bool:
-    """Return True if the link is not as steady as the mean voltage, at which the swing of a window is followed."""
+    """Return True if the link is not as steady as that of ideal modulation."""
     if is_ideal(record.plant.dc_link):
         return False
     link = record.run.column("link")[_swing_rows(record, window)]
