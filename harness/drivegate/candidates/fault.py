@@ -24,6 +24,8 @@ OVERWRITTEN_SIZE: Final = (
     "the command's struct_size was overwritten with a negative number; "
     "the harness sets it, leave it unchanged"
 )
+UNSENSED: Final = "; this drive has no position sensor, so angle and speed are NaN"
+"""What explains an output that is not finite where nothing shows the shaft."""
 _ADDRESS = re.compile(r"\b0x[0-9a-fA-F]{6,}\b")
 _CALLERS = ("drivegate", "importlib", "_frozen_importlib", "_frozen_importlib_external")
 _CUT = "\n[...]\n"

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import ctypes
-from math import isfinite, isinf
+from math import isfinite, isinf, isnan
 from numbers import Integral
 from operator import itemgetter
 from struct import Struct
 from typing import Any, ClassVar, Final
 
 from drivegate.candidates.contract import ContractName
+from drivegate.candidates.fault import UNSENSED
 from drivegate.candidates.python.bridged_steps import BridgedSteps, InvalidOutput, real_number
 from drivegate_models.contract.current.records import packing
 from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE
@@ -52,7 +53,11 @@ class DutySteps(BridgedSteps):
             # While the bridge is off nothing of it acts.
             if sense.enable:
                 _OUTPUTS.pack_into(
-                    self.command_view, _OUTPUTS_OFFSET, *_ratios(answer), *_legs(answer), *_rest(answer)
+                    self.command_view,
+                    _OUTPUTS_OFFSET,
+                    *_ratios(answer, sense),
+                    *_legs(answer),
+                    *_rest(answer),
                 )
         except BaseException as error:
             self.stop(error, sense, command_address)
@@ -72,12 +77,13 @@ def _integer(name: str, value: object) -> int:
     return int(value)
 
 
-def _ratios(answer: DutyCommand) -> tuple[float, float, float]:
+def _ratios(answer: DutyCommand, sense: DutySense) -> tuple[float, float, float]:
     first, second, third = _three("duty_ratios", answer.duty_ratios)
     if not (type(first) is type(second) is type(third) is float):
         first, second, third = (real_number("a duty ratio", value) for value in (first, second, third))
     if not (isfinite(first) and isfinite(second) and isfinite(third)):
-        raise InvalidOutput(f"duty_ratios are {first}, {second}, {third}, but all must be finite")
+        because = UNSENSED if isnan(sense.angle) and sense.hall < 0 else ""
+        raise InvalidOutput(f"duty_ratios are {first}, {second}, {third}, but all must be finite{because}")
     return first, second, third
 
 

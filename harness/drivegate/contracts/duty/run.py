@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.candidates.declaration import Declaration
-from drivegate.candidates.fault import OVERWRITTEN_SIZE
+from drivegate.candidates.fault import OVERWRITTEN_SIZE, UNSENSED
 from drivegate.contracts.duty.document import duty_document
 from drivegate_cases.drive.pm_ac.document import POSITIONS
 from drivegate_cases.scenario.load import DynamometerLoad, VehicleLoad
@@ -112,7 +112,7 @@ def refusal_of(command: Any, status: int, *, has_sensor: bool = True) -> str:
     """
     if status == NOT_FINITE:
         ratios = ", ".join(f"{float(command[name]):g}" for name in DUTY_RATIOS)
-        because = "" if has_sensor else "; this drive has no position sensor, so angle and speed are NaN"
+        because = "" if has_sensor else UNSENSED
         return f"the duty ratios are not all finite: {ratios}{because}"
     if status == STOPPED:
         return OVERWRITTEN_SIZE

@@ -11,6 +11,7 @@ import pytest
 from drivegate import DutyCommand, DutySense
 from drivegate.candidates.builtin.duty_loading import DutyController
 from drivegate.candidates.declaration import Declaration
+from drivegate.candidates.fault import CandidateFault
 from drivegate.candidates.python.bridge import PythonController
 from drivegate.contracts.duty.checks.accuracy import ROB_5
 from drivegate.contracts.duty.checks.starting import STA_1
@@ -91,6 +92,18 @@ def test_a_candidate_that_uses_the_angle_is_told_why_it_failed() -> None:
     command = duty_command_record()[0]
     told = "; this drive has no position sensor, so angle and speed are NaN"
     assert refusal_of(command, NOT_FINITE, has_sensor=False) == refusal_of(command, NOT_FINITE) + told
+
+
+class Unready(Idle):
+    """A candidate whose duty ratios follow the angle."""
+
+    def step(self, sense: DutySense) -> DutyCommand:
+        return DutyCommand((0.5 + 0.1 * sense.angle, 0.5, 0.5))
+
+
+def test_a_python_candidate_that_uses_the_angle_is_told_why_it_failed() -> None:
+    with pytest.raises(CandidateFault, match="but all must be finite; this drive has no position sensor"):
+        run_scenario(speed_run((0.0, 500.0), end_s=1e-3), PythonController(Unready()))
 
 
 def test_checks_of_a_sensor_do_not_apply() -> None:
