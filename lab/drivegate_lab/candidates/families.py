@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 DESIGN_NAMES: Final = ("golden-section", "quadratic-interpolation", "angle-table", "sweep")
 """Names of the correct designs, without their prefix."""
-SENSORLESS_DESIGN_NAMES: Final = ("slower-observer",)
+SENSORLESS_DESIGN_NAMES: Final = ("start-by-observer", "slower-observer")
 """Names of those for drives without a position sensor."""
 
 

@@ -49,6 +49,7 @@ class SensorlessController(CompiledController):
         state = self._state[0]
         state["controller"] = self._plain.record
         state["variation"] = self._variation.variation
+        state["starting"] = 0
         state["still_gain"] = state["controller"]["still_gain"]
         if self._variation.alter is not None:
             self._variation.alter(state["controller"])

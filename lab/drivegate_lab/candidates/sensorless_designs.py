@@ -6,10 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Final
 
+from drivegate_lab.kernels.faults.duty import sensorless as kernels
+
 
 @dataclass(frozen=True)
 class SensorlessDesign:
-    """Another observer."""
+    """Another observer or another start."""
 
     variation: int = 0
     """What its steps do otherwise, from `drivegate_lab.kernels.faults.duty.sensorless`; 0 for nothing."""
@@ -23,6 +25,7 @@ def _slower_observer(state: Any) -> None:
 
 
 SENSORLESS_DESIGNS: Final = {
+    "start-by-observer": SensorlessDesign(kernels.BY_OBSERVER),
     "slower-observer": SensorlessDesign(alter=_slower_observer),
 }
 """All of them, by the name behind ``design:``."""

@@ -162,7 +162,7 @@ def _watch(state: Any, sense: Any, command: Any, before: tuple[float, float]) ->
     if state.agreed == 1:
         rectified = abs(state.along_before) + abs(state.across_before) > _RECTIFIED * machine.current_limit
         if not rectified or state.age >= _WATCHED + _FOLLOWED:
-            _run(state, 0.0)
+            run_observed(state, 0.0)
         return
     state.age = machine.delay + 1
     state.turned = 0.0
@@ -184,7 +184,7 @@ def _reset_integrals(state: Any, direct: float, quadrature: float) -> None:
 
 
 @inlined
-def _run(state: Any, torque: float) -> None:
+def run_observed(state: Any, torque: float) -> None:
     """Begin field-oriented control from a torque (N m)."""
     machine = state.machine
     reset_voltage_share(machine)
@@ -232,7 +232,7 @@ def _ramp(state: Any, sense: Any, command: Any) -> None:
     if state.agreed >= state.agreed_periods:
         direct, quadrature = _observed_currents(state, sense)
         _reset_integrals(state, direct, quadrature)
-        _run(state, torque_per_quadrature(machine, direct) * quadrature)
+        run_observed(state, torque_per_quadrature(machine, direct) * quadrature)
         return
     waited = max(_WAITED_PERIODS * state.swing_period, _WAITED)
     if state.age * machine.control_period > waited:

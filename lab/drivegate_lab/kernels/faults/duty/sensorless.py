@@ -17,7 +17,7 @@ from drivegate_models.compilation.calling import step_signature
 from drivegate_models.compilation.kernels import KEEPS_CACHE, inlined
 from drivegate_models.contract.duty.records import DUTY_COMMAND, DUTY_SENSE
 from drivegate_models.controllers.duty.flux_observer import SPEED_GAIN, place_rotor
-from drivegate_models.controllers.duty.foc_sensorless import step_state
+from drivegate_models.controllers.duty.foc_sensorless import run_observed, step_state
 from drivegate_models.controllers.duty.sensorless_state import (
     ALIGNING,
     RAMPING,
@@ -55,6 +55,13 @@ STALL_BELIEVED: Final = 13
 """A rotor that stands still while the observed flux is right is not lost."""
 COASTS: Final = 14
 """A shaft whose reference has changed its sense is left to itself below the least speed."""
+BY_OBSERVER: Final = 15
+"""Correct: the observed angle drives a rotor as soon as it is aligned, and no current vector turns it."""
+
+# Least observed speed of a start by the observer over the least one, and time that it has to turn beyond that of the
+# ramp, in periods of the swing.
+_TURNING: Final = 0.1
+_WAITED: Final = 6.0
 
 VARIED_SENSORLESS_STATE: Final = np.dtype(
     [
@@ -63,6 +70,8 @@ VARIED_SENSORLESS_STATE: Final = np.dtype(
         # What differs, 0 for nothing, and the observer's gain without rotation (1/s).
         ("variation", np.int64),
         ("still_gain", np.float64),
+        # Control periods since the rotor was aligned, while it gets its time to turn; else 0.
+        ("starting", np.int64),
     ],
     align=True,
 )
@@ -95,9 +104,25 @@ def _coast(controller: Any, sense: Any) -> None:
 
 
 @inlined
+def _start_by_observer(state: Any) -> None:
+    """Have a rotor that starts turn with the sense of the start, and not be lost before it had time to."""
+    controller = state.controller
+    ahead = controller.sense_of_start * controller.speed
+    ramp = controller.handover_speed / controller.acceleration + _WAITED * controller.swing_period
+    if ahead > controller.handover_speed or state.starting * controller.machine.control_period > ramp:
+        state.starting = 0
+        return
+    state.starting += 1
+    controller.lost = 0
+    controller.speed = controller.sense_of_start * max(ahead, _TURNING * controller.least_speed)
+
+
+@inlined
 def _alter_before(state: Any, sense: Any) -> None:
     """Change the controller's state before a step."""
     controller, variation = state.controller, state.variation
+    if state.starting > 0:
+        _start_by_observer(state)
     machine = controller.machine
     if variation == NEWER_VOLTAGE:
         machine.along_voltage[machine.delay] = machine.along_voltage[0]
@@ -128,6 +153,9 @@ def step_varied(state: Any, sense: Any, command: Any) -> None:
     sense.reference = reference
     if mode == RAMPING and controller.mode == RUNNING:
         _alter_handover(controller, variation)
+    elif mode == ALIGNING and controller.mode == RAMPING and variation == BY_OBSERVER:
+        run_observed(controller, 0.0)
+        state.starting = 1
     if variation == ANGLE_NEGATED:
         command.angle = -command.angle
     elif variation == ELECTRICAL_ANGLE:
