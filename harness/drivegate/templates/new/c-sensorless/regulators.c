@@ -1,13 +1,5 @@
 /* The field-oriented control of controller.c, as sensorless.c uses it. */
-#define drivegate_abi_version foc_abi_version
-#define drivegate_state_size foc_state_size
-#define drivegate_duty_reset foc_reset
-#define drivegate_duty_step foc_step
 #include "controller.c"
-#undef drivegate_abi_version
-#undef drivegate_state_size
-#undef drivegate_duty_reset
-#undef drivegate_duty_step
 
 typedef controller regulators;
 

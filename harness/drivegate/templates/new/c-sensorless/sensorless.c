@@ -1,7 +1,16 @@
 /* Start and observer for a machine without a position sensor, around the field-oriented control in regulators.c. While the
  * legs are off, the terminals show whether the shaft turns. A current vector aligns a shaft at rest and turns it up to the
- * least speed, from which an observer of the stator flux shows the angle. All quantities are in SI units. */
+ * least speed, from which an observer of the stator flux shows the angle. All quantities are in SI units.
+ * The functions of the control get other names, because their own are those of this controller. */
+#define drivegate_abi_version foc_abi_version
+#define drivegate_state_size foc_state_size
+#define drivegate_duty_reset foc_reset
+#define drivegate_duty_step foc_step
 #include "regulators.c"
+#undef drivegate_abi_version
+#undef drivegate_state_size
+#undef drivegate_duty_reset
+#undef drivegate_duty_step
 
 int64_t drivegate_abi_version(void);
 int64_t drivegate_state_size(void);
