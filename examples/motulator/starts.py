@@ -58,7 +58,7 @@ def start(candidate: str, reference_rpm: float, angle_deg: float) -> Start:
     speed = recorded(loaded, run, loaded.controller()).run.column("speed")
     turned = np.degrees(np.cumsum(speed) * run.control_period_s * drive.machine.pole_pairs)
     last = speed[-len(speed) // 10 :].mean() / RADIANS_PER_RPM
-    return Start(candidate, angle_deg, reference_rpm, float(last), float(max(-turned.min(), 0.0)))
+    return Start(candidate, angle_deg, reference_rpm, float(last), float(max(0.0, -turned.min())))
 
 
 def starts() -> Iterator[Start]:
