@@ -16,7 +16,8 @@ from pathlib import Path
 from typing import Any, Final
 
 from drivegate_cases.documents.atomic_write import write_atomically
-from search_figure import write_figure, write_tables
+from measured_text import SEARCHING, write_measured
+from search_figure import tables, write_figure
 from search_methods import METHODS
 from search_trials import SLOW_CHECKS, Cell, done, seeds
 from weakened_faults import FAULTS
@@ -24,14 +25,13 @@ from weakened_faults import FAULTS
 HERE: Final = Path(__file__).resolve().parent
 RESULT: Final = HERE / "search_comparison.json"
 FIGURE: Final = HERE.parent / "docs" / "images" / "search-comparison.svg"
-PAGE: Final = HERE.parent / "docs" / "searching.md"
 
 
 def cells(known: dict[str, Any]) -> Iterator[Cell]:
     """List the trials, those of gradual faults at the severities that are known by now."""
     for number, fault in enumerate(FAULTS):
         for method in METHODS:
-            for seed in seeds(fault):
+            for seed in seeds(fault, method):
                 if fault.shape == "sudden":
                     yield Cell(number, method, seed)
                 elif fault.name in known:
@@ -68,7 +68,7 @@ def main() -> None:
     parser.add_argument("--again", action="store_true", help="forget the trials that the result file holds")
     parser.add_argument("--result", type=Path, default=RESULT)
     parser.add_argument("--figure", type=Path, default=FIGURE)
-    parser.add_argument("--page", type=Path, default=PAGE, help="page whose tables are written again")
+    parser.add_argument("--page", type=Path, default=SEARCHING, help="page whose tables are written again")
     options = parser.parse_args()
     document: dict[str, Any] = {"cells": {}, "processor_seconds": 0.0}
     if options.result.exists() and not options.again:
@@ -80,7 +80,7 @@ def main() -> None:
     work([*rarenesses, *cells(document["cells"])], document, options.workers, options.result)
     work(cells(document["cells"]), document, options.workers, options.result)
     write_figure(document, options.figure)
-    write_tables(document, options.page)
+    write_measured(options.page, "search tables", tables(document))
 
 
 if __name__ == "__main__":

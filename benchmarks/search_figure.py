@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from math import inf
+from collections.abc import Sequence
+from math import hypot, inf, sqrt
 from pathlib import Path
-from statistics import fmean, median
-from typing import Any, Final
+from statistics import fmean, median, stdev
+from typing import Any, Final, NamedTuple
 
 from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_reports.page.style import (
@@ -19,11 +20,9 @@ from drivegate_reports.page.style import (
     svg_document,
 )
 from search_methods import SHARD_ALLOWANCE
-from search_trials import LEVELS, allowance, expected_draws, seeds
+from search_trials import LEVELS, SHARD_SEEDS, allowance, expected_draws, seeds
 from weakened_faults import FAULTS, WeakenedFault
 
-BEGIN: Final = "<!-- search tables: begin -->"
-END: Final = "<!-- search tables: end -->"
 TITLES: Final = {
     "random": "even drawing",
     "drawing": "Hypothesis, drawing",
@@ -33,6 +32,8 @@ TITLES: Final = {
     "bayesian": "Bayesian (TPE)",
     "alternating": "draw and step in turn",
 }
+_ENOUGH_SEEDS: Final = 5
+"""Number of seeds from which on an error is stated."""
 _LOOKS: Final = {
     "drawing": (GREY, "s"),
     "climbing": (ORANGE, "D"),
@@ -46,7 +47,7 @@ _LOOKS: Final = {
 def runs_to_failure(cells: dict[str, Any], fault: WeakenedFault, method: str, level: int) -> list[float]:
     """List the runs to the first counterexample by seed, infinite where none was found."""
     runs = []
-    for seed in seeds(fault):
+    for seed in seeds(fault, method):
         if fault.shape == "sudden":
             first = cells[f"{fault.name}/{method}/-1/{seed}"]["first"][level]
             runs.append(inf if first is None else float(first))
@@ -56,18 +57,56 @@ def runs_to_failure(cells: dict[str, Any], fault: WeakenedFault, method: str, le
     return runs
 
 
-def found_share(cells: dict[str, Any], fault: WeakenedFault, method: str, within: int) -> float:
+class Share(NamedTuple):
+    """A share of levels and seeds, and twice its standard error over the seeds; None where seeds are few."""
+
+    value: float
+    error: float | None = None
+
+    def __str__(self) -> str:
+        return (
+            f"{100.0 * self.value:.0f}"
+            + ("" if self.error is None else f" ± {100.0 * self.error:.0f}")
+            + " %"
+        )
+
+
+def found_share(cells: dict[str, Any], fault: WeakenedFault, method: str, within: int) -> Share:
     """Return the share of all levels and seeds in which a counterexample was found within some runs.
 
     Of drawing evenly this is what its share of failing points makes probable.
     """
     if method == "random":
-        return fmean(1.0 - (1.0 - 1.0 / expected_draws(level)) ** within for level in range(LEVELS))
+        return Share(fmean(1.0 - (1.0 - 1.0 / expected_draws(level)) ** within for level in range(LEVELS)))
     if method == "climbing" and within <= SHARD_ALLOWANCE:
         # The target phase begins at half of the allowance, whatever that is.
         method = "climbing-briefly"
-    runs = [run for level in range(LEVELS) for run in runs_to_failure(cells, fault, method, level)]
-    return fmean(run <= within for run in runs)
+    by_level = [runs_to_failure(cells, fault, method, level) for level in range(LEVELS)]
+    by_seed = [fmean(run <= within for run in runs) for runs in zip(*by_level, strict=True)]
+    enough = len(by_seed) >= _ENOUGH_SEEDS
+    return Share(fmean(by_seed), 2.0 * stdev(by_seed) / sqrt(len(by_seed)) if enough else None)
+
+
+def _mean(shares: Sequence[Share]) -> Share:
+    """Return the mean share of several faults, with an error where each has one."""
+    errors = [share.error for share in shares if share.error is not None]
+    error = hypot(*errors) / len(shares) if len(errors) == len(shares) else None
+    return Share(fmean(share.value for share in shares), error)
+
+
+def levels_near_the_best(cells: dict[str, Any], fault: WeakenedFault) -> tuple[int, int]:
+    """Count the levels at which a shard's median is at most 1.5 times that of each other method.
+
+    The second number is that of the levels at which some method found the fault with half of its seeds.
+    """
+    medians = {
+        method: [median(runs_to_failure(cells, fault, method, level)) for level in range(LEVELS)]
+        for method in _LOOKS
+    }
+    shard = medians.pop("shard")
+    best = [min(runs) for runs in zip(*medians.values(), strict=True)]
+    found = [pair for pair in zip(shard, best, strict=True) if min(pair) < inf]
+    return sum(own <= 1.5 * other for own, other in found), len(found)
 
 
 def tables(document: dict[str, Any]) -> str:
@@ -75,17 +114,20 @@ def tables(document: dict[str, Any]) -> str:
     cells = document["cells"]
     lines = [
         f"Made in {document['processor_seconds'] / 60.0:.0f} minutes of processor time. Counterexamples found, "
-        "as a share of all levels and seeds:",
+        f"as a share of all levels and seeds, ± twice the standard error over {SHARD_SEEDS} seeds. The last column "
+        "counts the levels at which the shard's median is at most 1.5 times the best other one, of those at which a "
+        "median was found:",
         "",
-        f"| fault | check | kind | runs | seeds | {' | '.join(TITLES.values())} |",
-        f"|---|---|---|---:|---:|{'---:|' * len(TITLES)}",
+        f"| fault | check | kind | runs | seeds | {' | '.join(TITLES.values())} | levels |",
+        f"|---|---|---|---:|---:|{'---:|' * len(TITLES)}---:|",
     ]
     for fault in FAULTS:
         shares = (found_share(cells, fault, method, allowance(fault)) for method in TITLES)
-        figures = " | ".join(f"{100.0 * share:.0f} %" for share in shares)
-        lines.append(
-            f"| {fault.name} | `{fault.check}` | {fault.shape} | {allowance(fault)} | {len(seeds(fault))} | {figures} |"
+        first = (
+            f"| {fault.name} | `{fault.check}` | {fault.shape} | {allowance(fault)} | {_seed_counts(fault)} "
         )
+        near, levels = levels_near_the_best(cells, fault)
+        lines.append(f"{first}| {' | '.join(map(str, shares))} | {near} of {levels} |")
     for title, shape, within in (
         ("all gradual ones", "gradual", None),
         (f"all gradual ones, first {SHARD_ALLOWANCE} runs", "gradual", SHARD_ALLOWANCE),
@@ -93,19 +135,17 @@ def tables(document: dict[str, Any]) -> str:
         (f"all sudden ones, first {SHARD_ALLOWANCE} runs", "sudden", SHARD_ALLOWANCE),
     ):
         chosen = [fault for fault in FAULTS if fault.shape == shape]
-        shares = (
-            fmean(found_share(cells, fault, method, within or allowance(fault)) for fault in chosen)
+        means = (
+            _mean([found_share(cells, fault, method, within or allowance(fault)) for fault in chosen])
             for method in TITLES
         )
-        lines.append(f"| *{title}* | | | | | {' | '.join(f'{100.0 * share:.0f} %' for share in shares)} |")
+        lines.append(f"| *{title}* | | | | | {' | '.join(map(str, means))} | |")
     return "\n".join(lines)
 
 
-def write_tables(document: dict[str, Any], page: Path) -> None:
-    """Write the tables between their two marks in a page."""
-    before, rest = page.read_text(encoding="utf-8").split(BEGIN)
-    after = rest.split(END)[1]
-    write_atomically(page, f"{before}{BEGIN}\n\n{tables(document)}\n\n{END}{after}")
+def _seed_counts(fault: WeakenedFault) -> str:
+    shard, others = len(seeds(fault, "shard")), len(seeds(fault, "drawing"))
+    return str(others) if others == shard else f"{others}, shard {shard}"
 
 
 def write_figure(document: dict[str, Any], file: Path) -> None:

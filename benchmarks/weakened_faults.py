@@ -34,7 +34,8 @@ Point: TypeAlias = tuple[float, ...]
 GRID: Final = 1000
 """Steps of each coordinate, the same for every method."""
 _CHECKS = {check.id: check for check in CHECKS}
-_CORRECT = Mutation("correct", "Nothing is wrong with it.", "none", fault=NO_FAULT)
+CORRECT: Final = Mutation("correct", "Nothing is wrong with it.", "none", fault=NO_FAULT)
+"""The controller without a fault."""
 _STEADY_S = 9.2
 _SHORT_S = 1.0
 
@@ -249,7 +250,7 @@ class Judge:
 
 def correct(fault: WeakenedFault) -> Judge:
     """Judge the controller without the fault."""
-    return Judge(_CORRECT, fault.check, fault.cube)
+    return Judge(CORRECT, fault.check, fault.cube)
 
 
 _DEGREE: Final = radians(1.0)

@@ -7,8 +7,9 @@ from statistics import median
 import pytest
 
 from rare_severities import rareness
+from search_figure import found_share, levels_near_the_best
 from search_methods import METHODS, SHARD_ALLOWANCE, Trial, random_points
-from search_trials import expected_draws, first_in_pockets
+from search_trials import LEVELS, expected_draws, first_in_pockets, seeds
 from weakened_faults import FAULTS, GRID, Judge, Point, WeakenedFault, correct, on_grid
 
 MIDDLE = (0.3, 0.7, 0.6)
@@ -118,3 +119,25 @@ def test_rare_failures_are_as_rare_as_is_said(monkeypatch: pytest.MonkeyPatch) -
     for share in (1e-1, 1e-2, 1e-3):
         shares = [one.severity(share) ** 3 for one in found]
         assert median(shares) == pytest.approx(share, rel=0.3), f"{shares} at a share of {share}"
+
+
+def test_shares_have_errors_where_seeds_are_many_and_medians_are_compared() -> None:
+    fault = GRADUAL[0]
+    # The shard needs 20 runs with every other seed, and each other method 10 at half of the levels.
+    cells = {
+        f"{fault.name}/{method}/{level}/{seed}": {
+            "runs": 20 if method == "shard" else 10,
+            "found": seed % 2 == 0 if method == "shard" else level % 2 == 0,
+        }
+        for method in METHODS
+        for level in range(LEVELS)
+        for seed in seeds(fault, method)
+    }
+    assert str(found_share(cells, fault, "shard", 20)) == "50 ± 23 %"
+    assert str(found_share(cells, fault, "shard", 19)) == "0 ± 0 %"
+    assert str(found_share(cells, fault, "covariance", 10)) == "50 %"
+    # Half of the seeds find nothing: the shard's median is infinite, as that of the others is at odd levels.
+    assert levels_near_the_best(cells, fault) == (0, LEVELS // 2)
+    for key in [key for key in cells if "/shard/" in key]:
+        cells[key] = {"runs": 15, "found": True}
+    assert levels_near_the_best(cells, fault) == (LEVELS, LEVELS)
