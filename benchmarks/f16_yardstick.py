@@ -3,14 +3,16 @@
     python benchmarks/f16_yardstick.py FOLDER --seeds 50
 
 FOLDER holds the package `aerobench` (AeroBench for Python, Heidlauf and others, ARCH 2018), which is not a part of
-drivegate. Every trial ends with the first collision or after 300 simulations.
+drivegate. The methods of psy-taliro need that package. Every trial ends with the first collision or after 300
+simulations.
 """
 
 from __future__ import annotations
 
 import argparse
+import random
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import cache
@@ -18,10 +20,16 @@ from itertools import repeat
 from math import pi, radians
 from pathlib import Path
 from statistics import fmean, median
+from types import MappingProxyType
 from typing import Any, Final, TypeAlias
 
+import numpy as np
+from numpy.typing import NDArray
+
+import search_figure
+from measured_text import write_measured
 from search_methods import METHODS, Method, Trial, random_points
-from weakened_faults import Point
+from weakened_faults import GRID, Point
 
 ALLOWANCE: Final = 300
 """Greatest number of simulations of one trial."""
@@ -87,32 +95,88 @@ def row(name: str, runs: Sequence[int | None]) -> str:
     return f"| {name} | {len(found)} of {len(runs)} | {needed} |"
 
 
-METHOD_NAMES: Final = ("random", "shard", "covariance", "bayesian", "alternating", "drawing", "climbing")
+def _by_taliro(trial: Trial, dimensions: int, number: int, name: str) -> None:
+    from staliro import optimizers
+    from staliro.signals import Interval
+
+    class Asked(optimizers.ObjFunc[float, optimizers.Sample]):
+        """Asks the trial."""
+
+        def eval_sample(self, sample: optimizers.Sample) -> float:
+            return trial(tuple(map(float, sample.values)))
+
+    optimizer = {"uniform": optimizers.UniformRandom, "annealing": optimizers.DualAnnealing}[name](
+        min_cost=0.0
+    )
+    bounds = [Interval(0.0, 1.0)] * dimensions
+    optimizer.optimize(Asked(), optimizers.Optimizer.Params(number, trial.allowance, bounds))
 
 
-def _method(name: str) -> Method:
-    return random_points if name == "random" else METHODS[name]
+def uniform(trial: Trial, dimensions: int, number: int) -> None:
+    """Draw as psy-taliro does."""
+    _by_taliro(trial, dimensions, number, "uniform")
+
+
+def annealing(trial: Trial, dimensions: int, number: int) -> None:
+    """Anneal as psy-taliro does."""
+    _by_taliro(trial, dimensions, number, "annealing")
+
+
+def simplex(trial: Trial, dimensions: int, number: int) -> None:
+    """Move a simplex (Nelder and Mead), from another start whenever it has converged."""
+    from scipy.optimize import minimize
+
+    def asked(point: NDArray[np.float64]) -> float:
+        return trial(tuple(map(float, point)))
+
+    source = random.Random(number)
+    while not trial.ended():
+        start = np.array([source.random() for _ in range(dimensions)])
+        options: Any = {"xatol": 1.0 / GRID, "maxfev": trial.allowance - trial.runs}
+        minimize(asked, start, method="Nelder-Mead", bounds=[(0.0, 1.0)] * dimensions, options=options)
+
+
+COMPARED: Final[Mapping[str, Method]] = MappingProxyType(
+    {**METHODS, "random": random_points, "uniform": uniform, "annealing": annealing, "simplex": simplex}
+)
+"""The methods of the comparison of searches, even draws, psy-taliro's, and one more optimiser."""
+TITLES: Final = {
+    "uniform": "psy-taliro, uniform",
+    "annealing": "psy-taliro, dual annealing",
+    "simplex": "Nelder-Mead",
+    **search_figure.TITLES,
+}
+METHOD_NAMES: Final = ("shard", "uniform", "annealing", "covariance", "bayesian", "simplex", "alternating")
+"""Those that are tried unless others are named."""
 
 
 def _trial(folder: str, name: str, seed: int) -> int | None:
-    return runs_to_collision(LeastAltitude(folder), _method(name), seed)
+    return runs_to_collision(LeastAltitude(folder), COMPARED[name], seed)
+
+
+HEAD: Final = "| method | found | median | mean of those found |\n|---|---:|---:|---:|"
 
 
 def main() -> None:
-    """Run all trials, and print the table."""
+    """Run all trials, print the table, and write it into the page."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
     parser.add_argument("folder", type=Path, help="folder that holds the package aerobench")
-    parser.add_argument("--seeds", type=int, default=50)
+    parser.add_argument("--seeds", type=int, default=20)
     parser.add_argument("--workers", type=int, default=1)
-    parser.add_argument("--methods", nargs="*", choices=METHOD_NAMES, default=METHOD_NAMES)
+    parser.add_argument("--methods", nargs="*", choices=COMPARED, default=METHOD_NAMES)
+    parser.add_argument("--page", type=Path, help="page whose table is written again")
     options = parser.parse_args()
-    sys.stdout.write("| method | found | median | mean of those found |\n|---|---:|---:|---:|\n")
+    rows = [HEAD]
+    sys.stdout.write(f"{HEAD}\n")
     with ProcessPoolExecutor(options.workers) as pool:
         for name in options.methods:
             seeds = range(options.seeds)
             runs = list(pool.map(_trial, repeat(str(options.folder.resolve())), repeat(name), seeds))
-            sys.stdout.write(row(name, runs) + "\n")
+            rows.append(row(TITLES.get(name, name), runs))
+            sys.stdout.write(f"{rows[-1]}\n")
             sys.stdout.flush()
+    if options.page is not None:
+        write_measured(options.page, "ground collisions", "\n".join(rows))
 
 
 if __name__ == "__main__":
