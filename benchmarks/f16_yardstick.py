@@ -99,7 +99,7 @@ def _by_taliro(trial: Trial, dimensions: int, number: int, name: str) -> None:
     from staliro import optimizers
     from staliro.signals import Interval
 
-    class Asked(optimizers.ObjFunc[float, optimizers.Sample]):
+    class Asked(optimizers.ObjFunc[float, optimizers.Sample]):  # type: ignore[misc, unused-ignore]
         """Asks the trial."""
 
         def eval_sample(self, sample: optimizers.Sample) -> float:
