@@ -78,8 +78,11 @@ from drivegate_models.pm_ac.plant.series import shorten, shorten_both, shorten_o
 from drivegate_models.pm_ac.plant.settling import EMPTY, FREE, Legs, settle, show_voltages
 from drivegate_models.pm_ac.plant.volt_seconds import add_volt_seconds, is_followed
 
-# Share of the bound of a current's change within which it probably reaches zero.
+# Share of the bound of a current's change within which it probably reaches zero, unless it comes from there.
 _LIKELY: Final = 0.1
+_LEAVING: Final = 1e-8
+# Failed attempts to pass many segments at once from which on it decides whether another is made.
+_DOUBTFUL: Final = 6
 _LEAST_SUPPLYING: Final = 0.2
 """Voltage over the nominal one below which the link supplies core and switching losses only in part (1)."""
 
@@ -313,6 +316,17 @@ def _distant_edge(circuit: Circuit, legs: Legs, gates: Gates, duration: float) -
     return limit
 
 
+@inlined
+def _is_near_zero(circuit: Circuit, legs: Legs, frame: RotorFrame, length: float) -> bool:
+    """Return True if a current probably reaches zero within a length (s), with an effect on its leg."""
+    change = circuit.steepest * length if circuit.steepest < UNBOUNDED else 0.0
+    for leg in range(3):
+        current = legs.signs[leg] * phase_current(frame, leg)
+        if legs.sure[leg] == 0 and _LEAVING * change < current <= _LIKELY * change:
+            return True
+    return False
+
+
 @unallocating
 def _pass_quietly(
     drive: PmAcDrive,
@@ -430,6 +444,7 @@ def advance_linked_period(
     settled = settle(circuit, legs, frame, NO_LEG, 0)
     is_steady = constants.source_inductance == 0.0 and (brake_end == 0.0 or brake_end == duration)
     passes_many = is_steady and observes_sums_alone(phases)
+    failed = 0
     while time < duration:
         segments += 1
         if segments > EVENT_LIMIT:
@@ -438,7 +453,11 @@ def advance_linked_period(
         held = settled.held
         frame = settled.frame
         feed = _feed(constants, link, source, lost)
-        if held == FREE and passes_many:
+        passes_now = held == FREE and passes_many
+        if passes_now and failed >= _DOUBTFUL:
+            far = _distant_edge(circuit, legs, gates, duration)
+            passes_now = not _is_near_zero(circuit, legs, frame, far - time)
+        if passes_now:
             count, time, after = pass_linked_segments(
                 drive, circuit, feed, phases, frame, time, duration, follows_thresholds, totals
             )
@@ -449,6 +468,7 @@ def advance_linked_period(
                 totals[ledger.SWITCHING] += pass_edges(circuit, legs, gates, time)
                 settled = settle(circuit, legs, after, NO_LEG, 0)
                 continue
+            failed += 1
         longest = longest_linked(circuit, held, duration)
         limit = _next_edge(circuit, legs, gates, duration)
         end = brake_end if time < brake_end else duration

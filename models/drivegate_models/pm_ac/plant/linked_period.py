@@ -21,7 +21,13 @@ from drivegate_models.pm_ac.plant.dc_link import CLAMPED, VOLTAGE
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
 from drivegate_models.pm_ac.plant.linked_propagation import band_of, propagate_linked
 from drivegate_models.pm_ac.plant.linked_series import Feed
-from drivegate_models.pm_ac.plant.linked_sums import add_link, add_machine, integrate_linked, peak_of_series
+from drivegate_models.pm_ac.plant.linked_sums import (
+    FEW_ORDERS,
+    add_link,
+    add_machine,
+    integrate_linked,
+    peak_of_series,
+)
 from drivegate_models.pm_ac.plant.pattern import lay_out
 from drivegate_models.pm_ac.plant.rows import TIME
 
@@ -56,12 +62,16 @@ def pass_linked_segments(
     pattern = lay_out(circuit, legs, phases.gates, phases.upcoming, begin, duration, rows)
     if pattern.segments == 0:
         return 0, begin, frame
-    count, after, voltage = propagate_linked(
+    count, after, voltage, orders = propagate_linked(
         circuit, feed, legs, link, series, frame, band, pattern.segments, rows
     )
     if count == 0:
         return 0, begin, frame
-    integrate_linked(circuit, feed.source, count, rows)
+    # Two calls, so that each is compiled without the coefficients that only the other needs.
+    if orders <= FEW_ORDERS:
+        integrate_linked(circuit, feed.source, count, True, rows)
+    else:
+        integrate_linked(circuit, feed.source, count, False, rows)
     totals[ledger.PEAK] = max(totals[ledger.PEAK], peak_of_series(series, rows, count))
     add_machine(drive, circuit, rows, count, phases.magnitudes, totals)
     end = rows[TIME + count]

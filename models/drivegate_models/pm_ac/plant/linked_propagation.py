@@ -14,7 +14,7 @@ from drivegate_models.pm_ac.plant import dc_link
 from drivegate_models.pm_ac.plant.circuit import UNBOUNDED, Circuit
 from drivegate_models.pm_ac.plant.dc_link import BATTERY, CHOPPER, SOURCE, VOLTAGE, LinkState
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
-from drivegate_models.pm_ac.plant.linked_series import NEGLIGIBLE, PER_ORDER, Feed
+from drivegate_models.pm_ac.plant.linked_series import CUT, NEGLIGIBLE, PER_ORDER, Feed
 from drivegate_models.pm_ac.plant.polynomial import extremes
 from drivegate_models.pm_ac.plant.rows import (
     ACROSS,
@@ -32,7 +32,7 @@ from drivegate_models.pm_ac.plant.rows import (
     TIME,
     WIDTH,
 )
-from drivegate_models.pm_ac.plant.series import Series
+from drivegate_models.pm_ac.plant.series import LEAST_TERMS, Series
 from drivegate_models.pm_ac.plant.settling import Legs
 
 LONGEST_QUIET: Final = 0.5
@@ -62,6 +62,21 @@ class Segment(NamedTuple):
     """Maximum distance of a phase current from its chord (A)."""
     bulge: float
     """Maximum distance of the voltage from its chord (V)."""
+    orders: int
+    """Number of coefficients that are not zero (1)."""
+
+
+class Passed(NamedTuple):
+    """The segments before one with a possible event."""
+
+    segments: int
+    """Number of these segments (1)."""
+    frame: RotorFrame
+    """Currents after the last of them."""
+    voltage: float
+    """Voltage of the link after the last of them (V)."""
+    orders: int
+    """Greatest number of coefficients of any of them that are not zero (1)."""
 
 
 @inlined
@@ -115,6 +130,8 @@ def _write_series(
         series.sine[0] = 2.0 * frame.sine * frame.cosine
     source = feed.source
     bend = bulge = 0.0
+    size, begin = abs(current_a) + abs(current_b), abs(voltage)
+    orders = SERIES_ORDERS
     for k in range(1, SERIES_ORDERS):
         step = length * PER_ORDER[k]
         turned_by = angle * PER_ORDER[k]
@@ -148,9 +165,20 @@ def _write_series(
         end_b += current_b
         end_v += voltage
         curved = 0.125 * k * (k - 1)
-        bend += curved * (abs(current_a) + abs(current_b))
+        term = abs(current_a) + abs(current_b)
+        size += term
+        bend += curved * term
         bulge += curved * abs(voltage)
-    return Segment(end_a, end_b, end_v, bend, bulge)
+        least = CUT * size
+        is_small = term <= least and mean * (abs(magnet_a) + abs(magnet_b)) <= least
+        if is_small and abs(voltage) <= CUT * begin and turns <= k and k >= LEAST_TERMS:
+            orders = k + 1
+            break
+    for k in range(orders, SERIES_ORDERS):
+        rows[SERIES_ALONG + k * WIDTH + n] = 0.0
+        rows[SERIES_ACROSS + k * WIDTH + n] = 0.0
+        rows[SERIES_VOLTAGE + k * WIDTH + n] = 0.0
+    return Segment(end_a, end_b, end_v, bend, bulge, orders)
 
 
 @inlined
@@ -189,19 +217,17 @@ def propagate_linked(
     band: Band,
     count: int,
     rows: NDArray[np.float64],
-) -> tuple[int, RotorFrame, float]:
-    """Write the series of the segments before one with a possible event.
-
-    Returns the number of these segments, and currents and voltage (V) after the last of them.
-    """
+) -> Passed:
+    """Write the series of the segments before one with a possible event."""
     voltage = link.state[VOLTAGE]
     begin = frame
+    orders = 0
     for leg in range(3):
         rows[PHASE_ENDS + leg * WIDTH] = phase_current(frame, leg)
     for n in range(count):
         length = rows[TIME + 1 + n] - rows[TIME + n]
         if circuit.rate * length > LONGEST_QUIET:
-            return n, frame, voltage
+            return Passed(n, frame, voltage, orders)
         rows[COSINE + n], rows[SINE + n] = frame.cosine, frame.sine
         end = _write_series(circuit, feed, frame, voltage, length, series, rows, n)
         deviation = end.deviation
@@ -211,16 +237,17 @@ def propagate_linked(
             current = of_phase(leg, end.along, end.across)
             rows[PHASE_ENDS + leg * WIDTH + n + 1] = current
             if legs.sure[leg] == 0 and not _keeps_sign(legs.signs[leg], before, current, deviation):
-                return n, frame, voltage
+                return Passed(n, frame, voltage, orders)
         if min(voltage, end.voltage) - end.bulge <= band.lowest:
-            return n, frame, voltage
+            return Passed(n, frame, voltage, orders)
         if max(voltage, end.voltage) + end.bulge >= band.highest:
-            return n, frame, voltage
+            return Passed(n, frame, voltage, orders)
         _extend_range(link, series, rows, n, voltage, end)
+        orders = max(orders, end.orders)
         voltage = end.voltage
         by_cosine, by_sine = small_cosine_sine(circuit.electrical * (rows[TIME + 1 + n] - rows[TIME]))
         cosine, sine = turned(begin, by_cosine, by_sine)
         frame = RotorFrame(
             cosine * end.along + sine * end.across, cosine * end.across - sine * end.along, cosine, sine
         )
-    return count, frame, voltage
+    return Passed(count, frame, voltage, orders)

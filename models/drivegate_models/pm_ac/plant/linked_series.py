@@ -34,7 +34,7 @@ LONGEST_LINKED: Final = 1.0
 _GROWTH = 0.05
 NEGLIGIBLE = 1e-18
 # Coefficient over the size of its series from which on the rest is negligible: a hundredth of what counts as an event.
-_CUT = 1e-15
+CUT = 1e-15
 PER_ORDER = (0.0, *(1.0 / order for order in range(1, TERMS)))
 
 
@@ -202,9 +202,9 @@ def _extend_link(feed: Feed, link: LinkState, step: float, k: int) -> None:
 @inlined
 def _is_link_small(feed: Feed, link: LinkState, size: float, k: int) -> bool:
     """Return True if the coefficients of order `k` of the link are negligible; `size`: that of the currents (A)."""
-    if abs(link.voltage[k]) > _CUT * abs(link.voltage[0]):
+    if abs(link.voltage[k]) > CUT * abs(link.voltage[0]):
         return False
-    return feed.per_inductance == 0.0 or abs(link.source[k]) <= _CUT * (size + abs(link.source[0]))
+    return feed.per_inductance == 0.0 or abs(link.source[k]) <= CUT * (size + abs(link.source[0]))
 
 
 @unallocating
@@ -288,9 +288,9 @@ def free_linked_series(
         term = abs(current_a) + abs(current_b)
         size += term
         is_small = (
-            term <= _CUT * size
+            term <= CUT * size
             and _is_link_small(feed, link, size, k)
-            and mean * (abs(magnet_a) + abs(magnet_b)) <= _CUT * size
+            and mean * (abs(magnet_a) + abs(magnet_b)) <= CUT * size
             and turns <= k
         )
         if is_small and k >= LEAST_TERMS:
@@ -394,8 +394,8 @@ def held_linked_series(
         bridge[k] = HALF_ROOT * rails * currents[k]
         size += abs(currents[k])
         rest = max(abs(currents[k]), abs(currents[k - 1]))
-        is_small = abs(cosines[k]) + abs(sines[k]) <= _CUT and _is_link_small(feed, link, size, k)
-        if k >= LEAST_TERMS and rest <= _CUT * size and is_small:
+        is_small = abs(cosines[k]) + abs(sines[k]) <= CUT and _is_link_small(feed, link, size, k)
+        if k >= LEAST_TERMS and rest <= CUT * size and is_small:
             used = k + 1
             break
     for k in range(used):

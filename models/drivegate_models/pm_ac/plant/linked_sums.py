@@ -43,6 +43,8 @@ from drivegate_models.pm_ac.plant.rows import (
 )
 from drivegate_models.pm_ac.plant.series import Series
 
+FEW_ORDERS: Final = 9
+"""Coefficients of the series that most segments need."""
 # First place of the rule with five points.
 _FIVE: Final = 7
 
@@ -60,10 +62,15 @@ class Means(NamedTuple):
 
 
 @inlined
-def _at(rows: NDArray[np.float64], row: int, place: float) -> float:
-    """Return the value of a series at a place of its segment, whose first coefficient is at `row`."""
-    value = rows[row + 10 * WIDTH] + place * rows[row + 11 * WIDTH]
-    value = rows[row + 8 * WIDTH] + place * (rows[row + 9 * WIDTH] + place * value)
+def _at(rows: NDArray[np.float64], row: int, place: float, has_few: bool) -> float:
+    """Return the value of a series at a place of its segment, whose first coefficient is at `row`.
+
+    `has_few`: true if all coefficients from `FEW_ORDERS` on are zero.
+    """
+    value = rows[row + 8 * WIDTH]
+    if not has_few:
+        last = rows[row + 10 * WIDTH] + place * rows[row + 11 * WIDTH]
+        value += place * (rows[row + 9 * WIDTH] + place * last)
     value = rows[row + 6 * WIDTH] + place * (rows[row + 7 * WIDTH] + place * value)
     value = rows[row + 4 * WIDTH] + place * (rows[row + 5 * WIDTH] + place * value)
     value = rows[row + 2 * WIDTH] + place * (rows[row + 3 * WIDTH] + place * value)
@@ -79,10 +86,11 @@ def _means(
     angle: float,
     place: float,
     weight: float,
+    has_few: bool,
 ) -> Means:
     """Return the products at a place of a segment, of which the rotor turns by an angle (rad)."""
-    along, across = _at(rows, SERIES_ALONG + n, place), _at(rows, SERIES_ACROSS + n, place)
-    voltage = _at(rows, SERIES_VOLTAGE + n, place)
+    along, across = _at(rows, SERIES_ALONG + n, place, has_few), _at(rows, SERIES_ACROSS + n, place, has_few)
+    voltage = _at(rows, SERIES_VOLTAGE + n, place, has_few)
     by_cosine, by_sine = small_cosine_sine(angle * place)
     cosine = rows[COSINE + n] * by_cosine - rows[SINE + n] * by_sine
     sine = rows[SINE + n] * by_cosine + rows[COSINE + n] * by_sine
@@ -103,16 +111,18 @@ def _means(
 
 
 @inlined
-def integrate_linked(circuit: Circuit, source: float, count: int, rows: NDArray[np.float64]) -> None:
-    """Write the integrals over each segment."""
+def integrate_linked(
+    circuit: Circuit, source: float, count: int, has_few: bool, rows: NDArray[np.float64]
+) -> None:
+    """Write the integrals over each segment; `has_few`: as in `_at`."""
     for n in range(whole_groups(count)):
         length = rows[TIME + 1 + n] - rows[TIME + n]
         angle = circuit.electrical * length
-        p0 = _means(circuit, source, rows, n, angle, PLACES[_FIVE], WEIGHTS[_FIVE])
-        p1 = _means(circuit, source, rows, n, angle, PLACES[_FIVE + 1], WEIGHTS[_FIVE + 1])
-        p2 = _means(circuit, source, rows, n, angle, PLACES[_FIVE + 2], WEIGHTS[_FIVE + 2])
-        p3 = _means(circuit, source, rows, n, angle, PLACES[_FIVE + 3], WEIGHTS[_FIVE + 3])
-        p4 = _means(circuit, source, rows, n, angle, PLACES[_FIVE + 4], WEIGHTS[_FIVE + 4])
+        p0 = _means(circuit, source, rows, n, angle, PLACES[_FIVE], WEIGHTS[_FIVE], has_few)
+        p1 = _means(circuit, source, rows, n, angle, PLACES[_FIVE + 1], WEIGHTS[_FIVE + 1], has_few)
+        p2 = _means(circuit, source, rows, n, angle, PLACES[_FIVE + 2], WEIGHTS[_FIVE + 2], has_few)
+        p3 = _means(circuit, source, rows, n, angle, PLACES[_FIVE + 3], WEIGHTS[_FIVE + 3], has_few)
+        p4 = _means(circuit, source, rows, n, angle, PLACES[_FIVE + 4], WEIGHTS[_FIVE + 4], has_few)
         rows[SQUARE + n] = length * (p0.square + p1.square + p2.square + p3.square + p4.square)
         rows[TORQUE + n] = length * (p0.torque + p1.torque + p2.torque + p3.torque + p4.torque)
         rows[CHARGE_ALONG + n] = length * (p0.along + p1.along + p2.along + p3.along + p4.along)
