@@ -7,7 +7,8 @@ from functools import cache
 import pytest
 from tests.lab.failed_checks import failed_checks
 
-from drivegate.contracts.duty.scenarios.hot import hot_scenarios
+from drivegate.contracts.duty.scenarios.feasibility import unfair_because
+from drivegate.contracts.duty.scenarios.hot import LONGEST_S, hot_scenarios
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_lab.candidates.duty_faults import DUTY_FAULTS
@@ -19,6 +20,8 @@ THERMAL = {
     "sensor_lag_s": 0.5,
 }
 HEATED = load_drive("pm-ac-interior").replaced(settling_s=0.3, thermal=THERMAL)
+# It heats slowly, and its sensor shows that far too late.
+SLOW = load_drive("pm-ac-hub").replaced(sensor_lag_s=120.0)
 FAULTS = [name for name, fault in DUTY_FAULTS.items() if fault.check.startswith("THM-")]
 
 
@@ -46,3 +49,23 @@ def test_each_is_caught_by_the_check_that_is_named_for_it(name: str) -> None:
 )
 def test_no_controller_that_derates_is_accused(name: str) -> None:
     assert failed(name) == frozenset()
+
+
+@cache
+def failed_slowly(candidate: str) -> frozenset[str]:
+    """Return the checks that a candidate fails while windings that get hot slowly come to their limit."""
+    assert isinstance(SLOW, PmAcDocument)
+    run = hot_scenarios(SLOW)[-1]
+    assert 0.9 * LONGEST_S < run.duration_s <= LONGEST_S
+    assert unfair_because(run) is None
+    return failed_checks(candidate, run)
+
+
+@pytest.mark.parametrize("name", ["temperature-read-low", "derated-at-once"])
+def test_a_fault_that_only_heating_shows_is_caught_where_it_takes_long(name: str) -> None:
+    assert DUTY_FAULTS[name].check in failed_slowly(f"faulty:{name}")
+
+
+@pytest.mark.parametrize("name", ["foc", "load-observer"])
+def test_a_model_of_the_windings_needs_no_fast_sensor(name: str) -> None:
+    assert failed_slowly(name) == frozenset()

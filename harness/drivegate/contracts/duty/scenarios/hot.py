@@ -34,7 +34,7 @@ HOT_SHARE: Final = 0.98
 WARM_SHARE: Final = 0.75
 """Rise at the start of a run with warm windings, over the permitted one (1)."""
 HEATED_SHARE: Final = 0.92
-"""Rise at the start of a run that heats the windings to their limit, over the permitted one (1)."""
+"""Least rise at the start of a run that heats the windings to their limit, over the permitted one (1)."""
 HOLDING_SHARE: Final = 0.7
 """Greatest share of the continuous current that weakening alone may need (1)."""
 APPROACH: Final = 1.5
@@ -148,11 +148,16 @@ def hot_scenarios(drive: PmAcDocument) -> list[Scenario]:
 
 
 def _heated(drive: PmAcDocument, windings: HotWindings, speed_rpm: float, torque_nm: float) -> list[Scenario]:
-    """Make the run in which the peak torque heats the windings to their limit, unless that takes too long."""
-    heating = (1.0 - HEATED_SHARE) * windings.thermal.rise_k / windings.rate
-    lasting = APPROACH * heating + SETTLED_S
-    if lasting > LONGEST_S:
+    """Make the run in which the peak torque heats the windings to their limit, unless that takes too long.
+
+    Windings that get hot slowly begin nearer to it.
+    """
+    per_second = windings.rate / windings.thermal.rise_k
+    begin = max(HEATED_SHARE, 1.0 - (LONGEST_S - SETTLED_S) / APPROACH * per_second)
+    lasting = APPROACH * (1.0 - begin) / per_second + SETTLED_S
+    if begin + lasting * per_second <= limits_of(drive).temperature_rise:
+        # Not even a controller that derates nothing would exceed the limit.
         return []
-    periods = PERIODS_AT_A_TIME * math.ceil(lasting / (PERIODS_AT_A_TIME * drive.control_period_s))
+    periods = PERIODS_AT_A_TIME * math.ceil(round(lasting / (PERIODS_AT_A_TIME * drive.control_period_s), 6))
     run = torque_scenario(drive, speed_rpm, (tidy(torque_nm),))
-    return [hot_run(run.replaced(duration_s=start_s(drive, periods)), HEATED_SHARE)]
+    return [hot_run(run.replaced(duration_s=start_s(drive, periods)), begin)]
