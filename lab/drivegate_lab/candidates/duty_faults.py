@@ -4,20 +4,32 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from math import pi, radians, sqrt
+from math import degrees, pi, radians, sqrt
 from typing import Any, Final, TypeAlias
 
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.duty.document import duty_document
 from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.limits import limits_of
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.drive.pm_ac.greatest_torque import greatest_within
 from drivegate_cases.drive.pm_ac.link import PmAcLink
 from drivegate_lab.candidates.faults.seeded_fault import NEEDS_ANGLE, FaultOnDrive, SeededFault
 from drivegate_models.contract.duty.signals import SPEED_REFERENCE, TORQUE_REFERENCE, DutyNameplate
+from drivegate_models.pm_ac.fundamental import steady_state
+from drivegate_models.pm_ac.oracle import undistorted_limits
+from drivegate_models.units import RADIANS_PER_RPM
 
 STUCK_SHARE: Final = 0.3
 """Weakening that stays on, over the current limit (1)."""
 _TRUE_HERE: Final = "the wrong value that the controller gets is right for this drive"
+_LITTLE_TURN_DEG: Final = 3.5
+"""Electrical angle of a control period at overspeed up to which current regulators make up for a wrong delay."""
+_PLACES: Final = 1000
+"""Steps of the q current in which the torque of a weakened machine is looked for (1)."""
+_LEFT_WEAKENING: Final = 0.3
+"""Share of the weakening that a machine can use, which a controller with too little of it has (1)."""
 _LITTLE_SALIENCY: Final = 1.5
 """Ratio of inductances up to which the wrong axis costs less current than MTP-1 allows (1)."""
 
@@ -41,6 +53,8 @@ class DutyFault(SeededFault):
     """Changed fields of `PERTURBED_STATE`."""
     under: int | None = None
     """The one kind of reference under which they are changed; None for all."""
+    harmless: Callable[[PmAcDocument], str | None] | None = None
+    """States why the fault costs nothing on a drive, None where it does."""
     source: str | None = None
     """The source of the link that the fault shows with, "battery", or "rectifier" without a chopper; None for any."""
     less_salient: tuple[float, str] | None = None
@@ -78,6 +92,8 @@ class DutyFault(SeededFault):
             return FaultOnDrive(named, self.sentence, "", f"it shows on a link with a {self.source}")
         check = next(check for check in contract_of(drive).checks if check.id == named)
         reason = check.reason_not_applicable(resolve_candidate(self.base).declaration, drive)
+        if reason is None and self.harmless is not None:
+            reason = self.harmless(duty_document(drive))
         return FaultOnDrive(named, self.sentence, "", reason)
 
 
@@ -108,6 +124,32 @@ def _regulation(
     return DutyFault("", sentence, check, kind="Regulation", alter=alter, factors=tuple(factors.items()))
 
 
+def _turns_little(drive: PmAcDocument) -> str | None:
+    """State that voltages of a wrong delay are hardly off on a drive."""
+    speed = drive.machine.pole_pairs * drive.rating.overspeed_rpm * RADIANS_PER_RPM
+    turned = degrees(speed * drive.control_period_s)
+    if turned > _LITTLE_TURN_DEG:
+        return None
+    return f"the rotor turns by {turned:.2g} degrees at most in a control period, for which its regulators make up"
+
+
+def _weakens_enough(drive: PmAcDocument) -> str | None:
+    """State that the weakening that is left suffices for the torque that a drive must have at its highest speed."""
+    plant, limits = drive.plant(), limits_of(drive)
+    voltage = undistorted_limits(plant, limits.weakening_voltage * plant.link_voltage)
+    speed = drive.rating.highest_speed_rpm * RADIANS_PER_RPM
+    greatest = greatest_within(plant, voltage, speed, weakens=True)
+    deepest = -_LEFT_WEAKENING * min(plant.current_limit, plant.magnet_flux / plant.direct_inductance)
+    if greatest.direct < deepest:
+        # The greatest torque within both limits at the deepest d current that is left.
+        across = sqrt(max(plant.current_limit * plant.current_limit - deepest * deepest, 0.0))
+        states = (steady_state(plant, speed, deepest, across * k / _PLACES) for k in range(_PLACES + 1))
+        left = max((each.torque for each in states if each.voltage <= voltage.voltage), default=0.0)
+        if left < limits.weakening * greatest.torque:
+            return None
+    return "the drive needs no more weakening than the fault leaves"
+
+
 def _signals(
     check: str,
     sentence: str,
@@ -125,7 +167,9 @@ def _kept(check: str, sentence: str, keeps: tuple[str, ...], **changes: Amount) 
 
 def _weakens_little(state: Any) -> None:
     """Allow a share of the weakening that a machine can use: more than that costs it little torque."""
-    state["deepest"] = 0.3 * max(state["deepest"], -state["magnet_flux"] / state["direct_inductance"])
+    state["deepest"] = _LEFT_WEAKENING * max(
+        state["deepest"], -state["magnet_flux"] / state["direct_inductance"]
+    )
 
 
 def _rise(plate: DutyNameplate) -> float:
@@ -226,8 +270,11 @@ _UNNAMED: Final = {
         direct_added=lambda plate: STUCK_SHARE * plate.current_limit,
         pole_pairs=_pole_pairs,
     ),
-    "delay-turned-back": _regulation(
-        "FWK-3", "Turns its voltages back by the angle of the delay instead of ahead.", lead=-1.0
+    "delay-turned-back": replace(
+        _regulation(
+            "FWK-3", "Turns its voltages back by the angle of the delay instead of ahead.", lead=-1.0
+        ),
+        harmless=_turns_little,
     ),
     "wrong-pole-pairs": _wrong_number(
         "ACC-1", "Counts one pole pair too many.", pole_pairs=lambda plate: plate.pole_pairs + 1
@@ -283,7 +330,10 @@ _UNNAMED: Final = {
     "supply-underestimated": _signals(
         "FWK-1", "Takes the link for 20 % less than it has, and weakens too early.", supply_factor=0.8
     ),
-    "late-samples": _signals("FWK-3", "Regulates with the currents of the step before.", is_late=1.0),
+    "late-samples": replace(
+        _signals("FWK-3", "Regulates with the currents of the step before.", is_late=1.0),
+        harmless=_turns_little,
+    ),
     "unclamped-ratios": _signals(
         "DUT-1", "Stretches its duty ratios by a fifth after its limiter.", stretch=1.2
     ),
@@ -328,6 +378,7 @@ _UNNAMED: Final = {
     "direct-inductance-doubled": _wrong_number(
         "ACC-1",
         "Takes twice the inductance of the magnet's axis.",
+        (1.0, "FWK-2"),
         direct_inductance=lambda plate: 2.0 * plate.direct_inductance,
     ),
     "slow-torque": _regulation(
@@ -339,10 +390,13 @@ _UNNAMED: Final = {
         direct_added=lambda plate: -0.1 * plate.current_limit,
         pole_pairs=_pole_pairs,
     ),
-    "shallow-weakening": _regulation(
-        "FWK-1",
-        "Weakens by at most 30 % of what cancels the magnet's flux, or of the current limit.",
-        alter=_weakens_little,
+    "shallow-weakening": replace(
+        _regulation(
+            "FWK-1",
+            "Weakens by at most 30 % of what cancels the magnet's flux, or of the current limit.",
+            alter=_weakens_little,
+        ),
+        harmless=_weakens_enough,
     ),
     "delay-overcompensated": _regulation(
         "DEC-1", "Turns its voltages ahead by six times the delay.", lead=6.0

@@ -23,3 +23,16 @@ def test_a_fault_in_weakening_does_nothing_there() -> None:
     }
     assert "without field weakening" in str(idle["shallow-weakening"])
     assert idle["stuck-weakening"] is None
+
+
+def test_a_fault_that_costs_nothing_on_a_slow_drive_idles_there_alone() -> None:
+    harmless = [name for name, fault in DUTY_FAULTS.items() if fault.harmless is not None]
+    slow, fast = (
+        {DUTY_FAULTS[name].on(load_drive(drive)).idle_because for name in harmless}
+        for drive in ("pm-ac-hub", "pm-ac-interior")
+    )
+    assert fast == {None}
+    assert slow == {
+        "the drive needs no more weakening than the fault leaves",
+        "the rotor turns by 3 degrees at most in a control period, for which its regulators make up",
+    }
