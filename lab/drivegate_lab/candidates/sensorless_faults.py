@@ -10,6 +10,7 @@ from typing import Any, Final
 from drivegate.contracts.duty.checks.judged import SENSORLESS_ANGLE_DEG
 from drivegate.contracts.duty.document import duty_document
 from drivegate_cases.drive.drive_document import DriveDocument
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_lab.candidates.faults.seeded_fault import FaultOnDrive, SeededFault
 from drivegate_lab.kernels.faults.duty import sensorless as faults
 from drivegate_models.units import RADIANS_PER_RPM
@@ -31,14 +32,19 @@ class SensorlessFault(SeededFault):
     def on(self, drive: DriveDocument) -> FaultOnDrive:
         """Return what the fault is on a drive; it is tried only where nothing shows the shaft."""
         document = duty_document(drive)
-        because = "this drive has a position sensor" if document.has_sensor else self._idle_because(document)
-        return FaultOnDrive(self.check, self.sentence, "", because)
+        if document.has_sensor:
+            return FaultOnDrive(self.check, self.sentence, "", "this drive has a position sensor")
+        mild = self.alter is _no_resistance and _resistive_share(document) < _LOST_SHARE
+        check = "SLS-3" if mild else self.check
+        return FaultOnDrive(check, self.sentence, "", self._idle_because(document))
 
-    def _idle_because(self, drive: Any) -> str | None:
+    def _idle_because(self, drive: PmAcDocument) -> str | None:
         if drive.one_way_because is not None and self.variation in _BACKWARD:
             return str(drive.one_way_because)
         if self.alter in (_long_dead_time, _no_dead_time) and drive.inverter.dead_time_s == 0.0:
             return "this drive has no dead time"
+        if self.variation in _FOUND_AGAIN and _least_electrical(drive) > _FAST:
+            return "at the least speed of this drive the observer finds a lost rotor again at once"
         if self.variation not in _TURNED:
             return None
         electrical = drive.machine.pole_pairs * drive.rating.highest_speed_rpm * RADIANS_PER_RPM
@@ -53,9 +59,25 @@ class SensorlessFault(SeededFault):
 # Error of the angle over what the shaft turns in a control period (1), and the greatest one (electrical rad).
 _TURNED: Final = {faults.NEWER_VOLTAGE: 0.56, faults.LATE_ANGLE: 1.0}
 _ALLOWED: Final = radians(SENSORLESS_ANGLE_DEG)
+_FOUND_AGAIN: Final = frozenset({faults.HALF_TURN_OFF, faults.STALL_BELIEVED})
+# Least speed from which on the observer finds a lost rotor again (electrical rad/s), and share of its EMF from which on
+# the voltage across the resistance, left out, loses the rotor; less turns the angle alone.
+_FAST: Final = 250.0
+_LOST_SHARE: Final = 0.5
 _BACKWARD: Final = frozenset(
     {faults.UNSIGNED_GAIN, faults.STARTS_FORWARD, faults.TURNS_FORWARD, faults.COASTS}
 )
+
+
+def _least_electrical(drive: PmAcDocument) -> float:
+    return drive.machine.pole_pairs * drive.least_speed_rpm * RADIANS_PER_RPM
+
+
+def _resistive_share(drive: PmAcDocument) -> float:
+    """Return the voltage across the resistance over the EMF, at the least speed and 80 % of rated torque."""
+    machine = drive.machine
+    current = 0.8 * drive.rating.rated_torque_nm / (1.5 * machine.pole_pairs * machine.magnet_flux_v_s)
+    return machine.resistance_ohm * current / (_least_electrical(drive) * machine.magnet_flux_v_s)
 
 
 def _no_resistance(state: Any) -> None:
@@ -75,8 +97,9 @@ def _weak_start(state: Any) -> None:
 
 
 def _slow_speed_regulator(state: Any) -> None:
-    state["machine"]["speed_gain"] *= 0.25
-    state["machine"]["speed_integral_step"] *= 0.25 * 0.25
+    # Slow enough for half of rated torque to stop a shaft of any included drive.
+    state["machine"]["speed_gain"] *= 0.05
+    state["machine"]["speed_integral_step"] *= 0.05 * 0.05
 
 
 def _slow_observer(state: Any) -> None:
@@ -95,7 +118,7 @@ _UNNAMED: Final = {
         "SLS-2", "Compensates for five times the dead time, which its observer misses.", alter=_long_dead_time
     ),
     "dead-time-left-out": _fault(
-        "SLS-2",
+        "SLS-3",
         "Takes its commands for the voltage that acts, and leaves the dead time out.",
         alter=_no_dead_time,
     ),

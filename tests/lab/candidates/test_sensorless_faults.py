@@ -26,6 +26,7 @@ from drivegate.contracts.duty.scenarios.sensorless import (
     slowly_loaded,
 )
 from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_lab.candidates.families import DESIGN, SENSORLESS_DESIGN_NAMES
 from drivegate_lab.candidates.sensorless_controller import SensorlessController
@@ -100,7 +101,19 @@ def test_a_fault_idles_on_a_drive_with_a_sensor() -> None:
     }
     idle = [name for name, fault in SENSORLESS_FAULTS.items() if fault.on(DRIVE).idle_because is not None]
     assert idle == ["observer-voltage-too-new"], "3.4 degrees at its highest speed"
-    assert all(fault.on(FAST).idle_because is None for fault in SENSORLESS_FAULTS.values())
+    idle = [name for name, fault in SENSORLESS_FAULTS.items() if fault.on(FAST).idle_because is not None]
+    assert idle == ["handover-half-a-turn-off", "stall-believed"], "its observer finds a lost rotor again"
+
+
+@pytest.mark.one_in(2)
+@pytest.mark.parametrize(("drive", "check"), [(DRIVE, "SLS-2"), (FAST, "SLS-3")])
+def test_a_resistance_left_out_loses_the_rotor_or_turns_its_angle(drive: PmAcDocument, check: str) -> None:
+    fault = SENSORLESS_FAULTS["observer-without-resistance"]
+    assert fault.on(drive).check == check
+    record = _record(slowly_loaded(drive, -least_rpm(drive), -0.8), SensorlessController(fault))
+    margin = _margin(check, record)
+    assert margin is not None
+    assert not margin.met, margin
 
 
 def test_designs_are_candidates_by_name() -> None:
