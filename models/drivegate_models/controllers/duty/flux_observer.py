@@ -29,12 +29,9 @@ _STILL_GAIN: Final = 0.4
 def reset_flux_observer(state: Any, nameplate: Any) -> None:
     """Write the constants, for a machine at rest."""
     state.bandwidth = min(_BANDWIDTH, 0.05 / nameplate.control_period)
-    state.still_gain = (
-        0.5
-        * _STILL_GAIN
-        * nameplate.resistance
-        * (1.0 / nameplate.direct_inductance + 1.0 / nameplate.quadrature_inductance)
-    )
+    inverse = 1.0 / nameplate.direct_inductance + 1.0 / nameplate.quadrature_inductance
+    # Where it is above the least speed, a magnet that is off turns the angle too far.
+    state.still_gain = min(0.5 * _STILL_GAIN * nameplate.resistance * inverse, state.least_speed)
     state.along_before = 0.0
     state.across_before = 0.0
     state.along_terminal = 0.0

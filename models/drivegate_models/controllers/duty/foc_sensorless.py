@@ -41,6 +41,7 @@ from drivegate_models.controllers.duty.turning_field import (
     align,
     ease_current,
     follow_induced,
+    learn_resistance,
     place_field,
     place_loaded_field,
     reset_field,
@@ -79,6 +80,8 @@ _LOST: Final = 0.02
 # (rad/s): a load must not stop the shaft at the least speed.
 _HELD: Final = 0.5
 _SPEED_BANDWIDTH: Final = 80.0
+# Share of an inductance that the nameplate's may be off by (1).
+_OTHER_INDUCTANCE: Final = 0.2
 # Share of the link voltage between lines from which legs that are off rectify.
 _RECTIFIES: Final = 1.0
 
@@ -98,9 +101,25 @@ def reset_state(state: Any, nameplate: Any) -> None:
     state.agreed_periods = int(_AGREED / nameplate.control_period) + 1
     state.lost_periods = int(_LOST / nameplate.control_period) + 1
     reset_flux_observer(state, nameplate)
+    _slow_down(state, nameplate)
     reset_field(state, nameplate)
     state.sense_of_start = 1.0
     _enter(state, WATCHING)
+
+
+@inlined
+def _slow_down(state: Any, nameplate: Any) -> None:
+    """Slow observer and speed regulator down until an inductance that is off cannot have both swing.
+
+    A current that changes then turns the observed angle, and the regulator answers the speed that this seems to be.
+    """
+    machine, flux = state.machine, nameplate.magnet_flux
+    current = machine.speed_gain / (nameplate.pole_pairs * torque_per_quadrature(machine, 0.0))
+    turned = _OTHER_INDUCTANCE * nameplate.quadrature_inductance * current / flux
+    slower = sqrt(min(1.0 / (turned * state.bandwidth), 1.0))
+    state.bandwidth *= slower
+    machine.speed_gain *= slower
+    machine.speed_integral_step *= slower * slower
 
 
 @inlined
@@ -307,6 +326,7 @@ def step_state(state: Any, sense: Any, command: Any) -> None:
         _watch(state, sense, command, before)
     elif state.mode == ALIGNING:
         if align(state, sense, command):
+            learn_resistance(state)
             place_rotor(state, state.field, 0.0, along, across)
             _enter(state, RAMPING)
     elif state.mode == RAMPING:

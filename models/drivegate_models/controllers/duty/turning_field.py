@@ -40,6 +40,8 @@ _HALVINGS: Final = 30
 # Rate at which the current is reduced, over that of the swing's periods, and greatest current of the damping over it.
 _EASING: Final = 2.0
 _MOST_DAMPING: Final = 0.5
+# Greatest difference of the resistance from the nameplate's over it (1).
+_OTHER_RESISTANCE: Final = 0.5
 # Share of an inductance that a machine has at least.
 _SURE_SHARE: Final = 0.8
 
@@ -140,6 +142,17 @@ def follow_induced(state: Any, along: float, across: float, voltage: tuple[float
     for axis in range(2):
         state.induced[axis] += state.fast_share * (parts[axis] - followed[axis] - state.induced[axis])
         state.mean_induced[axis] += state.slow_share * (state.induced[axis] - state.mean_induced[axis])
+
+
+@inlined
+def learn_resistance(state: Any) -> None:
+    """Take over the resistance of an aligned rotor at rest, which alone needs a voltage then."""
+    machine = state.machine
+    other = _OTHER_RESISTANCE * machine.resistance
+    machine.resistance += min(max(state.mean_induced[0] / state.current, -other), other)
+    for axis in range(2):
+        state.induced[axis] = 0.0
+        state.mean_induced[axis] = 0.0
 
 
 @inlined

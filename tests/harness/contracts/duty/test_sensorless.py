@@ -10,14 +10,18 @@ import pytest
 
 from drivegate import DutyCommand, DutySense
 from drivegate.candidates.builtin.duty_loading import DutyController
-from drivegate.candidates.declaration import Declaration
+from drivegate.candidates.declaration import NOTHING_DECLARED, Declaration
 from drivegate.candidates.fault import CandidateFault
 from drivegate.candidates.python.bridge import PythonController
 from drivegate.contracts.duty.checks.accuracy import ROB_5
+from drivegate.contracts.duty.checks.sensorless.steady import SLS_8
 from drivegate.contracts.duty.checks.starting import STA_1
+from drivegate.contracts.duty.contract import DUTY
 from drivegate.contracts.duty.run import refusal_of
 from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios
+from drivegate.contracts.duty.scenarios.sensorless import least_rpm, slowly_loaded
 from drivegate.drives.running import run_scenario
+from drivegate.scenarios.changes import with_scales
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_cases.scenario.failure_kind import FAILURE_KINDS
@@ -27,6 +31,7 @@ from drivegate_models.contract.duty.records import duty_command_record
 from drivegate_models.contract.duty.signals import LEG_OFF
 from drivegate_models.errors import InputError
 from drivegate_models.loop.exchange import NOT_FINITE
+from drivegate_models.pm_ac.closed_loop import prepared_duty_loop
 from drivegate_models.units import RADIANS_PER_RPM
 
 
@@ -162,3 +167,23 @@ def test_it_turns_its_legs_off_when_the_rotor_locks() -> None:
     late = result.commands[result.column("time") > 1.0]
     assert np.all(late["fault"] == 7)
     assert np.all(late["first_leg"] == LEG_OFF)
+
+
+@pytest.mark.one_in(3)
+@pytest.mark.parametrize(
+    ("name", "scale", "factor", "share"),
+    [
+        ("pm-ac-interior", "resistance", 1.3, 0.8),
+        ("pm-ac-surface", "inductance", 0.8, -0.8),
+        ("pm-ac-hub", "emf_constant", 0.9, 0.8),
+    ],
+)
+def test_it_bears_a_load_on_another_machine_than_the_nameplate(
+    name: str, scale: str, factor: float, share: float
+) -> None:
+    drive = drive_of(name)
+    run = with_scales(slowly_loaded(drive, least_rpm(drive, 2.0), share), **{scale: factor})
+    assert DUTY.unfair_because(run) is None
+    margin = SLS_8.evaluate(DUTY.record(prepared_duty_loop, NOTHING_DECLARED, run, CONTROLLER))
+    assert margin is not None
+    assert margin.met, margin

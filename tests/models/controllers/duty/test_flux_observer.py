@@ -33,6 +33,7 @@ def observer() -> Any:
     plate.direct_inductance, plate.quadrature_inductance = DIRECT, QUADRATURE
     state: Any = np.zeros(1, SENSORLESS_STATE).view(np.recarray)[0]
     state.machine.control_period = PERIOD
+    state.least_speed = 35.0
     reset_regulator(state.machine, plate)
     reset_flux_observer(state, plate)
     return state
