@@ -8,7 +8,7 @@ and the speed that the regulators of `foc` need. A reversal passes standstill wi
 from __future__ import annotations
 
 from functools import cache
-from math import nan, pi, sqrt
+from math import sqrt
 from typing import Any, Final
 
 import numba
@@ -23,7 +23,6 @@ from drivegate_models.controllers.duty.current_reference import torque_per_quadr
 from drivegate_models.controllers.duty.current_regulator import rotor_currents
 from drivegate_models.controllers.duty.flux_observer import (
     acted_voltage,
-    argument,
     observe_rotor,
     place_rotor,
     reset_flux_observer,
@@ -36,6 +35,13 @@ from drivegate_models.controllers.duty.sensorless_state import (
     RUNNING,
     SENSORLESS_STATE,
     WATCHING,
+)
+from drivegate_models.controllers.duty.terminal_watch import (
+    AT_REST,
+    FOLLOWED,
+    reset_watch,
+    turn_off,
+    watch_terminals,
 )
 from drivegate_models.controllers.duty.turning_field import (
     align,
@@ -53,13 +59,6 @@ from drivegate_models.machine.rotor_frame import from_phases
 LOST_ROTOR: Final = 7
 """Fault code of a rotor that the observer has lost."""
 
-# Control periods in which the terminals are watched before a start, and in which an observer follows a turning shaft
-# before it is driven where it rectifies. Speed from which a shaft turns, over the least one, and sum of the currents
-# from which it rectifies, over the limit.
-_WATCHED: Final = 60
-_FOLLOWED: Final = 300
-_TURNS: Final = 0.5
-_RECTIFIED: Final = 0.02
 # Speeds over the least one: of handover, of the return to the turning vector, and from which the rotor is lost.
 # References below the last share stop the drive.
 _HANDOVER: Final = 1.15
@@ -129,18 +128,7 @@ def _enter(state: Any, mode: int) -> None:
     state.age = 0
     state.agreed = 0
     state.lost = 0
-    state.turned = 0.0
-    state.magnitudes = 0.0
-
-
-@inlined
-def _turn_off(state: Any, command: Any) -> None:
-    """Command all legs off, whose voltage the terminals show from then on."""
-    machine = state.machine
-    hold_safe_state(machine, command)
-    for voltage in (machine.along_voltage, machine.across_voltage):
-        voltage[1] = voltage[0]
-        voltage[0] = nan
+    reset_watch(state)
 
 
 @inlined
@@ -154,40 +142,14 @@ def _wanted_sense(state: Any, sense: Any) -> float:
 
 @inlined
 def _watch(state: Any, sense: Any, command: Any, before: tuple[float, float]) -> None:
-    """Measure the speed of the terminal voltage while the legs are off; drive a shaft that turns, or start it."""
+    """Watch the terminals with all legs off; drive a shaft that turns, or start one at rest."""
     machine = state.machine
-    _turn_off(state, command)
-    along, across = state.along_terminal, state.across_terminal
-    size = sqrt(along * along + across * across)
-    least = 0.5 * _TURNS * state.least_speed * machine.magnet_flux
-    if state.age <= machine.delay + 1 or size <= least:
-        state.turned = 0.0
-        state.magnitudes = 0.0
-    else:
-        ahead = before[0] * along + before[1] * across, before[0] * across - before[1] * along
-        state.turned += argument(ahead[0], ahead[1])
-        state.magnitudes += 1.0
-    if state.age < _WATCHED + machine.delay + 1:
-        return
-    if state.magnitudes >= _WATCHED - 1.0:
-        speed = state.turned / (state.magnitudes * machine.control_period)
-        if state.agreed == 0 and abs(speed) > _TURNS * state.least_speed:
-            # The induced voltage is a quarter turn ahead of the magnet in the sense of rotation.
-            quarter = 0.5 * pi if speed > 0.0 else -0.5 * pi
-            place_rotor(
-                state, argument(along, across) - quarter, speed, state.along_before, state.across_before
-            )
-            state.agreed = 1
-    if state.agreed == 1:
-        rectified = abs(state.along_before) + abs(state.across_before) > _RECTIFIED * machine.current_limit
-        if not rectified or state.age >= _WATCHED + _FOLLOWED:
-            run_observed(state, 0.0)
-        return
-    state.age = machine.delay + 1
-    state.turned = 0.0
-    state.magnitudes = 0.0
+    turn_off(state, command)
+    seen = watch_terminals(state, before)
+    if seen == FOLLOWED:
+        run_observed(state, 0.0)
     wanted = _wanted_sense(state, sense)
-    if machine.regulates_speed == 1 and wanted != 0.0:
+    if seen == AT_REST and machine.regulates_speed == 1 and wanted != 0.0:
         state.sense_of_start = wanted
         place_field(state, 0.0, 0.0)
         _reset_integrals(state, 0.0, 0.0)
