@@ -29,14 +29,18 @@ class SensorlessFault(SeededFault):
     """What its steps do wrong, from `drivegate_lab.kernels.faults.duty.sensorless`."""
     alter: Alter | None = None
 
+    def check_on(self, drive: DriveDocument) -> str:
+        """Return the check that must catch the fault; a small voltage left out turns the angle alone."""
+        document = duty_document(drive)
+        if self.alter is _no_resistance and not document.has_sensor:
+            return self.check if _resistive_share(document) >= _LOST_SHARE else "SLS-3"
+        return self.check
+
     def on(self, drive: DriveDocument) -> FaultOnDrive:
         """Return what the fault is on a drive; it is tried only where nothing shows the shaft."""
         document = duty_document(drive)
-        if document.has_sensor:
-            return FaultOnDrive(self.check, self.sentence, "", "this drive has a position sensor")
-        mild = self.alter is _no_resistance and _resistive_share(document) < _LOST_SHARE
-        check = "SLS-3" if mild else self.check
-        return FaultOnDrive(check, self.sentence, "", self._idle_because(document))
+        because = "this drive has a position sensor" if document.has_sensor else self._idle_because(document)
+        return FaultOnDrive(self.check_on(drive), self.sentence, "", because)
 
     def _idle_because(self, drive: PmAcDocument) -> str | None:
         if drive.one_way_because is not None and self.variation in _BACKWARD:

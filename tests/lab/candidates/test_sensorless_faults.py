@@ -109,7 +109,7 @@ def test_a_fault_idles_on_a_drive_with_a_sensor() -> None:
 @pytest.mark.parametrize(("drive", "check"), [(DRIVE, "SLS-2"), (FAST, "SLS-3")])
 def test_a_resistance_left_out_loses_the_rotor_or_turns_its_angle(drive: PmAcDocument, check: str) -> None:
     fault = SENSORLESS_FAULTS["observer-without-resistance"]
-    assert fault.on(drive).check == check
+    assert fault.on(drive).check == fault.check_on(drive) == check
     record = _record(slowly_loaded(drive, -least_rpm(drive), -0.8), SensorlessController(fault))
     margin = _margin(check, record)
     assert margin is not None
