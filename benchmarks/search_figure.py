@@ -116,7 +116,7 @@ def tables(document: dict[str, Any]) -> str:
         f"Made in {document['processor_seconds'] / 60.0:.0f} minutes of processor time. Counterexamples found, "
         f"as a share of all levels and seeds, ± twice the standard error over {SHARD_SEEDS} seeds. The last column "
         "counts the levels at which the shard's median is at most 1.5 times the best other one, of those at which a "
-        "median was found:",
+        "median was found. With two seeds, differences of ten points are noise.",
         "",
         f"| fault | check | kind | runs | seeds | {' | '.join(TITLES.values())} | levels |",
         f"|---|---|---|---:|---:|{'---:|' * len(TITLES)}---:|",
