@@ -8,7 +8,7 @@ sample shows it and the answer acts. What remains is the drive's own.
 
 from __future__ import annotations
 
-from math import inf
+from math import copysign, gcd, inf
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -30,6 +30,10 @@ TRIALS: Final = 8
 """Trials of duty ratios in a control period; each adds the voltage that the one before lacked."""
 LEAD: Final = 8
 """Control periods in which the compensation settles before the evaluated ones; even, as a carrier's period may be."""
+FEWEST_PARTS: Final = 8
+"""Parts of a cycle in which samples lie at different places, at least."""
+LONGEST_SPREAD: Final = 1000
+"""Control periods up to which they do; a slower current is sampled several times next to zero."""
 
 
 class _Steady(NamedTuple):
@@ -262,10 +266,30 @@ def _follow_compensated(
     return most - least
 
 
-def _has_ideal_switches(drive: PmAcDrive) -> bool:
+def has_ideal_switches(drive: PmAcDrive) -> bool:
+    """Return True if nothing of the bridge and its modulator has to be compensated."""
     modulator = drive.modulator
     rounding = (modulator.counter_levels, modulator.dead_time, modulator.minimum_pulse)
     return not any((*rounding, drive.switch_drop, drive.diode_drop))
+
+
+def spread_samples(speed: float, part: float, watched: int) -> tuple[float, int]:
+    """Return a speed next to a given one, and control periods whose samples lie all over a part of a cycle.
+
+    Where a current passes zero between two samples decides what dead time leaves of it. If a part of a cycle has whole
+    control periods, that is the same in each part, and by chance more or less than elsewhere.
+
+    - `speed`: speed of the shaft (rad/s).
+    - `part`: what the shaft turns until the torque repeats itself, over the control period (rad/s).
+    - `watched`: number of control periods to evaluate, about (1).
+    """
+    parts = max(round(watched * abs(speed) / part), FEWEST_PARTS)
+    periods = round(parts * part / abs(speed))
+    if periods > LONGEST_SPREAD:
+        return speed, watched
+    while gcd(periods, parts) > 1:
+        periods += 1
+    return copysign(parts * part / periods, speed), periods
 
 
 def ideal_swing(
@@ -319,7 +343,7 @@ def ideal_swing(
     phases = make_phases(follows_torque=True)
     _set_currents(phases, float(currents[0]), float(currents[1]), 0.0)
     swing = float(_follow_ideal(ideal, phases, steady, int(ignored), ends, workspace))
-    if _has_ideal_switches(drive) or swing == inf:
+    if has_ideal_switches(drive) or swing == inf:
         return swing
     exact = drive._replace(modulator=modulator._replace(dead_time=drive.modulator.dead_time))
     return float(

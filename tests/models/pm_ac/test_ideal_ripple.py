@@ -11,7 +11,7 @@ import pytest
 
 from drivegate_models.contract.duty.signals import LEG_PWM
 from drivegate_models.pm_ac.fundamental import steady_voltages
-from drivegate_models.pm_ac.ideal_ripple import ideal_swing
+from drivegate_models.pm_ac.ideal_ripple import ideal_swing, spread_samples
 from drivegate_models.pm_ac.modulation_kind import (
     CONTINUOUS,
     DPWM_MAX,
@@ -173,3 +173,43 @@ def test_the_errors_of_nothing_change_nothing(every: int, surface: Factory) -> N
     # A counter of so many steps rounds next to nothing.
     fine = surface(modulator=Modulator(control_every=every, counter_levels=1e9))
     assert turning_swing(fine) == pytest.approx(turning_swing(plain), rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("samples", "watched"), [(80.0, 240), (80.0, 80), (20.0, 240), (3.5, 240), (3.3301, 240)]
+)
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_spread_samples_lie_at_a_place_of_their_own_in_each_part_of_a_cycle(
+    samples: float, watched: int, sense: float
+) -> None:
+    part = pi / 3.0 / PERIOD
+    speed, periods = spread_samples(sense * part / samples, part, watched)
+    assert speed == pytest.approx(sense * part / samples, rel=0.015)
+    places = np.sort(np.arange(periods) * abs(speed) % part)
+    assert places[0] == 0.0
+    assert np.diff(places, append=part) == pytest.approx(np.full(periods, part / periods), rel=1e-6)
+    assert part / periods <= abs(speed) / 7.9
+
+
+def test_a_slow_speed_needs_no_spread_samples() -> None:
+    assert spread_samples(1.0, 500.0, 500) == (1.0, 500)
+
+
+def test_what_dead_time_leaves_depends_on_where_samples_lie(surface: Factory) -> None:
+    drive = surface(
+        modulator=Modulator(dead_time=3e-6),
+        pole_pairs=4,
+        resistance=0.01,
+        direct_inductance=0.147e-3,
+        quadrature_inductance=0.344e-3,
+        magnet_flux=0.0717,
+        link_voltage=350.0,
+    )
+    part, speed = pi / 3.0 / 4.0 * 8000.0, pi / 3.0 / 4.0 * 100.0
+
+    def swing(speed: float, watched: int) -> float:
+        currents = (-67.6, 170.8)
+        return ideal_swing(drive, speed, 350.0, currents, ignored=400, watched=watched, period=1.25e-4)
+
+    assert swing(speed, 480) == pytest.approx(swing(speed, 240), rel=1e-6)
+    assert swing(*spread_samples(speed, part, 240)) > 1.07 * swing(speed, 240)

@@ -20,7 +20,7 @@ from drivegate.contracts.duty.record import DutyRecord, DutyWindow
 from drivegate.contracts.duty.run import DUTY_RATIOS, LEGS
 from drivegate_models.contract.duty.signals import LEG_HIGH, LEG_LOW
 from drivegate_models.pm_ac.fundamental import steady_state
-from drivegate_models.pm_ac.ideal_ripple import ideal_swing
+from drivegate_models.pm_ac.ideal_ripple import has_ideal_switches, ideal_swing, spread_samples
 from drivegate_models.pm_ac.modulation_kind import MODULATION_NUMBERS, ONE_SIDED
 from drivegate_models.pm_ac.plant.dc_link import is_ideal
 from drivegate_models.pm_ac.ripple import NONE_KEPT, commanded_swing
@@ -59,13 +59,17 @@ _HINT: Final = (
 )
 
 
+def _part(record: DutyRecord) -> float:
+    """Return the part of a cycle after which the torque repeats itself (rad electrical): a sixth, or a third."""
+    return _SIXTH * (2.0 if record.declaration.modulation in ONE_SIDED else 1.0)
+
+
 def _watched(record: DutyRecord, window: DutyWindow) -> int:
-    """Return the control periods after which the torque repeats itself: a sixth of an electrical period, or a third."""
+    """Return the control periods in which the swing of the torque is measured."""
     length = record.scenario.control_period_s
     turning = record.document.machine.pole_pairs * abs(window.speed) * length
     available = round((window.end_s - window.start_s) / length) - _LEAD
-    part = _SIXTH * (2.0 if record.declaration.modulation in ONE_SIDED else 1.0)
-    return min(max(ceil(part / turning), _FEWEST), _MOST, available)
+    return min(max(ceil(_part(record) / turning), _FEWEST), _MOST, available)
 
 
 def _swing(record: DutyRecord, window: DutyWindow, extremes: NDArray[np.float64] = NONE_KEPT) -> float:
@@ -123,13 +127,16 @@ def _ideal_swing(record: DutyRecord, window: DutyWindow) -> float:
     drive = record.plant_at(rows.start)
     slowest = max(drive.direct_inductance, drive.quadrature_inductance)
     settled = _TIME_CONSTANTS * slowest / (drive.resistance * length) if drive.resistance > 0.0 else _LONGEST
+    speed, watched = window.speed, max(_watched(record, window), LEAST_IDEAL_PERIODS)
+    if not has_ideal_switches(drive):
+        speed, watched = spread_samples(speed, _part(record) / (drive.pole_pairs * length), watched)
     return ideal_swing(
         drive,
-        window.speed,
+        speed,
         exact_mean(record.run.column("link_mean")[rows]),
         (window.direct, window.quadrature),
         ignored=2 * ceil(min(settled, _LONGEST) / 2.0),
-        watched=max(_watched(record, window), LEAST_IDEAL_PERIODS),
+        watched=watched,
         period=length,
         kind=MODULATION_NUMBERS[record.declaration.modulation],
     )
