@@ -221,12 +221,17 @@ static void watch(sensorless *self, const drivegate_duty_sense *sense, drivegate
     enter(self, ALIGNING);
 }
 
-/* Hold the current along one direction and then across it: opposite to the first one a rotor feels no torque. */
+/* Hold the current along one direction and then across it: opposite to the first one a rotor feels no torque. Then measure
+ * the resistance. */
 static void align(sensorless *self, const drivegate_duty_sense *sense, drivegate_duty_command *command) {
     int first = self->align_periods / 2;
     if (self->age == first) self->field = self->sense_of_start * 0.5 * PI;
     turn_field(self, sense, command, 0.0);
     if (self->age < first + self->align_periods) return;
+    /* A rotor at rest induces nothing, so what is left of the voltage shows how far the resistance is off. */
+    double other = 0.5 * self->plate.resistance, off = self->mean_induced.along / self->start_current;
+    self->plate.resistance += fmin(fmax(off, -other), other);
+    self->induced = self->mean_induced = (vector){0.0, 0.0};
     place_rotor(self, self->field, 0.0);
     enter(self, RAMPING);
 }
