@@ -57,7 +57,7 @@ SAMPLE: Final = (
     "standstill-latches:7",
     "swell-trips:5",
 )
-"""Faults of `paper-5-phase` that no fixed run shows, each with a shard whose families do."""
+"""Faults of `paper-5-phase` that few fixed runs show, each with a shard whose families do."""
 _TICKETS: Final = 2**48
 
 Search: TypeAlias = Callable[[JudgedCandidate, shard.DrawnRuns], ShardOutcome]
