@@ -60,7 +60,7 @@ def test_what_the_controller_without_the_fault_fails_as_well_is_not_counted(
 
 def test_a_row_is_written_when_all_of_its_trials_are_there() -> None:
     key = f"paper-5-phase/{FAULT}"
-    trials = {f"{key}/climbing/2": None, f"{key}/climbing/1": 12, f"{key}/shard/2": 3, f"{key}/shard/1": 7}
+    trials = {f"{key}/climbing/1": None, f"{key}/climbing/0": 12, f"{key}/shard/1": 3, f"{key}/shard/0": 7}
     document = {"trials": trials, "processor_seconds": 120.0}
     mean = (allowance(FAULT) + 12) // 2
     assert f"| `{FAULT}` | `ADV-2` | all | 1 of 2 | {mean} | 2 of 2 | 5 |" in table(document, 2)
