@@ -18,7 +18,7 @@ _MISSING: Final = 0.2
 _EXPECTED: Final = 0.5
 _CARRYING: Final = 0.15
 _PASSED: Final = pi / 5.0
-_PASSED_IN_A_PERIOD: Final = _PASSED / 8.0
+_PASSED_IN_A_PERIOD: Final = _PASSED / 5.0
 # Voltage relative to that of the link up to which the regulators are free; the undistorted one is 0.577.
 _FREE: Final = 0.52
 

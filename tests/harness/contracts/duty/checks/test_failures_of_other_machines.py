@@ -59,6 +59,19 @@ def little_inductance(inductance: float, frequency: float) -> PmAcDocument:
 EIGHT, TWELVE, TWENTY_THREE = (
     little_inductance(*values) for values in ((8e-6, 40e3), (1.258e-5, 20e3), (2.3e-5, 20e3))
 )
+FEW_SAMPLES = made(
+    1.57e-5,
+    (3000.0, 4200.0, 4600.0),
+    pole_pairs=7,
+    resistance_ohm=0.039,
+    magnet_flux_v_s=0.002917,
+    inertia_kg_m2=5e-5,
+    link_voltage_v=24.0,
+    carrier_frequency_hz=8e3,
+    rated_power_w=265.0,
+    current_limit_a=60.0,
+)
+"""An outrunner whose EMF at base speed moves the current by 51 A in a control period."""
 SLOW = made(
     0.003,
     (150.0, 180.0, 200.0),
@@ -149,7 +162,15 @@ def under_torque(drive: PmAcDocument, speed_rpm: float, share: float = 0.5) -> S
 @pytest.mark.parametrize("phase", [1, 2, 3])
 @pytest.mark.parametrize(
     ("drive", "speed_rpm"),
-    [(EIGHT, 700.0), (EIGHT, 3500.0), (TWELVE, 2050.0), (TWENTY_THREE, 700.0), (HUB, 44.0), (FAN, 400.0)],
+    [
+        (EIGHT, 700.0),
+        (EIGHT, 3500.0),
+        (TWELVE, 2050.0),
+        (TWENTY_THREE, 700.0),
+        (HUB, 44.0),
+        (FAN, 400.0),
+        (FEW_SAMPLES, 3000.0),
+    ],
 )
 def test_an_open_phase_is_noticed_although_its_diodes_carry_current(
     drive: PmAcDocument, speed_rpm: float, phase: int, name: str
