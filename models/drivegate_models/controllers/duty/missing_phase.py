@@ -12,8 +12,9 @@ from drivegate_models.machine.rotor_frame import magnitude, of_phase
 from drivegate_models.machine.sine import cosine_sine
 
 # Current of a missing phase relative to the largest, because the diodes of an open leg carry some; minimum of its
-# reference relative to the amplitude, and of the amplitude relative to the limit; and rotation of the field meanwhile
-# (rad electrical) with its maximum in a period. A healthy phase has that little current for 21 degrees.
+# reference relative to the amplitude, and of the amplitude relative to the limit, or to twice the rated current where
+# that is less; and rotation of the field meanwhile (rad electrical) with its maximum in a period. A healthy phase has
+# that little current for 21 degrees.
 _MISSING: Final = 0.2
 _EXPECTED: Final = 0.5
 _CARRYING: Final = 0.15
@@ -21,6 +22,18 @@ _PASSED: Final = pi / 5.0
 _PASSED_IN_A_PERIOD: Final = _PASSED / 5.0
 # Voltage relative to that of the link up to which the regulators are free; the undistorted one is 0.577.
 _FREE: Final = 0.52
+
+
+@inlined
+def reset_missing_phase(state: Any, nameplate: Any) -> None:
+    """Write the least current that proves a phase, and miss none; the maximum torque must be set."""
+    rated_share = nameplate.rated_power / nameplate.base_speed / state.greatest_torque
+    state.carrying_current = _CARRYING * min(1.0, 2.0 * rated_share) * nameplate.current_limit
+    state.direct_aim = 0.0
+    state.quadrature_aim = 0.0
+    state.least_error = 0.0
+    for phase in range(3):
+        state.passed[phase] = 0.0
 
 
 @inlined
@@ -39,7 +52,7 @@ def is_phase_missing(state: Any, sense: Any, turned: float) -> bool:
     along = cosine * state.direct_aim - sine * state.quadrature_aim
     across = sine * state.direct_aim + cosine * state.quadrature_aim
     amplitude = magnitude(along, across)
-    carrying = _CARRYING * state.full_current
+    carrying = state.carrying_current
     if amplitude <= carrying:
         # With little current, a phase without any proves nothing.
         return False

@@ -16,7 +16,7 @@ from drivegate_models.compilation.calling import double_at
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.contract.duty.signals import LEG_OFF
 from drivegate_models.controllers.duty.current_regulator import largest_current
-from drivegate_models.controllers.duty.missing_phase import is_phase_missing, passed_by
+from drivegate_models.controllers.duty.missing_phase import is_phase_missing, passed_by, reset_missing_phase
 from drivegate_models.machine.cycle import within_half_turn
 from drivegate_models.machine.rotor_frame import magnitude
 from drivegate_models.machine.sine import cosine_sine
@@ -95,11 +95,7 @@ def reset_plausibility(state: Any, nameplate: Any) -> None:
     state.sum_count = 0
     state.speed_count = 0
     state.stall_count = 0
-    state.direct_aim = 0.0
-    state.quadrature_aim = 0.0
-    state.least_error = 0.0
-    for phase in range(3):
-        state.passed[phase] = 0.0
+    reset_missing_phase(state, nameplate)
 
 
 @inlined

@@ -194,6 +194,8 @@ FOC_STATE: Final = np.dtype(
         ("sum_count", np.int64),
         ("speed_count", np.int64),
         ("stall_count", np.int64),
+        # Least amplitude of the currents with which a phase can be missed (A).
+        ("carrying_current", np.float64),
         ("passed", np.float64, (3,)),
         # Reference currents of the step before (A), and the least error of the flux (V s).
         ("direct_aim", np.float64),

@@ -72,6 +72,19 @@ FEW_SAMPLES = made(
     current_limit_a=60.0,
 )
 """An outrunner whose EMF at base speed moves the current by 51 A in a control period."""
+HIGH_PEAK = made(
+    6.5e-3,
+    (4500.0, 6000.0, 6600.0),
+    pole_pairs=3,
+    resistance_ohm=2.4,
+    magnet_flux_v_s=0.0815,
+    inertia_kg_m2=6.6e-5,
+    link_voltage_v=320.0,
+    carrier_frequency_hz=8e3,
+    rated_power_w=488.0,
+    current_limit_a=12.0,
+)
+"""A servo whose peak current is four times the rated one."""
 SLOW = made(
     0.003,
     (150.0, 180.0, 200.0),
@@ -170,6 +183,7 @@ def under_torque(drive: PmAcDocument, speed_rpm: float, share: float = 0.5) -> S
         (HUB, 44.0),
         (FAN, 400.0),
         (FEW_SAMPLES, 3000.0),
+        (HIGH_PEAK, 4500.0),
     ],
 )
 def test_an_open_phase_is_noticed_although_its_diodes_carry_current(
