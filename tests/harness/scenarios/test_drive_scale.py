@@ -82,18 +82,15 @@ def test_the_drive_of_the_paper_is_run_as_it_was_before_drives_had_scales() -> N
     rare = rare_scenarios(PAPER)
     fixed = tuple(run for run in fixed_scenarios(PAPER) if run.name not in younger and run not in rare)
     assert digest(fixed) == "34967f933f9143e1", "the fixed scenarios"
-    # The last one is younger.
-    *joint, shortest_period, _ = combined_scenarios(PAPER, None, 0)
     # The long run under a changing load has moved to lower speeds since.
-    assert digest(tuple(joint)) == "b3ce29fc5f36fa18", "the joint scenarios of seed 0"
-    assert digest((shortest_period,)) == "73197d296c62f612", "the one that no seed changes"
+    assert digest(combined_scenarios(PAPER, None, 0)) == "b3ce29fc5f36fa18", "the joint scenarios of seed 0"
 
 
 def test_a_small_drive_is_run_at_its_own_speeds_and_loads() -> None:
     fixed = {scenario.name: scenario for scenario in fixed_scenarios(SMALL)}
     assert len(fixed) == 39 + len(rare_scenarios(SMALL)), sorted(fixed)
     speeds = {speed for scenario in fixed.values() for _, speed in scenario.speed_rpm}
-    assert min(speeds) == 2200.0, "0.73 of base speed, where an unloaded run begins"
+    assert min(speeds - {0.0}) == 2200.0, "0.73 of base speed, where an unloaded run begins"
     assert max(speeds) == 10000.0, "overspeed"
     assert fixed["lock-up"].load.torque_nm == 0.0735, "2.6 % above 60 W at 8000 rpm"  # type: ignore[union-attr]
     assert fixed["lock-up"].description.startswith("8000 rpm and 0.0735 N·m: Fig. 4")
