@@ -99,6 +99,7 @@ def _by_taliro(trial: Trial, dimensions: int, number: int, name: str) -> None:
     from staliro import optimizers
     from staliro.signals import Interval
 
+    # Without the package, its classes have no type that another could extend.
     class Asked(optimizers.ObjFunc[float, optimizers.Sample]):  # type: ignore[misc, unused-ignore]
         """Asks the trial."""
 

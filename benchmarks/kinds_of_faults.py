@@ -9,7 +9,6 @@ drawn runs of a quick check catch it without the fixed runs. A trial ends with i
 from __future__ import annotations
 
 import argparse
-import re
 import sys
 import time
 from collections.abc import Collection, Iterator, Sequence
@@ -25,13 +24,13 @@ from drivegate.drives.kinds import drive_for
 from drivegate.gate.plan import EXAMPLES, shard_seeds
 from drivegate.gate.shard import DrawnRuns, FixedRuns, run_drawn
 from drivegate.gate.warm_up import compile_missing
-from drivegate_cases.documents.atomic_write import write_atomically
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_lab.candidates.faults.seeded_fault import SeededFault
 from drivegate_lab.selftest.operations import operations
 from drivegate_lab.selftest.run import SelftestEffort, planned_trial
 from drivegate_lab.selftest.subjects import chosen_faults
 from drivegate_lab.selftest.trial import Trial, TrialOutcome, run_trial
+from measured_text import write_measured
 
 PAGE: Final = Path(__file__).parents[1] / "docs" / "self_test.md"
 OTHERS: Final = "others"
@@ -149,20 +148,9 @@ def summary(drive: str, rows: Sequence[Row], seeds: int, seconds: float) -> str:
     )
 
 
-def written(page: str, drive: str, text: str) -> str:
-    """Return a page with the table of a drive replaced."""
-    begin, end = (
-        f"<!-- kinds of faults on {drive.replace('-', ' ')}: {word} -->" for word in ("begin", "end")
-    )
-    renewed, count = re.subn(
-        f"{re.escape(begin)}.*?{re.escape(end)}",
-        lambda _: f"{begin}\n\n{text}\n\n{end}",
-        page,
-        flags=re.DOTALL,
-    )
-    if count != 1:
-        raise SystemExit(f"{PAGE}: has no place '{begin}'")
-    return renewed
+def place_of(drive: str) -> str:
+    """Return the name of a drive's place in the page."""
+    return f"kinds of faults on {drive.replace('-', ' ')}"
 
 
 def main() -> None:
@@ -186,7 +174,7 @@ def main() -> None:
     text = f"{summary(drive.name, rows, given.seeds, time.process_time() - begun)}\n\n{table(rows)}"
     sys.stdout.write(f"{text}\n")
     if given.write:
-        write_atomically(PAGE, written(PAGE.read_text(encoding="utf-8"), drive.name, text))
+        write_measured(PAGE, place_of(drive.name), text)
 
 
 if __name__ == "__main__":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Final
 
@@ -12,8 +13,14 @@ SEARCHING: Final = Path(__file__).resolve().parent.parent / "docs" / "searching.
 
 
 def write_measured(page: Path, name: str, text: str) -> None:
-    """Replace the text between the marks of a name in a page."""
+    """Replace the text between the marks of a name in a page, which must have them once."""
     begin, end = f"<!-- {name}: begin -->", f"<!-- {name}: end -->"
-    before, rest = page.read_text(encoding="utf-8").split(begin)
-    after = rest.split(end)[1]
-    write_atomically(page, f"{before}{begin}\n\n{text}\n\n{end}{after}")
+    renewed, count = re.subn(
+        f"{re.escape(begin)}.*?{re.escape(end)}",
+        lambda _: f"{begin}\n\n{text}\n\n{end}",
+        page.read_text(encoding="utf-8"),
+        flags=re.DOTALL,
+    )
+    if count != 1:
+        raise SystemExit(f"{page}: has no place '{begin}'")
+    write_atomically(page, renewed)

@@ -16,11 +16,11 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
+from measured_text import write_measured
 from yardstick import FLAGS
 
 HERE = Path(__file__).resolve().parent
 PAGE = HERE.parent / "docs" / "speed.md"
-BEGIN, END = "<!-- tables: begin -->", "<!-- tables: end -->"
 OWN = "loop.reference.1500.ideal"
 MOST_LOAD = 0.5
 
@@ -140,15 +140,13 @@ def main() -> None:
     document = measured(["--quick"] if options.quick else ["--cold"])
     rows = {row["name"]: row for row in document["rows"]}
     peers = measured_peers(interpreters)
-    page = PAGE.read_text(encoding="utf-8")
-    before, after = page.split(BEGIN)[0], page.split(END)[1]
     lines = [
         *heading(document),
         *loop_table(rows),
         *other_table(rows),
         *peer_table(peers, rows[OWN]["value"]),
     ]
-    PAGE.write_text(f"{before}{BEGIN}\n\n" + "\n".join(lines) + f"{END}{after}", encoding="utf-8")
+    write_measured(PAGE, "tables", "\n".join(lines).rstrip())
 
 
 if __name__ == "__main__":

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
@@ -12,7 +13,8 @@ from drivegate_cases.drive.drive_document import load_drive
 from drivegate_lab.selftest.operations import operations
 from drivegate_lab.selftest.run import SelftestEffort, planned_trial
 from drivegate_lab.selftest.trial import Catch, TrialOutcome
-from kinds_of_faults import PAGE, Row, caught_with, expected_first, table, without_fixed_runs, written
+from kinds_of_faults import PAGE, Row, caught_with, expected_first, place_of, table, without_fixed_runs
+from measured_text import write_measured
 
 NAMED = "pm-ac-interior"
 DRIVE = load_drive(NAMED)
@@ -56,8 +58,12 @@ def test_a_row_has_the_run_and_the_share_of_seeds() -> None:
     ]
 
 
-def test_a_page_without_a_place_for_the_drive_is_refused() -> None:
-    page = "<!-- kinds of faults on my drive: begin -->\nold\n<!-- kinds of faults on my drive: end -->"
-    assert "\nnew\n" in written(page, "my-drive", "new")
+def test_a_page_without_a_place_for_the_drive_is_refused(tmp_path: Path) -> None:
+    page = tmp_path / "page.md"
+    page.write_text(
+        "<!-- kinds of faults on my drive: begin -->\nold\n<!-- kinds of faults on my drive: end -->", "utf-8"
+    )
+    write_measured(page, place_of("my-drive"), "new")
+    assert "\nnew\n" in page.read_text("utf-8")
     with pytest.raises(SystemExit, match="has no place '<!-- kinds of faults on other: begin -->'"):
-        written(page, "other", "new")
+        write_measured(page, place_of("other"), "new")

@@ -1,4 +1,4 @@
-"""Combined runs show the faults that they are made for: few restarts of the search, and a mistaken period."""
+"""Combined runs show the fault that they are made for: a search that restarts few times only."""
 
 import pytest
 
