@@ -238,3 +238,9 @@ def test_an_encoder_that_stops_counts_where_the_emf_shows_it(
     run = under_torque(HUB, speed_rpm)
     because = unnoticed_because(failing(with_real_sensors(run, 2) if real else run, kind, 0.1))
     assert (because is not None) is hidden
+
+
+def test_a_shaft_that_locks_under_a_torque_reference_counts_for_nobody() -> None:
+    """Its EMF moves the torque within the first control period, before any sample shows it."""
+    because = unnoticed_because(failing(under_torque(HUB, HUB.rating.base_speed_rpm), "locked-rotor", 0.1))
+    assert because is not None and "under a torque reference" in because, because
