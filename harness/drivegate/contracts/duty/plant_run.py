@@ -178,7 +178,7 @@ def _show_torque(trace: NDArray[np.float64], scenario: Scenario) -> None:
 
 def _digest(commands: NDArray[Any]) -> int:
     # Processors have instructions for this one: a tenth of a run went into a digest that has none.
-    whole = hashlib.sha256(np.ascontiguousarray(commands)).digest()[:8]
+    whole = hashlib.sha256(np.ascontiguousarray(commands).view(np.uint8).data).digest()[:8]
     return int.from_bytes(whole, "little") >> (64 - _DIGEST_BITS)
 
 

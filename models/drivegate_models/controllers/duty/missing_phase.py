@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import pi
+from math import inf, pi
 from typing import Any, Final
 
 from drivegate_models.compilation.calling import double_at
@@ -31,7 +31,8 @@ def reset_missing_phase(state: Any, nameplate: Any) -> None:
     state.carrying_current = _CARRYING * min(1.0, 2.0 * rated_share) * nameplate.current_limit
     state.direct_aim = 0.0
     state.quadrature_aim = 0.0
-    state.least_error = 0.0
+    # Current may flow before the first reference, through the diodes.
+    state.least_error = inf
     for phase in range(3):
         state.passed[phase] = 0.0
 

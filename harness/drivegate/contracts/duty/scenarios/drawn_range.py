@@ -61,7 +61,9 @@ def unnoticed_because(scenario: Scenario) -> str | None:
     turning = reference if failure.time_s > 0.0 else abs(scenario.initial_speed_rpm)
     locks = failure.kind == "locked-rotor"
     if locks and isinstance(scenario.load, DynamometerLoad):
-        return "its shaft locks under a torque reference, which no answer can keep as the EMF vanishes at once"
+        return (
+            "its shaft locks under a torque reference, which no answer can keep as the EMF vanishes at once"
+        )
     # A shaft that locks shows it by its sudden stop, or by not starting.
     speed = max(turning, reference) if locks else min(turning, reference)
     if speed < (FAILURE_SPEED_SHARE - _SPEED_ROUNDING) * base:
