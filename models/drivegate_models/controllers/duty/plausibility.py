@@ -177,13 +177,18 @@ def _is_shaft_wrong(state: Any, sense: Any, turned: float, shows_speed: bool) ->
         if unexplained > _FARTHEST * state.magnet_flux:
             return True
     speed = abs(sense.speed)
-    # Follow a rising speed at once, and a falling speed as fast as the shaft can stop. Once a speed has fallen faster,
-    # wait: at low speed the shaft could stop within the periods for which that must last.
+    # Follow a speed as fast as the shaft can start and stop, or that of Hall switches, which rises in steps, at once.
+    # A shaft that turns round just beyond an edge of its encoder passes that twice within moments, which looks fast.
+    # Once a speed has fallen faster, wait: at low speed the shaft could stop within the periods for which that must
+    # last.
     waits = sense.hall < 0 and state.speed_count > 0
     slowed = state.speed_seen if waits else state.speed_seen - state.slowing_step
     # While the shaft is braked, an encoder without a new edge still shows the speed of a while ago.
     is_old = turned == 0.0 and state.torque * sense.speed < 0.0
-    state.speed_seen = max(speed if shows_speed and not is_old else 0.0, slowed)
+    shown = speed if shows_speed and not is_old else 0.0
+    if sense.hall < 0:
+        shown = min(shown, state.speed_seen + state.slowing_step)
+    state.speed_seen = max(shown, slowed)
     stops = speed < _STOPPED * state.speed_seen and state.speed_seen > _SLOW * state.base_speed
     state.speed_count = state.speed_count + 1 if stops else 0
     return bool(state.speed_count >= _SEEN)

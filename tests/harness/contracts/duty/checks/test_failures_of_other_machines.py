@@ -269,6 +269,36 @@ def test_no_phase_is_missed_while_the_current_of_the_diodes_turns_round(name: st
     assert not run.commands["fault"].any(), f"code {run.commands['fault'].max()} with all phases healthy"
 
 
+TURNING_ROUND = made(
+    0.0817,
+    (365.0, 945.0, 1020.0),
+    pole_pairs=11,
+    resistance_ohm=1.9,
+    magnet_flux_v_s=0.103,
+    inertia_kg_m2=0.228,
+    link_voltage_v=127.0,
+    carrier_frequency_hz=3700.0,
+    carrier="double",
+    rated_power_w=144.0,
+    current_limit_a=2.34,
+).replaced(
+    core_loss_conductance_s=0.00103,
+    direct_inductance_h=0.0389,
+    friction_n_m=0.0252,
+    viscous_friction_n_m_s_per_rad=0.00171,
+    dead_time_s=4.23e-7,
+)
+"""It turns round so close to an edge of the encoder that this shows 50 rpm for two control periods."""
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_shaft_that_turns_round_at_an_edge_is_neither_lost_nor_locked(name: str) -> None:
+    loaded = own_candidate(resolve_candidate(name))
+    reversal = with_real_sensors(speed_scenario(TURNING_ROUND, (180.0, -180.0), torque_nm=1.8837), 1)
+    run = recorded(loaded, reversal, loaded.controller()).run
+    assert not run.commands["fault"].any(), f"code {run.commands['fault'].max()} of a healthy shaft"
+
+
 def test_a_shaft_that_locks_under_a_torque_reference_counts_for_nobody() -> None:
     """Its EMF moves the torque within the first control period, before any sample shows it."""
     because = unnoticed_because(failing(under_torque(HUB, HUB.rating.base_speed_rpm), "locked-rotor", 0.1))
