@@ -22,7 +22,6 @@ from drivegate_models.contract.duty.signals import LEG_HIGH, LEG_LOW
 from drivegate_models.pm_ac.fundamental import steady_state
 from drivegate_models.pm_ac.ideal_ripple import has_ideal_switches, ideal_swing, spread_samples
 from drivegate_models.pm_ac.modulation_kind import MODULATION_NUMBERS, ONE_SIDED
-from drivegate_models.pm_ac.plant.dc_link import is_ideal
 from drivegate_models.pm_ac.ripple import NONE_KEPT, commanded_swing
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -40,8 +39,6 @@ LEAST_SWING_SHARE: Final = 0.005
 """Swing of the torque over rated torque that is always allowed: a speed read in steps moves the torque by less (1)."""
 LEAST_IDEAL_PERIODS: Final = 240
 """Control periods of the ideal that are looked at: what is rounded differs by where samples lie in a cycle."""
-LINK_SWING_SHARE: Final = 0.005
-"""Swing of a link that is not ideal, over its nominal voltage, up to which ripple is judged (1)."""
 CLAMPED_RATIO: Final = 0.005
 """Distance of a duty ratio from 0 or 1 up to which its leg counts as clamped (1)."""
 CLAMPED_SHARE: Final = 0.8
@@ -151,7 +148,7 @@ def _is_rippling(record: DutyRecord, window: DutyWindow) -> bool:
     is_slow = abs(window.speed) < LEAST_SPEED_SHARE * base
     is_weak = abs(window.torque) < LEAST_TORQUE_SHARE * record.document.rating.rated_torque_nm
     greatest = undistorted(record.plant, window.link)
-    if is_slow or is_weak or window.voltage > VOLTAGE_SHARE * greatest or _link_swings(record, window):
+    if is_slow or is_weak or window.voltage > VOLTAGE_SHARE * greatest or _chopper_burns(record, window):
         return False
     # Legs that ignore their duty ratios make another voltage than these ask for; the currents show the true one.
     warm = record.plant_at(_swing_rows(record, window).start)
@@ -159,12 +156,9 @@ def _is_rippling(record: DutyRecord, window: DutyWindow) -> bool:
     return bool(own.voltage >= LEAST_VOLTAGE_SHARE * greatest)
 
 
-def _link_swings(record: DutyRecord, window: DutyWindow) -> bool:
-    """Return True if the link is not as steady as that of ideal modulation."""
-    if is_ideal(record.plant.dc_link):
-        return False
-    link = record.run.column("link")[_swing_rows(record, window)]
-    return bool(np.ptp(link) > LINK_SWING_SHARE * record.plant.link_voltage)
+def _chopper_burns(record: DutyRecord, window: DutyWindow) -> bool:
+    """Return True if the chopper swings the link; otherwise only the power of the torque that is judged does."""
+    return bool(record.run.column("chopper_power")[_swing_rows(record, window)].max() > 0.0)
 
 
 def modulation_ripple(record: DutyRecord) -> Margin | None:
@@ -294,7 +288,7 @@ RIP_4 = Check(
     limit="{modulation_ripple} times the ripple of ideal modulation of the declared kind at the same currents and "
     "speed on the same drive, but at least 0.5 % of rated torque",
     scenarios="steady stretches of the nominal drive from 10 % of rated torque and 5 % of base speed on, that take 1 "
-    "to 95 % of the voltage while the speed stays within 5 % of base speed of its reference",
+    "to 95 % of the voltage while the speed stays within 5 % of base speed of its reference and the chopper is off",
     formula="1 - torque's swing over a sixth of a cycle / the limit",
     why="What the torque swings by beyond what switching takes is noise and wear for nothing.",
     evaluate=modulation_ripple,
