@@ -28,11 +28,11 @@ from drivegate_models.pm_ac.plant.advance import (
     stator_flux,
 )
 from drivegate_models.pm_ac.plant.circuit import (
-    UNBOUNDED,
     Circuit,
     drop_of,
     is_on_upper_rail,
     leg_voltages,
+    phase_slope,
     sagitta,
 )
 from drivegate_models.pm_ac.plant.dc_link import (
@@ -61,6 +61,7 @@ from drivegate_models.pm_ac.plant.linked_events import (
 )
 from drivegate_models.pm_ac.plant.linked_integrals import add_linked_segment
 from drivegate_models.pm_ac.plant.linked_period import pass_linked_segments
+from drivegate_models.pm_ac.plant.linked_propagation import keeps_sign
 from drivegate_models.pm_ac.plant.linked_series import (
     Feed,
     at_voltage,
@@ -78,11 +79,6 @@ from drivegate_models.pm_ac.plant.series import shorten, shorten_both, shorten_o
 from drivegate_models.pm_ac.plant.settling import EMPTY, FREE, Legs, settle, show_voltages
 from drivegate_models.pm_ac.plant.volt_seconds import add_volt_seconds, is_followed
 
-# Share of the bound of a current's change within which it probably reaches zero, unless it comes from there.
-_LIKELY: Final = 0.1
-_LEAVING: Final = 1e-8
-# Failed attempts to pass many segments at once from which on it decides whether another is made.
-_DOUBTFUL: Final = 6
 _LEAST_SUPPLYING: Final = 0.2
 """Voltage over the nominal one below which the link supplies core and switching losses only in part (1)."""
 
@@ -176,7 +172,8 @@ def _next_edge(circuit: Circuit, legs: Legs, gates: Gates, duration: float) -> f
     return limit
 
 
-@unallocating
+# Called once, and inlined: a call would pass every array of `phases` on the stack, which costs as much as a series.
+@inlined
 def _first_events(
     drive: PmAcDrive,
     circuit: Circuit,
@@ -217,7 +214,7 @@ def _first_events(
     )
 
 
-@unallocating
+@inlined
 def _segment(
     drive: PmAcDrive,
     circuit: Circuit,
@@ -317,13 +314,14 @@ def _distant_edge(circuit: Circuit, legs: Legs, gates: Gates, duration: float) -
 
 
 @inlined
-def _is_near_zero(circuit: Circuit, legs: Legs, frame: RotorFrame, length: float) -> bool:
-    """Return True if a current probably reaches zero within a length (s), with an effect on its leg."""
-    change = circuit.steepest * length if circuit.steepest < UNBOUNDED else 0.0
+def _heads_for_zero(circuit: Circuit, legs: Legs, frame: RotorFrame, length: float) -> bool:
+    """Return True if a current without a sure sign would reach zero within a length (s) at its present slope."""
+    voltages = legs.voltages
     for leg in range(3):
-        current = legs.signs[leg] * phase_current(frame, leg)
-        if legs.sure[leg] == 0 and _LEAVING * change < current <= _LIKELY * change:
-            return True
+        if legs.sure[leg] == 0:
+            slope = phase_slope(circuit, frame, leg, voltages[0], voltages[1], voltages[2])
+            if legs.signs[leg] * (phase_current(frame, leg) + slope * length) <= 0.0:
+                return True
     return False
 
 
@@ -344,19 +342,16 @@ def _pass_quietly(
     Returns whether that is so, and the currents; otherwise nothing has been changed.
     """
     legs, series, link = phases.legs, phases.series, phases.dc_link
-    near = _LIKELY * circuit.steepest * length if circuit.steepest < UNBOUNDED else 0.0
-    for leg in range(3):
-        if legs.sure[leg] == 0 and legs.signs[leg] * phase_current(frame, leg) <= near:
-            return False, frame
+    if _heads_for_zero(circuit, legs, frame, length):
+        return False, frame
     cosine, sine = cosine_sine(begin_angle + circuit.electrical * length)
     count = free_linked_series(circuit, feed, legs, series, link, frame, length)
     after = linked_end(series, count, cosine, sine)
     bounded = at_voltage(circuit, circuit.link, bend_of(series, count, length))
     deviation = sagitta(bounded, length)
     for leg in range(3):
-        sign = legs.signs[leg]
-        least = min(sign * phase_current(frame, leg), sign * phase_current(after, leg))
-        if legs.sure[leg] == 0 and least <= deviation:
+        before, end = phase_current(frame, leg), phase_current(after, leg)
+        if legs.sure[leg] == 0 and not keeps_sign(legs.signs[leg], before, end, deviation):
             return False, frame
     if link_event(drive, link, feed.source, count, follows_thresholds).kind != NOTHING:
         return False, frame
@@ -444,7 +439,6 @@ def advance_linked_period(
     settled = settle(circuit, legs, frame, NO_LEG, 0)
     is_steady = constants.source_inductance == 0.0 and (brake_end == 0.0 or brake_end == duration)
     passes_many = is_steady and observes_sums_alone(phases)
-    failed = 0
     while time < duration:
         segments += 1
         if segments > EVENT_LIMIT:
@@ -453,11 +447,8 @@ def advance_linked_period(
         held = settled.held
         frame = settled.frame
         feed = _feed(constants, link, source, lost)
-        passes_now = held == FREE and passes_many
-        if passes_now and failed >= _DOUBTFUL:
-            far = _distant_edge(circuit, legs, gates, duration)
-            passes_now = not _is_near_zero(circuit, legs, frame, far - time)
-        if passes_now:
+        far = _distant_edge(circuit, legs, gates, duration) if held == FREE else time
+        if passes_many and far > time and not _heads_for_zero(circuit, legs, frame, far - time):
             count, time, after = pass_linked_segments(
                 drive, circuit, feed, phases, frame, time, duration, follows_thresholds, totals
             )
@@ -468,12 +459,11 @@ def advance_linked_period(
                 totals[ledger.SWITCHING] += pass_edges(circuit, legs, gates, time)
                 settled = settle(circuit, legs, after, NO_LEG, 0)
                 continue
-            failed += 1
         longest = longest_linked(circuit, held, duration)
         limit = _next_edge(circuit, legs, gates, duration)
         end = brake_end if time < brake_end else duration
         if held == FREE and not passes_many:
-            far = min(_distant_edge(circuit, legs, gates, duration), end, time + longest)
+            far = min(far, end, time + longest)
             if far > limit:
                 is_quiet, after = _pass_quietly(
                     drive,

@@ -14,7 +14,7 @@ from drivegate_models.pm_ac.plant import dc_link
 from drivegate_models.pm_ac.plant.circuit import UNBOUNDED, Circuit
 from drivegate_models.pm_ac.plant.dc_link import BATTERY, CHOPPER, SOURCE, VOLTAGE, LinkState
 from drivegate_models.pm_ac.plant.drive import PmAcDrive
-from drivegate_models.pm_ac.plant.linked_series import CUT, NEGLIGIBLE, PER_ORDER, Feed
+from drivegate_models.pm_ac.plant.linked_series import CUT, PER_ORDER, Feed
 from drivegate_models.pm_ac.plant.polynomial import extremes
 from drivegate_models.pm_ac.plant.rows import (
     ACROSS,
@@ -150,7 +150,7 @@ def _write_series(
             series.current[k] = flux_b
             series.cosine[k] = -2.0 * turned_by * series.sine[k - 1]
             series.sine[k] = 2.0 * turned_by * series.cosine[k - 1]
-            if turns == k and abs(series.cosine[k]) + abs(series.sine[k]) > NEGLIGIBLE:
+            if turns == k and abs(swing) * (abs(series.cosine[k]) + abs(series.sine[k])) > CUT * mean:
                 turns = k + 1
             varied_a = varied_b = 0.0
             for j in range(turns):
@@ -199,7 +199,7 @@ def _extend_range(
 
 
 @inlined
-def _keeps_sign(sign: int, begin: float, end: float, deviation: float) -> bool:
+def keeps_sign(sign: int, begin: float, end: float, deviation: float) -> bool:
     """Return True if a current keeps a sign in a segment, from its ends and its maximum distance from the chord (A)."""
     least = min(sign * begin, sign * end)
     is_monotone = abs(end - begin) > 8.0 * deviation
@@ -236,7 +236,7 @@ def propagate_linked(
             before = rows[PHASE_ENDS + leg * WIDTH + n]
             current = of_phase(leg, end.along, end.across)
             rows[PHASE_ENDS + leg * WIDTH + n + 1] = current
-            if legs.sure[leg] == 0 and not _keeps_sign(legs.signs[leg], before, current, deviation):
+            if legs.sure[leg] == 0 and not keeps_sign(legs.signs[leg], before, current, deviation):
                 return Passed(n, frame, voltage, orders)
         if min(voltage, end.voltage) - end.bulge <= band.lowest:
             return Passed(n, frame, voltage, orders)

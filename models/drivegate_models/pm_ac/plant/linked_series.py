@@ -32,7 +32,6 @@ LONGEST_LINKED: Final = 1.0
 """Maximum segment times the fastest rate, while no leg is held in a salient machine (1)."""
 # Share by which the voltage may grow in an advance for the bound of the currents' slopes to be valid.
 _GROWTH = 0.05
-NEGLIGIBLE = 1e-18
 # Coefficient over the size of its series from which on the rest is negligible: a hundredth of what counts as an event.
 CUT = 1e-15
 PER_ORDER = (0.0, *(1.0 / order for order in range(1, TERMS)))
@@ -273,7 +272,7 @@ def free_linked_series(
             fluxes_b[k] = flux_b
             doubles[k] = -2.0 * turned_by * double_sines[k - 1]
             double_sines[k] = 2.0 * turned_by * doubles[k - 1]
-            if turns == k and abs(doubles[k]) + abs(double_sines[k]) > NEGLIGIBLE:
+            if turns == k and abs(swing) * (abs(doubles[k]) + abs(double_sines[k])) > CUT * mean:
                 turns = k + 1
             varied_a = varied_b = 0.0
             for j in range(turns):
