@@ -198,7 +198,8 @@ def _first_event(
     return end_of_hold(legs, series, held, count), count, at_end(series, count, cosine, sine)
 
 
-@unallocating
+# Called once, and inlined: a call would pass every array of `phases` on the stack.
+@inlined
 def _segment(
     drive: PmAcDrive,
     circuit: Circuit,
