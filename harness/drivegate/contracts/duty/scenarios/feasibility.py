@@ -85,8 +85,11 @@ def _unfair_begin(scenario: Scenario) -> str | None:
         return "it begins or has a reference above overspeed, where a drive turns itself off"
     if (because := scenario.drive.one_way_because) is not None and needs_reverse(scenario):
         return f"it needs a shaft that turns both ways, but {because}"
-    if _rectified_current(scenario) > limits_of(duty_document(scenario.drive)).peak_a:
+    current = _rectified_current(scenario)
+    if current > limits_of(duty_document(scenario.drive)).peak_a:
         return "it begins so fast that the current through the diodes alone exceeds the limit of OVC-1"
+    if current > 0.0 and scenario.turns_before:
+        return "in the turns before it the controller holds off a current of the diodes, which flows when it begins"
     return None
 
 

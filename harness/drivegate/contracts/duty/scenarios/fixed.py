@@ -48,6 +48,8 @@ from drivegate_cases.drive.pm_ac.limits import FAILURE_SPEED_SHARE
 from drivegate_cases.scenario.failure_kind import FailureKind
 from drivegate_cases.scenario.reference import FollowedReference, reference_of
 from drivegate_cases.scenario.scenario import Scenario
+from drivegate_models.pm_ac.rectifying import rectifies
+from drivegate_models.units import RADIANS_PER_RPM
 
 START_ANGLES_DEG: Final = tuple(15.0 * number for number in range(24))
 """Angles of the rotor that a start is tried from (electrical degrees)."""
@@ -245,7 +247,10 @@ def _at_once(drive: PmAcDocument) -> list[Scenario]:
 
 def turned_scenario(drive: PmAcDocument, turns: int | None = None) -> Scenario:
     """Make the run of a shaft that has turned fast for long, before a step of the torque."""
-    fast = speed_of(drive, 0.5)
+    plant, fast = drive.plant(), speed_of(drive, 0.5)
+    if rectifies(plant, fast * RADIANS_PER_RPM, plant.link_voltage):
+        # The run begins with the current of the diodes, the turns before it without.
+        fast = speed_of(drive, 0.0)
     run = share_scenario(drive, fast, 0.0, 0.6)
     seen = TURNING_PERIODS * drive.control_period_s * fast / 60.0
     return titled(run.replaced(turns_before=int(rounded(seen, 2)) if turns is None else turns))

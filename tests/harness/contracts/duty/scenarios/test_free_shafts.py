@@ -16,6 +16,7 @@ from drivegate.contracts.duty.scenarios.beyond import (
     beyond_scenarios,
     speed_beyond,
 )
+from drivegate.contracts.duty.scenarios.drawn_range import speed_of
 from drivegate.contracts.duty.scenarios.feasibility import unfair_because
 from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios, long_scenarios, turned_scenario
 from drivegate.contracts.duty.scenarios.released import (
@@ -195,3 +196,16 @@ def test_a_slow_controller_sees_the_last_turns_alone_and_a_fast_one_all() -> Non
     turned = turned_before(back, PythonController(_Pushing()))
     assert turned is not None
     assert turned.speed < 0.0
+
+
+def test_turns_before_a_run_are_slower_than_the_diodes_conduct() -> None:
+    """On this drive they conduct at half of the range above base speed; the turns would show no current of them."""
+    drive = load_drive("pm-ac-2kw")
+    assert isinstance(drive, PmAcDocument)
+    run = turned_scenario(drive)
+    assert unfair_because(run) is None
+    assert run.initial_speed_rpm == drive.rating.base_speed_rpm
+    fast = speed_of(drive, 0.5)
+    beyond = run.replaced(speed_rpm=((0.0, fast),), initial_speed_rpm=fast)
+    assert "a current of the diodes" in str(unfair_because(beyond))
+    assert unfair_because(beyond.replaced(turns_before=0)) is None
