@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import nan, sqrt
+from math import isnan, nan, sqrt
 from typing import Any, Final
 
 from drivegate_models.compilation.calling import double_at
@@ -37,7 +37,6 @@ def reset_regulator(state: Any, nameplate: Any) -> None:
     state.current_limit = nameplate.current_limit
     state.lead = (nameplate.update_delay + 0.5) * nameplate.control_period
     state.delay = 1 if nameplate.update_delay > 0 else 0
-    state.remaining_error = max(1.0 - BANDWIDTH * (nameplate.update_delay + 0.5), 0.0)
     # Dead time occurs once per carrier period, which consists of two control periods with double update.
     halves = 2.0 if nameplate.updates == 2 else 1.0
     carrier_period = halves * nameplate.control_period / nameplate.control_every
@@ -47,12 +46,15 @@ def reset_regulator(state: Any, nameplate: Any) -> None:
     state.diode_drop = nameplate.diode_drop
     state.half_carrier = 0.5 * carrier_period
     state.edge_centre = 0.5 if nameplate.updates == 2 else 0.0
+    state.remaining_error = max(1.0 - BANDWIDTH * (nameplate.update_delay + 0.5), 0.0)
     state.direct_gain = bandwidth * nameplate.direct_inductance
     state.quadrature_gain = bandwidth * nameplate.quadrature_inductance
     state.direct_integral_step = BANDWIDTH * max(nameplate.resistance, _INTEGRAL * state.direct_gain)
     state.quadrature_integral_step = BANDWIDTH * max(nameplate.resistance, _INTEGRAL * state.quadrature_gain)
     state.direct_integral = 0.0
     state.quadrature_integral = 0.0
+    state.direct_moved = 0.0
+    state.quadrature_moved = 0.0
     for command in range(2):
         # Until the first command acts, the legs are off and their voltages unknown.
         state.along_voltage[command] = nan
@@ -315,21 +317,35 @@ def regulate_currents(
     electrical = state.pole_pairs * sense.speed
     direct_error = direct_reference - direct
     quadrature_error = quadrature_reference - quadrature
-    # What is left of the errors by the time at which the command acts: more decoupling than that couples again.
-    direct_flux = state.remaining_error * state.direct_inductance * direct_error
-    quadrature_flux = state.remaining_error * state.quadrature_inductance * quadrature_error
+    moving, across_moving = state.direct_gain * direct_error, state.quadrature_gain * quadrature_error
+    # What is left of the errors in the middle of the period in which the command acts, after half of its own effect and
+    # that of the command that waits: more decoupling than that couples again.
+    direct_flux = state.direct_inductance * direct_error
+    quadrature_flux = state.quadrature_inductance * quadrature_error
+    if isnan(state.direct_moved):
+        direct_flux *= state.remaining_error
+        quadrature_flux *= state.remaining_error
+    else:
+        half = 0.5 * state.control_period
+        direct_flux -= state.direct_moved + half * moving
+        quadrature_flux -= state.quadrature_moved + half * across_moving
     # The voltages that maintain the references, that move the currents to them, and that decouple them.
     steady = state.direct_integral - electrical * state.quadrature_inductance * quadrature_reference
     across_steady = state.quadrature_integral + electrical * (
         state.direct_inductance * direct_reference + state.magnet_flux
     )
-    moving, across_moving = state.direct_gain * direct_error, state.quadrature_gain * quadrature_error
     coupling, across_coupling = electrical * quadrature_flux, -electrical * direct_flux
     direct_voltage = steady + moving + coupling
     quadrature_voltage = across_steady + across_moving + across_coupling
     direct_limited, quadrature_limited = limited_request(
         (steady, across_steady), (moving, across_moving), (coupling, across_coupling), limit
     )
+    waiting = state.delay * state.control_period
+    used = sqrt(direct_voltage * direct_voltage + quadrature_voltage * quadrature_voltage)
+    is_whole = used <= limit
+    # What a voltage cut by the limit moves is not known; then a decay of the errors is assumed that lasts.
+    state.direct_moved = waiting * moving if is_whole else nan
+    state.quadrature_moved = waiting * across_moving if is_whole else nan
     # Anti-windup: the voltage cut by the limit does not enter the integrals.
     state.direct_integral += state.direct_integral_step * (
         direct_error + (direct_limited - direct_voltage) / state.direct_gain
@@ -340,4 +356,4 @@ def regulate_currents(
     ahead = cosine_sine(state.pole_pairs * sense.angle + electrical * state.lead)
     voltage, current = (direct_limited, quadrature_limited), (direct_reference, quadrature_reference)
     write_voltage(state, sense, command, ahead, ahead, voltage, current)
-    return float(sqrt(direct_voltage * direct_voltage + quadrature_voltage * quadrature_voltage))
+    return float(used)

@@ -59,8 +59,12 @@ FOC_STATE: Final = np.dtype(
         ("deepest", np.float64),
         # Time from sampling to the middle of the period in which the command acts.
         ("lead", np.float64),
-        # Share of a current error that is left when the command acts.
+        # Share of a current error that is left when the command acts, while the errors decay.
         ("remaining_error", np.float64),
+        # Flux by which the command that waits moves the currents, beside what maintains and decouples them (V s); not a
+        # number where the limit has cut it.
+        ("direct_moved", np.float64),
+        ("quadrature_moved", np.float64),
         ("speed_gain", np.float64),
         ("speed_integral_step", np.float64),
         ("torque_step", np.float64),
