@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_lab.candidates.duty_faults import DUTY_FAULTS
@@ -33,6 +35,20 @@ def test_a_fault_that_costs_nothing_on_a_slow_drive_idles_there_alone() -> None:
     )
     assert fast == {None}
     assert slow == {
+        None,
+        "single precision counts each edge of the 2161 turns before a run; nightly has a million turns",
         "the drive needs no more weakening than the fault leaves",
         "the rotor turns by 3 degrees at most in a control period, for which its regulators make up",
     }
+
+
+@pytest.mark.parametrize(
+    ("drive", "reason"),
+    [
+        ("pm-ac-interior", None),
+        ("pm-ac-hub", None),
+        ("pm-ac-chopper", "the bridge lowers the rectifier's link by 1.7 V at most in a control period"),
+    ],
+)
+def test_a_sag_is_noticed_where_the_link_follows_its_source(drive: str, reason: str | None) -> None:
+    assert DUTY_FAULTS["sag-taken-for-short-circuit"].on(load_drive(drive)).idle_because == reason

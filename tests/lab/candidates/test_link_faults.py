@@ -11,6 +11,7 @@ from drivegate.candidates.declaration import NOTHING_DECLARED
 from drivegate.contracts.catalogue import contract_of
 from drivegate.contracts.duty.informed import InformedController
 from drivegate.contracts.duty.scenarios.building import share_scenario
+from drivegate.contracts.duty.scenarios.fixed import fixed_scenarios
 from drivegate.contracts.duty.scenarios.linked import linked_scenarios
 from drivegate.drives.running import recorded
 from drivegate.gate.witness_runs import judged_witness, witnesses_for
@@ -68,3 +69,20 @@ def test_a_link_regulator_of_another_design_meets_every_check_of_the_link(drive:
         margins = [margin for check in checks if (margin := check.evaluate(record)) is not None]
         assert len(margins) >= 3
         assert all(margin.met for margin in margins), margins
+
+
+@pytest.mark.one_in(2)
+@pytest.mark.parametrize(
+    ("drive", "name"),
+    [
+        ("pm-ac-hub", "sag-taken-for-short-circuit"),
+        ("pm-ac-hub", "reference-missed-with-link"),
+        ("pm-ac-chopper", "reference-missed-with-link"),
+    ],
+)
+def test_a_link_that_follows_its_source_slowly_changes_with_the_reference(drive: str, name: str) -> None:
+    linked = DRIVES[drive].replaced(settling_s=0.2)
+    assert isinstance(linked, PmAcDocument)
+    runs = [run for run in fixed_scenarios(linked, ("torque",)) if run.supply_v and "-torque-" in run.name]
+    assert DUTY_FAULTS[name].check in failed_checks(f"faulty:{name}", *runs)
+    assert failed_checks("foc", *runs) == frozenset()

@@ -237,12 +237,21 @@ def _at_once(drive: PmAcDocument) -> list[Scenario]:
     step = share_scenario(drive, slow, 0.6, 0.3)
     load = load_step_scenario(drive, fast, torque_of(drive, fast, 0.7), (0.3, 1.0))
     return [
-        supply_step_scenario(torques, drive, (1.0, 0.85, 1.1)),
+        _seen_with_reference(drive, supply_step_scenario(torques, drive, (1.0, 0.85, 1.1))),
         with_lost_samples(step, ("currents",), (0.5,)),
-        supply_step_scenario(load, drive, (1.0, 0.9)),
+        _seen_with_reference(drive, supply_step_scenario(load, drive, (1.0, 0.9))),
         restarted(load, (0.5,)),
         speed_and_load_step_scenario(drive, (slow, fast), torque_of(drive, fast, 0.7), (0.2, 1.0)),
     ]
+
+
+def _seen_with_reference(drive: PmAcDocument, run: Scenario) -> Scenario:
+    """Have the source step a control period earlier where the link follows it: its first change is sensed at once."""
+    if drive.real_link is None or run.supply_v is None:
+        return run
+    period = drive.control_period_s
+    steps = ((max(rounded(time - period, 9), 0.0), volts) for time, volts in run.supply_v)
+    return titled(run.replaced(supply_v=tuple(steps)))
 
 
 def turned_scenario(drive: PmAcDocument, turns: int | None = None) -> Scenario:
