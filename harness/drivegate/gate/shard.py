@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 from collections.abc import Collection, Iterable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import lru_cache
 from random import Random
 from typing import TYPE_CHECKING, Any, Final
 
@@ -109,6 +110,13 @@ def searched_checks(checks: Iterable[Check]) -> frozenset[str]:
     )
 
 
+@lru_cache(maxsize=4)
+def _fixed_keys(drive: DriveDocument, declaration: Declaration) -> frozenset[str]:
+    """Return the keys of the fixed runs; making them takes as long as a run, and a worker has several shards."""
+    fixed = contract_of(drive).fixed_scenarios(drive, declaration)
+    return frozenset(content_key(scenario.to_mapping()) for scenario in fixed)
+
+
 class _Collector:
     """Runs the scenarios that a search asks for, and keeps what comes of them."""
 
@@ -123,8 +131,7 @@ class _Collector:
         self.contract = contract_of(drive)
         self.checks = checks_of(drive, loaded.candidate.declaration)
         self.searched = searched_checks(self.checks)
-        fixed = self.contract.fixed_scenarios(drive, loaded.candidate.declaration)
-        self._known = {content_key(scenario.to_mapping()) for scenario in fixed}
+        self._known = set(_fixed_keys(drive, replace(loaded.candidate.declaration, requirements=None)))
         self.fault: CandidateFault | None = None
         self.runs: list[JudgedRun] = []
         self.infeasible: list[InfeasibleScenario] = []

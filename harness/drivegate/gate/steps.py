@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import insort
 from collections.abc import Mapping
 from math import inf
 from random import Random
@@ -18,21 +19,23 @@ _BEYOND: Final = 1.2
 """What a step scales with: the way to the limit where the margin is a line, and somewhat more (1)."""
 _SHRINKAGE: Final = 0.4
 _JOINT_SHRINKAGE: Final = 0.7
-_SINGLE_SHARE: Final = 0.6
-_PAIR_SHARE: Final = 0.25
+_END_SHARE: Final = 0.2
+"""Share of steps that bring one choice to an end of its range, since the way there may lead over a hill."""
+_SINGLE_SHARE: Final = 0.48
+_PAIR_SHARE: Final = 0.2
 """Shares of steps that move one choice and two; the others move all."""
 _KEPT: Final = 8
 """Number of draws kept to start from."""
-_PRICE: Final = 0.05
-"""What every step without success adds to a check's margin where the nearest check is chosen (1)."""
+_PRICE: Final = 0.1
+"""What every step without success adds to a check's distance where the nearest check is chosen (1)."""
 
 
 class Climb:
     """Moves one choice, two or all at a time while a margin falls, and others after that.
 
     Numbers are moved both ways by a step that grows on success and shrinks on failure, as Hooke and Jeeves move
-    ("Direct search solution of numerical and statistical problems", Journal of the ACM 8(2), 1961); an alternative is
-    replaced by another.
+    ("Direct search solution of numerical and statistical problems", Journal of the ACM 8(2), 1961), or to an end of
+    their range; an alternative is replaced by another.
     """
 
     def __init__(self, start: Choices, margin: float, source: Random) -> None:
@@ -54,13 +57,19 @@ class Climb:
     def _turn(self) -> None:
         """Choose what is moved next, and which way."""
         count = len(self.best)
+        self._order = [place for place in self._order if self._steps[place] >= _LEAST_STEP]
         if not self._order:
             self._order = [place for place, step in enumerate(self._steps) if step >= _LEAST_STEP]
             self._source.shuffle(self._order)
         kind = self._source.random()
-        if kind < _SINGLE_SHARE or count < 2:
+        # Those that change nothing have no step.
+        moving = [place for place, step in enumerate(self._steps) if step > 0.0]
+        self._is_to_end = kind < _END_SHARE and bool(moving)
+        if self._is_to_end:
+            places = [self._source.choice(moving)]
+        elif kind < _END_SHARE + _SINGLE_SHARE or count < 2:
             places = [self._order.pop()] if self._order else []
-        elif kind < _SINGLE_SHARE + _PAIR_SHARE:
+        elif kind < _END_SHARE + _SINGLE_SHARE + _PAIR_SHARE:
             places = self._source.sample(range(count), 2)
         else:
             places = list(range(count))
@@ -90,7 +99,7 @@ class Climb:
             choice = made[place]
             size = choice.greatest - choice.least
             if choice.is_number:
-                move = sense * self._length(place) * size
+                move = sense * (1.0 if self._is_to_end else self._length(place)) * size
                 if choice.is_whole and len(self._direction) == 1:
                     move = sense * max(abs(move), 1.0)
                 made[place] = choice.at(choice.value + move)
@@ -126,6 +135,8 @@ class Climb:
             self._turn()
 
     def _scale(self, factor: float) -> None:
+        if self._is_to_end and factor > 0.0:
+            return
         if len(self._direction) == 1:
             (place,) = self._direction
             self._steps[place] = min(factor * self._steps[place], 1.0)
@@ -141,6 +152,20 @@ class Nearest:
         self._draws: dict[str, list[tuple[float, Choices]]] = {}
         self._climbs: dict[str, Climb] = {}
         self._failures: dict[str, int] = {}
+        self._drawn: dict[str, list[float]] = {}
+        self._count = 0
+
+    def drew(self, margins: Mapping[str, float]) -> None:
+        """Learn from an even draw what margins of each check are usual; one that is not near has none."""
+        self._count += 1
+        for check, margin in margins.items():
+            insort(self._drawn.setdefault(check, []), margin)
+
+    def _distance(self, check: str, margin: float) -> float:
+        """Return a margin over what usual ones are above it, infinite where nothing moves it."""
+        drawn, middle = self._drawn.get(check, ()), self._count // 2
+        usual = drawn[middle] if middle < len(drawn) else 1.0
+        return margin / (usual - margin) if usual > margin else inf
 
     def met(self, made: Choices, margins: Mapping[str, float]) -> None:
         """Keep a scenario for the checks that it came near to."""
@@ -151,19 +176,19 @@ class Nearest:
             del draws[_KEPT:]
 
     def check(self) -> str | None:
-        """Choose the check to climb toward: near its limit, not often tried in vain, and not broken yet."""
+        """Choose the check to climb toward: unusually near, not often tried in vain, and not broken yet."""
         open_checks = {check: draws[0][0] for check, draws in self._draws.items() if draws}
         open_checks |= {
             check: climb.margin
             for check, climb in self._climbs.items()
             if climb.margin < open_checks.get(check, 1.0)
         }
-        known = [check for check, margin in open_checks.items() if margin >= 0.0]
-        return min(
-            known,
-            key=lambda check: open_checks[check] + _PRICE * self._failures.get(check, 0),
-            default=None,
-        )
+        costs = {
+            check: self._distance(check, margin) + _PRICE * self._failures.get(check, 0)
+            for check, margin in open_checks.items()
+            if margin >= 0.0
+        }
+        return min((check for check in costs if costs[check] < inf), key=costs.__getitem__, default=None)
 
     def step(self, check: str) -> Choices:
         """Return the choices of the next step toward a check's limit."""
@@ -207,5 +232,6 @@ class Search:
         if stepping is not None:
             near = None if margins is None else margins.get(stepping)
             self._is_due = self._nearest.stepped(stepping, made, near)
-        else:
-            self._is_due = margins is not None or self._is_due
+        elif margins is not None:
+            self._is_due = True
+            self._nearest.drew(margins)

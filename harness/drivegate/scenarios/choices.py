@@ -23,6 +23,8 @@ STRATA: Final = 16
 """Parts of a range of which each gives one value, in random order, before any gives another."""
 BOUNDARY_SHARE: Final = 1.0 / 6.0
 """Share of draws in which half of the numbers are an end of their range."""
+_OTHERS: Final = 2**32
+"""What parts the seed of the numbers that are drawn beside given ones from those of all shards."""
 _BACKEND: Final = "drivegate"
 
 
@@ -82,10 +84,14 @@ class EvenDraws:
 
 
 class ChoiceSource:
-    """What the next scenario is made from: choices that are given, and even draws for all others."""
+    """What the next scenario is made from: choices that are given, and even draws for all others.
+
+    Scenarios of even draws alone are the same ones, in the same order, whatever is given between them.
+    """
 
     def __init__(self, seed: int, given: Callable[[], Choices]) -> None:
-        self._draws = EvenDraws(seed)
+        self._whole, self._rest = EvenDraws(seed), EvenDraws(seed + _OTHERS)
+        self._draws = self._whole
         self._given = given
         self._wanted: Choices = ()
         self._made: list[Choice] | None = None
@@ -103,6 +109,7 @@ class ChoiceSource:
     def begin(self) -> None:
         self._made = []
         self._wanted = self._given()
+        self._draws = self._rest if self._wanted else self._whole
         self._draws.begin()
 
     def choose(self, least: float, greatest: float, *, is_whole: bool) -> float:

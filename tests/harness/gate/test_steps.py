@@ -100,19 +100,48 @@ def test_a_number_that_changes_nothing_is_not_moved_again() -> None:
 
 def test_a_check_that_is_broken_or_hopeless_leaves_its_steps_to_others() -> None:
     search, stepped, source = Search(1), Counter[str](), Random(2)
-    margins = {"BRK-1": -0.5, "DEF-1": 0.01, "FAR-1": 0.3}
+    nearest = {"BRK-1": -0.5, "DEF-1": 0.01, "FAR-1": 0.3}
     for _ in range(60):
         made = search.choices()
         stepped[search.stepping or ""] += 1
-        search.judged(made or _start(3, source), margins)
+        margins = {check: margin + 0.5 * source.random() for check, margin in nearest.items()}
+        search.judged(made or _start(3, source), dict.fromkeys(nearest, 0.9) if made else margins)
     assert "BRK-1" not in stepped, "what fails already needs no steps"
     assert stepped["DEF-1"] > 0
     assert stepped["FAR-1"] > 0, f"the nearest check starves the others: {dict(stepped)}"
 
 
+def test_steps_follow_what_is_unusually_near() -> None:
+    search, stepped, source = Search(1), Counter[str](), Random(2)
+    for number in range(40):
+        made = search.choices()
+        stepped[search.stepping or ""] += 1
+        # One check's margin is always as small as can be, one is small as a rule, and one is so once.
+        margins = {"SAM-1": 0.0, "LOW-1": 0.1 + 0.05 * source.random()}
+        if number == 9:
+            margins["ODD-1"] = 0.2
+        search.judged(made or _start(3, source), dict.fromkeys(margins, 0.9) if made else margins)
+    assert "SAM-1" not in stepped, "nothing moves that margin"
+    assert stepped["ODD-1"] > stepped["LOW-1"], dict(stepped)
+
+
+def test_steps_find_a_failure_at_ends_that_margins_lead_away_from() -> None:
+    def margin(made: Choices) -> float:
+        first, second, third = _shares(made)
+        if third < 0.02 and first + second < 0.1:
+            return -1.0
+        return 0.1 + 0.1 * (first + second) + 0.1 * (1.0 - third)
+
+    runs = [_runs_to_failure(margin, seed, 300, count=3) for seed in range(20)]
+    # One draw in 10,000 fails.
+    assert sum(run < 300 for run in runs) >= 18, runs
+
+
 def test_a_step_that_shows_nothing_new_counts_as_none() -> None:
     search, source = Search(1), Random(2)
-    search.judged(_start(3, source), {"CHK-1": 0.5})
+    for margin in (0.5, 0.4):
+        assert search.choices() == ()
+        search.judged(_start(3, source), {"CHK-1": margin})
     made = search.choices()
     assert made
     search.judged(made, None)

@@ -126,3 +126,15 @@ def test_what_ends_the_drawing_is_not_run_again() -> None:
     with pytest.raises(Enough):
         settings(database=None, phases=(Phase.generate, Phase.shrink))(explore)()
     assert len(runs) == 1
+
+
+def test_draws_do_not_depend_on_what_is_given_between_them() -> None:
+    numbers = st.tuples(st.integers(0, 99), st.floats(0.0, 1.0), st.sampled_from("abcde"))
+    given_once = (Choice(7.0, 0, 99, is_whole=True),)
+    turns = iter([(), given_once, given_once] * 20)
+    mixed = _drawn(numbers, 60, given_choices=lambda: next(turns, ()))
+    whole, alone = (
+        [value for value, made in drawn if made[0].value != 7.0] for drawn in (mixed, _drawn(numbers, 20))
+    )
+    assert len(whole) >= 19
+    assert whole[:19] == alone[:19]
