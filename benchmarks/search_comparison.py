@@ -28,7 +28,7 @@ FIGURE: Final = HERE.parent / "docs" / "images" / "search-comparison.svg"
 
 
 def cells(known: dict[str, Any]) -> Iterator[Cell]:
-    """List the trials, those of gradual faults at the severities that are known by now."""
+    """List the trials, those of faults with a size at the severities that are known by now."""
     for number, fault in enumerate(FAULTS):
         for method in METHODS:
             for seed in seeds(fault, method):
@@ -73,7 +73,7 @@ def main() -> None:
     document: dict[str, Any] = {"cells": {}, "processor_seconds": 0.0}
     if options.result.exists() and not options.again:
         document = json.loads(options.result.read_text(encoding="utf-8"))
-    rarenesses = [Cell(number) for number, fault in enumerate(FAULTS) if fault.shape == "gradual"]
+    rarenesses = [Cell(number) for number, fault in enumerate(FAULTS) if fault.shape != "sudden"]
     quick = [cell for cell in rarenesses if FAULTS[cell.fault].check not in SLOW_CHECKS]
     # What takes longest to find out goes beside the trials that need not wait for it.
     work(quick, document, options.workers, options.result)

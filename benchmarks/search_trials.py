@@ -29,7 +29,7 @@ def expected_draws(level: int) -> float:
 
 @dataclass(frozen=True)
 class Cell:
-    """A piece of work: how rare a gradual fault's failures are, or the trials of one method and seed.
+    """A piece of work: how rare the failures of a fault with a size are, or the trials of one method and seed.
 
     Attributes
     ----------
@@ -62,7 +62,7 @@ def allowance(fault: WeakenedFault) -> int:
     """Return the greatest number of runs of one trial."""
     if fault.check in SLOW_CHECKS:
         return 100
-    return 300 if fault.shape == "gradual" else 500
+    return 500 if fault.shape == "sudden" else 300
 
 
 def seeds(fault: WeakenedFault, method: str) -> range:
@@ -88,7 +88,7 @@ def done(cell: Cell) -> tuple[str, dict[str, Any], float]:
         found = rareness(fault, 0.5e-5, size=24 if fault.check in SLOW_CHECKS else 64)
         levels = [found.severity(1.0 / expected_draws(level)) for level in range(LEVELS)]
         outcome: dict[str, Any] = {"severities": levels, "runs": found.runs}
-    elif fault.shape == "gradual":
+    elif fault.shape != "sudden":
         judge = Judge(fault.at(cell.severity), fault.check, fault.cube)
         trial = Trial(judge.margin, allowance(fault))
         METHODS[cell.method](trial, len(fault.cube.coordinates), cell.seed)

@@ -2,7 +2,8 @@
 
 A *gradual* fault is weakened by its own constant, such as degrees a second, and so breaks its check in a smaller and
 smaller part of the cube. A *sudden* one has its full size inside a pocket of the cube and is no fault elsewhere, so
-that no margin shows the way there; it is weakened by shrinking the pocket.
+that no margin shows the way there; it is weakened by shrinking the pocket. A *flat* one is weakened by its constant
+too, but margins hardly differ outside of where it shows.
 """
 
 from __future__ import annotations
@@ -145,7 +146,7 @@ NOMINAL_PLANT: Final = Cube(
 """Steady runs on the nominal plant; the load comes on as a ramp, the supply is not quite nominal."""
 
 
-Shape: TypeAlias = Literal["gradual", "sudden"]
+Shape: TypeAlias = Literal["gradual", "flat", "sudden"]
 
 
 @dataclass(frozen=True)
@@ -163,11 +164,13 @@ class WeakenedFault:
     cube : Cube
         The scenarios.
     weakest, strongest : float
-        Gradual: what the constant goes between, as the logarithm of the severity goes from 0 to 1.
+        Not sudden: what the constant goes between, as the logarithm of the severity goes from 0 to 1.
     factor : str, optional
-        Gradual: the controller's constant that is multiplied; where there is none, the fault's own size is set.
+        Not sudden: the controller's constant that is multiplied; where there is none, the fault's own size is set.
     pocket : dict of int to float, optional
         Sudden: the middle of the pocket, by number of coordinate.
+    is_flat : bool
+        Whether margins lead nowhere although the fault is weakened by its constant.
     """
 
     name: str
@@ -178,11 +181,14 @@ class WeakenedFault:
     strongest: float = 0.0
     factor: str | None = None
     pocket: dict[int, float] | None = None
+    is_flat: bool = False
 
     @property
     def shape(self) -> Shape:
         """Whether margins show the way."""
-        return "gradual" if self.pocket is None else "sudden"
+        if self.pocket is not None:
+            return "sudden"
+        return "flat" if self.is_flat else "gradual"
 
     def at(self, severity: float) -> Mutation:
         """Make the faulty controller of a severity from 0 to 1; a sudden one has but one."""
@@ -274,7 +280,13 @@ FAULTS: Final = (
         factor="angle_slope",
     ),
     WeakenedFault(
-        "angle drifts", "drifts", "CNV-1", NOMINAL_PLANT, weakest=0.01 * _DEGREE, strongest=0.5 * _DEGREE
+        "angle drifts",
+        "drifts",
+        "CNV-1",
+        NOMINAL_PLANT,
+        weakest=0.01 * _DEGREE,
+        strongest=0.5 * _DEGREE,
+        is_flat=True,
     ),
     WeakenedFault(
         "power wrong in a pocket",

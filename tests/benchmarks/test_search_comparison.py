@@ -14,6 +14,7 @@ from weakened_faults import FAULTS, GRID, Judge, Point, WeakenedFault, correct, 
 
 MIDDLE = (0.3, 0.7, 0.6)
 GRADUAL = [fault for fault in FAULTS if fault.shape == "gradual"]
+FLAT = [fault for fault in FAULTS if fault.shape == "flat"]
 SUDDEN = [fault for fault in FAULTS if fault.shape == "sudden"]
 
 
@@ -80,7 +81,7 @@ def test_a_sudden_fault_is_caught_in_its_pocket_alone() -> None:
     assert first == [2] * len(first), f"the pocket of each level is met in the second run, not in {first}"
 
 
-@pytest.mark.parametrize("fault", GRADUAL, ids=lambda fault: fault.name)
+@pytest.mark.parametrize("fault", [*GRADUAL, *FLAT], ids=lambda fault: fault.name)
 def test_a_gradual_fault_grows_from_nothing(fault: WeakenedFault) -> None:
     points = Trial(lambda _point: 1.0, 6)
     random_points(points, len(fault.cube.coordinates), 11)
@@ -92,6 +93,22 @@ def test_a_gradual_fault_grows_from_nothing(fault: WeakenedFault) -> None:
     assert right >= 0.0, f"the correct controller is accused by {fault.check}"
     assert least[0.0] >= 0.0, "the weakest fault is caught nearly everywhere"
     assert least[1.0] < least[0.0], "the fault does not grow"
+
+
+def _spread(fault: WeakenedFault, severity: float) -> float:
+    """Return the range of the lesser margins: those of runs in which the fault shows at all."""
+    points = Trial(lambda _point: 1.0, 24)
+    random_points(points, len(fault.cube.coordinates), 5)
+    margins = list(map(Judge(fault.at(severity), fault.check, fault.cube).margin, points.points))
+    lesser = [margin for margin in margins if margin < 0.9]
+    return max(lesser) - min(lesser)
+
+
+def test_margins_of_a_flat_fault_do_not_differ() -> None:
+    # Each at a severity at which one draw in ten thousand fails.
+    assert _spread(FLAT[0], 0.76) < 0.05
+    assert _spread(GRADUAL[0], 0.464) > 0.2
+    assert _spread(GRADUAL[1], 0.585) > 0.2
 
 
 def test_rare_failures_are_as_rare_as_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
