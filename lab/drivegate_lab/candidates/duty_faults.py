@@ -366,6 +366,7 @@ _UNNAMED: Final = {
     "late-samples": replace(
         _signals("FWK-3", "Regulates with the currents of the step before.", is_late=1.0),
         harmless=_turns_little,
+        less_salient=(1.0, "FWK-2"),
     ),
     "unclamped-ratios": _signals(
         "DUT-1", "Stretches its duty ratios by a fifth after its limiter.", stretch=1.2

@@ -40,5 +40,5 @@ class FieldController(CompiledController):
         state["fault"] = self._fault.fault
         state["size"], state["extent"] = self._fault.sizes_on(nameplate)
         state["acts"] = self._fault.under in (None, nameplate.reference_kind)
-        for name in ("base_speed", "current_limit", "control_period", "pole_pairs"):
+        for name in ("base_speed", "control_period", "pole_pairs"):
             state[name] = getattr(nameplate, name)

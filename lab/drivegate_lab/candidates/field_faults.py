@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Final, TypeAlias
 
+from drivegate.contracts.duty.scenarios.rare import LONG_RATE_HZ
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_lab.candidates.faults.seeded_fault import NEEDS_ANGLE, FaultOnDrive, SeededFault
@@ -32,12 +33,15 @@ class FieldFault(SeededFault):
     under: int | None = None
     """The one kind of reference under which it acts; None for all."""
     needs_weakening: bool = False
+    needs_ideal_link: bool = False
 
     def on(self, drive: DriveDocument) -> FaultOnDrive:
         """Return what the fault is on a drive; it idles where the drive has no such operation."""
         idle = None
         if self.needs_weakening and isinstance(drive, PmAcDocument) and not drive.weakens:
             idle = "this drive does not weaken its field"
+        if self.needs_ideal_link and isinstance(drive, PmAcDocument) and drive.real_link is not None:
+            idle = "STP-1 judges steps of an ideal link alone"
         if drive.position == "none":
             idle = NEEDS_ANGLE
         return FaultOnDrive(self.check, self.sentence, self.kind, idle)
@@ -77,6 +81,7 @@ def _fault(
     under: int | None = None,
     *,
     needs_weakening: bool = False,
+    needs_ideal_link: bool = False,
 ) -> FieldFault:
     return FieldFault(
         "",
@@ -87,6 +92,7 @@ def _fault(
         extent=extent,
         under=under,
         needs_weakening=needs_weakening,
+        needs_ideal_link=needs_ideal_link,
     )
 
 
@@ -285,6 +291,7 @@ _OF_KINDS: Final = {
             "Measures the link's voltage through a filter of 20 ms.",
             faults.LINK_FILTERED,
             0.02,
+            needs_ideal_link=True,
         ),
     },
     "minutes": {
@@ -296,9 +303,10 @@ _OF_KINDS: Final = {
         ),
         "winding-modelled-too-small": _fault(
             "ACC-1",
-            "Halves its torque by a model of a winding that rated torque overheats in a minute.",
+            "Halves its torque by a model of a winding that rated torque overheats within a minute.",
             faults.HEATS_UP,
-            60.0,
+            # Runs of minutes are shorter at a high rate.
+            lambda plate: min(60.0, 60.0 * LONG_RATE_HZ * plate.control_period),
             _rated_torque(0.5),
         ),
         "angle-of-summed-turns": _fault(

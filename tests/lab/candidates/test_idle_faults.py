@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_lab.candidates.duty_faults import DUTY_FAULTS
+from drivegate_lab.candidates.field_faults import FIELD_FAULTS
 
 
 def without_weakening(name: str = "pm-ac-surface") -> PmAcDocument:
@@ -52,3 +55,24 @@ def test_a_fault_that_costs_nothing_on_a_slow_drive_idles_there_alone() -> None:
 )
 def test_a_sag_is_noticed_where_the_link_follows_its_source(drive: str, reason: str | None) -> None:
     assert DUTY_FAULTS["sag-taken-for-short-circuit"].on(load_drive(drive)).idle_because == reason
+
+
+@pytest.mark.parametrize(("drive", "is_idle"), [("pm-ac-interior", False), ("pm-ac-hub", True)])
+def test_a_filter_of_the_link_shows_where_the_link_itself_steps(drive: str, is_idle: bool) -> None:
+    idle = FIELD_FAULTS["link-filtered"].on(load_drive(drive)).idle_because
+    assert (idle is not None) is is_idle, idle
+
+
+def test_late_samples_cost_another_thing_without_saliency() -> None:
+    fault = DUTY_FAULTS["late-samples"]
+    checks = {name: fault.on(load_drive(name)).check for name in ("pm-ac-interior", "pm-ac-servo-48v")}
+    assert checks == {"pm-ac-interior": "FWK-3", "pm-ac-servo-48v": "FWK-2"}
+
+
+def test_a_model_of_the_winding_overheats_within_the_run_of_minutes() -> None:
+    """At 20 kHz this run is 37.5 s long; rated torque, of which it has 90 %, overheats the model by half."""
+    drive = load_drive("pm-ac-servo-48v")
+    fault = FIELD_FAULTS["winding-modelled-too-small"]
+    time_constant, _ = fault.sizes_on(drive.duty_nameplate(drive.control_period_s, torque_reference=False))
+    hot_after = -time_constant * math.log(1.0 - 0.5 / 0.81)
+    assert hot_after < 0.9 * 37.5

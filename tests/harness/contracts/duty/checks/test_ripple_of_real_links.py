@@ -9,12 +9,9 @@ import pytest
 from numpy.typing import NDArray
 from tests.harness.contracts.duty.checks.conftest import CHECKS, Run, judged, with_column
 
-from drivegate.candidates.resolution import resolve_candidate
-from drivegate.containment.judge import own_candidate
 from drivegate.contracts.duty.record import DutyRecord
 from drivegate.contracts.duty.run import DUTY_RATIOS, LEGS
-from drivegate.contracts.duty.scenarios.building import restarted, share_scenario
-from drivegate.drives.running import recorded
+from drivegate.contracts.duty.scenarios.building import share_scenario
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
 from drivegate_models.machine import ledger
@@ -79,22 +76,6 @@ def test_the_torque_is_followed_on_the_drive_as_it_is(
     swing = np.ptp(true)
     assert least == pytest.approx(true[:, 0], abs=0.03 * swing)
     assert greatest == pytest.approx(true[:, 1], abs=0.03 * swing)
-
-
-def test_a_torque_that_swings_its_own_link_is_judged() -> None:
-    """A controller that takes currents for offsets swings the torque by so much that the link follows."""
-    drive = load_drive("pm-ac-hub")
-    assert isinstance(drive, PmAcDocument)
-    loaded = own_candidate(resolve_candidate("faulty:offsets-under-current"))
-    run = share_scenario(drive, 0.5 * drive.rating.base_speed_rpm, 0.6)
-    record = recorded(loaded, restarted(run, (0.5,)), loaded.controller())
-    assert isinstance(record, DutyRecord)
-    (window,) = record.nominal
-    link = record.run.column("link")[record.periods(window.start_s, window.end_s)]
-    assert np.ptp(link) > 0.005 * drive.inverter.link_voltage_v
-    margin = judged("RIP-4", record)
-    assert margin is not None
-    assert not margin.met, margin.measured
 
 
 def test_a_link_that_its_chopper_swings_is_not_judged(run: Run) -> None:

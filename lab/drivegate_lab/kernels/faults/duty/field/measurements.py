@@ -69,8 +69,8 @@ def alter_over_minutes(state: Any, fault: int) -> None:
     if fault == faults.OFFSET_CREEPS:
         state.offset += state.size * state.control_period
     elif fault == faults.HEATS_UP:
-        squares = controller.direct_seen**2 + controller.quadrature_seen**2
-        heat = squares / (state.current_limit * state.current_limit)
+        # Over that of rated torque, of which the fault leaves half.
+        heat = (0.5 * controller.seen_torque / state.extent) ** 2
         state.memory += state.control_period / state.size * (heat - state.memory)
         if state.memory > 0.5:
             controller.greatest_torque = state.extent

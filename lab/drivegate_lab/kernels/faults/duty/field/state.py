@@ -85,7 +85,6 @@ FIELD_STATE: Final = np.dtype(
         ("acts", np.int64),
         # Of the nameplate.
         ("base_speed", np.float64),
-        ("current_limit", np.float64),
         ("control_period", np.float64),
         ("pole_pairs", np.float64),
         # What the fault remembers: control periods since reset, a number, a count, a stage, and all turns (rad).
