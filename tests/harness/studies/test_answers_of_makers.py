@@ -245,7 +245,7 @@ def test_there_are_enough_of_them() -> None:
     assert {key for key, _, _ in rows()} == set(QUESTIONS)
 
 
-@pytest.mark.parametrize(("key", "text", "value"), rows())
+@pytest.mark.parametrize(("key", "text", "value"), list(rows()))
 def test_an_answer_of_a_sheet_is_read_or_asked_for_again(key: str, text: str, value: float | None) -> None:
     if value is None:
         with pytest.raises(InputError):
