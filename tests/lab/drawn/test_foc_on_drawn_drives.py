@@ -73,8 +73,8 @@ def test_ripple_of_the_dead_time_is_no_movement_of_the_current_along_the_magnet(
     assert margin is not None
     allowed = 2.0 * 0.01 * drive.requirements.coupled_current_percent * 0.487
     assert ripple > 5.0 * allowed, "the current of a steady state moves by more than a step may move it"
-    # Counted, this ripple alone would be a margin below -4.
-    assert margin.met, margin.measured
+    # Counted, this ripple alone would be a margin below -4; at 0.45 what is counted is 3 % of it.
+    assert margin.value > 0.45, margin.measured
 
 
 @pytest.mark.parametrize(

@@ -161,3 +161,8 @@ def is_within_reach(record: DutyRecord, speed: float, link: float, torque: float
 def at(window: DutyWindow) -> str:
     """State where in a run a window is."""
     return f"at {window.speed / RADIANS_PER_RPM:.5g} rpm, {window.start_s:.4g} to {window.end_s:.4g} s"
+
+
+def chopper_burns(record: DutyRecord, rows: slice) -> bool:
+    """Return True if the chopper's own thresholds swing the link in some control periods, not the controller."""
+    return bool(record.run.column("chopper_power")[rows].max() > 0.0)

@@ -11,7 +11,7 @@ from drivegate.candidates.declaration import Declaration
 from drivegate.checks.check import Check
 from drivegate.checks.course import course_of
 from drivegate.checks.margin import Margin, Mark, Moment, Point, at_most, normalised
-from drivegate.contracts.duty.checks.judged import at, decisive, worst
+from drivegate.contracts.duty.checks.judged import at, chopper_burns, decisive, worst
 from drivegate.contracts.duty.current_reference import unless_current
 from drivegate.contracts.duty.document import duty_document
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
@@ -217,8 +217,7 @@ def swing_moment(record: DutyRecord) -> Moment | None:
 
 def _swing(record: DutyRecord, window: DutyWindow) -> Margin | None:
     rows = record.periods(window.start_s, window.end_s)
-    if record.run.column("chopper_power")[rows].max() > 0.0:
-        # Its own thresholds let the link swing.
+    if chopper_burns(record, rows):
         return None
     swing = swing_of(record.run.column("link_mean")[rows])
     limit = record.limits.link_swing * record.document.inverter.link_voltage_v

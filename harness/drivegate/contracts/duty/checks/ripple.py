@@ -15,7 +15,7 @@ from drivegate.checks.check import Check
 from drivegate.checks.course import course_of
 from drivegate.checks.margin import Course, Margin, Mark, Moment, Point, at_most
 from drivegate.checks.means import exact_mean
-from drivegate.contracts.duty.checks.judged import at, decisive, undistorted, worst
+from drivegate.contracts.duty.checks.judged import at, chopper_burns, decisive, undistorted, worst
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
 from drivegate.contracts.duty.run import DUTY_RATIOS, LEGS
 from drivegate_models.contract.duty.signals import LEG_HIGH, LEG_LOW
@@ -148,17 +148,13 @@ def _is_rippling(record: DutyRecord, window: DutyWindow) -> bool:
     is_slow = abs(window.speed) < LEAST_SPEED_SHARE * base
     is_weak = abs(window.torque) < LEAST_TORQUE_SHARE * record.document.rating.rated_torque_nm
     greatest = undistorted(record.plant, window.link)
-    if is_slow or is_weak or window.voltage > VOLTAGE_SHARE * greatest or _chopper_burns(record, window):
+    rows = _swing_rows(record, window)
+    if is_slow or is_weak or window.voltage > VOLTAGE_SHARE * greatest or chopper_burns(record, rows):
         return False
     # Legs that ignore their duty ratios make another voltage than these ask for; the currents show the true one.
-    warm = record.plant_at(_swing_rows(record, window).start)
+    warm = record.plant_at(rows.start)
     own = steady_state(warm, window.speed, window.direct, window.quadrature)
     return bool(own.voltage >= LEAST_VOLTAGE_SHARE * greatest)
-
-
-def _chopper_burns(record: DutyRecord, window: DutyWindow) -> bool:
-    """Return True if the chopper swings the link; otherwise only the power of the torque that is judged does."""
-    return bool(record.run.column("chopper_power")[_swing_rows(record, window)].max() > 0.0)
 
 
 def modulation_ripple(record: DutyRecord) -> Margin | None:

@@ -167,6 +167,12 @@ def assert_safe(name: str, run: Scenario) -> None:
     assert all(margin.met for margin in found), found
 
 
+def assert_goes_on(name: str, run: Scenario) -> None:
+    loaded = own_candidate(resolve_candidate(name))
+    commands = recorded(loaded, run, loaded.controller()).run.commands
+    assert not commands["fault"].any(), f"code {commands['fault'].max()} although nothing fails"
+
+
 def under_torque(drive: PmAcDocument, speed_rpm: float, share: float = 0.5) -> Scenario:
     return torque_scenario(drive, speed_rpm, (torque_of(drive, speed_rpm, share),))
 
@@ -264,9 +270,7 @@ RECTIFYING = made(
 
 @pytest.mark.parametrize("name", NAMES)
 def test_no_phase_is_missed_while_the_current_of_the_diodes_turns_round(name: str) -> None:
-    loaded = own_candidate(resolve_candidate(name))
-    run = recorded(loaded, torque_scenario(RECTIFYING, 230.0, (7.0,)), loaded.controller()).run
-    assert not run.commands["fault"].any(), f"code {run.commands['fault'].max()} with all phases healthy"
+    assert_goes_on(name, torque_scenario(RECTIFYING, 230.0, (7.0,)))
 
 
 TURNING_ROUND = made(
@@ -293,10 +297,8 @@ TURNING_ROUND = made(
 
 @pytest.mark.parametrize("name", NAMES)
 def test_a_shaft_that_turns_round_at_an_edge_is_neither_lost_nor_locked(name: str) -> None:
-    loaded = own_candidate(resolve_candidate(name))
-    reversal = with_real_sensors(speed_scenario(TURNING_ROUND, (180.0, -180.0), torque_nm=1.8837), 1)
-    run = recorded(loaded, reversal, loaded.controller()).run
-    assert not run.commands["fault"].any(), f"code {run.commands['fault'].max()} of a healthy shaft"
+    reversal = speed_scenario(TURNING_ROUND, (180.0, -180.0), torque_nm=1.8837)
+    assert_goes_on(name, with_real_sensors(reversal, 1))
 
 
 def test_a_shaft_that_locks_under_a_torque_reference_counts_for_nobody() -> None:
