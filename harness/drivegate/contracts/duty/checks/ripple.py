@@ -148,8 +148,11 @@ def _is_rippling(record: DutyRecord, window: DutyWindow) -> bool:
     is_slow = abs(window.speed) < LEAST_SPEED_SHARE * base
     is_weak = abs(window.torque) < LEAST_TORQUE_SHARE * record.document.rating.rated_torque_nm
     greatest = undistorted(record.plant, window.link)
+    if is_slow or is_weak or window.voltage > VOLTAGE_SHARE * greatest:
+        return False
+    # Only of a shaft that turns.
     rows = _swing_rows(record, window)
-    if is_slow or is_weak or window.voltage > VOLTAGE_SHARE * greatest or chopper_burns(record, rows):
+    if chopper_burns(record, rows):
         return False
     # Legs that ignore their duty ratios make another voltage than these ask for; the currents show the true one.
     warm = record.plant_at(rows.start)
