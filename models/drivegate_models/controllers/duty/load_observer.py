@@ -68,10 +68,10 @@ LOAD_OBSERVER_STATE: Final = np.dtype(
         # Requested torque (N m).
         ("torque", np.float64),
         # Failure detector: constants, code of the first fault, and counts of control periods; currents of the step
-        # before (A, stationary frame, NaN at first), mean speed (rad/s, NaN at first), and mean unexplained voltage
-        # (V); reference currents (A), mean error of the flux (V s), and 1 while that error shrinks; angle of the step
-        # before (rad), what it turned until then (NaN at first), what it is off its speed (rad electrical), and off the
-        # observed shaft (rad).
+        # before (A, stationary frame, NaN at first), mean speed (rad/s, NaN at first), and means of the unexplained
+        # voltage and of that which changes the currents (V); reference currents (A), mean error of the flux (V s,
+        # infinite at first), and 1 while that error shrinks; angle of the step before (rad), what it turned until then
+        # (NaN at first), what it is off its speed (rad electrical), and off the observed shaft (rad).
         ("base_speed", np.float64),
         ("stalling", np.float64),
         ("still_longest", np.int64),
@@ -87,6 +87,8 @@ LOAD_OBSERVER_STATE: Final = np.dtype(
         ("mean_speed", np.float64),
         ("direct_unexplained", np.float64),
         ("quadrature_unexplained", np.float64),
+        ("direct_changing", np.float64),
+        ("quadrature_changing", np.float64),
         ("missing", np.int64, (3,)),
         ("direct_aim", np.float64),
         ("quadrature_aim", np.float64),

@@ -30,9 +30,11 @@ STALL_FAULT: Final = 3
 PHASE_FAULT: Final = 4
 """Code of a phase without current."""
 
-# Sum of the currents relative to the limit; sensors with errors of a few thousandths remain below it.
+# Sum of the currents relative to the limit; sensors with errors of a few thousandths remain below it. Number of control
+# periods for which it is more: a fast regulator has much torque after five with a wrong sensor.
 _CURRENT_SUM = 0.05
-# Number of control periods for which a sum, or a speed, must be implausible.
+_SUM_SEEN = 3
+# Number of control periods for which a speed must be implausible.
 _SEEN = 5
 # Angle over which a difference between angle and speed decays, and its maximum (rad electrical).
 _FORGOTTEN = 1.2
@@ -112,7 +114,7 @@ def _is_sum_wrong(state: Any, sense: Any) -> bool:
     currents = sense.phase_currents
     total = double_at(currents, 0) + double_at(currents, 1) + double_at(currents, 2)
     state.sum_count = state.sum_count + 1 if abs(total) > _CURRENT_SUM * state.full_current else 0
-    return bool(state.sum_count >= _SEEN)
+    return bool(state.sum_count >= _SUM_SEEN)
 
 
 @inlined

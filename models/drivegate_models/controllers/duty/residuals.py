@@ -8,7 +8,7 @@ more torque than any load is locked.
 
 from __future__ import annotations
 
-from math import isnan, nan, pi, sqrt
+from math import inf, isnan, nan, pi, sqrt
 from typing import Any, Final
 
 from drivegate_models.compilation.calling import double_at
@@ -30,10 +30,10 @@ VOLTAGE_FAULT: Final = 5
 """Code of a voltage that the model does not explain: a lost position, or an open phase."""
 
 # Sum of the currents that errors of their sensors explain: relative to the limit, and to the sum of their magnitudes;
-# and for how many control periods it is more, because single samples get lost.
+# and for how many control periods it is more: a fast regulator has much torque after five with a wrong sensor.
 _OFFSETS: Final = 0.015
 _GAINS: Final = 0.02
-_SUM_PERIODS: Final = 5
+_SUM_PERIODS: Final = 3
 # Amplitude of the reference currents relative to the limit from which phases are watched; reference of a phase relative
 # to that amplitude, and current along it relative to it, below which a phase does not follow; and for how many periods,
 # or for which rotation of a fast field (rad electrical).
@@ -82,7 +82,7 @@ def reset_detector(state: Any, nameplate: Any) -> None:
         state.missing[phase] = 0
     state.direct_aim = 0.0
     state.quadrature_aim = 0.0
-    state.mean_error = 0.0
+    state.mean_error = inf
     state.shrinks = 0
     state.angle_before = 0.0
     state.turned = nan
@@ -211,6 +211,9 @@ def watch_currents(
     machine = state.machine
     is_limited = magnitude(machine.along_voltage[0], machine.across_voltage[0]) > _LIMITED * limit
     before = _flux_error(machine, state.direct_aim - direct, state.quadrature_aim - quadrature)
+    if state.mean_error == inf:
+        # Current may flow before the first reference, through the diodes.
+        state.mean_error = before
     shrinking = _SHRINKING_LIMITED if is_limited else _SHRINKING
     state.shrinks = 1 if before < shrinking * state.mean_error else 0
     after = _flux_error(machine, direct_aim - direct, quadrature_aim - quadrature)

@@ -10,16 +10,20 @@ from drivegate_models.machine.cycle import within_half_turn
 from drivegate_models.machine.rotor_frame import magnitude
 from drivegate_models.machine.sine import cosine_sine
 
-# Share of the present unexplained voltage in its mean. What other than nominal data explain of the mean: shares of the
-# magnet's EMF, of the voltage across inductance and resistance, of the link, and of that lost by dead time and drops,
-# where the current over its limit is sure of its sign; and at standstill the EMF of a speed over base speed that an
-# encoder of few lines does not resolve. For how many control periods it is more.
+# Share of the present unexplained voltage in its mean, and its maximum over the link: the applied voltage reversed.
+# More is a wrong sample. What other than nominal data explain of the mean: shares of the magnet's EMF, of the
+# voltages across inductance and resistance, and of the link; of what dead time and drops take in a leg, where the
+# current over its limit is sure of its sign and where it is not, since three legs lose a vector; and at standstill
+# the EMF of a speed over base speed that an encoder of few lines does not resolve. For how many control periods it is
+# more.
 _RATE: Final = 0.125
+_REVERSED: Final = 4.0 / 3.0
 _MAGNET: Final = 0.3
 _INDUCTIVE: Final = 0.35
 _RESISTIVE: Final = 1.0
 _LINK: Final = 0.01
 _LOST: Final = 0.5
+_ALL_LOST: Final = 4.0 / 3.0
 _SURE: Final = 0.1
 _UNRESOLVED: Final = 0.05
 _VOLTAGE_PERIODS: Final = 6
@@ -45,6 +49,8 @@ def reset_voltage(state: Any) -> None:
     state.mean_speed = nan
     state.direct_unexplained = 0.0
     state.quadrature_unexplained = 0.0
+    state.direct_changing = 0.0
+    state.quadrature_changing = 0.0
     state.angle_missed = 0.0
     state.voltage_angle = nan
     state.edge_turn = inf
@@ -81,7 +87,7 @@ def _unexplained_voltage(
     """Return the d and q voltages of the last period that machine data do not explain (V), NaN before the second one.
 
     The speed (rad/s) and the d and q currents are given (A). Their change is taken in the stationary frame, where the
-    steps of an encoder do not appear.
+    steps of an encoder do not appear. The mean of the voltage that changes them is stored.
     """
     machine = state.machine
     electrical = float(machine.pole_pairs * speed)
@@ -98,10 +104,14 @@ def _unexplained_voltage(
     direct, quadrature = cosine * along + sine * across, cosine * across - sine * along
     rate = (cosine * changed + sine * across_changed) / period + electrical * quadrature
     across_rate = (cosine * across_changed - sine * changed) / period - electrical * direct
+    changing, across_changing = machine.direct_inductance * rate, machine.quadrature_inductance * across_rate
+    if not isnan(changing):
+        state.direct_changing += _RATE * (changing - state.direct_changing)
+        state.quadrature_changing += _RATE * (across_changing - state.quadrature_changing)
     missed = cosine * applied + sine * across_applied - machine.resistance * direct
-    missed -= machine.direct_inductance * rate - electrical * machine.quadrature_inductance * quadrature
+    missed -= changing - electrical * machine.quadrature_inductance * quadrature
     across_missed = cosine * across_applied - sine * applied - machine.resistance * quadrature
-    across_missed -= machine.quadrature_inductance * across_rate
+    across_missed -= across_changing
     across_missed -= electrical * (machine.direct_inductance * direct + machine.magnet_flux)
     return missed, across_missed
 
@@ -123,6 +133,9 @@ def is_voltage_wrong(state: Any, sense: Any, direct: float, quadrature: float) -
     if isnan(missed) or (sense.hall >= 0 and machine.is_overdue == 0):
         state.voltage_count, state.off_count = 0, 0
         return False
+    most, size = _REVERSED * sense.supply_voltage, magnitude(missed, across_missed)
+    if size > most:
+        missed, across_missed = missed * most / size, across_missed * most / size
     state.direct_unexplained += _RATE * (missed - state.direct_unexplained)
     state.quadrature_unexplained += _RATE * (across_missed - state.quadrature_unexplained)
     speed = abs(float(machine.pole_pairs * shown))
@@ -134,12 +147,12 @@ def is_voltage_wrong(state: Any, sense: Any, direct: float, quadrature: float) -
         unresolved = 0.0
     # A speed that is not resolved yet is not behind.
     allowed = (_MAGNET * speed + max(changing, unresolved)) * machine.magnet_flux
-    allowed += _INDUCTIVE * speed * machine.quadrature_inductance * amplitude
+    inductive = speed * machine.quadrature_inductance * amplitude
+    allowed += _INDUCTIVE * (inductive + magnitude(state.direct_changing, state.quadrature_changing))
     allowed += _RESISTIVE * machine.resistance * amplitude
     lost = machine.dead_ratio * sense.supply_voltage + 0.5 * (machine.switch_drop + machine.diode_drop)
-    allowed += (
-        _LINK * sense.supply_voltage + (_LOST if amplitude > _SURE * machine.full_current else 1.0) * lost
-    )
+    allowed += _LINK * sense.supply_voltage
+    allowed += (_LOST if amplitude > _SURE * machine.full_current else _ALL_LOST) * lost
     unexplained = magnitude(state.direct_unexplained, state.quadrature_unexplained)
     state.voltage_count = state.voltage_count + 1 if unexplained > allowed else 0
     is_off = sense.hall >= 0 or abs(float(machine.pole_pairs * state.angle_missed)) > _OFF

@@ -13,9 +13,14 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.check import judged
 from drivegate.containment.judge import own_candidate
 from drivegate.contracts.catalogue import contract_of
-from drivegate.contracts.duty.scenarios.building import load_step_scenario, speed_scenario, torque_of
+from drivegate.contracts.duty.scenarios.building import (
+    load_step_scenario,
+    speed_scenario,
+    torque_of,
+    torque_scenario,
+)
 from drivegate.drives.running import recorded
-from drivegate.scenarios.changes import with_scales
+from drivegate.scenarios.changes import with_dropout, with_scales
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.contract.duty.records import duty_nameplate_record
@@ -69,3 +74,14 @@ def test_an_error_of_hall_switches_leaves_torque_for_the_load(share: float) -> N
     reset_state(state, duty_nameplate_record(plate).view(np.recarray)[0])
     swing = 2.0 * 15.5 * inertia * error / 15 * state.speed_rate**2
     assert swing == pytest.approx(min(2.0 * RATED_TORQUE, 0.5 * state.machine.greatest_torque))
+
+
+@pytest.mark.parametrize("name", DRIVES)
+def test_currents_that_are_lost_for_a_sample_are_no_failure(name: str) -> None:
+    drive = load_drive(name)
+    base = drive.rating.base_speed_rpm
+    torques = (-torque_of(drive, base, 1.0), -torque_of(drive, base, 0.6))
+    steps = torque_scenario(drive, 0.1 * base, torques)
+    at = steps.torque_reference_profile[-1][0]
+    record = run(with_dropout(steps, "currents", at, steps.control_period_s))
+    assert not record.run.commands["fault"].any()

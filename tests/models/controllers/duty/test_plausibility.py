@@ -106,7 +106,7 @@ def test_a_drive_in_order_is_left_alone_turn_after_turn(speed: float) -> None:
     assert Drive(speed).steps_to_fault(1000) == (0, 1000)
 
 
-@pytest.mark.parametrize(("steps", "fault"), [(4, 0), (5, CURRENT_FAULT)])
+@pytest.mark.parametrize(("steps", "fault"), [(2, 0), (3, CURRENT_FAULT)])
 def test_a_sum_of_currents_counts_once_it_has_lasted(steps: int, fault: int) -> None:
     drive = Drive(300.0)
 
@@ -114,7 +114,7 @@ def test_a_sum_of_currents_counts_once_it_has_lasted(steps: int, fault: int) -> 
         if 20 <= k < 20 + steps:
             drive.currents[1] += 0.06 * LIMIT
 
-    assert drive.steps_to_fault(60, shift) == (fault, 24 if fault else 60)
+    assert drive.steps_to_fault(60, shift) == (fault, 22 if fault else 60)
 
 
 def test_a_small_sum_of_currents_is_an_offset() -> None:

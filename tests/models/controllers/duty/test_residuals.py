@@ -128,7 +128,7 @@ def test_a_drive_in_order_is_left_alone(speed: float, hall: int) -> None:
 
 
 @pytest.mark.parametrize(
-    ("added", "steps", "fault"), [(0.035, 99, CURRENT_FAULT), (0.025, 99, 0), (0.5, 4, 0)]
+    ("added", "steps", "fault"), [(0.035, 99, CURRENT_FAULT), (0.025, 99, 0), (0.5, 2, 0)]
 )
 def test_a_sum_of_currents_is_no_error_of_their_sensors(added: float, steps: int, fault: int) -> None:
     """The currents have 1.71 A to 1.9 A of a limit of 7 A, of which their sensors miss 2 % and 1.5 % of the limit."""
@@ -137,7 +137,7 @@ def test_a_sum_of_currents_is_no_error_of_their_sensors(added: float, steps: int
     def add(k: int) -> None:
         drive.currents[0] += added * LIMIT if 20 <= k < 20 + steps else 0.0
 
-    assert drive.steps_to_fault(200, add) == (fault, 24 if fault else 200)
+    assert drive.steps_to_fault(200, add) == (fault, 22 if fault else 200)
 
 
 @pytest.mark.parametrize(
@@ -158,6 +158,33 @@ def test_a_missed_voltage_is_more_than_other_data_explain(
     if fault:
         # A mean over 8 periods comes to 1 / 1.1 of it after 18 of them, and must last.
         assert step == pytest.approx(23, abs=2)
+
+
+@pytest.mark.parametrize(("share", "fault"), [(0.3, 0), (1.0, VOLTAGE_FAULT)])
+def test_another_inductance_explains_its_share_of_the_voltage_that_changes_the_current(
+    share: float, fault: int
+) -> None:
+    drive = Drive()
+    step, ramp = 0.8, range(20, 36)
+    drive.current_at = lambda k: 1j * (6.0 - step * min(max(k - ramp.start, 0), len(ramp)))
+
+    def miss(k: int) -> None:
+        drive.missed = 1j * share * 8.72e-3 * step / PERIOD if k in ramp else 0j
+
+    assert drive.steps_to_fault(ramp.stop, miss)[0] == fault
+
+
+@pytest.mark.parametrize(("share", "fault"), [(1.3, 0), (1.5, VOLTAGE_FAULT)])
+def test_dead_time_takes_a_vector_of_three_legs_while_the_currents_have_no_sign(
+    share: float, fault: int
+) -> None:
+    drive = Drive(speed=0.0)
+    drive.machine.dead_ratio = 0.1
+    drive.state.base_speed = 0.0
+    # Its currents are little beside this.
+    drive.machine.full_current = 100.0
+    drive.missed = complex(share * 0.1 * 120.0 + 0.01 * 120.0 + 0.57 * PEAK)
+    assert drive.steps_to_fault(60)[0] == fault
 
 
 @pytest.mark.parametrize(("off", "fault"), [(0.16, VOLTAGE_FAULT), (0.14, 0)])
@@ -226,8 +253,8 @@ def test_a_phase_that_does_not_follow_its_reference_is_missing() -> None:
 def test_no_phase_is_missing_while_the_currents_approach_their_references(
     approach: float, fault: int
 ) -> None:
+    """Current flows before the first reference: at high speed the diodes carry it."""
     drive = Drive()
-    drive.state.quadrature_aim = -PEAK
     drive.current_at = lambda k: 1j * PEAK * (approach * k - 1.0)
     assert drive.steps_to_fault(60)[0] == fault
 

@@ -17,6 +17,7 @@ from drivegate.checks.margin import Course, Margin, Mark, Moment, Point, at_most
 from drivegate.checks.means import exact_mean
 from drivegate.contracts.duty.checks.judged import at, chopper_burns, decisive, undistorted, worst
 from drivegate.contracts.duty.record import DutyRecord, DutyWindow
+from drivegate.contracts.duty.right_trips import legs_are_off
 from drivegate.contracts.duty.run import DUTY_RATIOS, LEGS
 from drivegate_models.contract.duty.signals import LEG_HIGH, LEG_LOW
 from drivegate_models.pm_ac.fundamental import steady_state
@@ -150,9 +151,9 @@ def _is_rippling(record: DutyRecord, window: DutyWindow) -> bool:
     greatest = undistorted(record.plant, window.link)
     if is_slow or is_weak or window.voltage > VOLTAGE_SHARE * greatest:
         return False
-    # Only of a shaft that turns.
+    # Only of a shaft that turns. What the diodes alone make is no modulation.
     rows = _swing_rows(record, window)
-    if chopper_burns(record, rows):
+    if chopper_burns(record, rows) or legs_are_off(record.run.commands[rows]).all():
         return False
     # Legs that ignore their duty ratios make another voltage than these ask for; the currents show the true one.
     warm = record.plant_at(rows.start)

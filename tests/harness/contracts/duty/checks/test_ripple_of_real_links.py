@@ -14,6 +14,7 @@ from drivegate.contracts.duty.run import DUTY_RATIOS, LEGS
 from drivegate.contracts.duty.scenarios.building import share_scenario
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_models.contract.duty.signals import LEG_OFF
 from drivegate_models.machine import ledger
 from drivegate_models.machine.advance_status import COMPLETED
 from drivegate_models.pm_ac.plant import dc_link
@@ -84,3 +85,14 @@ def test_a_link_that_its_chopper_swings_is_not_judged(run: Run) -> None:
     record = run(share_scenario(drive.replaced(settling_s=0.2), 0.5 * drive.rating.base_speed_rpm, 0.5))
     assert judged("RIP-4", record) is not None
     assert judged("RIP-4", with_column(record, "chopper_power", lambda values: values + 1.0)) is None
+
+
+def test_what_the_diodes_alone_make_is_no_modulation(run: Run) -> None:
+    """ACC-1 accuses a bridge that is off, RIP-4 does not."""
+    drive = load_drive("pm-ac-interior")
+    record = run(share_scenario(drive, 0.5 * drive.rating.base_speed_rpm, 0.5))
+    assert judged("RIP-4", record) is not None
+    off = record.run.commands.copy()
+    for leg in LEGS:
+        off[leg] = LEG_OFF
+    assert judged("RIP-4", replace(record, run=replace(record.run, commands=off))) is None
