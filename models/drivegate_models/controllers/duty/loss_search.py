@@ -25,6 +25,9 @@ _FAR = 3
 # Change of torque relative to the maximum, and relative change of speed, beyond which the operating point is another.
 _OTHER_TORQUE = 0.02
 _OTHER_SPEED = 0.02
+# Torque relative to the maximum below which nothing is tried: drops and dead time move the torque by more power than
+# the losses change.
+_LEAST_TORQUE = 0.05
 
 
 @inlined
@@ -122,8 +125,9 @@ def searched_offset(state: Any, torque: float, speed: float, power: float) -> fl
     input is minimum loss. Here the search continues while a speed settles, on the power minus the change of the
     output.
     """
+    is_little = abs(torque) < _LEAST_TORQUE * state.greatest_torque
     is_other = abs(torque - state.search_torque) > _OTHER_TORQUE * state.greatest_torque
-    if is_other or abs(speed - state.search_speed) > _OTHER_SPEED * abs(state.search_speed):
+    if is_little or is_other or abs(speed - state.search_speed) > _OTHER_SPEED * abs(state.search_speed):
         restart_search(state, torque, speed)
         return 0.0
     state.search_count += 1

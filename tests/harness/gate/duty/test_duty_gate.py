@@ -137,10 +137,16 @@ def test_the_search_for_least_loss_is_not_led_by_a_speed_that_settles(
     assert not failed, ", ".join(f"{margin.check}: {margin.measured}" for margin in failed)
 
 
-def test_the_search_for_least_loss_is_not_led_by_the_ripple_of_dead_time() -> None:
-    document = load_drive("pm-ac-2kw")
+@pytest.mark.parametrize(
+    ("name", "speed", "torques"),
+    [("pm-ac-2kw", 1420.0, (0.0, 30.0, 0.0)), ("pm-ac-servo", 3900.0, (0.0, 0.8325))],
+)
+def test_the_search_for_least_loss_is_not_led_by_what_dead_time_and_drops_do(
+    name: str, speed: float, torques: tuple[float, ...]
+) -> None:
+    document = load_drive(name)
     loaded = own_candidate(resolve_candidate("foc-loss-search"))
-    record = recorded(loaded, torque_scenario(document, 1420.0, (0.0, 30.0, 0.0)), loaded.controller())
+    record = recorded(loaded, torque_scenario(document, speed, torques), loaded.controller())
     margins = [
         margin for margin in judged(record, contract_of(document).checks).margins if margin.check == "FWK-2"
     ]
