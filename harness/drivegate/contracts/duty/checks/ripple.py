@@ -288,7 +288,8 @@ RIP_4 = Check(
     limit="{modulation_ripple} times the ripple of ideal modulation of the declared kind at the same currents and "
     "speed on the same drive, but at least 0.5 % of rated torque",
     scenarios="steady stretches of the nominal drive from 10 % of rated torque and 5 % of base speed on, that take 1 "
-    "to 95 % of the voltage while the speed stays within 5 % of base speed of its reference and the chopper is off",
+    "to 95 % of the voltage, with the bridge on and the chopper off, while the speed stays within 5 % of base speed of "
+    "its reference",
     formula="1 - torque's swing over a sixth of a cycle / the limit",
     why="What the torque swings by beyond what switching takes is noise and wear for nothing.",
     evaluate=modulation_ripple,
