@@ -73,6 +73,12 @@ def checks_of(drive: DriveDocument, declaration: Declaration) -> tuple[Check, ..
     return contract_of(drive).checks + _installed(drive.contract) + row_checks(drive.contract, declaration)
 
 
+def applicable_checks(drive: DriveDocument, declaration: Declaration) -> tuple[Check, ...]:
+    """Return those of them that apply to the drive and the candidate."""
+    checks = checks_of(drive, declaration)
+    return tuple(check for check in checks if check.reason_not_applicable(declaration, drive) is None)
+
+
 def _installed(contract: str) -> tuple[Check, ...]:
     # It brings the documents of drives, which the names of contracts do not need.
     from drivegate.checks.installed import installed_checks

@@ -19,7 +19,7 @@ from drivegate.containment.candidate_isolation import isolating_layers
 from drivegate.containment.machine_memory import usual_workers
 from drivegate.containment.messages import Job
 from drivegate.containment.pool import WorkEnded, WorkerPool
-from drivegate.contracts.catalogue import all_checks, all_contracts, checks_of
+from drivegate.contracts.catalogue import all_checks, all_contracts, applicable_checks, checks_of
 from drivegate.drives.abilities import refuse_unreachable
 from drivegate.drives.kinds import drive_for
 from drivegate.gate.events import (
@@ -152,11 +152,7 @@ def _counting(plan: _Plan) -> frozenset[str]:
     levels = counted_levels(options.fail_on)
     waived = {waiver.check for waiver in options.waivers if waiver.candidate == plan.candidate.name}
     drive, declaration = plan.how.drive, plan.candidate.declaration
-    own = [
-        check
-        for check in checks_of(drive, declaration)
-        if check.reason_not_applicable(declaration, drive) is None
-    ]
+    own = applicable_checks(drive, declaration)
     return frozenset(check.id for check in own if check.level in levels) - waived
 
 

@@ -15,7 +15,7 @@ from drivegate.candidates.fault import CandidateFault
 from drivegate.checks.check import Check, InfeasibleScenario, JudgedRun, NotRun, ShardOutcome, judged
 from drivegate.checks.margin import Margin
 from drivegate.containment.messages import JudgedCandidate
-from drivegate.contracts.catalogue import checks_of, contract_of
+from drivegate.contracts.catalogue import applicable_checks, checks_of, contract_of
 from drivegate.contracts.parting import empty_commands
 from drivegate.drives.running import recorded, with_repetitions
 from drivegate.scenarios.rotation import needs_reverse
@@ -130,7 +130,7 @@ class _Collector:
         self._asked = _ASKED * plan.examples
         self.contract = contract_of(drive)
         self.checks = checks_of(drive, loaded.candidate.declaration)
-        self.searched = searched_checks(self.checks)
+        self.searched = searched_checks(applicable_checks(drive, loaded.candidate.declaration))
         self._known = set(_fixed_keys(drive, replace(loaded.candidate.declaration, requirements=None)))
         self.fault: CandidateFault | None = None
         self.runs: list[JudgedRun] = []

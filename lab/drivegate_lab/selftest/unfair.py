@@ -17,7 +17,7 @@ from drivegate.containment.judge import own_candidate
 from drivegate.containment.machine_memory import usual_workers
 from drivegate.containment.messages import Job, JudgedCandidate
 from drivegate.containment.pool import WorkerPool
-from drivegate.contracts.catalogue import contract_of
+from drivegate.contracts.catalogue import applicable_checks, contract_of
 from drivegate.drives.kinds import drive_for
 from drivegate.gate.plan import EXAMPLES, SHARDS
 from drivegate.gate.shard import DrawnRuns, run_drawn, searched_checks
@@ -89,7 +89,7 @@ def run_good(_host: JudgedCandidate, shard: GoodShard) -> ShardFailures:
         runs = run_drawn(loaded, shard.runs).runs
     except CandidateFault as raised:
         return ShardFailures(0, (), f"{shard.candidate.name}: {raised.fault.message}")
-    checks = sorted(searched_checks(contract_of(shard.runs.drive).checks))
+    checks = sorted(searched_checks(applicable_checks(shard.runs.drive, loaded.candidate.declaration)))
     found = (_failure(loaded, check, _failed(check, runs), shard.budget) for check in checks)
     return ShardFailures(len(runs), tuple(failure for failure in found if failure is not None))
 

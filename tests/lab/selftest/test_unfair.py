@@ -70,6 +70,14 @@ def test_a_failure_that_a_witness_avoids_is_of_the_controller(monkeypatch: pytes
     assert found(monkeypatch, {1.0: 0.2}, unmet_from_s=0.0, shrunk_s=1.0).failures == ()
 
 
+def test_a_check_that_does_not_apply_to_the_drive_accuses_nobody(monkeypatch: pytest.MonkeyPatch) -> None:
+    started = resolve_candidate("foc-sensorless")
+    runs = (JudgedRun(SCENARIO, (Margin("STA-1", -1.0, "it starts backward"),)),)
+    monkeypatch.setattr(unfair, "run_drawn", lambda *_: ShardOutcome(runs))
+    shard = GoodShard(started, DrawnRuns(load_drive("pm-ac-interior-sensorless"), 0, 4), 5)
+    assert run_good(own_candidate(started), shard) == ShardFailures(1, ())
+
+
 def document(monkeypatch: pytest.MonkeyPatch, outcome: ShardFailures) -> dict[str, Any]:
     monkeypatch.setattr(unfair, "_searched", lambda shards, _: [outcome] * len(shards))
     return unfair_document(SelftestEffort("quick", workers=1), Display())
