@@ -19,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drivegate.scenarios.drive_scale import scale_of
+from drivegate_cases.drive.advance import advance_line
 from drivegate_cases.drive.drive_document import DriveDocument
 from drivegate_cases.drive.limits import mean_time
 from drivegate_cases.drive.plant import NOMINAL, Scales
@@ -45,6 +46,8 @@ SLOWEST_SHARE = 0.1
 """Least rate at which an unloaded reference falls, over the wanted one (1)."""
 SPEED_RESERVE = 0.1
 """Sag of the speed from which a plant that is not nominal must be able to recover under constant power (1)."""
+LEAST_SAG = 0.9
+"""Least sag of a controller on the nominal plant, over the greatest: measured, as `_sag` says (1)."""
 _ROUNDING = 1e-6
 _KEPT_DRIVES = 1_000
 _KEPT_POINTS = 20_000
@@ -210,7 +213,21 @@ def _reaches(
     is_nominal = scales == NOMINAL and voltage >= scenario.drive.inverter.supply_voltage_v
     sagged = 1.0 - (min(_sag(scenario) / speed, SPEED_RESERVE) if is_nominal else SPEED_RESERVE)
     edge = _edge(scenario.drive, scales, sagged * speed, load / sagged + _own_drag(drive, speed), voltage)
-    return math.isfinite(edge) and not (without_advance and edge > 0.0)
+    if not math.isfinite(edge) or (without_advance and edge > 0.0):
+        return False
+    if not is_nominal or conditions.speed_rpm > scenario.drive.rating.highest_speed_rpm:
+        return True
+    # In the range of the line, controllers hold the load by it until their searches have found another angle.
+    sagged = 1.0 - LEAST_SAG * (1.0 - sagged)
+    edge = _edge(scenario.drive, scales, sagged * speed, load / sagged + _own_drag(drive, speed), voltage)
+    return edge <= _first_angle(scenario, sagged * speed)
+
+
+def _first_angle(scenario: Scenario, speed: float) -> float:
+    """Return the angle that controllers begin with (rad electrical); a search takes longer than a load to come on."""
+    start, slope = advance_line(scenario.drive)
+    above = speed - scenario.drive.rating.base_speed_rpm * RADIANS_PER_RPM
+    return start + slope * max(above, 0.0)
 
 
 def _sag(scenario: Scenario) -> float:
