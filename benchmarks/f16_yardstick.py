@@ -10,7 +10,6 @@ simulations.
 from __future__ import annotations
 
 import argparse
-import random
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -23,13 +22,10 @@ from statistics import fmean, median
 from types import MappingProxyType
 from typing import Any, Final, TypeAlias
 
-import numpy as np
-from numpy.typing import NDArray
-
-import search_figure
 from measured_text import write_measured
+from search_figure import TITLES
 from search_methods import METHODS, Method, Trial, random_points
-from weakened_faults import GRID, Point
+from weakening import Point
 
 ALLOWANCE: Final = 300
 """Greatest number of simulations of one trial."""
@@ -95,58 +91,8 @@ def row(name: str, runs: Sequence[int | None]) -> str:
     return f"| {name} | {len(found)} of {len(runs)} | {needed} |"
 
 
-def _by_taliro(trial: Trial, dimensions: int, number: int, name: str) -> None:
-    from staliro import optimizers
-    from staliro.signals import Interval
-
-    # Without the package, its classes have no type that another could extend.
-    class Asked(optimizers.ObjFunc[float, optimizers.Sample]):  # type: ignore[misc, unused-ignore]
-        """Asks the trial."""
-
-        def eval_sample(self, sample: optimizers.Sample) -> float:
-            return trial(tuple(map(float, sample.values)))
-
-    optimizer = {"uniform": optimizers.UniformRandom, "annealing": optimizers.DualAnnealing}[name](
-        min_cost=0.0
-    )
-    bounds = [Interval(0.0, 1.0)] * dimensions
-    optimizer.optimize(Asked(), optimizers.Optimizer.Params(number, trial.allowance, bounds))
-
-
-def uniform(trial: Trial, dimensions: int, number: int) -> None:
-    """Draw as psy-taliro does."""
-    _by_taliro(trial, dimensions, number, "uniform")
-
-
-def annealing(trial: Trial, dimensions: int, number: int) -> None:
-    """Anneal as psy-taliro does."""
-    _by_taliro(trial, dimensions, number, "annealing")
-
-
-def simplex(trial: Trial, dimensions: int, number: int) -> None:
-    """Move a simplex (Nelder and Mead), from another start whenever it has converged."""
-    from scipy.optimize import minimize
-
-    def asked(point: NDArray[np.float64]) -> float:
-        return trial(tuple(map(float, point)))
-
-    source = random.Random(number)
-    while not trial.ended():
-        start = np.array([source.random() for _ in range(dimensions)])
-        options: Any = {"xatol": 1.0 / GRID, "maxfev": trial.allowance - trial.runs}
-        minimize(asked, start, method="Nelder-Mead", bounds=[(0.0, 1.0)] * dimensions, options=options)
-
-
-COMPARED: Final[Mapping[str, Method]] = MappingProxyType(
-    {**METHODS, "random": random_points, "uniform": uniform, "annealing": annealing, "simplex": simplex}
-)
-"""The methods of the comparison of searches, even draws, psy-taliro's, and one more optimiser."""
-TITLES: Final = {
-    "uniform": "psy-taliro, uniform",
-    "annealing": "psy-taliro, dual annealing",
-    "simplex": "Nelder-Mead",
-    **search_figure.TITLES,
-}
+COMPARED: Final[Mapping[str, Method]] = MappingProxyType({**METHODS, "random": random_points})
+"""The methods of the comparison of searches, and even draws."""
 METHOD_NAMES: Final = ("shard", "bayesian", "alternating", "simplex", "covariance")
 """Those that are tried unless others are named: those of psy-taliro need its package."""
 
@@ -173,7 +119,7 @@ def main() -> None:
         for name in options.methods:
             seeds = range(options.seeds)
             runs = list(pool.map(_trial, repeat(str(options.folder.resolve())), repeat(name), seeds))
-            rows.append(row(TITLES.get(name, name), runs))
+            rows.append(row(TITLES[name], runs))
             sys.stdout.write(f"{rows[-1]}\n")
             sys.stdout.flush()
     if options.page is not None:

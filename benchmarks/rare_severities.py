@@ -14,7 +14,7 @@ from itertools import pairwise
 from math import log
 from statistics import stdev
 
-from weakened_faults import Judge, Point, WeakenedFault, on_grid
+from weakening import Judge, Point, WeakenedFault, on_grid
 
 _BISECTIONS = 6
 _KEPT = 0.25

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import product
 from math import hypot, inf, sqrt
 from pathlib import Path
 from statistics import fmean, median, stdev
@@ -15,13 +16,15 @@ from drivegate_reports.page.style import (
     GREY,
     ORANGE,
     PURPLE,
+    SKY,
     VERMILION,
     house_style,
     svg_document,
 )
 from search_methods import SHARD_ALLOWANCE
-from search_trials import LEVELS, SHARD_SEEDS, allowance, expected_draws, seeds
-from weakened_faults import FAULTS, WeakenedFault
+from search_trials import LEVELS, allowance, expected_draws, seeds
+from weakened_faults import FAULTS
+from weakening import WeakenedFault
 
 TITLES: Final = {
     "random": "even drawing",
@@ -31,7 +34,13 @@ TITLES: Final = {
     "covariance": "CMA-ES",
     "bayesian": "Bayesian (TPE)",
     "alternating": "draw and step in turn",
+    "simplex": "Nelder-Mead",
+    "uniform": "psy-taliro, uniform",
+    "annealing": "psy-taliro, annealing",
 }
+BLACK: Final = "#000000"
+_PANELS: Final = 3
+"""Panels of the figure next to each other."""
 _ENOUGH_SEEDS: Final = 5
 """Number of seeds from which on an error is stated."""
 _LOOKS: Final = {
@@ -41,6 +50,8 @@ _LOOKS: Final = {
     "covariance": (BLUE, "o"),
     "bayesian": (PURPLE, "^"),
     "alternating": (GREEN, "v"),
+    "simplex": (SKY, "X"),
+    "annealing": (BLACK, "*"),
 }
 
 
@@ -94,6 +105,12 @@ def _mean(shares: Sequence[Share]) -> Share:
     return Share(fmean(share.value for share in shares), error)
 
 
+def compared(cells: dict[str, Any]) -> list[str]:
+    """Return the methods whose trials were made, with even drawing, whose shares are known."""
+    made = {key.split("/")[1] for key in cells if "/" in key}
+    return [method for method in TITLES if method == "random" or method in made]
+
+
 def levels_near_the_best(cells: dict[str, Any], fault: WeakenedFault) -> tuple[int, int]:
     """Count the levels at which a shard's median is at most 1.5 times that of each other method.
 
@@ -101,7 +118,8 @@ def levels_near_the_best(cells: dict[str, Any], fault: WeakenedFault) -> tuple[i
     """
     medians = {
         method: [median(runs_to_failure(cells, fault, method, level)) for level in range(LEVELS)]
-        for method in _LOOKS
+        for method in compared(cells)
+        if method in _LOOKS
     }
     shard = medians.pop("shard")
     best = [min(runs) for runs in zip(*medians.values(), strict=True)]
@@ -109,37 +127,34 @@ def levels_near_the_best(cells: dict[str, Any], fault: WeakenedFault) -> tuple[i
     return sum(own <= 1.5 * other for own, other in found), len(found)
 
 
-def tables(document: dict[str, Any]) -> str:
+def tables(cells: dict[str, Any]) -> str:
     """Write what was found within the allowance, and within that of a shard of the gate."""
-    cells = document["cells"]
+    methods, minutes = compared(cells), sum(cell["seconds"] for cell in cells.values()) / 60.0
     lines = [
-        f"Made in {document['processor_seconds'] / 60.0:.0f} minutes of processor time. Counterexamples found, "
-        f"as a share of all levels and seeds, ± twice the standard error over {SHARD_SEEDS} seeds. The last column "
-        "counts the levels at which the shard's median is at most 1.5 times the best other one, of those at which a "
-        "median was found. With two seeds, differences of ten points are noise.",
+        f"Made in {minutes:.0f} minutes of processor time. Counterexamples found, as a share of all levels and seeds, "
+        f"± twice the standard error over {_ENOUGH_SEEDS} and more seeds. The last column counts the levels at which "
+        "the shard's median is at most 1.5 times the best other one, of those at which a median was found.",
         "",
-        f"| fault | check | kind | runs | seeds | {' | '.join(TITLES.values())} | levels |",
-        f"|---|---|---|---:|---:|{'---:|' * len(TITLES)}---:|",
+        f"| fault | check | kind | runs | seeds | {' | '.join(TITLES[method] for method in methods)} | levels |",
+        f"|---|---|---|---:|---:|{'---:|' * len(methods)}---:|",
     ]
     for fault in FAULTS:
-        shares = (found_share(cells, fault, method, allowance(fault)) for method in TITLES)
+        shares = (found_share(cells, fault, method, allowance(fault)) for method in methods)
         first = (
             f"| {fault.name} | `{fault.check}` | {fault.shape} | {allowance(fault)} | {_seed_counts(fault)} "
         )
         near, levels = levels_near_the_best(cells, fault)
         lines.append(f"{first}| {' | '.join(map(str, shares))} | {near} of {levels} |")
-    for title, shape, within in (
-        ("all gradual ones", "gradual", None),
-        (f"all gradual ones, first {SHARD_ALLOWANCE} runs", "gradual", SHARD_ALLOWANCE),
-        ("all sudden ones", "sudden", None),
-        (f"all sudden ones, first {SHARD_ALLOWANCE} runs", "sudden", SHARD_ALLOWANCE),
-    ):
-        chosen = [fault for fault in FAULTS if fault.shape == shape]
-        means = (
-            _mean([found_share(cells, fault, method, within or allowance(fault)) for fault in chosen])
-            for method in TITLES
-        )
-        lines.append(f"| *{title}* | | | | | {' | '.join(map(str, means))} | |")
+    drives = dict.fromkeys(fault.cube.drive.name for fault in FAULTS)
+    for shape, drive in product(("gradual", "sudden"), drives):
+        chosen = [fault for fault in FAULTS if (fault.shape, fault.cube.drive.name) == (shape, drive)]
+        for within in (None, SHARD_ALLOWANCE):
+            means = (
+                _mean([found_share(cells, fault, method, within or allowance(fault)) for fault in chosen])
+                for method in methods
+            )
+            title = f"all {shape} ones of `{drive}`" + (f", first {within} runs" if within else "")
+            lines.append(f"| *{title}* | | | | | {' | '.join(map(str, means))} | |")
     return "\n".join(lines)
 
 
@@ -148,18 +163,22 @@ def _seed_counts(fault: WeakenedFault) -> str:
     return str(others) if others == shard else f"{others}, shard {shard}"
 
 
-def write_figure(document: dict[str, Any], file: Path) -> None:
+def write_figure(cells: dict[str, Any], file: Path) -> None:
     """Draw the runs to the first counterexample over how rare failures are, a panel for each fault."""
     from matplotlib.figure import Figure
 
     with house_style():
-        figure = Figure(figsize=(6.8, 9.4), layout="constrained")
-        panels = figure.subplots((len(FAULTS) + 1) // 2, 2, sharex=True, sharey=True).ravel()
+        rows = -(-len(FAULTS) // _PANELS)
+        figure = Figure(figsize=(9.0, 2.6 * rows), layout="constrained")
+        panels = figure.subplots(rows, _PANELS, sharex=True, sharey=True).ravel()
         for panel, fault in zip(panels, FAULTS, strict=False):
-            _draw(panel, document["cells"], fault)
-        for panel in panels[-2:]:
+            _draw(panel, cells, fault)
+        for panel in panels[len(FAULTS) :]:
+            panel.set_visible(False)
+        for panel in panels[len(FAULTS) - _PANELS : len(FAULTS)]:
             panel.set_xlabel("runs that even drawing needs on average")
-        for panel in panels[::2]:
+            panel.tick_params(labelbottom=True)
+        for panel in panels[::_PANELS]:
             panel.set_ylabel("runs needed")
         handles, labels = panels[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside upper center", ncols=3, frameon=False, fontsize=9.0)
@@ -169,13 +188,14 @@ def write_figure(document: dict[str, Any], file: Path) -> None:
 def _draw(panel: Any, cells: dict[str, Any], fault: WeakenedFault) -> None:
     draws = [expected_draws(level) for level in range(LEVELS)]
     most = allowance(fault)
-    panel.set(xscale="log", yscale="log", ylim=(5.0, 1200.0), xlim=(60.0, 1.9e5))
+    panel.set(xscale="log", yscale="log", ylim=(5.0, 1200.0), xlim=(30.0, 3.0e5))
     panel.set_title(f"{fault.name} ({fault.check}, {fault.shape})", fontsize=9.0)
     panel.plot(draws, draws, color=GREY, linestyle="--", linewidth=1.2, label=TITLES["random"])
     panel.axhline(most, color=GREY, linewidth=0.8, linestyle=":")
-    for place, (method, (colour, marker)) in enumerate(_LOOKS.items()):
+    looks = {method: look for method, look in _LOOKS.items() if method in compared(cells)}
+    for place, (method, (colour, marker)) in enumerate(looks.items()):
         # Beside each other, since many lie at the allowance.
-        shift = 10.0 ** (0.04 * (place - 2.5))
+        shift = 10.0 ** (0.1 * (place - 0.5 * (len(looks) - 1)))
         middle = [median(runs_to_failure(cells, fault, method, level)) for level in range(LEVELS)]
         found = [(draw * shift, runs) for draw, runs in zip(draws, middle, strict=True) if runs <= most]
         missed = [draw * shift for draw, runs in zip(draws, middle, strict=True) if runs > most]

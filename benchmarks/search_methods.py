@@ -11,18 +11,21 @@ import random
 import warnings
 from collections.abc import Callable
 from contextlib import suppress
+from importlib.util import find_spec
 from types import MappingProxyType
 from typing import Any, Final, TypeAlias
 
+import numpy as np
 from hypothesis import HealthCheck, Phase, given, seed, settings, target
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 from drivegate.gate.plan import EXAMPLES
 from drivegate.gate.shard import SAFE
 from drivegate.gate.steps import Search
 from drivegate.scenarios.choices import ChoiceSource, Enough, draw_from
 from drivegate.scenarios.isolation import from_the_seed_alone
-from weakened_faults import GRID, Point, on_grid
+from weakening import GRID, Point, on_grid
 
 
 class Trial:
@@ -214,6 +217,52 @@ def _sum(source: random.Random) -> float:
     return source.random() + source.random() + source.random() - 1.5
 
 
+def _by_taliro(trial: Trial, dimensions: int, number: int, name: str) -> None:
+    from staliro import optimizers
+    from staliro.signals import Interval
+
+    # Without the package, its classes have no type that another could extend.
+    class Asked(optimizers.ObjFunc[float, optimizers.Sample]):  # type: ignore[misc, unused-ignore]
+        """Asks the trial."""
+
+        def eval_sample(self, sample: optimizers.Sample) -> float:
+            return trial(tuple(map(float, sample.values)))
+
+    optimizer = {"uniform": optimizers.UniformRandom, "annealing": optimizers.DualAnnealing}[name](
+        min_cost=0.0
+    )
+    bounds = [Interval(0.0, 1.0)] * dimensions
+    seeds = random.Random(number)
+    # It counts points that are asked for again too, and so may end before the trial.
+    while not trial.ended():
+        optimizer.optimize(Asked(), optimizers.Optimizer.Params(number, trial.allowance, bounds))
+        number = seeds.randrange(2**31)
+
+
+def uniform(trial: Trial, dimensions: int, number: int) -> None:
+    """Draw as psy-taliro does."""
+    _by_taliro(trial, dimensions, number, "uniform")
+
+
+def annealing(trial: Trial, dimensions: int, number: int) -> None:
+    """Anneal as psy-taliro does."""
+    _by_taliro(trial, dimensions, number, "annealing")
+
+
+def simplex(trial: Trial, dimensions: int, number: int) -> None:
+    """Move a simplex (Nelder and Mead), from another start whenever it has converged."""
+    from scipy.optimize import minimize
+
+    def asked(point: NDArray[np.float64]) -> float:
+        return trial(tuple(map(float, point)))
+
+    source = random.Random(number)
+    while not trial.ended():
+        start = np.array([source.random() for _ in range(dimensions)])
+        options: Any = {"xatol": 1.0 / GRID, "maxfev": trial.allowance - trial.runs}
+        minimize(asked, start, method="Nelder-Mead", bounds=[(0.0, 1.0)] * dimensions, options=options)
+
+
 METHODS: Final = MappingProxyType(
     {
         "drawing": drawing,
@@ -223,6 +272,14 @@ METHODS: Final = MappingProxyType(
         "covariance": covariance,
         "bayesian": bayesian,
         "alternating": alternating,
+        "simplex": simplex,
+        "uniform": uniform,
+        "annealing": annealing,
     }
 )
 """The methods that make runs; what even drawing needs is known from how rare the failure is."""
+_PACKAGES: Final = {"covariance": "cma", "bayesian": "optuna", "uniform": "staliro", "annealing": "staliro"}
+INSTALLED: Final = tuple(
+    method for method in METHODS if method not in _PACKAGES or find_spec(_PACKAGES[method]) is not None
+)
+"""Those whose package is there; drivegate requires none of these packages."""

@@ -9,22 +9,26 @@ from functools import cache
 from typing import Any, Final
 
 from rare_severities import rareness
-from search_methods import METHODS, Trial
-from weakened_faults import CORRECT, FAULTS, Cube, Judge, Point, WeakenedFault
+from search_methods import INSTALLED, METHODS, Trial
+from weakened_faults import FAULTS
+from weakening import Cube, Judge, Point, WeakenedFault, correct
 
-LEVELS: Final = 10
+COMPARED: Final = tuple(method for method in INSTALLED if method != "uniform")
+"""Methods that are compared; psy-taliro's uniform draws are even ones, of which all is known without a trial."""
+LEVELS: Final = 4
 """Number of levels of each fault."""
 SLOW_CHECKS: Final = ("ROB-1", "CNV-1")
-"""Checks that judge runs of 9 s and more; their trials are fewer and shorter."""
+"""Checks that judge runs of 9 s and more; their trials are shorter, and those of other methods fewer."""
 SHARD_SEEDS: Final = 20
 """Seeds of a shard of the gate."""
-OTHER_SEEDS: Final = 2
-"""Seeds of each other method."""
+OTHER_SEEDS: Final = 10
+SLOW_SEEDS: Final = 2
+"""Seeds of each other method, the second where runs are slow."""
 
 
 def expected_draws(level: int) -> float:
     """Return the runs that drawing evenly needs on average at a level: from a hundred to a hundred thousand."""
-    return float(10.0 ** (2.0 + level / 3.0))
+    return 10.0 ** (2 + level)
 
 
 @dataclass(frozen=True)
@@ -67,20 +71,20 @@ def allowance(fault: WeakenedFault) -> int:
 
 def seeds(fault: WeakenedFault, method: str) -> range:
     """Return the seeds of a method: more of the one whose share matters, fewer where runs are slow."""
-    if fault.check in SLOW_CHECKS:
-        return range(1)
-    return range(SHARD_SEEDS if method == "shard" else OTHER_SEEDS)
+    if method == "shard":
+        return range(SHARD_SEEDS)
+    return range(SLOW_SEEDS if fault.check in SLOW_CHECKS else OTHER_SEEDS)
 
 
 @cache
 def _points(check: str, cube: Cube, method: str, seed: int, most: int) -> list[Point]:
     """Return the points that a method runs the correct controller at; faults of one check and cube share them."""
-    trial = Trial(Judge(CORRECT, check, cube).margin, most, ends_at_failure=False)
+    trial = Trial(correct(check, cube).margin, most, ends_at_failure=False)
     METHODS[method](trial, len(cube.coordinates), seed)
     return trial.points
 
 
-def done(cell: Cell) -> tuple[str, dict[str, Any], float]:
+def done(cell: Cell) -> tuple[str, dict[str, Any]]:
     """Do a piece of work; this is what the worker process does."""
     begun = time.process_time()
     fault = FAULTS[cell.fault]
@@ -96,7 +100,7 @@ def done(cell: Cell) -> tuple[str, dict[str, Any], float]:
     else:
         points = _points(fault.check, fault.cube, cell.method, cell.seed, allowance(fault))
         outcome = {"runs": len(points), "first": first_in_pockets(fault, points)}
-    return cell.key, outcome, time.process_time() - begun
+    return cell.key, {**outcome, "seconds": round(time.process_time() - begun, 3)}
 
 
 def first_in_pockets(fault: WeakenedFault, points: Iterable[Point]) -> list[int | None]:

@@ -4,9 +4,8 @@ from math import dist, pi
 
 import pytest
 
-from f16_yardstick import ALLOWANCE, ANGLES, COMPARED, LeastAltitude, angles, row, runs_to_collision
+from f16_yardstick import ALLOWANCE, ANGLES, LeastAltitude, angles, row, runs_to_collision
 from search_methods import METHODS, random_points
-from weakened_faults import Point
 
 CORNER = (0.9, 0.1, 0.2)
 
@@ -22,22 +21,6 @@ def test_a_trial_counts_the_simulations_up_to_the_collision() -> None:
     assert runs is not None
     assert 1 <= runs < ALLOWANCE
     assert runs_to_collision(lambda _: 1.0, random_points, 1) is None
-
-
-def test_a_simplex_follows_its_seed_and_starts_again_where_it_has_converged() -> None:
-    runs = [
-        runs_to_collision(lambda point: dist(point, CORNER) - 0.1, COMPARED["simplex"], seed)
-        for seed in (1, 1, 2)
-    ]
-    assert runs[0] == runs[1] != runs[2]
-    asked = []
-
-    def two_bowls(point: Point) -> float:
-        asked.append(point)
-        return min(dist(point, CORNER) + 0.1, dist(point, (0.1, 0.9, 0.9)) - 0.1)
-
-    assert runs_to_collision(two_bowls, COMPARED["simplex"], 2) == len(asked) < ALLOWANCE
-    assert CORNER in asked, "it did not converge in the bowl without a failure first"
 
 
 def test_a_row_counts_what_was_not_found_as_more_than_the_allowance() -> None:

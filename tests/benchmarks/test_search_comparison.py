@@ -1,16 +1,21 @@
 """The comparison of searches compares what it says: equal allowances, seeds alone, and known shares of failures."""
 
+import json
 from collections.abc import Callable
 from math import dist
+from pathlib import Path
 from statistics import median
+from typing import Any
 
 import pytest
 
 from rare_severities import rareness
-from search_figure import found_share, levels_near_the_best
-from search_methods import METHODS, SHARD_ALLOWANCE, Trial, random_points
-from search_trials import LEVELS, expected_draws, first_in_pockets, seeds
-from weakened_faults import FAULTS, GRID, Judge, Point, WeakenedFault, correct, on_grid
+from search_comparison import known_cells
+from search_figure import found_share, levels_near_the_best, tables
+from search_methods import INSTALLED, METHODS, SHARD_ALLOWANCE, Trial, random_points
+from search_trials import COMPARED, LEVELS, expected_draws, first_in_pockets, seeds
+from weakened_faults import FAULTS
+from weakening import GRID, Judge, Point, WeakenedFault, correct, on_grid
 
 MIDDLE = (0.3, 0.7, 0.6)
 GRADUAL = [fault for fault in FAULTS if fault.shape == "gradual"]
@@ -31,7 +36,7 @@ def runs_of(
 
 
 @pytest.mark.one_in(4)
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", INSTALLED)
 def test_a_method_makes_its_allowance_of_new_runs_and_follows_its_seed(method: str) -> None:
     points = runs_of(method, 1)
     assert len(points) == len(set(points))
@@ -42,13 +47,22 @@ def test_a_method_makes_its_allowance_of_new_runs_and_follows_its_seed(method: s
 
 
 @pytest.mark.parametrize(
-    "method", [method for method in METHODS if method != "drawing" and "brief" not in method]
+    "method",
+    [method for method in INSTALLED if method not in ("drawing", "climbing-briefly", "uniform", "annealing")],
 )
 def test_what_climbs_comes_closer_than_even_drawing(method: str) -> None:
     even = Trial(bowl, 150)
     random_points(even, len(MIDDLE), 3)
     least = min(map(bowl, runs_of(method, 3, 150)))
     assert least < 0.5 * min(map(bowl, even.points)), f"{method} comes to {least:.3f}"
+
+
+def test_a_simplex_starts_again_where_it_has_converged() -> None:
+    near, far = (0.9, 0.1, 0.2), (0.1, 0.9, 0.9)
+    trial = Trial(lambda point: min(dist(point, near) + 0.1, dist(point, far) - 0.1), 300)
+    METHODS["simplex"](trial, 3, 2)
+    assert near in trial.points, "it did not converge in the bowl without a failure first"
+    assert trial.found
 
 
 def test_a_trial_ends_at_the_first_failure() -> None:
@@ -72,8 +86,8 @@ def test_a_pocket_takes_up_the_share_that_its_level_says(fault: WeakenedFault) -
     assert inside / 40_000 == pytest.approx(share, rel=0.2)
 
 
-def test_a_sudden_fault_is_caught_in_its_pocket_alone() -> None:
-    fault = SUDDEN[0]
+@pytest.mark.parametrize("fault", [SUDDEN[0], SUDDEN[-1]], ids=lambda fault: fault.name)
+def test_a_sudden_fault_is_caught_in_its_pocket_alone(fault: WeakenedFault) -> None:
     assert fault.pocket is not None
     middle = tuple(fault.pocket.get(place, 0.5) for place in range(len(fault.cube.coordinates)))
     away = tuple((place + 0.5) % 1.0 for place in middle)
@@ -89,7 +103,7 @@ def test_a_gradual_fault_grows_from_nothing(fault: WeakenedFault) -> None:
         severity: min(map(Judge(fault.at(severity), fault.check, fault.cube).margin, points.points))
         for severity in (0.0, 1.0)
     }
-    right = min(map(correct(fault).margin, points.points))
+    right = min(map(correct(fault.check, fault.cube).margin, points.points))
     assert right >= 0.0, f"the correct controller is accused by {fault.check}"
     assert least[0.0] >= 0.0, "the weakest fault is caught nearly everywhere"
     assert least[1.0] < least[0.0], "the fault does not grow"
@@ -146,15 +160,54 @@ def test_shares_have_errors_where_seeds_are_many_and_medians_are_compared() -> N
             "runs": 20 if method == "shard" else 10,
             "found": seed % 2 == 0 if method == "shard" else level % 2 == 0,
         }
-        for method in METHODS
+        for method in COMPARED
         for level in range(LEVELS)
         for seed in seeds(fault, method)
     }
     assert str(found_share(cells, fault, "shard", 20)) == "50 ± 23 %"
     assert str(found_share(cells, fault, "shard", 19)) == "0 ± 0 %"
-    assert str(found_share(cells, fault, "covariance", 10)) == "50 %"
+    assert str(found_share(cells, fault, "covariance", 10)) == "50 ± 0 %"
     # Half of the seeds find nothing: the shard's median is infinite, as that of the others is at odd levels.
     assert levels_near_the_best(cells, fault) == (0, LEVELS // 2)
     for key in [key for key in cells if "/shard/" in key]:
         cells[key] = {"runs": 15, "found": True}
     assert levels_near_the_best(cells, fault) == (LEVELS, LEVELS)
+
+
+def test_tables_have_both_contracts_and_the_methods_whose_trials_were_made() -> None:
+    def cell(fault: WeakenedFault) -> dict[str, Any]:
+        # One is found in the 40th run, a gradual one in that contract alone whose drive comes last.
+        is_found = fault.cube.drive.name == FAULTS[-1].cube.drive.name
+        sized = {"runs": 40, "found": is_found, "seconds": 1.0}
+        return {"first": [40] * LEVELS, "seconds": 1.0} if fault.shape == "sudden" else sized
+
+    cells = {
+        f"{fault.name}/{method}/{level}/{seed}": cell(fault)
+        for fault in FAULTS
+        for method in ("drawing", "climbing", "climbing-briefly", "shard")
+        for level in ((-1,) if fault.shape == "sudden" else range(LEVELS))
+        for seed in seeds(fault, method)
+    }
+    written = tables(cells)
+    assert (
+        "| even drawing | Hypothesis, drawing | Hypothesis, target | as a shard of the gate | levels |"
+        in written
+    )
+    rows = {row.split("|")[1].strip(): row.split("|")[6:-2] for row in written.splitlines() if "|" in row}
+    for row, share in {
+        "*all gradual ones of `paper-5-phase`*": "0 ± 0 %",
+        "*all gradual ones of `pm-ac-interior`*": "100 ± 0 %",
+        "*all gradual ones of `pm-ac-interior`, first 36 runs*": "0 ± 0 %",
+        "*all sudden ones of `paper-5-phase`*": "100 %",
+    }.items():
+        assert rows[row][-1].strip().startswith(share.removesuffix(" %")), f"{row}: {rows[row]}"
+
+
+def test_trials_of_one_method_are_made_again_alone(tmp_path: Path) -> None:
+    kept = {"fault": {}, "fault/shard/0/0": {}, "fault/drawing/0/0": {}}
+    result = tmp_path / "result.json"
+    assert known_cells(result, None) == {}
+    result.write_text(json.dumps({"cells": kept}))
+    assert known_cells(result, None) == kept
+    assert set(known_cells(result, "shard")) == {"fault", "fault/drawing/0/0"}
+    assert known_cells(result, "all") == {}
