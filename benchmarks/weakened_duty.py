@@ -115,11 +115,11 @@ def _torque_wrong(_: float) -> AnyController:
 
 DUTY_FAULTS_WEAKENED: Final = (
     WeakenedFault(
-        "nervous currents",
+        "eager integrals",
         "STP-1",
         TORQUE_STEPS,
-        _scaled("nervous-currents", "direct_gain", "quadrature_gain"),
-        strongest=4.0,
+        _scaled("eager-integrals", "direct_integral_step", "quadrature_integral_step"),
+        strongest=10.0,
     ),
     WeakenedFault("strong magnets assumed", "FWK-2", HELD_TORQUES, _strong_magnets, strongest=1.4),
     WeakenedFault(
