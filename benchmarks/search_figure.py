@@ -50,8 +50,8 @@ _LOOKS: Final = {
     "covariance": (BLUE, "o"),
     "bayesian": (PURPLE, "^"),
     "alternating": (GREEN, "v"),
-    "simplex": (SKY, "X"),
-    "annealing": (BLACK, "*"),
+    "simplex": (SKY, "<"),
+    "annealing": (BLACK, ">"),
 }
 
 
@@ -176,10 +176,9 @@ def write_figure(cells: dict[str, Any], file: Path) -> None:
         for panel in panels[len(FAULTS) :]:
             panel.set_visible(False)
         for panel in panels[len(FAULTS) - _PANELS : len(FAULTS)]:
-            panel.set_xlabel("runs that even drawing needs on average")
             panel.tick_params(labelbottom=True)
-        for panel in panels[::_PANELS]:
-            panel.set_ylabel("runs needed")
+        figure.supxlabel("runs that even drawing needs on average")
+        figure.supylabel("runs needed")
         handles, labels = panels[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside upper center", ncols=3, frameon=False, fontsize=9.0)
         write_atomically(file, svg_document(figure, "search-comparison"))
