@@ -21,7 +21,7 @@ SLOW_CHECKS: Final = ("ROB-1", "CNV-1")
 """Checks that judge runs of 9 s and more; their trials are fewer and shorter."""
 SHARD_SEEDS: Final = 20
 """Seeds of a shard of the gate."""
-OTHER_SEEDS: Final = 3
+OTHER_SEEDS: Final = 4
 SLOW_SEEDS: Final = 2
 """Seeds of each other method, and of all methods where runs are slow."""
 
