@@ -249,6 +249,34 @@ def test_a_phase_that_does_not_follow_its_reference_is_missing() -> None:
     assert 11 <= step <= 11 + 105
 
 
+@pytest.mark.parametrize(("supply", "fault"), [(40.0, 0), (120.0, PHASE_FAULT)])
+def test_at_the_voltage_limit_currents_against_their_references_prove_no_missing_phase(
+    supply: float, fault: int
+) -> None:
+    drive = Drive()
+    drive.sense.supply_voltage = supply
+    drive.current_at = lambda _: 1j * PEAK * rect(1.0, -1.5)
+
+    def approach(_: int) -> None:
+        # The error of the flux is not just rounding, and does not shrink.
+        drive.state.shrinks = 0
+
+    assert drive.steps_to_fault(200, approach)[0] == fault
+
+
+def test_at_the_voltage_limit_a_phase_without_current_is_missing() -> None:
+    drive = Drive()
+    drive.sense.supply_voltage = 40.0
+
+    def open_phase(_: int) -> None:
+        drive.state.shrinks = 0
+        drive.currents[:] = drive.currents[0], 0.0, -drive.currents[0]
+
+    fault, step = drive.steps_to_fault(200, open_phase)
+    assert fault == PHASE_FAULT
+    assert step <= 24 + 105
+
+
 @pytest.mark.parametrize(("approach", "fault"), [(0.02, 0), (0.0, PHASE_FAULT)])
 def test_no_phase_is_missing_while_the_currents_approach_their_references(
     approach: float, fault: int
