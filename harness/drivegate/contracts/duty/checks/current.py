@@ -224,14 +224,17 @@ def _current_excess(record: DutyRecord, window: DutyWindow) -> Margin | None:
     # An angle that is off costs current.
     allowed = record.limits.current_excess + if_unsensed(record, LOST_SHARE)
     by_current = Margin("MTP-1", at_most(excess, allowed), measured)
-    # More current is no waste where it saves more in the iron.
-    by_loss = at_most(_loss_above_least(record, window), allowed)
+    # More current is no waste where it saves more in the iron. What drops and switching lose grows with the current, so
+    # that the least of all losses lies between the least current and the least loss of the fundamental.
+    own, saving = losses(record, window)
+    first, last = sorted((least.direct, saving.direct))
+    wasted = 0.0 if first <= window.direct <= last else _above_least(own, saving)
+    by_loss = at_most(wasted, allowed)
     return by_current if by_current.value >= by_loss else replace(by_current, value=by_loss)
 
 
-def _loss_above_least(record: DutyRecord, window: DutyWindow) -> float:
+def _above_least(own: SteadyState, least: SteadyState) -> float:
     """Return the loss of the fundamental over the least one for its torque, less one; 0 where none is known (1)."""
-    own, least = losses(record, window)
     return own.loss / least.loss - 1.0 if isfinite(least.loss) and least.loss > 0.0 else 0.0
 
 
@@ -255,7 +258,7 @@ def efficiency_windows(record: DutyRecord) -> Iterator[DutyWindow]:
 
 
 def _loss_excess(record: DutyRecord, window: DutyWindow) -> Margin:
-    excess = _loss_above_least(record, window)
+    excess = _above_least(*losses(record, window))
     measured = f"{100.0 * excess:.3g} % above the least loss for {window.torque:.4g} N·m {at(window)}"
     # The loss of a winding goes with the square of a current.
     allowed = record.limits.loss_excess + if_unsensed(record, 2.0 * LOST_SHARE)
@@ -295,11 +298,12 @@ MTP_1 = Check(
     families=UNWEAKENED_FAMILIES,
     requirement=(
         "Below weakening the current is at most {current_excess} above the least for its torque, or the loss "
-        "above the least loss."
+        "above the least loss, or the d current lies between both."
     ),
     limit="{current_excess} above the least",
     scenarios="steady stretches of nominal drives from 10 % of rated torque on that take 90 % of the voltage at most",
-    formula="the greater of 1 - (current / the oracle's least - 1) / {current_excess} and the same of the loss",
+    formula="the greater of 1 - (current / the oracle's least - 1) / {current_excess} and the same of the loss of the "
+    "fundamental; 1 for a d current between the two oracles', where drops and switching put the least of all losses",
     why="More current than the least heats the winding for nothing, unless it saves loss in the iron.",
     evaluate=least_current,
     reason_not_applicable=unless_current,
