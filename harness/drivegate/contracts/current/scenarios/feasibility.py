@@ -30,7 +30,7 @@ from drivegate_cases.scenario.profile import Dwell, dwell_of, dwell_torque
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_cases.scenario.sensors import HallSensors
 from drivegate_models.machine.friction import friction_torque
-from drivegate_models.steady.oracle import feasible_edge
+from drivegate_models.steady.oracle import AdvanceLine, feasible_edge
 from drivegate_models.steady.plant import AnyDrive
 from drivegate_models.units import RADIANS_PER_RPM
 
@@ -210,24 +210,26 @@ def _reaches(
         return False
     if not isinstance(scenario.load, ConstantPowerLoad):
         return True
+
+    def edge_at(sagged: float) -> float:
+        return _edge(scenario.drive, scales, sagged * speed, load / sagged + _own_drag(drive, speed), voltage)
+
     is_nominal = scales == NOMINAL and voltage >= scenario.drive.inverter.supply_voltage_v
-    sagged = 1.0 - (min(_sag(scenario) / speed, SPEED_RESERVE) if is_nominal else SPEED_RESERVE)
-    edge = _edge(scenario.drive, scales, sagged * speed, load / sagged + _own_drag(drive, speed), voltage)
+    sag = min(_sag(scenario) / speed, SPEED_RESERVE) if is_nominal else SPEED_RESERVE
+    edge = edge_at(1.0 - sag)
     if not math.isfinite(edge) or (without_advance and edge > 0.0):
         return False
     if not is_nominal or conditions.speed_rpm > scenario.drive.rating.highest_speed_rpm:
         return True
     # In the range of the line, controllers hold the load by it until their searches have found another angle.
-    sagged = 1.0 - LEAST_SAG * (1.0 - sagged)
-    edge = _edge(scenario.drive, scales, sagged * speed, load / sagged + _own_drag(drive, speed), voltage)
-    return edge <= _first_angle(scenario, sagged * speed)
+    sagged = 1.0 - LEAST_SAG * sag
+    return edge_at(sagged) <= _first_angle(scenario.drive, sagged * speed)
 
 
-def _first_angle(scenario: Scenario, speed: float) -> float:
+def _first_angle(drive: DriveDocument, speed: float) -> float:
     """Return the angle that controllers begin with (rad electrical); a search takes longer than a load to come on."""
-    start, slope = advance_line(scenario.drive)
-    above = speed - scenario.drive.rating.base_speed_rpm * RADIANS_PER_RPM
-    return start + slope * max(above, 0.0)
+    base = drive.rating.base_speed_rpm * RADIANS_PER_RPM
+    return AdvanceLine(base, *advance_line(drive)).angle(max(speed, base))
 
 
 def _sag(scenario: Scenario) -> float:

@@ -32,7 +32,7 @@ from drivegate.scenarios.changes import (
     with_speed,
     with_supply,
 )
-from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_models.steady.oracle import feasible_edge
 from drivegate_models.units import RADIANS_PER_RPM
@@ -99,38 +99,46 @@ def test_constant_power_must_be_within_reach_at_the_speed_that_its_ramp_costs(
     assert (run.observed.speed_final > 545.0 * RADIANS_PER_RPM) is fair, run.observed.speed_final
 
 
+def drive_with_little_reserve(slope_deg_per_rpm: float) -> DriveDocument:
+    """Make a drive of 350 W whose line of angles leaves a reserve of 3.5 % of the torque at 245 rpm."""
+    return load_drive("star-3-phase-150-emf").replaced(
+        pole_pairs=16,
+        resistance_ohm=0.00203,
+        inductance_h=0.000134,
+        emf_constant_v_s_per_rad=0.124,
+        emf_shape="sine",
+        emf_flat_deg=None,
+        core_loss_conductance_s=0.00792,
+        inertia_kg_m2=0.0879,
+        friction_n_m=0.142,
+        viscous_friction_n_m_s_per_rad=0.0118,
+        supply_voltage_v=7.54,
+        hysteresis_band_a=1.53,
+        base_speed_rpm=231.0,
+        highest_speed_rpm=365.0,
+        overspeed_rpm=431.0,
+        rated_power_w=350.0,
+        current_limit_a=73.1,
+        start_deg=7.4,
+        slope_deg_per_rpm=slope_deg_per_rpm,
+    )
+
+
 @pytest.mark.parametrize(("power_w", "fair"), [(350.0, False), (345.0, True)])
 def test_the_load_at_that_speed_must_be_within_reach_by_the_angle_that_controllers_begin_with(
     power_w: float, fair: bool
 ) -> None:
-    """At 350 W every correct design stalls, at 345 W none does: the line leaves 3.5 % of torque in hand."""
-    changes = {
-        "pole_pairs": 16,
-        "resistance_ohm": 0.00203,
-        "inductance_h": 0.000134,
-        "emf_constant_v_s_per_rad": 0.124,
-        "emf_shape": "sine",
-        "core_loss_conductance_s": 0.00792,
-        "inertia_kg_m2": 0.0879,
-        "friction_n_m": 0.142,
-        "viscous_friction_n_m_s_per_rad": 0.0118,
-        "supply_voltage_v": 7.54,
-        "hysteresis_band_a": 1.53,
-        "base_speed_rpm": 231.0,
-        "highest_speed_rpm": 365.0,
-        "overspeed_rpm": 431.0,
-        "rated_power_w": 350.0,
-        "current_limit_a": 73.1,
-        "start_deg": 7.4,
-        "slope_deg_per_rpm": -0.0552,
-    }
-    drive = load_drive("star-3-phase-150-emf").with_overrides(
-        [f"{key}={value}" for key, value in changes.items()]
-    )
+    """At 350 W every correct design stalls, at 345 W none does."""
+    drive = drive_with_little_reserve(-0.0552)
     run = steady_scenario(drive, 245.0, power_share=power_w / 350.0, constant_power=True)
     assert (unfair_because(run) is None) is fair
     made = run_scenario(run.replaced(duration_s=2.0), load_controller(resolve_candidate("reference")))
     assert (made.observed.speed_final > 240.0 * RADIANS_PER_RPM) is fair, made.observed.speed_final
+
+
+def test_a_line_that_falls_below_zero_ends_there() -> None:
+    drive = drive_with_little_reserve(-0.08)
+    assert is_fair(steady_scenario(drive, 365.0, power_share=1.0, constant_power=True))
 
 
 @pytest.mark.parametrize(("grade", "fair"), [(0.0, True), (3.0, True), (-3.0, False), (30.0, False)])
