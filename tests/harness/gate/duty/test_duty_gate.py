@@ -166,26 +166,23 @@ def test_the_search_for_least_loss_does_not_drift_by_what_the_torque_changes_by(
 
 def test_a_current_between_the_least_and_that_of_least_loss_is_no_waste() -> None:
     """The iron asks for more current than the least, and the drops of the switches for less than the iron does."""
-    changes = {
-        "pole_pairs": 2,
-        "resistance_ohm": 0.0391,
-        "direct_inductance_h": 0.00357,
-        "quadrature_inductance_h": 0.0061,
-        "magnet_flux_v_s": 0.0504,
-        "core_loss_conductance_s": 0.0156,
-        "inertia_kg_m2": 0.00359,
-        "link_voltage_v": 40.1,
-        "carrier_frequency_hz": 3300.0,
-        "switch_drop_v": 0.134,
-        "diode_drop_v": 0.134,
-        "base_speed_rpm": 1760.0,
-        "highest_speed_rpm": 5650.0,
-        "overspeed_rpm": 6720.0,
-        "rated_power_w": 129.0,
-        "current_limit_a": 9.76,
-    }
-    document = load_drive("pm-ac-interior").with_overrides(
-        [f"{key}={value}" for key, value in changes.items()]
+    document = load_drive("pm-ac-interior").replaced(
+        pole_pairs=2,
+        resistance_ohm=0.0391,
+        direct_inductance_h=0.00357,
+        quadrature_inductance_h=0.0061,
+        magnet_flux_v_s=0.0504,
+        core_loss_conductance_s=0.0156,
+        inertia_kg_m2=0.00359,
+        link_voltage_v=40.1,
+        carrier_frequency_hz=3300.0,
+        switch_drop_v=0.134,
+        diode_drop_v=0.134,
+        base_speed_rpm=1760.0,
+        highest_speed_rpm=5650.0,
+        overspeed_rpm=6720.0,
+        rated_power_w=129.0,
+        current_limit_a=9.76,
     )
     loaded = own_candidate(resolve_candidate("foc-loss-search"))
     record = recorded(loaded, torque_scenario(document, 1300.0, (0.35,)), loaded.controller())

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from tests.harness.contracts.duty.checks.conftest import CHECKS, Run, judged, with_column
+from tests.harness.contracts.duty.checks.conftest import CHECKS, Run, judged, with_column, with_command
 
 from drivegate.contracts.duty.record import DutyRecord
 from drivegate.contracts.duty.run import DUTY_RATIOS, LEGS
@@ -92,7 +92,6 @@ def test_what_the_diodes_alone_make_is_no_modulation(run: Run) -> None:
     drive = load_drive("pm-ac-interior")
     record = run(share_scenario(drive, 0.5 * drive.rating.base_speed_rpm, 0.5))
     assert judged("RIP-4", record) is not None
-    off = record.run.commands.copy()
     for leg in LEGS:
-        off[leg] = LEG_OFF
-    assert judged("RIP-4", replace(record, run=replace(record.run, commands=off))) is None
+        record = with_command(record, leg, lambda states: np.full_like(states, LEG_OFF))
+    assert judged("RIP-4", record) is None
