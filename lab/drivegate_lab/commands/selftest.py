@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 ALL_SEEDS = 1000
 MOST_DRIVES = 10_000
 OUTPUT = Path("drivegate-selftest")
+UNFAIR = Path("drivegate-unfair")
 DRAWN = ("half-bridge", "star", "pm-ac")
 """Kinds of drives that are drawn, the default one first; named here since they take long to import."""
 
@@ -88,7 +89,7 @@ DRAWN = ("half-bridge", "star", "pm-ac")
     "--output",
     type=click.Path(path_type=Path),
     help="With --drives: folder of drives and results, by default drivegate-selftest; the same command goes on there. "
-    "With --unfair: folder of the scenarios.",
+    "With --unfair: folder of the scenarios, by default drivegate-unfair.",
 )
 @drive_option
 @json_option
@@ -153,7 +154,7 @@ def command(
 
     if drives is not None and unfair:
         amount = SelftestEffort(effort or "quick", seeds, workers, search)
-        return _for_unfair(amount, output or OUTPUT, DrawnDrives(drawn_kind, drives, drawing_seed or 0))
+        return _for_unfair(amount, output or UNFAIR, DrawnDrives(drawn_kind, drives, drawing_seed or 0))
     if drives is not None:
         named = names if faults or every_fault else ()
         request = DrivesRequest(
@@ -167,7 +168,7 @@ def command(
         return _on_drives(request)
     amount = SelftestEffort(effort or "default", seeds, workers, search, drawn_only, named_drive(drive))
     if unfair:
-        return _for_unfair(amount, output or OUTPUT)
+        return _for_unfair(amount, output or UNFAIR)
     if rare:
         from drivegate_lab.selftest.operations import proofs
 
@@ -189,16 +190,20 @@ def _on_drives(request: DrivesRequest) -> Outcome:
     return Outcome(document, lambda console: show_drives(console, document), code)
 
 
-def _for_unfair(effort: SelftestEffort, folder: Path, drives: DrawnDrives | None = None) -> Outcome:
+def _for_unfair(effort: SelftestEffort, output: Path, drives: DrawnDrives | None = None) -> Outcome:
     from drivegate.output.progress import progress_on
+    from drivegate.output.report_folder import ReportFolder
     from drivegate_lab.selftest.display import show_unfair
     from drivegate_lab.selftest.unfair import keep_unfair, unfair_document, unfair_on_drives
 
-    with progress_on(sys.stderr) as display:
+    with ReportFolder(output) as folder, progress_on(sys.stderr) as display:
         document = (
             unfair_document(effort, display) if drives is None else unfair_on_drives(drives, effort, display)
         )
-    kept = keep_unfair(document, folder)
+        kept = [output / name for name in keep_unfair(document, folder.staging)]
+        # Those of an earlier search are no longer what was found.
+        if kept or output.exists():
+            folder.commit()
     code = ExitCode.PASSED if document["passed"] else ExitCode.FAILED
     return Outcome(document, lambda console: show_unfair(console, document, kept), code)
 

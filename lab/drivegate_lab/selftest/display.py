@@ -69,6 +69,11 @@ def show_unfair(console: Console, document: Mapping[str, Any], kept: Sequence[Pa
     scenarios = "scenario" if count == 1 else "scenarios"
     words = f"{count} unfair {scenarios} in {document['runs']} runs of correct controllers"
     console.print(plain(words, "green" if document["passed"] else "bold red"))
+    if kept:
+        step = f"drivegate simulate {document['unfair'][0]['candidate']} --case {kept[0]} shows the first one"
+    else:
+        step = "--seeds N and --effort search further, --drives N on drawn drives"
+    console.print(plain(f"next: {step}", "dim"))
 
 
 def _show_faults(console: Console, matrix: Matrix) -> None:

@@ -210,12 +210,10 @@ def unfair_on_drives(drives: DrawnDrives, effort: SelftestEffort, display: Displ
     }
 
 
-def keep_unfair(document: Mapping[str, Any], folder: Path) -> list[Path]:
-    """Write the unfair scenarios as files that `drivegate simulate --case` takes."""
-    written = []
+def keep_unfair(document: Mapping[str, Any], folder: Path) -> list[str]:
+    """Write the unfair scenarios as files that `drivegate simulate --case` takes; return their names."""
+    names = []
     for number, row in enumerate(document["unfair"], start=1):
-        path = folder / f"unfair-{number:03d}-{row['check']}.json"
-        folder.mkdir(parents=True, exist_ok=True)
-        write_atomically(path, json.dumps(row["scenario"], indent=2) + "\n")
-        written.append(path)
-    return written
+        names.append(f"unfair-{number:03d}-{row['check']}.json")
+        write_atomically(folder / names[-1], json.dumps(row["scenario"], indent=2) + "\n")
+    return names

@@ -4,13 +4,19 @@ from dataclasses import replace
 
 import pytest
 
+from drivegate.candidates.resolution import resolve_candidate
+from drivegate.checks.margin import Margin
+from drivegate.contracts.current.scenarios.fixed import fixed_scenarios
+from drivegate.gate.shard import DrawnRuns
 from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.scenario.scenario import load_scenario
 from drivegate_lab.candidates.faults.catalogue import MUTATIONS
 from drivegate_lab.commands import selftest
 from drivegate_lab.drawn.kinds import DRAWN_KINDS
-from drivegate_lab.selftest import subjects
+from drivegate_lab.selftest import subjects, unfair
 from drivegate_lab.selftest.drawn import run
 from drivegate_lab.selftest.drawn.tasks import GateRow
+from drivegate_lab.selftest.unfair import Failure, GoodShard, ShardFailures
 
 
 def test_a_fault_is_caught_by_its_check(command) -> None:
@@ -87,6 +93,37 @@ def test_the_kinds_of_drives_that_can_be_drawn_are_those_of_the_option() -> None
 )
 def test_options_that_do_not_fit_are_refused(words, stated, refused) -> None:
     assert stated in refused("selftest", *words)
+
+
+def test_unfair_scenarios_are_kept_until_the_next_search(command, monkeypatch, tmp_path) -> None:
+    drive = load_drive("paper-5-phase")
+    scenario = fixed_scenarios(drive)[0].to_mapping()
+    failures = (Failure("reference", "CNV-1", Margin("CNV-1", -0.4, "slow"), scenario, is_unfair=True),)
+    folder = tmp_path / "kept"
+    searched = ("selftest", "--unfair", "--output", folder)
+    monkeypatch.setattr(unfair, "_searched", lambda *_: [ShardFailures(3, failures)])
+    monkeypatch.setattr(
+        unfair,
+        "good_shards",
+        lambda _: [GoodShard(resolve_candidate("reference"), DrawnRuns(drive, 0, 4), 5)],
+    )
+    ended = command(*searched)
+    assert ended.code == 1, ended.out
+    kept = folder / "unfair-001-CNV-1.json"
+    assert load_scenario(str(kept)).to_mapping() == scenario
+    assert f"next: drivegate simulate reference --case {kept}" in " ".join(ended.out.split()), ended.out
+    monkeypatch.setattr(unfair, "_searched", lambda *_: [ShardFailures(3, ())])
+    ended = command(*searched)
+    assert ended.code == 0, ended.out
+    assert "next: --seeds N" in ended.out
+    assert not kept.exists(), "what an earlier search found is no result of this one"
+
+
+def test_a_folder_for_unfair_scenarios_is_refused_before_the_search(refused, monkeypatch, tmp_path) -> None:
+    monkeypatch.setattr(unfair, "unfair_document", lambda *_: pytest.fail("it searched"))
+    place = tmp_path / "a file"
+    place.write_text("", encoding="utf-8")
+    assert "is a file; name a folder" in refused("selftest", "--unfair", "--output", place)
 
 
 def test_faults_of_duty_ratios_are_tried_on_a_drive_that_takes_them(command, refused, tmp_path) -> None:

@@ -90,13 +90,13 @@ def test_only_what_is_unfair_fails_the_checks_and_is_kept(
     passed = document(monkeypatch, own)
     assert passed["passed"]
     assert len(passed["met_by_a_witness"]) == 8 * len({shard.candidate.name for shard in shards()})
-    assert keep_unfair(passed, tmp_path / "none") == []
+    assert keep_unfair(passed, tmp_path) == []
     unmet = found(monkeypatch, {3.0: -0.4}, unmet_from_s=3.0, shrunk_s=3.0)
     failed = document(monkeypatch, unmet)
     assert not failed["passed"]
     first, *_ = keep_unfair(failed, tmp_path)
-    assert first.name == "unfair-001-CNV-1.json"
-    assert json.loads(first.read_text(encoding="utf-8"))["duration_s"] == 3.0
+    assert first == "unfair-001-CNV-1.json"
+    assert json.loads((tmp_path / first).read_text(encoding="utf-8"))["duration_s"] == 3.0
 
 
 @pytest.mark.nightly
