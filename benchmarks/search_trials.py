@@ -21,8 +21,8 @@ SLOW_CHECKS: Final = ("ROB-1", "CNV-1")
 """Checks that judge runs of 9 s and more; their trials are fewer and shorter."""
 SHARD_SEEDS: Final = 20
 """Seeds of a shard of the gate."""
-OTHER_SEEDS: Final = 4
-SLOW_SEEDS: Final = 2
+OTHER_SEEDS: Final = 10
+SLOW_SEEDS: Final = 4
 """Seeds of each other method, and of all methods where runs are slow."""
 
 
