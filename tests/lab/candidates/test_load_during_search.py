@@ -158,3 +158,33 @@ def test_a_search_has_its_time_from_the_load_on_for_which_it_searches(
     loaded = plain.replaced(load=plain.load.model_copy(update={"torque_nm": torque}))
     scenario = with_load_factor(loaded, factor).replaced(duration_s=factor[-1][0] + 10.0)
     assert_reaches_optimum(scenario, load_controller(resolve_candidate(name)), name)
+
+
+@pytest.mark.parametrize(
+    ("name", "changed", "constant_power"),
+    [("golden-section", 0.1, False), ("quadratic-interpolation", 0.7, True), ("sweep", 0.1, False)],
+)
+def test_a_load_that_alternates_does_not_use_up_the_time_of_a_search(
+    name: str, changed: float, constant_power: bool
+) -> None:
+    # The current sum repeats in no two decisions. Rest at the present angle after that: 23 to 28 % too much current.
+    plain = steady_scenario(
+        load_drive("paper-5-phase"), 1310.0, power_share=1.0, constant_power=constant_power
+    )
+    factor = [(0.0, 0.0), (0.2, 0.6)]
+    for period in range(20):
+        begins, ends = 1.0 + 0.4 * period, 1.2 + 0.4 * period
+        factor += [(begins, 0.6), (begins, changed), (ends, changed), (ends, 0.6)]
+    scenario = with_load_factor(plain, tuple(factor)).replaced(duration_s=18.8)
+    assert_reaches_optimum(scenario, load_controller(resolve_candidate(f"design:{name}")), name)
+
+
+def test_a_light_load_is_searched_for_in_time_from_the_far_initial_angle() -> None:
+    # 43 degrees of angle, and every loss of speed at the edge takes a second.
+    plain = steady_scenario(load_drive("paper-5-phase"), 1500.0, power_share=0.25, constant_power=False)
+    started = {"speed_rpm": ((0.0, 0.0), (6.0, 0.0), (6.0, 1500.0)), "initial_speed_rpm": 0.0}
+    scenario = plain.replaced(duration_s=16.0, **started)
+    run = run_scenario(scenario, BuiltinController(SEARCHES["reference"]))
+    margin = converges_again(CurrentRecord(scenario, run, Declaration()))
+    assert margin is not None
+    assert margin.met, margin.measured

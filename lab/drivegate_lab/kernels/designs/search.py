@@ -38,7 +38,11 @@ from drivegate_models.controllers.current.another_load import (
     is_lighter_load,
 )
 from drivegate_models.controllers.current.current_share import is_current_below
-from drivegate_models.controllers.current.forbidden_angle import MARGIN, forget_other_load
+from drivegate_models.controllers.current.forbidden_angle import (
+    MARGIN,
+    forget_load,
+    forget_other_load,
+)
 from drivegate_models.controllers.current.modes import hold_angle, rearm
 from drivegate_models.controllers.current.state import HOLDING
 from drivegate_models.controllers.current.unrest import is_speed_unsteady
@@ -47,12 +51,16 @@ from drivegate_models.controllers.current.watch import (
     CONTINUING,
     WAITING,
     is_current_too_small,
+    is_load_varying,
     watch_search,
 )
 
 _COARSE = radians(2.0)
 _FINE = radians(0.5)
 _COARSE_RISE = 1.05
+# Under a heavy load, a share of the maximum current sum, little current is left to bring the torque back with.
+_COARSE_RISE_HEAVY = 1.02
+_HEAVY = 0.5
 _FINE_RISE = 1.01
 _AROUND = radians(1.25)
 LONGEST_SEARCH: Final = 40
@@ -237,7 +245,12 @@ def process_waiting(state: Any) -> None:
     """Process a decision interval without information for the search."""
     if state.controller.mode == HOLDING:
         step_off_edge(state)
-    elif is_current_too_small(state.controller):
+        return
+    varies = is_load_varying(state.controller)
+    if varies:
+        # Another load than the one to come may have lost the torque.
+        forget_load(state.controller)
+    if varies or is_current_too_small(state.controller):
         # Nothing can be found meanwhile, so the limit of decisions starts with the load.
         state.decisions = 0
 
@@ -328,7 +341,8 @@ def _continue_sweep(state: Any, current_sum: float) -> float:
         state.left = state.right
         state.left_power = current_sum
     # Ignore a small rise: at light load the current sum has local minima.
-    ended = current_sum > state.left_power * (_COARSE_RISE if state.stage == 0 else _FINE_RISE)
+    coarse = _COARSE_RISE if is_current_below(state.controller, _HEAVY) else _COARSE_RISE_HEAVY
+    ended = current_sum > state.left_power * (coarse if state.stage == 0 else _FINE_RISE)
     step = _COARSE if state.stage == 0 else _FINE
     ended = ended or state.right - step < state.low
     if state.stage == 0 and ended and is_worth_confirming(state):

@@ -79,15 +79,22 @@ def load_has_changed(state: Any, current_sum: float, fall: float, rise: float) -
 
 
 @inlined
+def is_repeated(state: Any) -> bool:
+    """Return True if the load seemed to have changed at this angle, or at a smaller one, before."""
+    repeated: bool = state.offset >= state.jolted_at - 1.5 * state.first_step
+    return repeated
+
+
+@inlined
 def rearm_unless_repeated(state: Any) -> bool:
     """Restart the search, because the load seems to have changed, and return True.
 
     If the same was seen at this angle, or a smaller one, return False instead. A load changes at any angle; what
     repeats where the search has been is the effect of its steps.
     """
-    offset = state.offset
-    if state.moved != 0.0 and offset >= state.jolted_at - 1.5 * state.first_step:
+    if state.moved != 0.0 and is_repeated(state):
         return False
+    offset = state.offset
     rearm(state)
     state.jolted_at = offset
     return True

@@ -16,6 +16,8 @@ LIGHT: Final = 0.15
 # Shares of the first step. A larger step costs speed that returns; under a heavy load a smaller one may, too.
 _SURE_STEP = 1.2
 _SURE_STEP_UNDER_LOAD = 0.6
+# Share of a step that lost the torque in which the edge is not looked for again.
+_SHARE_OF_STEP = 0.25
 # Current sums, relative to the one at which an angle was forbidden, that indicate another load.
 _LIGHTER = 0.88
 _HEAVIER = 1.35
@@ -46,7 +48,12 @@ def forbid(state: Any) -> None:
     lost_angle = state.offset - (
         SMALLEST_STEP if state.mode == HOLDING and state.quiet == STEPPED_OFF else 0.0
     )
-    state.forbidden = max(state.forbidden, lost_angle)
+    if -1.5 * SMALLEST_STEP < state.moved < 0.0:
+        # The speed that a small step costs shows slowly, so the one before it may have been over the edge already.
+        lost_angle = max(lost_angle, state.good_offset)
+    # Under a light load the distance from the edge costs less than another loss of speed.
+    beyond = -_SHARE_OF_STEP * min(state.moved, 0.0) if is_current_below(state, LIGHT) else 0.0
+    state.forbidden = max(state.forbidden, lost_angle + beyond)
     # After a small step down, or while holding, the angle itself lost the torque, not the transient.
     sure = _SURE_STEP
     if state.tries_again == 1 and not is_current_below(state, LIGHT):

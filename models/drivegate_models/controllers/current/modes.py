@@ -61,6 +61,7 @@ def rearm(state: Any) -> None:
     state.calm_error = inf
     state.confirmed = 0
     state.widened = 0
+    state.unsettled = 0
     state.reversals = 0
     state.grows = 1
     state.jolted_at = inf

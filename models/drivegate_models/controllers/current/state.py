@@ -91,6 +91,8 @@ CONTROLLER_STATE: Final = np.dtype(
         ("speed_mark", np.float64),
         ("moved", np.float64),
         ("improvements", np.int64),
+        # Decisions in a row at which the search waited for the current sum to repeat.
+        ("unsettled", np.int64),
         # Findings under the present load.
         ("reversals", np.int64),
         # 0 once a step has been too long under the present load.

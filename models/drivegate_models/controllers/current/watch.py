@@ -14,6 +14,7 @@ from drivegate_models.controllers.current.another_load import (
     TUNED_SUM,
     has_drifted,
     is_another_load,
+    is_repeated,
     load_has_changed,
     rearm_unless_repeated,
 )
@@ -60,6 +61,9 @@ _SETTLED = 0.01
 _SETTLED_INTERVALS = 2
 # Intervals of a steady current sum after which the speed will not become steadier.
 _SETTLED_UNEASY = 8
+# Decisions after which a current sum that does not repeat is that of a load that varies. It takes up to twelve until
+# it repeats after a loss of speed.
+_LONGEST_SETTLING = 20
 _SMALLEST_SHARE = 1.0 / TUNED_SUM
 _RESTLESS = 0.003
 # First steps beyond which the last step of a climb no longer indicates the distance to the edge.
@@ -125,6 +129,13 @@ def is_speed_recovering(state: Any, current_sum: float, change: float) -> bool:
 def is_current_too_small(state: Any) -> bool:
     """Return True if the last interval's mean current sum is too small to indicate anything about the angle."""
     return is_current_below(state, _SMALLEST_SHARE)
+
+
+@inlined
+def is_load_varying(state: Any) -> bool:
+    """Return True if the current sum has not repeated for so long that the load varies."""
+    varying: bool = state.unsettled > _LONGEST_SETTLING
+    return varying
 
 
 @inlined
@@ -224,6 +235,7 @@ def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int
     (`WAITING`, `BEGINNING` or `CONTINUING`) and the change of the mean current sum from the preceding interval (A).
     """
     current_sum = state.power_sum / state.count
+    state.unsettled = state.unsettled + 1 if state.mode == SETTLING else 0
     record_interval(state, current_sum)
     if is_heavier_load(state, current_sum):
         # This load lost the torque, not the angle with the previous load.
@@ -247,8 +259,9 @@ def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int
     settled = abs(change) <= _SETTLED * current_sum
     # At the last good angle, the angle explains no more than it does while holding.
     back = abs(state.offset - state.good_offset) <= 0.5 * state.first_step and state.good_power < inf
-    if state.mode == SETTLING and settled and back and is_another_load(state, current_sum, state.good_power):
-        rearm(state)
+    differs_there = settled and back and is_another_load(state, current_sum, state.good_power)
+    if state.mode == SETTLING and differs_there and not is_repeated(state):
+        rearm_unless_repeated(state)
         return WAITING, change
     if has_lost_torque(state, current_sum, fall):
         state.integral = state.good_integral
