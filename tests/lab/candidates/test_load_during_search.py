@@ -1,5 +1,6 @@
 """Controllers find the optimum although the load changes while their search moves, or slowly while it rests."""
 
+import numpy as np
 import pytest
 
 from drivegate.candidates.builtin.candidates import BUILTIN_CANDIDATES
@@ -14,6 +15,7 @@ from drivegate.contracts.current.scenarios.building import steady_scenario
 from drivegate.drives.running import run_scenario
 from drivegate.scenarios.changes import with_load_factor
 from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.scenario.load import VehicleLoad
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_lab.candidates.families import DESIGN_NAMES
 from drivegate_lab.drawn.kinds import HALF_BRIDGE
@@ -188,3 +190,34 @@ def test_a_light_load_is_searched_for_in_time_from_the_far_initial_angle() -> No
     margin = converges_again(CurrentRecord(scenario, run, Declaration()))
     assert margin is not None
     assert margin.met, margin.measured
+
+
+def test_small_steps_do_not_walk_on_where_the_current_sum_is_flat() -> None:
+    # The lost currents look like a loss of torque, so angles are tried again in small steps.
+    plain = steady_scenario(load_drive("star-3-phase"), 980.0, power_share=0.45, constant_power=False)
+    lost = ({"signal": "currents", "start_s": 3.0, "duration_s": 0.016},)
+    scenario = plain.replaced(dropouts=lost, duration_s=15.1)
+    run = run_scenario(scenario, BuiltinController(SEARCHES["reference"]), trace_every=200)
+    angles = run.trace["advance_deg"][-30:]
+    assert max(angles) - min(angles) <= 1.0, (
+        f"from {max(angles):.1f} to {min(angles):.1f} degrees in the last 3 s"
+    )
+
+
+def test_an_edge_that_is_met_again_does_not_restart_the_search_again() -> None:
+    plain = steady_scenario(load_drive("star-3-phase"), 1500.0, power_share=0.2, constant_power=False)
+    vehicle = VehicleLoad(
+        kind="vehicle",
+        mass_kg=200.0,
+        wheel_radius_m=0.25,
+        gear_ratio=8.0,
+        rolling_resistance=0.012,
+        drag_area_m2=0.6,
+        grade_percent=((0.0, 0.0), (11.4, 0.0), (11.4, 1.0)),
+    )
+    scenario = plain.replaced(load=vehicle, duration_s=23.4)
+    run = run_scenario(scenario, BuiltinController(SEARCHES["reference"]), trace_every=20)
+    rises = [rise for rise in np.diff(run.trace["advance_deg"]) if rise > 30.0]
+    assert len(rises) <= 2, (
+        f"the angle returns to the initial one {len(rises)} times after one change of the load"
+    )

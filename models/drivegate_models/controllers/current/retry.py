@@ -25,6 +25,9 @@ _COSTLY = 0.005
 # Forbidden range above the angle that certainly lost the torque, in first steps.
 _DOUBTFUL = 2.0
 _DOUBTFUL_WHERE_COSTLY = 1.2
+# Range that is allowed again, in first steps: more than the longest step and its recovery. Farther, small steps would
+# walk on for seconds where the current sum is flat.
+_RETRIED = 3.0
 
 
 @inlined
@@ -56,7 +59,7 @@ def retry(state: Any, costly: bool) -> None:
     """Allow the angles that are forbidden only because the speed was still returning."""
     # Small steps from a steady speed show which of the forbidden angles lose the torque.
     state.retried = RETRIED_WITH_CARE if costly else RETRIED
-    state.forbidden = state.lost_at
+    state.forbidden = max(state.lost_at, state.forbidden - _RETRIED * state.first_step)
 
 
 @inlined
