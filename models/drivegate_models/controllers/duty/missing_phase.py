@@ -92,10 +92,18 @@ def watch_approach(
     if before < state.least_error:
         for phase in range(3):
             state.passed[phase] = 0.0
-    state.direct_aim, state.quadrature_aim = direct_reference, quadrature_reference
     after = magnitude(
         state.direct_inductance * direct_reference - direct_flux,
         state.quadrature_inductance * quadrature_reference - quadrature_flux,
     )
+    least, farther = min(before, state.least_error), after - before
+    if magnitude(direct, quadrature) < _MISSING * state.carrying_current:
+        # A lost sample shows no currents. The reference may have moved away from the true ones by all of its change.
+        least = state.least_error
+        farther = magnitude(
+            state.direct_inductance * (direct_reference - state.direct_aim),
+            state.quadrature_inductance * (quadrature_reference - state.quadrature_aim),
+        )
+    state.direct_aim, state.quadrature_aim = direct_reference, quadrature_reference
     # A reference that moves changes the least error as much as the present one.
-    state.least_error = max(min(before, state.least_error) + after - before, 0.0)
+    state.least_error = max(least + farther, 0.0)

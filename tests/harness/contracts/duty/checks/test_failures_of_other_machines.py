@@ -21,7 +21,9 @@ from drivegate.drives.running import recorded
 from drivegate.scenarios.changes import with_real_sensors
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
+from drivegate_cases.scenario.disturbance import Dropout
 from drivegate_cases.scenario.failure_kind import FailureKind
+from drivegate_cases.scenario.load import DynamometerLoad
 from drivegate_cases.scenario.scenario import Scenario
 
 NAMES = ("foc", "load-observer")
@@ -299,6 +301,18 @@ TURNING_ROUND = made(
 def test_a_shaft_that_turns_round_at_an_edge_is_neither_lost_nor_locked(name: str) -> None:
     reversal = speed_scenario(TURNING_ROUND, (180.0, -180.0), torque_nm=1.8837)
     assert_goes_on(name, with_real_sensors(reversal, 1))
+
+
+@pytest.mark.parametrize("name", [*NAMES, "predictive-flux"])
+def test_a_lost_sample_at_a_step_of_the_reference_is_no_missing_phase(name: str) -> None:
+    """The currents that it does not show are farther from the new reference than from the old one."""
+    drive = load_drive("pm-ac-interior")
+    assert isinstance(drive, PmAcDocument)
+    step = torque_scenario(drive, 2100.0, (-0.4547, 1.9326))
+    assert isinstance(step.load, DynamometerLoad)
+    begins = step.load.torque_reference_nm[-1][0]
+    lost = Dropout(signal="currents", start_s=begins, duration_s=step.control_period_s)
+    assert_goes_on(name, step.replaced(dropouts=(lost,)))
 
 
 def test_a_shaft_that_locks_under_a_torque_reference_counts_for_nobody() -> None:
