@@ -55,8 +55,11 @@ SAMPLE: Final = (
     "lost-current-trips:6",
     "standstill-latches:7",
     "swell-trips:5",
+    "catches-up-with-the-clock:5",
+    "corner-without-limit:4",
+    "searches-in-seven-runs:5",
 )
-"""Faults of `paper-5-phase` that few fixed runs show, each with a shard whose families do."""
+"""Faults of `paper-5-phase` that few fixed runs show, or none, each with a shard whose families do."""
 _TICKETS: Final = 2**48
 
 Search: TypeAlias = Callable[[JudgedCandidate, shard.DrawnRuns], ShardOutcome]
