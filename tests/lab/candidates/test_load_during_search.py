@@ -221,3 +221,9 @@ def test_an_edge_that_is_met_again_does_not_restart_the_search_again() -> None:
     assert len(rises) <= 2, (
         f"the angle returns to the initial one {len(rises)} times after one change of the load"
     )
+
+
+def test_a_sweep_under_a_heavy_load_ends_before_the_current_limit_leaves_no_torque() -> None:
+    drive = load_drive("star-3-phase")
+    scenario = steady_scenario(drive, 590.0, power_share=1.0, constant_power=True)
+    assert_reaches_optimum(scenario, load_controller(resolve_candidate("design:sweep")), "design:sweep")
