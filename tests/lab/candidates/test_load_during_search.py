@@ -11,11 +11,10 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.messages import AnyController
 from drivegate.contracts.current.checks.convergence import converges_again, reaches_optimum
 from drivegate.contracts.current.record import CurrentRecord
-from drivegate.contracts.current.scenarios.building import steady_scenario
+from drivegate.contracts.current.scenarios.building import steady_scenario, vehicle_scenario
 from drivegate.drives.running import run_scenario
-from drivegate.scenarios.changes import with_load_factor
+from drivegate.scenarios.changes import repeated, with_dropout, with_load_factor
 from drivegate_cases.drive.drive_document import load_drive
-from drivegate_cases.scenario.load import VehicleLoad
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_lab.candidates.families import DESIGN_NAMES
 from drivegate_lab.drawn.kinds import HALF_BRIDGE
@@ -27,6 +26,13 @@ DESIGN_CANDIDATES = [f"design:{name}" for name in DESIGN_NAMES]
 def assert_reaches_optimum(scenario: Scenario, controller: AnyController, name: str = "reference") -> None:
     """Run, and hold the current found against the optimum."""
     margin = reaches_optimum(CurrentRecord(scenario, run_scenario(scenario, controller), Declaration()))
+    assert margin is not None
+    assert margin.met, f"{name}: {margin.measured}"
+
+
+def assert_converges_again(scenario: Scenario, controller: AnyController, name: str = "reference") -> None:
+    """Run, and see whether the search came to rest in time after the change."""
+    margin = converges_again(CurrentRecord(scenario, run_scenario(scenario, controller), Declaration()))
     assert margin is not None
     assert margin.met, f"{name}: {margin.measured}"
 
@@ -110,10 +116,7 @@ def test_what_a_long_step_saves_at_light_load_is_not_taken_for_another_load() ->
     plain = steady_scenario(drive, 1380.0, power_share=1.0, constant_power=False)
     gone = ((0.0, 0.0), (0.2, 0.1), (11.4, 0.1), (11.4, 1.0), (14.2, 1.0), (14.2, 0.1))
     scenario = with_load_factor(plain, gone).replaced(duration_s=25.2)
-    run = run_scenario(scenario, load_controller(resolve_candidate(name)))
-    margin = converges_again(CurrentRecord(scenario, run, Declaration()))
-    assert margin is not None
-    assert margin.met, f"{name}: {margin.measured}"
+    assert_converges_again(scenario, load_controller(resolve_candidate(name)), name)
 
 
 @pytest.mark.parametrize("name", DESIGN_CANDIDATES)
@@ -173,11 +176,8 @@ def test_a_load_that_alternates_does_not_use_up_the_time_of_a_search(
     plain = steady_scenario(
         load_drive("paper-5-phase"), 1310.0, power_share=1.0, constant_power=constant_power
     )
-    factor = [(0.0, 0.0), (0.2, 0.6)]
-    for period in range(20):
-        begins, ends = 1.0 + 0.4 * period, 1.2 + 0.4 * period
-        factor += [(begins, 0.6), (begins, changed), (ends, changed), (ends, 0.6)]
-    scenario = with_load_factor(plain, tuple(factor)).replaced(duration_s=18.8)
+    factor = ((0.0, 0.0), (0.2, 0.6), *repeated(0.6, changed, 1.0, every_s=0.4)[1:])
+    scenario = with_load_factor(plain, factor).replaced(duration_s=18.8)
     assert_reaches_optimum(scenario, load_controller(resolve_candidate(f"design:{name}")), name)
 
 
@@ -186,17 +186,13 @@ def test_a_light_load_is_searched_for_in_time_from_the_far_initial_angle() -> No
     plain = steady_scenario(load_drive("paper-5-phase"), 1500.0, power_share=0.25, constant_power=False)
     started = {"speed_rpm": ((0.0, 0.0), (6.0, 0.0), (6.0, 1500.0)), "initial_speed_rpm": 0.0}
     scenario = plain.replaced(duration_s=16.0, **started)
-    run = run_scenario(scenario, BuiltinController(SEARCHES["reference"]))
-    margin = converges_again(CurrentRecord(scenario, run, Declaration()))
-    assert margin is not None
-    assert margin.met, margin.measured
+    assert_converges_again(scenario, BuiltinController(SEARCHES["reference"]))
 
 
 def test_small_steps_do_not_walk_on_where_the_current_sum_is_flat() -> None:
     # The lost currents look like a loss of torque, so angles are tried again in small steps.
     plain = steady_scenario(load_drive("star-3-phase"), 980.0, power_share=0.45, constant_power=False)
-    lost = ({"signal": "currents", "start_s": 3.0, "duration_s": 0.016},)
-    scenario = plain.replaced(dropouts=lost, duration_s=15.1)
+    scenario = with_dropout(plain, "currents", 3.0, 0.016).replaced(duration_s=15.1)
     run = run_scenario(scenario, BuiltinController(SEARCHES["reference"]), trace_every=200)
     angles = run.trace["advance_deg"][-30:]
     assert max(angles) - min(angles) <= 1.0, (
@@ -205,17 +201,10 @@ def test_small_steps_do_not_walk_on_where_the_current_sum_is_flat() -> None:
 
 
 def test_an_edge_that_is_met_again_does_not_restart_the_search_again() -> None:
-    plain = steady_scenario(load_drive("star-3-phase"), 1500.0, power_share=0.2, constant_power=False)
-    vehicle = VehicleLoad(
-        kind="vehicle",
-        mass_kg=200.0,
-        wheel_radius_m=0.25,
-        gear_ratio=8.0,
-        rolling_resistance=0.012,
-        drag_area_m2=0.6,
-        grade_percent=((0.0, 0.0), (11.4, 0.0), (11.4, 1.0)),
+    grade = ((0.0, 0.0), (11.4, 0.0), (11.4, 1.0))
+    scenario = vehicle_scenario(
+        load_drive("star-3-phase"), 1500.0, mass_units=4, gear_units=8, grade_percent=grade
     )
-    scenario = plain.replaced(load=vehicle, duration_s=23.4)
     run = run_scenario(scenario, BuiltinController(SEARCHES["reference"]), trace_every=20)
     rises = [rise for rise in np.diff(run.trace["advance_deg"]) if rise > 30.0]
     assert len(rises) <= 2, (

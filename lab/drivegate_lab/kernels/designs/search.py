@@ -38,11 +38,7 @@ from drivegate_models.controllers.current.another_load import (
     is_lighter_load,
 )
 from drivegate_models.controllers.current.current_share import is_current_below
-from drivegate_models.controllers.current.forbidden_angle import (
-    MARGIN,
-    forget_load,
-    forget_other_load,
-)
+from drivegate_models.controllers.current.forbidden_angle import MARGIN, forget_load, forget_other_load
 from drivegate_models.controllers.current.modes import hold_angle, rearm
 from drivegate_models.controllers.current.state import HOLDING
 from drivegate_models.controllers.current.unrest import is_speed_unsteady

@@ -86,6 +86,14 @@ def is_repeated(state: Any) -> bool:
 
 
 @inlined
+def rearm_here(state: Any) -> None:
+    """Restart the search, because the load seems to have changed, and store the angle at which it did."""
+    offset = state.offset
+    rearm(state)
+    state.jolted_at = offset
+
+
+@inlined
 def rearm_unless_repeated(state: Any) -> bool:
     """Restart the search, because the load seems to have changed, and return True.
 
@@ -94,9 +102,7 @@ def rearm_unless_repeated(state: Any) -> bool:
     """
     if state.moved != 0.0 and is_repeated(state):
         return False
-    offset = state.offset
-    rearm(state)
-    state.jolted_at = offset
+    rearm_here(state)
     return True
 
 

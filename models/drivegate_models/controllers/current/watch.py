@@ -16,6 +16,7 @@ from drivegate_models.controllers.current.another_load import (
     is_another_load,
     is_repeated,
     load_has_changed,
+    rearm_here,
     rearm_unless_repeated,
 )
 from drivegate_models.controllers.current.current_share import is_current_below
@@ -261,7 +262,7 @@ def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int
     back = abs(state.offset - state.good_offset) <= 0.5 * state.first_step and state.good_power < inf
     differs_there = settled and back and is_another_load(state, current_sum, state.good_power)
     if state.mode == SETTLING and differs_there and not is_repeated(state):
-        rearm_unless_repeated(state)
+        rearm_here(state)
         return WAITING, change
     if has_lost_torque(state, current_sum, fall):
         state.integral = state.good_integral

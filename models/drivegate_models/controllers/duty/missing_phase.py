@@ -20,8 +20,8 @@ _EXPECTED: Final = 0.5
 _CARRYING: Final = 0.15
 _PASSED: Final = pi / 5.0
 _PASSED_IN_A_PERIOD: Final = _PASSED / 5.0
-# Voltage relative to that of the link up to which the regulators are free; the undistorted one is 0.577.
-_FREE: Final = 0.52
+FREE: Final = 0.52
+"""Voltage relative to that of the link up to which the regulators are free; the undistorted one is 0.577."""
 
 
 @inlined
@@ -60,7 +60,7 @@ def is_phase_missing(state: Any, sense: Any, turned: float) -> bool:
     currents = sense.phase_currents
     little = _MISSING * max(largest_current(sense), carrying)
     used = magnitude(state.along_voltage[0], state.across_voltage[0])
-    is_free = sense.hall < 0 and used < _FREE * sense.supply_voltage
+    is_free = sense.hall < 0 and used < FREE * sense.supply_voltage
     missing = False
     for phase in range(3):
         current, aim = double_at(currents, phase), of_phase(phase, along, across)

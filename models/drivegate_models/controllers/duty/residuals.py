@@ -14,6 +14,7 @@ from typing import Any, Final
 from drivegate_models.compilation.calling import double_at
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.controllers.duty.current_regulator import largest_current
+from drivegate_models.controllers.duty.missing_phase import FREE
 from drivegate_models.controllers.duty.unexplained_voltage import is_voltage_wrong, reset_voltage
 from drivegate_models.machine.cycle import within_half_turn
 from drivegate_models.machine.rotor_frame import magnitude, of_phase
@@ -45,9 +46,8 @@ _FOLLOWING: Final = 0.25
 _PHASE_PERIODS: Final = 12
 _HALL_PHASE_PERIODS: Final = 32
 _PHASE_TURN: Final = 1.5
-# Voltage over that of the link from which on references may be out of reach, so that only a phase without current is
-# missing; and for which rotation of the field a sound one has less than that share of the largest current (rad).
-_NEAR_LIMIT: Final = 0.52
+# Near the voltage limit references may be out of reach, so that only a phase without current is missing: for which
+# rotation of the field a sound one has less than that share of the largest current (rad).
 _PASSING: Final = 0.7
 # Share of the present error of the flux in its mean, and present error over the mean below which the error shrinks;
 # that from this share of the voltage limit on, where it shrinks slowly.
@@ -138,7 +138,7 @@ def _is_phase_missing(state: Any, sense: Any) -> bool:
     if amplitude < _CARRYING * machine.full_current:
         return False
     used = magnitude(machine.along_voltage[0], machine.across_voltage[0])
-    is_limited = used > _NEAR_LIMIT * sense.supply_voltage
+    is_limited = used > FREE * sense.supply_voltage
     if is_limited:
         longest = max(longest, min(_PASSING / max(turned, 1e-9), _HALL_PHASE_PERIODS))
     missing = False

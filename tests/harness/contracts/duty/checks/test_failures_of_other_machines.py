@@ -18,10 +18,9 @@ from drivegate.contracts.duty.scenarios.building import (
 )
 from drivegate.contracts.duty.scenarios.drawn_range import unnoticed_because
 from drivegate.drives.running import recorded
-from drivegate.scenarios.changes import with_real_sensors
+from drivegate.scenarios.changes import with_dropout, with_real_sensors
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.drive.pm_ac.document import PmAcDocument
-from drivegate_cases.scenario.disturbance import Dropout
 from drivegate_cases.scenario.failure_kind import FailureKind
 from drivegate_cases.scenario.load import DynamometerLoad
 from drivegate_cases.scenario.scenario import Scenario
@@ -311,8 +310,7 @@ def test_a_lost_sample_at_a_step_of_the_reference_is_no_missing_phase(name: str)
     step = torque_scenario(drive, 2100.0, (-0.4547, 1.9326))
     assert isinstance(step.load, DynamometerLoad)
     begins = step.load.torque_reference_nm[-1][0]
-    lost = Dropout(signal="currents", start_s=begins, duration_s=step.control_period_s)
-    assert_goes_on(name, step.replaced(dropouts=(lost,)))
+    assert_goes_on(name, with_dropout(step, "currents", begins, step.control_period_s))
 
 
 def test_a_shaft_that_locks_under_a_torque_reference_counts_for_nobody() -> None:
