@@ -166,5 +166,5 @@ def _workspace(phases: int, windows: int, products: int) -> Workspace:
         np.zeros(phases, np.int64),
         np.zeros(max(products, 1)),
         np.zeros(ledger.ENTRIES),
-        np.zeros(windows),
+        np.zeros((windows, 3)),
     )

@@ -104,6 +104,7 @@ class Workspace(NamedTuple):
     products: NDArray[np.float64]
     period: NDArray[np.float64]
     block_sums: NDArray[np.float64]
+    """Sums over the present block of periods, shape (w, 3)."""
 
 
 class _Measured(NamedTuple):
@@ -181,7 +182,7 @@ def _observe_windows(
     windows = timing.windows
     for window in range(windows.shape[0]):
         if windows[window, _BEGIN] <= step < windows[window, _END]:
-            workspace.block_sums[window] = observe_window(
+            observe_window(
                 records.windows[window],
                 applied,
                 speed_reference,

@@ -78,6 +78,14 @@ class WindowObservation(NamedTuple):
     """Minimum mean of the current sum over the averaging time (A)."""
     mean_highest: float
     """Maximum mean of the current sum over the averaging time (A)."""
+    reference_mean_lowest: float
+    """Minimum mean of the current reference over the same time, as applied (A)."""
+    reference_mean_highest: float
+    """Maximum mean of the current reference over that time (A)."""
+    angle_mean_lowest: float
+    """Minimum mean of the advance angle over that time, as applied (rad)."""
+    angle_mean_highest: float
+    """Maximum mean of the advance angle over that time (rad)."""
     current_sum: float
     """Mean of the current sum (A)."""
     torque: float
@@ -155,8 +163,10 @@ def empty_run() -> NDArray[Any]:
 def empty_windows(count: int) -> NDArray[Any]:
     """Return the records of windows that have not begun, shape (count,) of WINDOW_RECORD."""
     windows = np.zeros(count, WINDOW_RECORD)
-    windows["angle_lowest"] = windows["mean_lowest"] = windows["torque_lowest"] = inf
-    windows["angle_highest"] = windows["mean_highest"] = -inf
+    for name in ("angle", "mean", "reference_mean", "angle_mean"):
+        windows[f"{name}_lowest"] = inf
+        windows[f"{name}_highest"] = -inf
+    windows["torque_lowest"] = inf
     return windows
 
 

@@ -133,15 +133,20 @@ def observe_balance(
 
 @inlined
 def observe_window(
-    row: Any, applied: Applied, speed_reference: float, block_sum: float, done: int, block: int
-) -> float:
-    """Add one control period to a window, and return the sum of the present block of periods.
+    row: Any,
+    applied: Applied,
+    speed_reference: float,
+    block_sums: NDArray[np.float64],
+    done: int,
+    block: int,
+) -> None:
+    """Add one control period to a window.
 
     - `speed_reference`: speed reference in the period (rad/s).
-    - `block_sum`: sum of the current sum over the previous periods of the block (A).
+    - `block_sums`, shape (3,): sums of current sum (A), current reference (A) and advance angle (rad) over the previous
+      periods of the block; this period is added, and they are 0 again if the block has just ended.
     - `done`: number of the window's periods so far, this one included.
-    - `block`: periods in a block, over which the current sum is averaged.
-    - Result: the block's sum after this period, 0 if the block has just ended (A).
+    - `block`: periods in a block, over which these quantities are averaged.
     """
     row.steps += 1.0
     deviation = abs(applied.speed - speed_reference)
@@ -160,15 +165,19 @@ def observe_window(
     row.speed += applied.speed
     if applied.peak > row.peak:
         row.peak = applied.peak
-    block_sum += applied.current_sum
+    block_sums[0] += applied.current_sum
+    block_sums[1] += applied.reference
+    block_sums[2] += applied.advance
     if done % block != 0:
-        return block_sum
-    mean = block_sum / block
-    if mean < row.mean_lowest:
-        row.mean_lowest = mean
-    if mean > row.mean_highest:
-        row.mean_highest = mean
-    return 0.0
+        return
+    current_sum, reference, angle = block_sums[0] / block, block_sums[1] / block, block_sums[2] / block
+    row.mean_lowest = min(row.mean_lowest, current_sum)
+    row.mean_highest = max(row.mean_highest, current_sum)
+    row.reference_mean_lowest = min(row.reference_mean_lowest, reference)
+    row.reference_mean_highest = max(row.reference_mean_highest, reference)
+    row.angle_mean_lowest = min(row.angle_mean_lowest, angle)
+    row.angle_mean_highest = max(row.angle_mean_highest, angle)
+    block_sums[:] = 0.0
 
 
 @inlined

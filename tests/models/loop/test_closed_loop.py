@@ -101,6 +101,22 @@ def test_a_mean_over_more_periods_of_a_current_sum_that_stands_still_varies_less
     assert spreads[1] < 0.1 * spreads[0], f"Σ|i| varies by {spreads} A"
 
 
+def test_a_window_has_the_extremes_of_the_means_that_its_trace_has(motor: Any) -> None:
+    run = simulate(motor(), Load(CONSTANT_TORQUE, 8.0, 1.0), name="reference", trace_every=1)
+    # The window is the second half, 2000 periods; 200 of them are a mean.
+    rows = run.trace[len(run.trace) // 2 :]
+    for column, unit, lowest, highest in (
+        ("current_sum_a", 1.0, "mean_lowest", "mean_highest"),
+        ("current_reference_a", 1.0, "reference_mean_lowest", "reference_mean_highest"),
+        ("advance_deg", math.radians(1.0), "angle_mean_lowest", "angle_mean_highest"),
+    ):
+        means = unit * rows[column].reshape(-1, 200).mean(axis=1)
+        (window,) = run.windows
+        assert getattr(window, lowest) == pytest.approx(means.min(), rel=1e-12), column
+        assert getattr(window, highest) == pytest.approx(means.max(), rel=1e-12), column
+        assert means.max() > means.min(), f"{column} does not move, so that nothing is tested"
+
+
 @pytest.mark.parametrize("friction", [0.0, 0.4])
 def test_the_energy_of_a_whole_run_is_accounted_for(motor: Any, friction: float) -> None:
     drive = motor(friction=friction, viscous_friction=1e-3, core_loss_conductance=3e-3, inertia=0.05)
