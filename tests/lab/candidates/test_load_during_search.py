@@ -216,3 +216,22 @@ def test_a_sweep_under_a_heavy_load_ends_before_the_current_limit_leaves_no_torq
     drive = load_drive("star-3-phase")
     scenario = steady_scenario(drive, 590.0, power_share=1.0, constant_power=True)
     assert_reaches_optimum(scenario, load_controller(resolve_candidate("design:sweep")), "design:sweep")
+
+
+@pytest.mark.parametrize(
+    ("speed", "power_share", "factor"),
+    [
+        # While the search goes upward from the angle that has regulated the speed: 5 and 12 % too much.
+        (1500.0, 1.0, ((3.0, 0.9), (3.0, 0.95), (5.9, 0.95), (5.9, 0.9))),
+        (1500.0, 1.0, ((3.0, 0.9), (3.0, 1.0), (5.8, 1.0), (5.8, 0.9))),
+        # Far above the angle at which the load changed before: 43 % too much.
+        (1000.0, 0.6, ((3.0, 1.0), (3.0, 0.85), (4.2, 0.85), (4.2, 1.0))),
+    ],
+)
+def test_a_load_that_changes_again_during_the_search_is_noticed(
+    speed: float, power_share: float, factor: tuple[tuple[float, float], ...]
+) -> None:
+    plain = steady_scenario(load_drive("star-3-phase"), speed, power_share=power_share, constant_power=True)
+    scenario = with_load_factor(plain, ((0.0, 0.0), (0.2, factor[0][1]), *factor))
+    scenario = scenario.replaced(duration_s=factor[-1][0] + 12.0)
+    assert_reaches_optimum(scenario, BuiltinController(SEARCHES["reference"]))

@@ -85,7 +85,7 @@ _ALL: Final = of_kind(
         "speed-offset",
         "Keeps the speed {size} too high, where k1 is {k1}.",
         fault=faults.SPEED_BIASED,
-        size=sizes.share(0.8, sizes.K1),
+        size=sizes.share(0.7, sizes.K1),
     ),
     Mutation(
         "beside-the-optimum",

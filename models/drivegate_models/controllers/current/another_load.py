@@ -25,6 +25,10 @@ _MORE = 0.02
 _EITHER_WAY = 0.4 / TUNED_SUM
 _EITHER_WAY_NEAR = 0.2 / TUNED_SUM
 _EITHER_WAY_STEADY = 0.3 / TUNED_SUM
+# Distance, in first steps, within which a change of load is taken for one seen before, and the number of restarts
+# after which it always is.
+_NEAR = 3.0
+_MOST_RESTARTS = 3
 
 
 @inlined
@@ -80,17 +84,19 @@ def load_has_changed(state: Any, current_sum: float, fall: float, rise: float) -
 
 @inlined
 def is_repeated(state: Any) -> bool:
-    """Return True if the load seemed to have changed at this angle, or at a smaller one, before."""
-    repeated: bool = state.offset >= state.jolted_at - 1.5 * state.first_step
-    return repeated
+    """Return True if the load seemed to have changed at this angle before, after many restarts at a smaller one too."""
+    passed: bool = state.offset >= state.jolted_at - 1.5 * state.first_step
+    near: bool = state.offset <= state.jolted_at + _NEAR * state.first_step
+    return passed and (near or state.restarts >= _MOST_RESTARTS)
 
 
 @inlined
 def rearm_here(state: Any) -> None:
     """Restart the search, because the load seems to have changed, and store the angle at which it did."""
-    offset = state.offset
+    offset, restarts = state.offset, state.restarts
     rearm(state)
     state.jolted_at = offset
+    state.restarts = restarts + 1
 
 
 @inlined

@@ -13,6 +13,11 @@ from typing import Any
 
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.contract.current.signals import PM_AC
+from drivegate_models.controllers.current.another_load import (
+    TUNED_SUM,
+    differs,
+    rearm_here,
+)
 from drivegate_models.controllers.current.modes import (
     SURE,
     begin_following,
@@ -49,6 +54,11 @@ _STEADY_INTERVALS = 3
 _MOST_INTERVALS = 20
 # Share of the current sum by which a limited current must need less. The angle gives the torque at any current.
 _LESS = 0.005
+# Share that a limited current saves at most with each first step above the regulated angle, and how many of them.
+_SAVED = 0.0125
+_NEAR = 3.0
+# Share of the maximum current sum by which the sums at rest differ in any case.
+_EITHER_WAY = 0.2 / TUNED_SUM
 # Current reference over the mean current of a conducting phase, where a current begins to be limited.
 _PEAK = 1.1
 # Current sums, relative to the one at rest, that indicate another load.
@@ -174,11 +184,31 @@ def _return_to_kept(state: Any) -> None:
 
 
 @inlined
+def is_lighter_than_followed(state: Any, current_sum: float) -> bool:
+    """Return True if a mean current sum (A) is less than an angle just above the regulated one explains.
+
+    There, a limited current needs about as much as the unlimited one does. The load has become lighter while the
+    search went upward.
+    """
+    steps = max((state.offset - state.forbidden) / state.first_step, 1.0)
+    # Until another angle is forbidden, the regulated one is.
+    comparable = state.compared == 1 and state.forbidden_power == state.followed_power and steps <= _NEAR
+    less = current_sum < state.followed_power
+    lighter: bool = less and differs(state, current_sum, state.followed_power, steps * _SAVED, _EITHER_WAY)
+    return lighter and comparable and state.lightened == 0
+
+
+@inlined
 def goes_on(state: Any, current_sum: float) -> bool:
     """Continue, at the end of a search, with an operation that may need less; return False if none is known.
 
     `current_sum` is the mean of the interval (A).
     """
+    if is_lighter_than_followed(state, current_sum):
+        rearm_here(state)
+        # Once: on some drives a limited current saves as much.
+        state.lightened = 1
+        return True
     if state.compared == 0:
         # At a lower EMF, an optimum that is not at the edge is one of a limited current.
         tries = state.emf_over_supply >= 1.0 and may_follow(state)

@@ -65,10 +65,12 @@ def rearm(state: Any) -> None:
     state.reversals = 0
     state.grows = 1
     state.jolted_at = inf
+    state.restarts = 0
     state.lost_speed = inf
     state.initial_power = 0.0
     state.follows = 1
     state.compared = 0
+    state.lightened = 0
     state.kept_power = inf
     state.followed_power = inf
     state.lowest = -inf

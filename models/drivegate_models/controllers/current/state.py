@@ -116,7 +116,9 @@ CONTROLLER_STATE: Final = np.dtype(
         ("worse", np.int64),
         ("worse_from", np.float64),
         ("confirmed", np.int64),
+        # The angle at which the load last seemed to have changed during the search, and how often it has.
         ("jolted_at", np.float64),
+        ("restarts", np.int64),
         ("waited", np.int64),
         ("widened", np.int64),
         ("initial_power", np.float64),
@@ -135,6 +137,8 @@ CONTROLLER_STATE: Final = np.dtype(
         ("followed_power", np.float64),
         # 1 once a search upward from it has begun.
         ("compared", np.int64),
+        # 1 once the load has seemed to become lighter in that search.
+        ("lightened", np.int64),
         # Decision intervals of it, and the angle at which the search had come to rest before it.
         ("followed_intervals", np.int64),
         ("kept_offset", np.float64),
