@@ -78,10 +78,10 @@ class WindowObservation(NamedTuple):
     """Minimum mean of the current sum over the averaging time (A)."""
     mean_highest: float
     """Maximum mean of the current sum over the averaging time (A)."""
-    reference_mean_lowest: float
-    """Minimum mean of the current reference over the same time, as applied (A)."""
-    reference_mean_highest: float
-    """Maximum mean of the current reference over that time (A)."""
+    reference_rms_lowest: float
+    """Minimum root mean square of the current reference over the same time, as applied (A)."""
+    reference_rms_highest: float
+    """Maximum root mean square of the current reference over that time (A)."""
     angle_mean_lowest: float
     """Minimum mean of the advance angle over that time, as applied (rad)."""
     angle_mean_highest: float
@@ -163,7 +163,7 @@ def empty_run() -> NDArray[Any]:
 def empty_windows(count: int) -> NDArray[Any]:
     """Return the records of windows that have not begun, shape (count,) of WINDOW_RECORD."""
     windows = np.zeros(count, WINDOW_RECORD)
-    for name in ("angle", "mean", "reference_mean", "angle_mean"):
+    for name in ("angle", "mean", "reference_rms", "angle_mean"):
         windows[f"{name}_lowest"] = inf
         windows[f"{name}_highest"] = -inf
     windows["torque_lowest"] = inf

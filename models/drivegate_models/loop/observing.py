@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import inf, nan
+from math import inf, nan, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -143,8 +143,8 @@ def observe_window(
     """Add one control period to a window.
 
     - `speed_reference`: speed reference in the period (rad/s).
-    - `block_sums`, shape (3,): sums of current sum (A), current reference (A) and advance angle (rad) over the previous
-      periods of the block; this period is added, and they are 0 again if the block has just ended.
+    - `block_sums`, shape (3,): sums of current sum (A), squared current reference (A²) and advance angle (rad) over the
+      previous periods of the block; this period is added, and they are 0 again if the block has just ended.
     - `done`: number of the window's periods so far, this one included.
     - `block`: periods in a block, over which these quantities are averaged.
     """
@@ -166,15 +166,16 @@ def observe_window(
     if applied.peak > row.peak:
         row.peak = applied.peak
     block_sums[0] += applied.current_sum
-    block_sums[1] += applied.reference
+    # A reference that swings within the block may have the same mean as one that stands still.
+    block_sums[1] += applied.reference * applied.reference
     block_sums[2] += applied.advance
     if done % block != 0:
         return
-    current_sum, reference, angle = block_sums[0] / block, block_sums[1] / block, block_sums[2] / block
+    current_sum, reference, angle = block_sums[0] / block, sqrt(block_sums[1] / block), block_sums[2] / block
     row.mean_lowest = min(row.mean_lowest, current_sum)
     row.mean_highest = max(row.mean_highest, current_sum)
-    row.reference_mean_lowest = min(row.reference_mean_lowest, reference)
-    row.reference_mean_highest = max(row.reference_mean_highest, reference)
+    row.reference_rms_lowest = min(row.reference_rms_lowest, reference)
+    row.reference_rms_highest = max(row.reference_rms_highest, reference)
     row.angle_mean_lowest = min(row.angle_mean_lowest, angle)
     row.angle_mean_highest = max(row.angle_mean_highest, angle)
     block_sums[:] = 0.0

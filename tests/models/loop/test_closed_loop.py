@@ -105,13 +105,14 @@ def test_a_window_has_the_extremes_of_the_means_that_its_trace_has(motor: Any) -
     run = simulate(motor(), Load(CONSTANT_TORQUE, 8.0, 1.0), name="reference", trace_every=1)
     # The window is the second half, 2000 periods; 200 of them are a mean.
     rows = run.trace[len(run.trace) // 2 :]
-    for column, unit, lowest, highest in (
+    (window,) = run.windows
+    for column, power, lowest, highest in (
         ("current_sum_a", 1.0, "mean_lowest", "mean_highest"),
-        ("current_reference_a", 1.0, "reference_mean_lowest", "reference_mean_highest"),
-        ("advance_deg", math.radians(1.0), "angle_mean_lowest", "angle_mean_highest"),
+        ("current_reference_a", 2.0, "reference_rms_lowest", "reference_rms_highest"),
+        ("advance_deg", 1.0, "angle_mean_lowest", "angle_mean_highest"),
     ):
-        means = unit * rows[column].reshape(-1, 200).mean(axis=1)
-        (window,) = run.windows
+        unit = math.radians(1.0) if column == "advance_deg" else 1.0
+        means = ((unit * rows[column]) ** power).reshape(-1, 200).mean(axis=1) ** (1.0 / power)
         assert getattr(window, lowest) == pytest.approx(means.min(), rel=1e-12), column
         assert getattr(window, highest) == pytest.approx(means.max(), rel=1e-12), column
         assert means.max() > means.min(), f"{column} does not move, so that nothing is tested"

@@ -101,7 +101,7 @@ def commanded_spread(window: SteadyWindow) -> float:
     values = window.values
     if values.reference <= 0.0:
         return math.inf
-    reference = (values.reference_mean_highest - values.reference_mean_lowest) / values.reference
+    reference = (values.reference_rms_highest - values.reference_rms_lowest) / values.reference
     angle = math.degrees(values.angle_mean_highest - values.angle_mean_lowest)
     return (_STEEPEST_BY_REFERENCE * reference + _STEEPEST_BY_ANGLE * angle) * values.current_sum
 

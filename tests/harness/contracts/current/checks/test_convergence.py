@@ -51,7 +51,7 @@ def test_spread_of_the_means_of_k2(record, scenario, assert_limit, check):
 
 
 STANDING = {"REFERENCE": 10.0, "ANGLE_MEAN_LOWEST": 0.9, "ANGLE_MEAN_HIGHEST": 0.9}
-STANDING |= dict.fromkeys(("REFERENCE_MEAN_LOWEST", "REFERENCE_MEAN_HIGHEST"), 10.0)
+STANDING |= dict.fromkeys(("REFERENCE_RMS_LOWEST", "REFERENCE_RMS_HIGHEST"), 10.0)
 BEATING = {"MEAN_LOWEST": 38.0, "MEAN_HIGHEST": 42.0}
 
 
@@ -59,7 +59,7 @@ BEATING = {"MEAN_LOWEST": 38.0, "MEAN_HIGHEST": 42.0}
 @pytest.mark.parametrize(
     ("quantity", "explained"),
     # Twice the share by which the reference differs, and a fifth per degree, are k2.
-    [("REFERENCE_MEAN_HIGHEST", 10.0 * 0.005 / 2.0), ("ANGLE_MEAN_HIGHEST", math.radians(0.005 / 0.2))],
+    [("REFERENCE_RMS_HIGHEST", 10.0 * 0.005 / 2.0), ("ANGLE_MEAN_HIGHEST", math.radians(0.005 / 0.2))],
 )
 def test_no_more_of_the_spread_counts_than_the_command_can_explain(
     record, scenario, assert_limit, check, quantity, explained
@@ -73,14 +73,14 @@ def test_no_more_of_the_spread_counts_than_the_command_can_explain(
 
 
 def test_a_command_that_moves_does_not_add_to_what_the_current_sum_shows(record, scenario, checks):
-    moving = {**STANDING, "REFERENCE_MEAN_LOWEST": 9.0, "MEAN_LOWEST": 40.0, "MEAN_HIGHEST": 40.1}
+    moving = {**STANDING, "REFERENCE_RMS_LOWEST": 9.0, "MEAN_LOWEST": 40.0, "MEAN_HIGHEST": 40.1}
     margin = checks["CNV-1"].evaluate(record(scenario(), window=moving))
     assert margin.value == pytest.approx(0.5)
     assert margin.measured.startswith("Σ|i| varies by 0.25 % at"), margin.measured
 
 
 def test_a_failure_states_how_much_the_command_explains(record, scenario, checks):
-    moving = {**STANDING, **BEATING, "REFERENCE_MEAN_LOWEST": 9.9}
+    moving = {**STANDING, **BEATING, "REFERENCE_RMS_LOWEST": 9.9}
     margin = checks["CNV-1"].evaluate(record(scenario(), window=moving))
     assert margin.value == pytest.approx(1.0 - 0.02 / 0.005)
     assert margin.measured.startswith("Σ|i| varies by 10 %, at most 2 % of it by the command at"), (
