@@ -260,7 +260,9 @@ def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int
     settled = abs(change) <= _SETTLED * current_sum
     # At the last good angle, the angle explains no more than it does while holding.
     back = abs(state.offset - state.good_offset) <= 0.5 * state.first_step and state.good_power < inf
-    differs_there = settled and back and is_another_load(state, current_sum, state.good_power)
+    # To regain its speed, a heavy shaft needs more.
+    steady = settled and not is_speed_unsteady(state)
+    differs_there = steady and back and is_another_load(state, current_sum, state.good_power)
     if state.mode == SETTLING and differs_there and not is_repeated(state):
         rearm_here(state)
         return WAITING, change
