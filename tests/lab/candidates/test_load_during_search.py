@@ -9,7 +9,7 @@ from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.containment.messages import AnyController
-from drivegate.contracts.current.checks.convergence import converges_again, reaches_optimum
+from drivegate.contracts.current.checks.convergence import converges, converges_again, reaches_optimum
 from drivegate.contracts.current.record import CurrentRecord
 from drivegate.contracts.current.scenarios.building import steady_scenario, vehicle_scenario
 from drivegate.drives.running import run_scenario
@@ -236,3 +236,13 @@ def test_a_load_that_changes_again_during_the_search_is_noticed(
     scenario = with_load_factor(plain, ((0.0, 0.0), (0.2, factor[0][1]), *factor))
     scenario = scenario.replaced(duration_s=factor[-1][0] + 12.0)
     assert_reaches_optimum(scenario, BuiltinController(SEARCHES["reference"]))
+
+
+def test_what_a_search_upward_saves_begins_it_again_no_more_than_once() -> None:
+    # 5 % less current two degrees above the angle that has regulated the speed, under the same load.
+    plain = steady_scenario(HALF_BRIDGE.draw(0, 15).document, 1950.0, power_share=1.0, constant_power=False)
+    scenario = plain.replaced(load=plain.load.model_copy(update={"torque_nm": 4.26}))
+    run = run_scenario(scenario, BuiltinController(SEARCHES["reference"]))
+    margin = converges(CurrentRecord(scenario, run, Declaration()))
+    assert margin is not None
+    assert margin.met, margin.measured
