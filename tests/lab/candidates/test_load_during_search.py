@@ -246,3 +246,11 @@ def test_what_a_search_upward_saves_begins_it_again_no_more_than_once() -> None:
     margin = converges(CurrentRecord(scenario, run, Declaration()))
     assert margin is not None
     assert margin.met, margin.measured
+
+
+def test_an_angle_that_is_lost_while_the_load_alternates_is_found_afterwards() -> None:
+    # With the angle still forbidden: 49 % too much current.
+    plain = steady_scenario(load_drive("star-3-phase"), 1070.0, power_share=1.0, constant_power=True)
+    factor = ((0.0, 0.0), (0.2, 0.6), *repeated(0.6, 0.7, 1.2, every_s=0.4)[1:])
+    scenario = with_load_factor(plain, factor).replaced(duration_s=21.0)
+    assert_reaches_optimum(scenario, BuiltinController(SEARCHES["reference"]))

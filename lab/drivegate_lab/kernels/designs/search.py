@@ -38,7 +38,7 @@ from drivegate_models.controllers.current.another_load import (
     is_lighter_load,
 )
 from drivegate_models.controllers.current.current_share import is_current_below
-from drivegate_models.controllers.current.forbidden_angle import MARGIN, forget_load, forget_other_load
+from drivegate_models.controllers.current.forbidden_angle import MARGIN, forget_other_load
 from drivegate_models.controllers.current.modes import hold_angle, rearm
 from drivegate_models.controllers.current.state import HOLDING
 from drivegate_models.controllers.current.unrest import is_speed_unsteady
@@ -242,11 +242,7 @@ def process_waiting(state: Any) -> None:
     if state.controller.mode == HOLDING:
         step_off_edge(state)
         return
-    varies = is_load_varying(state.controller)
-    if varies:
-        # Another load than the one to come may have lost the torque.
-        forget_load(state.controller)
-    if varies or is_current_too_small(state.controller):
+    if is_load_varying(state.controller) or is_current_too_small(state.controller):
         # Nothing can be found meanwhile, so the limit of decisions starts with the load.
         state.decisions = 0
 

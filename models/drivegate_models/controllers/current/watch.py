@@ -238,8 +238,8 @@ def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int
     current_sum = state.power_sum / state.count
     state.unsettled = state.unsettled + 1 if state.mode == SETTLING else 0
     record_interval(state, current_sum)
-    if is_heavier_load(state, current_sum):
-        # This load lost the torque, not the angle with the previous load.
+    if is_heavier_load(state, current_sum) or is_load_varying(state):
+        # This load lost the torque, not the angle with the previous load; or another one than the one to come did.
         forget_load(state)
     regulated = state.worst_error <= state.speed_tolerance and state.saturated == 0
     change = current_sum - state.old_power
