@@ -267,9 +267,9 @@ CNV_1 = Check(
     families=_CALM,
     requirement=(
         "Within {settling} of a steady reference the search has converged: from then on the true speed error stays "
-        "within k1, the {mean} means of Σ|i| within k2 (of no less than Σ|i| at a fifth of the rated torque) as far as "
-        "the command moves them, and the advance angle within {angle}; required up to {highest}, the range of constant "
-        "power, advisory beyond."
+        "within k1, the {mean} means of Σ|i| within k2 (of no less than Σ|i| at a fifth of the rated torque), or those "
+        "of the command within what moves Σ|i| by k2, and the advance angle within {angle}; required up to {highest}, "
+        "the range of constant power, advisory beyond."
     ),
     source="P6",
     limit="k1 = {k1}, k2 = {k2} of Σ|i|, {angle}",
