@@ -190,12 +190,14 @@ def is_lighter_than_followed(state: Any, current_sum: float) -> bool:
     There, a limited current needs about as much as the unlimited one does. The load has become lighter while the
     search went upward.
     """
-    steps = max((state.offset - state.forbidden) / state.first_step, 1.0)
     # Until another angle is forbidden, the regulated one is.
-    comparable = state.compared == 1 and state.forbidden_power == state.followed_power and steps <= _NEAR
-    less = current_sum < state.followed_power
+    above = state.compared == 1 and state.forbidden_power == state.followed_power
+    if not above or state.lightened == 1:
+        return False
+    steps = max((state.offset - state.forbidden) / state.first_step, 1.0)
+    less = steps <= _NEAR and current_sum < state.followed_power
     lighter: bool = less and differs(state, current_sum, state.followed_power, steps * _SAVED, _EITHER_WAY)
-    return lighter and comparable and state.lightened == 0
+    return lighter
 
 
 @inlined
