@@ -8,6 +8,7 @@ from drivegate.candidates.builtin.loading import BuiltinController
 from drivegate.candidates.declaration import Declaration
 from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.resolution import resolve_candidate
+from drivegate.checks.check import Evaluate
 from drivegate.containment.messages import AnyController
 from drivegate.contracts.current.checks.convergence import converges, converges_again, reaches_optimum
 from drivegate.contracts.current.record import CurrentRecord
@@ -19,22 +20,20 @@ from drivegate_cases.scenario.scenario import Scenario
 from drivegate_lab.candidates.families import DESIGN_NAMES
 from drivegate_lab.drawn.kinds import HALF_BRIDGE
 from drivegate_models.controllers.current.builtin import SEARCHES
+from drivegate_models.loop.closed_loop import ClosedLoopRun
 
 DESIGN_CANDIDATES = [f"design:{name}" for name in DESIGN_NAMES]
 
 
-def assert_reaches_optimum(scenario: Scenario, controller: AnyController, name: str = "reference") -> None:
-    """Run, and hold the current found against the optimum."""
-    margin = reaches_optimum(CurrentRecord(scenario, run_scenario(scenario, controller), Declaration()))
+def assert_met(
+    judge: Evaluate, scenario: Scenario, controller: AnyController, name: str = "reference", **options: int
+) -> ClosedLoopRun:
+    """Run with options of `run_scenario`, and hold what the run shows against one requirement."""
+    run: ClosedLoopRun = run_scenario(scenario, controller, **options)
+    margin = judge(CurrentRecord(scenario, run, Declaration()))
     assert margin is not None
     assert margin.met, f"{name}: {margin.measured}"
-
-
-def assert_converges_again(scenario: Scenario, controller: AnyController, name: str = "reference") -> None:
-    """Run, and see whether the search came to rest in time after the change."""
-    margin = converges_again(CurrentRecord(scenario, run_scenario(scenario, controller), Declaration()))
-    assert margin is not None
-    assert margin.met, f"{name}: {margin.measured}"
+    return run
 
 
 @pytest.mark.parametrize("factor", [((0.0, 0.0), (5.5, 0.0), (5.5, 0.9), (6.0, 0.9), (6.0, 1.0))])
@@ -66,7 +65,7 @@ def test_a_load_that_drifts_while_the_search_rests_is_followed(
         ("reference", BuiltinController(SEARCHES["reference"])),
         *((name, load_controller(resolve_candidate(name))) for name in DESIGN_CANDIDATES),
     ):
-        assert_reaches_optimum(scenario, controller, name)
+        assert_met(reaches_optimum, scenario, controller, name)
 
 
 def test_an_edge_that_is_met_while_the_load_grows_is_sought_again() -> None:
@@ -74,7 +73,7 @@ def test_an_edge_that_is_met_while_the_load_grows_is_sought_again() -> None:
     loaded = plain.replaced(load=plain.load.model_copy(update={"torque_nm": 0.169}))
     ramp = ((0.0, 0.0), (0.2, 0.45), (7.6, 0.45), (9.6, 0.65))
     scenario = with_load_factor(loaded, ramp).replaced(duration_s=19.6)
-    assert_reaches_optimum(scenario, BuiltinController(SEARCHES["reference"]))
+    assert_met(reaches_optimum, scenario, BuiltinController(SEARCHES["reference"]))
 
 
 @pytest.mark.parametrize(
@@ -85,7 +84,7 @@ def test_what_was_forbidden_on_the_way_back_is_tried_again(number: int, speed: f
     drive = HALF_BRIDGE.draw(0, number).document
     plain = steady_scenario(drive, speed, power_share=1.0, constant_power=False)
     scenario = plain.replaced(load=plain.load.model_copy(update={"torque_nm": torque}))
-    assert_reaches_optimum(scenario, BuiltinController(SEARCHES["reference"]))
+    assert_met(reaches_optimum, scenario, BuiltinController(SEARCHES["reference"]))
 
 
 @pytest.mark.parametrize(
@@ -97,7 +96,7 @@ def test_angles_at_which_the_speed_returns_are_not_given_up(
     # Back from the edge the regulator is wound up, and the speed rises above its reference.
     drive = HALF_BRIDGE.draw(0, number).document
     scenario = steady_scenario(drive, speed, power_share=power_share, constant_power=constant_power)
-    assert_reaches_optimum(scenario, BuiltinController(SEARCHES["reference"]))
+    assert_met(reaches_optimum, scenario, BuiltinController(SEARCHES["reference"]))
 
 
 @pytest.mark.parametrize("name", ["near:gain-doubled", "near:stops-early"])
@@ -107,7 +106,7 @@ def test_a_load_that_grows_during_the_first_steps_does_not_end_the_search(name: 
     loaded = plain.replaced(load=plain.load.model_copy(update={"torque_nm": 10.0}))
     ramp = ((0.0, 0.0), (0.2, 0.45), (8.0, 0.45), (10.0, 0.65))
     scenario = with_load_factor(loaded, ramp).replaced(duration_s=19.0)
-    assert_reaches_optimum(scenario, load_controller(resolve_candidate(name)), name)
+    assert_met(reaches_optimum, scenario, load_controller(resolve_candidate(name)), name)
 
 
 def test_what_a_long_step_saves_at_light_load_is_not_taken_for_another_load() -> None:
@@ -116,7 +115,7 @@ def test_what_a_long_step_saves_at_light_load_is_not_taken_for_another_load() ->
     plain = steady_scenario(drive, 1380.0, power_share=1.0, constant_power=False)
     gone = ((0.0, 0.0), (0.2, 0.1), (11.4, 0.1), (11.4, 1.0), (14.2, 1.0), (14.2, 0.1))
     scenario = with_load_factor(plain, gone).replaced(duration_s=25.2)
-    assert_converges_again(scenario, load_controller(resolve_candidate(name)), name)
+    assert_met(converges_again, scenario, load_controller(resolve_candidate(name)), name)
 
 
 @pytest.mark.parametrize("name", DESIGN_CANDIDATES)
@@ -124,7 +123,7 @@ def test_an_angle_lost_to_a_pulse_of_the_load_is_found_again(name: str) -> None:
     plain = steady_scenario(load_drive("paper-5-phase"), 1500.0, power_share=1.0, constant_power=False)
     pulse = ((0.0, 0.0), (0.2, 0.95), (6.0, 0.95), (6.0, 1.0), (7.0, 1.0), (7.0, 0.95))
     scenario = with_load_factor(plain, pulse).replaced(duration_s=16.0)
-    assert_reaches_optimum(scenario, load_controller(resolve_candidate(name)), name)
+    assert_met(reaches_optimum, scenario, load_controller(resolve_candidate(name)), name)
 
 
 @pytest.mark.one_in(3)
@@ -162,7 +161,7 @@ def test_a_search_has_its_time_from_the_load_on_for_which_it_searches(
     plain = steady_scenario(load_drive(drive), speed, power_share=1.0, constant_power=False)
     loaded = plain.replaced(load=plain.load.model_copy(update={"torque_nm": torque}))
     scenario = with_load_factor(loaded, factor).replaced(duration_s=factor[-1][0] + 10.0)
-    assert_reaches_optimum(scenario, load_controller(resolve_candidate(name)), name)
+    assert_met(reaches_optimum, scenario, load_controller(resolve_candidate(name)), name)
 
 
 @pytest.mark.parametrize(
@@ -178,7 +177,7 @@ def test_a_load_that_alternates_does_not_use_up_the_time_of_a_search(
     )
     factor = ((0.0, 0.0), (0.2, 0.6), *repeated(0.6, changed, 1.0, every_s=0.4)[1:])
     scenario = with_load_factor(plain, factor).replaced(duration_s=18.8)
-    assert_reaches_optimum(scenario, load_controller(resolve_candidate(f"design:{name}")), name)
+    assert_met(reaches_optimum, scenario, load_controller(resolve_candidate(f"design:{name}")), name)
 
 
 def test_a_light_load_is_searched_for_in_time_from_the_far_initial_angle() -> None:
@@ -186,7 +185,7 @@ def test_a_light_load_is_searched_for_in_time_from_the_far_initial_angle() -> No
     plain = steady_scenario(load_drive("paper-5-phase"), 1500.0, power_share=0.25, constant_power=False)
     started = {"speed_rpm": ((0.0, 0.0), (6.0, 0.0), (6.0, 1500.0)), "initial_speed_rpm": 0.0}
     scenario = plain.replaced(duration_s=16.0, **started)
-    assert_converges_again(scenario, BuiltinController(SEARCHES["reference"]))
+    assert_met(converges_again, scenario, BuiltinController(SEARCHES["reference"]))
 
 
 def test_small_steps_do_not_walk_on_where_the_current_sum_is_flat() -> None:
@@ -205,18 +204,17 @@ def test_an_edge_that_is_met_again_does_not_restart_the_search_again() -> None:
     scenario = vehicle_scenario(
         load_drive("star-3-phase"), 1500.0, mass_units=4, gear_units=8, grade_percent=grade
     )
-    run = run_scenario(scenario, BuiltinController(SEARCHES["reference"]), trace_every=20)
+    run = assert_met(converges_again, scenario, BuiltinController(SEARCHES["reference"]), trace_every=20)
     rises = [rise for rise in np.diff(run.trace["advance_deg"]) if rise > 30.0]
     assert len(rises) == 1, (
         f"the angle returns to the initial one {len(rises)} times after one change of the load"
     )
-    assert_converges_again(scenario, BuiltinController(SEARCHES["reference"]))
 
 
 def test_a_sweep_under_a_heavy_load_ends_before_the_current_limit_leaves_no_torque() -> None:
     drive = load_drive("star-3-phase")
     scenario = steady_scenario(drive, 590.0, power_share=1.0, constant_power=True)
-    assert_reaches_optimum(scenario, load_controller(resolve_candidate("design:sweep")), "design:sweep")
+    assert_met(reaches_optimum, scenario, load_controller(resolve_candidate("design:sweep")), "design:sweep")
 
 
 @pytest.mark.parametrize(
@@ -235,17 +233,14 @@ def test_a_load_that_changes_again_during_the_search_is_noticed(
     plain = steady_scenario(load_drive("star-3-phase"), speed, power_share=power_share, constant_power=True)
     scenario = with_load_factor(plain, ((0.0, 0.0), (0.2, factor[0][1]), *factor))
     scenario = scenario.replaced(duration_s=factor[-1][0] + 12.0)
-    assert_reaches_optimum(scenario, BuiltinController(SEARCHES["reference"]))
+    assert_met(reaches_optimum, scenario, BuiltinController(SEARCHES["reference"]))
 
 
 def test_what_a_search_upward_saves_begins_it_again_no_more_than_once() -> None:
     # 5 % less current two degrees above the angle that has regulated the speed, under the same load.
     plain = steady_scenario(HALF_BRIDGE.draw(0, 15).document, 1950.0, power_share=1.0, constant_power=False)
     scenario = plain.replaced(load=plain.load.model_copy(update={"torque_nm": 4.26}))
-    run = run_scenario(scenario, BuiltinController(SEARCHES["reference"]))
-    margin = converges(CurrentRecord(scenario, run, Declaration()))
-    assert margin is not None
-    assert margin.met, margin.measured
+    assert_met(converges, scenario, BuiltinController(SEARCHES["reference"]))
 
 
 def test_an_angle_that_is_lost_while_the_load_alternates_is_found_afterwards() -> None:
@@ -253,4 +248,4 @@ def test_an_angle_that_is_lost_while_the_load_alternates_is_found_afterwards() -
     plain = steady_scenario(load_drive("star-3-phase"), 1070.0, power_share=1.0, constant_power=True)
     factor = ((0.0, 0.0), (0.2, 0.6), *repeated(0.6, 0.7, 1.2, every_s=0.4)[1:])
     scenario = with_load_factor(plain, factor).replaced(duration_s=21.0)
-    assert_reaches_optimum(scenario, BuiltinController(SEARCHES["reference"]))
+    assert_met(reaches_optimum, scenario, BuiltinController(SEARCHES["reference"]))

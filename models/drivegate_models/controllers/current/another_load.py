@@ -18,16 +18,17 @@ CHANGED: Final = 0.03
 """Share of the current sum beyond which a difference at the same angle is another load."""
 TUNED_SUM: Final = 104.0
 """Maximum current sum of the drive that currents are tuned on (A); tuned currents are shares of it."""
+NEAR: Final = 3.0
+"""Distance, in first steps, beyond which the angle alone may explain a difference between current sums."""
+EITHER_WAY_NEAR: Final = 0.2 / TUNED_SUM
+"""Share of the maximum current sum by which current sums of near angles differ in any case."""
 
 # Shares of the current sum where the search came to rest: steps off the edge cost a little, and save nothing.
 _LESS = 0.01
 _MORE = 0.02
 _EITHER_WAY = 0.4 / TUNED_SUM
-_EITHER_WAY_NEAR = 0.2 / TUNED_SUM
 _EITHER_WAY_STEADY = 0.3 / TUNED_SUM
-# Distance, in first steps, within which a change of load is taken for one seen before, and the number of restarts
-# after which it always is.
-_NEAR = 3.0
+# Restarts after which a change of load is taken for one seen before, wherever that was.
 _MOST_RESTARTS = 3
 
 
@@ -75,10 +76,9 @@ def load_has_changed(state: Any, current_sum: float, fall: float, rise: float) -
     `fall` and `rise` are the maximum effects of steps toward less and toward more angle, as shares of the current
     sum. False while no good angle is known, and away from it.
     """
-    # Farther off, the angle alone may explain the difference.
-    near = abs(state.offset - state.good_offset) <= 3.0 * state.first_step
+    near = abs(state.offset - state.good_offset) <= NEAR * state.first_step
     share = fall if current_sum < state.good_power else rise
-    changed: bool = near and differs(state, current_sum, state.good_power, share, _EITHER_WAY_NEAR)
+    changed: bool = near and differs(state, current_sum, state.good_power, share, EITHER_WAY_NEAR)
     return changed and state.good_power < inf
 
 
@@ -86,7 +86,7 @@ def load_has_changed(state: Any, current_sum: float, fall: float, rise: float) -
 def is_repeated(state: Any) -> bool:
     """Return True if the load seemed to have changed at this angle before, after many restarts at a smaller one too."""
     passed: bool = state.offset >= state.jolted_at - 1.5 * state.first_step
-    near: bool = state.offset <= state.jolted_at + _NEAR * state.first_step
+    near: bool = state.offset <= state.jolted_at + NEAR * state.first_step
     return passed and (near or state.restarts >= _MOST_RESTARTS)
 
 

@@ -14,7 +14,8 @@ from typing import Any
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.contract.current.signals import PM_AC
 from drivegate_models.controllers.current.another_load import (
-    TUNED_SUM,
+    EITHER_WAY_NEAR,
+    NEAR,
     differs,
     rearm_here,
 )
@@ -54,11 +55,8 @@ _STEADY_INTERVALS = 3
 _MOST_INTERVALS = 20
 # Share of the current sum by which a limited current must need less. The angle gives the torque at any current.
 _LESS = 0.005
-# Share that a limited current saves at most with each first step above the regulated angle, and how many of them.
+# Share that a limited current saves at most with each first step above the regulated angle.
 _SAVED = 0.0125
-_NEAR = 3.0
-# Share of the maximum current sum by which the sums at rest differ in any case.
-_EITHER_WAY = 0.2 / TUNED_SUM
 # Current reference over the mean current of a conducting phase, where a current begins to be limited.
 _PEAK = 1.1
 # Current sums, relative to the one at rest, that indicate another load.
@@ -195,8 +193,10 @@ def is_lighter_than_followed(state: Any, current_sum: float) -> bool:
     if not above or state.lightened == 1:
         return False
     steps = max((state.offset - state.forbidden) / state.first_step, 1.0)
-    less = steps <= _NEAR and current_sum < state.followed_power
-    lighter: bool = less and differs(state, current_sum, state.followed_power, steps * _SAVED, _EITHER_WAY)
+    less = steps <= NEAR and current_sum < state.followed_power
+    lighter: bool = less and differs(
+        state, current_sum, state.followed_power, steps * _SAVED, EITHER_WAY_NEAR
+    )
     return lighter
 
 

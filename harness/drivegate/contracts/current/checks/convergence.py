@@ -96,7 +96,7 @@ def commanded_spread(window: SteadyWindow) -> float:
     """Return by how much current reference and angle can have moved the means of the current sum, at most (A).
 
     Where few pulses of the hysteresis band fit in a half-wave, their number beats with the means, and the current sum
-    of a constant command varies by percents. Steady states are steeper only where the number of pulses changes.
+    of a constant command varies by percents. Few steady states are steeper.
     """
     values = window.values
     if values.reference <= 0.0:

@@ -1,5 +1,6 @@
 """Few pulses of the hysteresis band beat with the means of Σ|i|, for which nobody is accused."""
 
+import itertools
 import math
 
 import numpy as np
@@ -43,27 +44,26 @@ def test_a_command_moves_the_current_sum_of_nearly_all_steady_states_by_no_more_
     document = load_drive(name)
     drive, rating = document.plant(), document.rating
     work = make_phases(drive, KEPT_TIME)
+    speeds = np.linspace(1.02 * rating.base_speed_rpm, rating.highest_speed_rpm, 4) * RADIANS_PER_RPM
+    half, share_of_half = math.radians(0.5), 0.0025
     steepest: list[float] = []
-    for rpm in np.linspace(1.02 * rating.base_speed_rpm, rating.highest_speed_rpm, 4):
-        speed = rpm * RADIANS_PER_RPM
-        for share in (0.2, 0.5, 1.0):
-            torque = share * rating.rated_power_w / speed
-            _, _, slices, _, supply, _ = torque_demand(drive, speed, torque, None)
-            for angle in np.radians(np.arange(5.0, 90.0, 8.0)):
-                point = point_at_torque(drive, speed, angle, torque)
-                # A mix of two references is a state in which the number of pulses changes.
-                if not point.static or point.share > 0.0:
-                    continue
-
-                half, share_of_half = math.radians(0.5), 0.0025
-                commands = [(point.reference * (1.0 + side * share_of_half), angle) for side in (-1.0, 1.0)]
-                commands += [(point.reference, angle + side * half) for side in (-1.0, 1.0)]
-                sums = [
-                    solve_steady_state(drive, work, slices, speed, supply, *command).current_sum
-                    for command in commands
-                ]
-                by_reference, by_angle = abs(sums[1] - sums[0]), abs(sums[3] - sums[2])
-                # Twice the share by which the reference moves, and a fifth per degree.
-                steepest.append(max(by_reference / (4.0 * share_of_half), by_angle / 0.2) / point.current_sum)
+    for speed, share, angle in itertools.product(
+        speeds, (0.2, 0.5, 1.0), np.radians(np.arange(5.0, 90.0, 8.0))
+    ):
+        torque = share * rating.rated_power_w / speed
+        point = point_at_torque(drive, speed, angle, torque)
+        # A mix of two references is a state in which the number of pulses changes.
+        if not point.static or point.share > 0.0:
+            continue
+        _, _, slices, _, supply, _ = torque_demand(drive, speed, torque, None)
+        commands = [(point.reference * (1.0 + side * share_of_half), angle) for side in (-1.0, 1.0)]
+        commands += [(point.reference, angle + side * half) for side in (-1.0, 1.0)]
+        sums = [
+            solve_steady_state(drive, work, slices, speed, supply, *command).current_sum
+            for command in commands
+        ]
+        by_reference, by_angle = abs(sums[1] - sums[0]), abs(sums[3] - sums[2])
+        # Twice the share by which the reference moves, and a fifth per degree.
+        steepest.append(max(by_reference / (4.0 * share_of_half), by_angle / 0.2) / point.current_sum)
     beyond = float(np.mean(np.array(steepest) > 1.0))
     assert beyond < 0.05, f"{100.0 * beyond:.0f} % of {len(steepest)} states are steeper"
