@@ -199,10 +199,24 @@ def test_small_steps_do_not_walk_on_where_the_current_sum_is_flat() -> None:
     )
 
 
-def test_an_edge_that_is_met_again_does_not_restart_the_search_again() -> None:
-    grade = ((0.0, 0.0), (11.4, 0.0), (11.4, 1.0))
+@pytest.mark.parametrize(
+    ("mass_units", "gear_units", "changed_s", "percent"),
+    [
+        (4, 8, 11.4, 1.0),
+        # The current sum is already steady while what flows beyond the load accelerates the shaft.
+        (3, 6, 4.2, 0.5),
+    ],
+)
+def test_an_edge_that_is_met_again_does_not_restart_the_search_again(
+    mass_units: int, gear_units: int, changed_s: float, percent: float
+) -> None:
+    grade = ((0.0, 0.0), (changed_s, 0.0), (changed_s, percent))
     scenario = vehicle_scenario(
-        load_drive("star-3-phase"), 1500.0, mass_units=4, gear_units=8, grade_percent=grade
+        load_drive("star-3-phase"),
+        1500.0,
+        mass_units=mass_units,
+        gear_units=gear_units,
+        grade_percent=grade,
     )
     run = assert_met(converges_again, scenario, BuiltinController(SEARCHES["reference"]), trace_every=20)
     rises = [rise for rise in np.diff(run.trace["advance_deg"]) if rise > 30.0]

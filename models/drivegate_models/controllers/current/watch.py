@@ -44,6 +44,7 @@ from drivegate_models.controllers.current.unrest import (
 from drivegate_models.controllers.current.winding import (
     has_lost_torque,
     is_creeping,
+    is_unwinding,
     is_wound_up,
     unwind,
     unwind_after_recovery,
@@ -175,11 +176,11 @@ def settle(state: Any, current_sum: float, change: float, settled: bool) -> int:
         # but by more than steps save.
         return WAITING
     if (
-        state.retried != NOT_RETRIED
+        (state.retried != NOT_RETRIED or is_unwinding(state))
         and state.quiet < _SETTLED_UNEASY
         and is_regulator_responding(state, current_sum)
     ):
-        # Small steps follow a loss of speed; the search would mistake its recovery for the cost of the first step.
+        # After a loss of speed, what regains it would be taken for the cost of the first step, or for the load.
         return WAITING
     if is_creeping(state, current_sum, CHANGED):
         # The speed is steady, but the regulator wound up during recovery: the next step would start from too much

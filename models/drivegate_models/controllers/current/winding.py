@@ -83,6 +83,13 @@ def has_lost_torque(state: Any, current_sum: float, fall: float) -> bool:
 
 
 @inlined
+def is_unwinding(state: Any) -> bool:
+    """Return True if the regulator still adds to what the last good angle needed, after a loss of speed."""
+    unwinding: bool = state.lost_speed < inf and state.integral > _GROWN * state.good_integral
+    return unwinding
+
+
+@inlined
 def current_in_use(state: Any, current_sum: float) -> float:
     """Return the current to which a wound-up regulator unwinds (A): that of the last good angle, or more if it flows.
 
