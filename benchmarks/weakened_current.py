@@ -140,10 +140,10 @@ CURRENT_FAULTS: Final = (
         pocket=LOAD_STEPS.place(speed=1500.0, after=0.9, supply=0.97),
     ),
     WeakenedFault(
-        "angle drifts in a corner",
+        "angle cycles in a corner",
         "ROB-1",
         OTHER_PLANTS,
-        _full("drifts"),
+        _full("angle-cycles"),
         pocket=OTHER_PLANTS.place(speed=1500.0, share=0.9, emf=1.05, resistance=1.5),
     ),
 )
