@@ -17,8 +17,8 @@ from drivegate_models.controllers.current.another_load import (
     EITHER_WAY_NEAR,
     NEAR,
     differs,
-    rearm_here,
 )
+from drivegate_models.controllers.current.forbidden_angle import allow_all_angles
 from drivegate_models.controllers.current.modes import (
     SURE,
     begin_following,
@@ -56,7 +56,7 @@ _MOST_INTERVALS = 20
 # Share of the current sum by which a limited current must need less. The angle gives the torque at any current.
 _LESS = 0.005
 # Share that a limited current saves at most with each first step above the regulated angle.
-_SAVED = 0.0125
+_SAVED = 0.02
 # Current reference over the mean current of a conducting phase, where a current begins to be limited.
 _PEAK = 1.1
 # Current sums, relative to the one at rest, that indicate another load.
@@ -158,6 +158,19 @@ def _search_upward(state: Any, current_sum: float) -> None:
 
 
 @inlined
+def _search_downward(state: Any) -> None:
+    """Search from the present angle for the lower edge of a load that seems to have become lighter."""
+    allow_all_angles(state)
+    state.compared = 0
+    state.followed_power = inf
+    state.kept_power = inf
+    forget_good_angle(state)
+    state.step = state.first_step
+    state.direction = -1.0
+    begin_settling(state)
+
+
+@inlined
 def _give_up(state: Any, current_sum: float) -> None:
     """Regulate by the current again under this load, at the angle known or by a new search.
 
@@ -207,9 +220,9 @@ def goes_on(state: Any, current_sum: float) -> bool:
     `current_sum` is the mean of the interval (A).
     """
     if is_lighter_than_followed(state, current_sum):
-        rearm_here(state)
         # Once: on some drives a limited current saves as much.
         state.lightened = 1
+        _search_downward(state)
         return True
     if state.compared == 0:
         # At a lower EMF, an optimum that is not at the edge is one of a limited current.
