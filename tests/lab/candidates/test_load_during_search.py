@@ -99,6 +99,26 @@ def test_angles_at_which_the_speed_returns_are_not_given_up(
     assert_met(reaches_optimum, scenario, BuiltinController(SEARCHES["reference"]))
 
 
+@pytest.mark.parametrize(("number", "speed", "torque"), [(15, 1830.0, 3.935), (17, 1035.0, 4.24)])
+def test_a_current_sum_that_is_flat_over_some_degrees_does_not_end_the_search(
+    number: int, speed: float, torque: float
+) -> None:
+    # The optimum lies 11 and 12 degrees below the first flat range, which needs 3 % more.
+    drive = HALF_BRIDGE.draw(0, number).document
+    plain = steady_scenario(drive, speed, power_share=1.0, constant_power=False)
+    scenario = plain.replaced(load=plain.load.model_copy(update={"torque_nm": torque}))
+    assert_met(reaches_optimum, scenario, BuiltinController(SEARCHES["reference"]))
+
+
+def test_what_a_search_upward_saves_does_not_begin_it_from_the_initial_angle() -> None:
+    # 3 % less current within two degrees above the angle that has regulated the speed; from the initial one it is 20.
+    plain = steady_scenario(HALF_BRIDGE.draw(0, 32).document, 935.0, power_share=1.0, constant_power=False)
+    started = {"speed_rpm": ((0.0, 0.0), (3.0, 0.0), (3.0, 935.0)), "initial_speed_rpm": 0.0}
+    loaded = plain.replaced(load=plain.load.model_copy(update={"torque_nm": 228.4}))
+    scenario = loaded.replaced(duration_s=24.6, **started)
+    assert_met(converges_again, scenario, BuiltinController(SEARCHES["reference"]))
+
+
 @pytest.mark.parametrize("name", ["near:gain-doubled", "near:stops-early"])
 def test_a_load_that_grows_during_the_first_steps_does_not_end_the_search(name: str) -> None:
     # Rest where the load's growth takes what the first three steps save: 31 % too much current.

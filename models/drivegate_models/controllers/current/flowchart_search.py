@@ -6,6 +6,7 @@ Input power is judged by the current sum, which is proportional to the power exc
 
 from __future__ import annotations
 
+from math import inf
 from typing import Any
 
 from drivegate_models.compilation.kernels import inlined
@@ -16,8 +17,10 @@ from drivegate_models.controllers.current.another_load import (
     may_step_farther,
     rearm_unless_repeated,
 )
+from drivegate_models.controllers.current.current_share import is_current_below
 from drivegate_models.controllers.current.following import goes_on
 from drivegate_models.controllers.current.forbidden_angle import (
+    LIGHT,
     first_direction,
     forget_other_load,
     lowest_offset,
@@ -30,7 +33,7 @@ from drivegate_models.controllers.current.retry import (
     needs_small_steps,
     retry,
 )
-from drivegate_models.controllers.current.state import NOT_RETRIED, SMALLEST_STEP
+from drivegate_models.controllers.current.state import NOT_PROBED, NOT_RETRIED, PROBED, PROBING, SMALLEST_STEP
 from drivegate_models.controllers.current.unrest import JOLT, current_sum_noise, is_speed_unsteady
 from drivegate_models.controllers.current.watch import BEGINNING, WAITING, watch_search
 
@@ -42,6 +45,11 @@ _REVERSALS = 4
 # Consecutive steps that change less than noise. Small steps need more of them to show a slope.
 _FLAT_STEPS = 2
 _FLAT_STEPS_SMALL = 4
+# Length of a probe, in first steps. Where the hysteresis band allows few pulses in a half-wave, the current sum is
+# flat over some degrees before it falls again.
+_PROBE = 5.0
+# Current reference over the mean current of a conducting phase, up to which the EMF does not limit the current.
+_FOLLOWS = 1.1
 # Length at which a step no longer grows, in first steps.
 _LONG_STEP = 2.0
 _LONG_STEP_SMALL = 0.3
@@ -67,12 +75,29 @@ def decide_by_flowchart(state: Any, error: float) -> None:
 
 
 @inlined
+def may_probe(state: Any, current_sum: float) -> bool:
+    """Return True if a long step toward less angle may show a lower current sum, and is not likely to lose the torque.
+
+    Once where the search would rest. A current that follows its reference is far from the edge. `current_sum` is the
+    mean of the interval (A).
+    """
+    is_far = state.forbidden == -inf and state.offset - _PROBE * state.first_step >= lowest_offset(state)
+    follows = state.integral * state.conducting_phases <= _FOLLOWS * current_sum
+    matters = not is_current_below(state, LIGHT)
+    return bool(is_far and follows and matters and state.probe == NOT_PROBED and state.offset < 0.0)
+
+
+@inlined
 def rest_or_confirm(state: Any, current_sum: float) -> None:
     """Rest where no step saves current, after retrying at a doubtful edge and confirming what saved little.
 
     A load that grows meanwhile adds as much current as steps save, so all of them look flat. A search that saved
     little therefore confirms its result with new steps like the first. `current_sum` is the mean of the interval (A).
     """
+    if may_probe(state, current_sum):
+        state.probe = PROBING
+        take_step(state, current_sum, -_PROBE * state.first_step)
+        return
     if goes_on(state, current_sum):
         return
     at_edge = state.offset - state.first_step < lowest_offset(state)
@@ -97,6 +122,27 @@ def rest_or_confirm(state: Any, current_sum: float) -> None:
         state.offset = 0.0
         state.direction = 1.0
     begin_settling(state)
+
+
+@inlined
+def decide_probe(state: Any, current_sum: float, noise: float) -> bool:
+    """Return True if the probe has found less current; else return to the angle before it, and rest there.
+
+    `current_sum` is the mean of the interval and `noise` its noise (A).
+    """
+    state.improvements = 0
+    state.quiet = 0
+    state.worse_from = current_sum
+    state.worse = 0
+    if current_sum < state.good_power - noise:
+        state.probe = NOT_PROBED
+        state.step = state.first_step
+        state.direction = -1.0
+        return True
+    state.probe = PROBED
+    state.offset = state.good_offset
+    rest_or_confirm(state, state.good_power)
+    return False
 
 
 @inlined
@@ -191,6 +237,10 @@ def decide_guarded(state: Any) -> None:
         return
     # A change within the noise of the current sum is not a slope.
     noise = max(state.power_tolerance * current_sum, current_sum_noise(state))
+    if state.probe == PROBING:
+        if decide_probe(state, current_sum, noise):
+            move(state, current_sum, change)
+        return
     if abs(change) <= noise:
         if is_flat_end(state, current_sum, change, noise):
             rest_or_confirm(state, current_sum)

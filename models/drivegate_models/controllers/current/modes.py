@@ -8,7 +8,15 @@ from typing import Any, Final
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.controllers.current.current_share import is_current_below
 from drivegate_models.controllers.current.forbidden_angle import LIGHT, allow_all_angles
-from drivegate_models.controllers.current.state import FOLLOWING, HOLDING, NOT_RETRIED, SETTLING
+from drivegate_models.controllers.current.state import (
+    FOLLOWING,
+    HOLDING,
+    NOT_PROBED,
+    NOT_RETRIED,
+    PROBED,
+    PROBING,
+    SETTLING,
+)
 
 SURE: Final = 1.3
 """Ratio of peak EMF to supply from which a limited current always needs more."""
@@ -36,6 +44,9 @@ def begin_settling(state: Any) -> None:
     state.saturated_run = 0
     state.starved_run = 0
     state.waited = 0
+    if state.probe == PROBING:
+        # It has cost speed, or the load has changed meanwhile.
+        state.probe = PROBED
 
 
 @inlined
@@ -61,6 +72,7 @@ def rearm(state: Any) -> None:
     state.calm_error = inf
     state.confirmed = 0
     state.widened = 0
+    state.probe = NOT_PROBED
     state.unsettled = 0
     state.reversals = 0
     state.grows = 1

@@ -30,6 +30,12 @@ RETRIED: Final = 1
 """Angles that were possibly forbidden without cause are allowed again."""
 RETRIED_WITH_CARE: Final = 2
 """More of these angles are allowed again, because avoiding them is costly; only small steps enter them."""
+NOT_PROBED: Final = 0
+"""Angles beyond the one at which the search would rest have not been tried."""
+PROBING: Final = 1
+"""The last step was a probe: one long step from where the search would rest."""
+PROBED: Final = 2
+"""The probe has found nothing."""
 SMALLEST_STEP: Final = radians(0.24)
 """Least step of a search (rad electrical)."""
 
@@ -121,6 +127,8 @@ CONTROLLER_STATE: Final = np.dtype(
         ("restarts", np.int64),
         ("waited", np.int64),
         ("widened", np.int64),
+        # Whether a probe beyond the angle of rest is under way, or has found nothing.
+        ("probe", np.int64),
         ("initial_power", np.float64),
         # Regulation of the speed by the angle. A gain of 0 excludes it.
         ("angle_proportional", np.float64),
