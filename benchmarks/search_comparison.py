@@ -32,7 +32,7 @@ def cells(known: dict[str, Any]) -> Iterator[Cell]:
     """List the trials, those of faults with a size at the severities that are known."""
     for number, fault in enumerate(FAULTS):
         for method in COMPARED:
-            for seed in seeds(fault, method):
+            for seed in seeds(fault):
                 if fault.shape == "sudden":
                     yield Cell(number, method, seed)
                 else:

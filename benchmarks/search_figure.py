@@ -41,8 +41,6 @@ TITLES: Final = {
 BLACK: Final = "#000000"
 _PANELS: Final = 3
 """Panels of the figure next to each other."""
-_ENOUGH_SEEDS: Final = 5
-"""Number of seeds from which on an error is stated."""
 _LOOKS: Final = {
     "drawing": (GREY, "s"),
     "climbing": (ORANGE, "D"),
@@ -58,7 +56,7 @@ _LOOKS: Final = {
 def runs_to_failure(cells: dict[str, Any], fault: WeakenedFault, method: str, level: int) -> list[float]:
     """List the runs to the first counterexample by seed, infinite where none was found."""
     runs = []
-    for seed in seeds(fault, method):
+    for seed in seeds(fault):
         if fault.shape == "sudden":
             first = cells[f"{fault.name}/{method}/-1/{seed}"]["first"][level]
             runs.append(inf if first is None else float(first))
@@ -69,7 +67,7 @@ def runs_to_failure(cells: dict[str, Any], fault: WeakenedFault, method: str, le
 
 
 class Share(NamedTuple):
-    """A share of levels and seeds, and twice its standard error over the seeds; None where seeds are few."""
+    """A share of levels and seeds, and twice its standard error over the seeds; None where it is known."""
 
     value: float
     error: float | None = None
@@ -94,8 +92,7 @@ def found_share(cells: dict[str, Any], fault: WeakenedFault, method: str, within
         method = "climbing-briefly"
     by_level = [runs_to_failure(cells, fault, method, level) for level in range(LEVELS)]
     by_seed = [fmean(run <= within for run in runs) for runs in zip(*by_level, strict=True)]
-    enough = len(by_seed) >= _ENOUGH_SEEDS
-    return Share(fmean(by_seed), 2.0 * stdev(by_seed) / sqrt(len(by_seed)) if enough else None)
+    return Share(fmean(by_seed), 2.0 * stdev(by_seed) / sqrt(len(by_seed)))
 
 
 def _mean(shares: Sequence[Share]) -> Share:
@@ -132,8 +129,8 @@ def tables(cells: dict[str, Any]) -> str:
     methods, minutes = compared(cells), sum(cell["seconds"] for cell in cells.values()) / 60.0
     lines = [
         f"Made in {minutes:.0f} minutes of processor time. Counterexamples found, as a share of all levels and seeds, "
-        f"± twice the standard error over {_ENOUGH_SEEDS} and more seeds. The last column counts the levels at which "
-        "the shard's median is at most 1.5 times the best other one, of those at which a median was found.",
+        "± twice the standard error over the seeds. The last column counts the levels at which the shard's median is "
+        "at most 1.5 times the best other one, of those at which a median was found.",
         "",
         f"| fault | check | kind | runs | seeds | {' | '.join(TITLES[method] for method in methods)} | levels |",
         f"|---|---|---|---:|---:|{'---:|' * len(methods)}---:|",
@@ -141,7 +138,7 @@ def tables(cells: dict[str, Any]) -> str:
     for fault in FAULTS:
         shares = (found_share(cells, fault, method, allowance(fault)) for method in methods)
         first = (
-            f"| {fault.name} | `{fault.check}` | {fault.shape} | {allowance(fault)} | {_seed_counts(fault)} "
+            f"| {fault.name} | `{fault.check}` | {fault.shape} | {allowance(fault)} | {len(seeds(fault))} "
         )
         near, levels = levels_near_the_best(cells, fault)
         lines.append(f"{first}| {' | '.join(map(str, shares))} | {near} of {levels} |")
@@ -156,11 +153,6 @@ def tables(cells: dict[str, Any]) -> str:
             title = f"all {shape} ones of `{drive}`" + (f", first {within} runs" if within else "")
             lines.append(f"| *{title}* | | | | | {' | '.join(map(str, means))} | |")
     return "\n".join(lines)
-
-
-def _seed_counts(fault: WeakenedFault) -> str:
-    shard, others = len(seeds(fault, "shard")), len(seeds(fault, "drawing"))
-    return str(others) if others == shard else f"{others}, shard {shard}"
 
 
 def write_figure(cells: dict[str, Any], file: Path) -> None:

@@ -19,11 +19,9 @@ LEVELS: Final = 4
 """Number of levels of each fault."""
 SLOW_CHECKS: Final = ("ROB-1", "CNV-1")
 """Checks that judge runs of 9 s and more; their trials are fewer and shorter."""
-SHARD_SEEDS: Final = 20
-"""Seeds of a shard of the gate."""
-OTHER_SEEDS: Final = 10
-SLOW_SEEDS: Final = 4
-"""Seeds of each other method, and of all methods where runs are slow."""
+SEEDS: Final = 20
+SLOW_SEEDS: Final = 10
+"""Seeds of each method, and where runs are slow."""
 
 
 def expected_draws(level: int) -> float:
@@ -69,11 +67,9 @@ def allowance(fault: WeakenedFault) -> int:
     return 500 if fault.shape == "sudden" else 300
 
 
-def seeds(fault: WeakenedFault, method: str) -> range:
-    """Return the seeds of a method: more of the one whose share matters, fewer where runs are slow."""
-    if fault.check in SLOW_CHECKS:
-        return range(SLOW_SEEDS)
-    return range(SHARD_SEEDS if method == "shard" else OTHER_SEEDS)
+def seeds(fault: WeakenedFault) -> range:
+    """Return the seeds of each method: fewer where runs are slow."""
+    return range(SLOW_SEEDS if fault.check in SLOW_CHECKS else SEEDS)
 
 
 @cache
