@@ -11,10 +11,11 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.check import Evaluate
 from drivegate.containment.messages import AnyController
 from drivegate.contracts.current.checks.convergence import converges, converges_again, reaches_optimum
+from drivegate.contracts.current.checks.robustness import ROB_2
 from drivegate.contracts.current.record import CurrentRecord
 from drivegate.contracts.current.scenarios.building import steady_scenario, vehicle_scenario
 from drivegate.drives.running import run_scenario
-from drivegate.scenarios.changes import repeated, with_dropout, with_load_factor
+from drivegate.scenarios.changes import repeated, with_dropout, with_load_factor, with_real_sensors
 from drivegate_cases.drive.drive_document import load_drive
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_lab.candidates.families import DESIGN_NAMES
@@ -117,6 +118,15 @@ def test_what_a_search_upward_saves_does_not_begin_it_from_the_initial_angle() -
     loaded = plain.replaced(load=plain.load.model_copy(update={"torque_nm": 228.4}))
     scenario = loaded.replaced(duration_s=24.6, **started)
     assert_met(converges_again, scenario, BuiltinController(SEARCHES["reference"]))
+
+
+@pytest.mark.parametrize("name", DESIGN_CANDIDATES)
+def test_errors_of_the_speed_sensor_do_not_move_the_angle_at_rest(name: str) -> None:
+    # Taken for the edge: a small step up in every third decision, and 5 % more current within three seconds.
+    plain = steady_scenario(HALF_BRIDGE.draw(0, 9).document, 5000.0, power_share=1.0, constant_power=False)
+    loaded = plain.replaced(load=plain.load.model_copy(update={"torque_nm": 2.078}))
+    scenario = with_real_sensors(loaded, 751)
+    assert_met(ROB_2.evaluate, scenario, load_controller(resolve_candidate(name)), name)
 
 
 @pytest.mark.parametrize("name", ["near:gain-doubled", "near:stops-early"])

@@ -101,6 +101,7 @@ def reset_state(state: Any, nameplate: Any, search: int) -> None:
     state.good_offset = 0.0
     state.last_power = 0.0
     state.last_integral = 0.0
+    state.integral_growth = 0.0
     state.winding = 0
     state.error = 0.0
     rearm(state)

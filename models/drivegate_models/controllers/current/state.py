@@ -112,6 +112,8 @@ CONTROLLER_STATE: Final = np.dtype(
         ("calm_error", np.float64),
         ("last_power", np.float64),
         ("last_integral", np.float64),
+        # What the integral has grown by in the last decision interval.
+        ("integral_growth", np.float64),
         ("winding", np.int64),
         ("starved_run", np.int64),
         ("starved_mark", np.float64),

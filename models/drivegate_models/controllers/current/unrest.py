@@ -15,6 +15,8 @@ JOLT: Final = 0.5
 # Share of k1, and multiple of the smallest error: quantization by an encoder alone does not indicate the edge.
 _UNSTEADY = 0.1
 _CALM = 1.5
+# Share of what the largest speed error adds to the integral when it lasts for the whole interval.
+_LASTING = 0.25
 # Share of the largest speed error of an interval.
 _RETURNED = 0.5
 # Share of the current that the regulator adds in the conducting phases.
@@ -60,6 +62,17 @@ def is_sagging(state: Any) -> bool:
     """
     sagging: bool = is_speed_unsteady(state) and state.error >= 0.0 and not is_speed_returning(state)
     return sagging
+
+
+@inlined
+def is_sag_lasting(state: Any) -> bool:
+    """Return True if the speed is sagging, and the regulator's integral has followed it.
+
+    Errors of the speed sensor cancel out in the integral, unless it is at its limit.
+    """
+    followed = _LASTING * state.integral_step * state.decision_steps * state.worst_error
+    lasting: bool = state.integral_growth >= followed or state.integral >= state.current_limit
+    return lasting and is_sagging(state)
 
 
 @inlined

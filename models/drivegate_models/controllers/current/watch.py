@@ -38,7 +38,7 @@ from drivegate_models.controllers.current.unrest import (
     current_sum_noise,
     is_jolted,
     is_regulator_responding,
-    is_sagging,
+    is_sag_lasting,
     is_speed_unsteady,
 )
 from drivegate_models.controllers.current.winding import (
@@ -96,7 +96,7 @@ def decide_holding(state: Any, current_sum: float, change: float) -> None:
             state.held_power = current_sum
     elif changed:
         rearm(state)
-    elif is_sagging(state) or (not unsteady and is_restless(state, current_sum, change)):
+    elif is_sag_lasting(state) or (not unsteady and is_restless(state, current_sum, change)):
         # The optimum may lie on the edge itself: an angle slightly above it costs less than a new search.
         forbid(state)
         state.offset += SMALLEST_STEP
@@ -150,6 +150,7 @@ def record_interval(state: Any, current_sum: float) -> None:
     if state.worst_error > EXACT:
         state.calm_error = min(state.calm_error, state.worst_error)
     state.winding = state.winding + 1 if winds_up(state, current_sum) else 0
+    state.integral_growth = state.integral - state.last_integral
     state.last_integral = state.integral
     state.last_power = current_sum
 
