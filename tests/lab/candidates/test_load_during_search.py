@@ -16,7 +16,7 @@ from drivegate.contracts.current.record import CurrentRecord
 from drivegate.contracts.current.scenarios.building import steady_scenario, vehicle_scenario
 from drivegate.drives.running import run_scenario
 from drivegate.scenarios.changes import repeated, with_dropout, with_load_factor, with_real_sensors
-from drivegate_cases.drive.drive_document import load_drive
+from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_lab.candidates.families import DESIGN_NAMES
 from drivegate_lab.drawn.kinds import HALF_BRIDGE
@@ -24,6 +24,12 @@ from drivegate_models.controllers.current.builtin import SEARCHES
 from drivegate_models.loop.closed_loop import ClosedLoopRun
 
 DESIGN_CANDIDATES = [f"design:{name}" for name in DESIGN_NAMES]
+
+
+def constant_torque_scenario(drive: DriveDocument, speed_rpm: float, torque_nm: float) -> Scenario:
+    """Make a run at a steady speed under a constant torque."""
+    plain = steady_scenario(drive, speed_rpm, power_share=1.0, constant_power=False)
+    return plain.replaced(load=plain.load.model_copy(update={"torque_nm": torque_nm}))
 
 
 def assert_met(
@@ -41,8 +47,7 @@ def assert_met(
 def test_a_step_of_the_load_is_not_taken_for_the_effect_of_a_step_of_the_angle(
     factor: tuple[tuple[float, float], ...],
 ) -> None:
-    plain = steady_scenario(load_drive("paper-5-phase"), 1500.0, power_share=1.0, constant_power=False)
-    torque = plain.replaced(load=plain.load.model_copy(update={"torque_nm": 10.0}))
+    torque = constant_torque_scenario(load_drive("paper-5-phase"), 1500.0, 10.0)
     scenario = with_load_factor(torque, factor)
     run = run_scenario(scenario, BuiltinController(SEARCHES["reference"]))
     record = CurrentRecord(scenario, run, BUILTIN_CANDIDATES["reference"])
@@ -58,8 +63,7 @@ def test_a_step_of_the_load_is_not_taken_for_the_effect_of_a_step_of_the_angle(
 def test_a_load_that_drifts_while_the_search_rests_is_followed(
     speed: float, torque: float, before: float, after: float
 ) -> None:
-    plain = steady_scenario(load_drive("paper-5-phase"), speed, power_share=1.0, constant_power=False)
-    loaded = plain.replaced(load=plain.load.model_copy(update={"torque_nm": torque}))
+    loaded = constant_torque_scenario(load_drive("paper-5-phase"), speed, torque)
     ramp = ((0.0, 0.0), (0.2, before), (8.0, before), (10.0, after))
     scenario = with_load_factor(loaded, ramp).replaced(duration_s=19.0)
     for name, controller in (
@@ -70,8 +74,7 @@ def test_a_load_that_drifts_while_the_search_rests_is_followed(
 
 
 def test_an_edge_that_is_met_while_the_load_grows_is_sought_again() -> None:
-    plain = steady_scenario(load_drive("fan-3-phase"), 5650.0, power_share=1.0, constant_power=False)
-    loaded = plain.replaced(load=plain.load.model_copy(update={"torque_nm": 0.169}))
+    loaded = constant_torque_scenario(load_drive("fan-3-phase"), 5650.0, 0.169)
     ramp = ((0.0, 0.0), (0.2, 0.45), (7.6, 0.45), (9.6, 0.65))
     scenario = with_load_factor(loaded, ramp).replaced(duration_s=19.6)
     assert_met(reaches_optimum, scenario, BuiltinController(SEARCHES["reference"]))
@@ -83,8 +86,7 @@ def test_an_edge_that_is_met_while_the_load_grows_is_sought_again() -> None:
 def test_what_was_forbidden_on_the_way_back_is_tried_again(number: int, speed: float, torque: float) -> None:
     # A step of 2 degrees costs the speed as much as the edge does, or leads over it.
     drive = HALF_BRIDGE.draw(0, number).document
-    plain = steady_scenario(drive, speed, power_share=1.0, constant_power=False)
-    scenario = plain.replaced(load=plain.load.model_copy(update={"torque_nm": torque}))
+    scenario = constant_torque_scenario(drive, speed, torque)
     assert_met(reaches_optimum, scenario, BuiltinController(SEARCHES["reference"]))
 
 
@@ -106,16 +108,14 @@ def test_a_current_sum_that_is_flat_over_some_degrees_does_not_end_the_search(
 ) -> None:
     # The optimum lies 11 and 12 degrees below the first flat range, which needs 3 % more.
     drive = HALF_BRIDGE.draw(0, number).document
-    plain = steady_scenario(drive, speed, power_share=1.0, constant_power=False)
-    scenario = plain.replaced(load=plain.load.model_copy(update={"torque_nm": torque}))
+    scenario = constant_torque_scenario(drive, speed, torque)
     assert_met(reaches_optimum, scenario, BuiltinController(SEARCHES["reference"]))
 
 
 def test_what_a_search_upward_saves_does_not_begin_it_from_the_initial_angle() -> None:
     # 3 % less current within two degrees above the angle that has regulated the speed; from the initial one it is 20.
-    plain = steady_scenario(HALF_BRIDGE.draw(0, 32).document, 935.0, power_share=1.0, constant_power=False)
+    loaded = constant_torque_scenario(HALF_BRIDGE.draw(0, 32).document, 935.0, 228.4)
     started = {"speed_rpm": ((0.0, 0.0), (3.0, 0.0), (3.0, 935.0)), "initial_speed_rpm": 0.0}
-    loaded = plain.replaced(load=plain.load.model_copy(update={"torque_nm": 228.4}))
     scenario = loaded.replaced(duration_s=24.6, **started)
     assert_met(converges_again, scenario, BuiltinController(SEARCHES["reference"]))
 
@@ -123,8 +123,7 @@ def test_what_a_search_upward_saves_does_not_begin_it_from_the_initial_angle() -
 @pytest.mark.parametrize("name", DESIGN_CANDIDATES)
 def test_errors_of_the_speed_sensor_do_not_move_the_angle_at_rest(name: str) -> None:
     # Taken for the edge: a small step up in every third decision, and 5 % more current within three seconds.
-    plain = steady_scenario(HALF_BRIDGE.draw(0, 9).document, 5000.0, power_share=1.0, constant_power=False)
-    loaded = plain.replaced(load=plain.load.model_copy(update={"torque_nm": 2.078}))
+    loaded = constant_torque_scenario(HALF_BRIDGE.draw(0, 9).document, 5000.0, 2.078)
     scenario = with_real_sensors(loaded, 751)
     assert_met(ROB_2.evaluate, scenario, load_controller(resolve_candidate(name)), name)
 
@@ -132,8 +131,7 @@ def test_errors_of_the_speed_sensor_do_not_move_the_angle_at_rest(name: str) -> 
 @pytest.mark.parametrize("name", ["near:gain-doubled", "near:stops-early"])
 def test_a_load_that_grows_during_the_first_steps_does_not_end_the_search(name: str) -> None:
     # Rest where the load's growth takes what the first three steps save: 31 % too much current.
-    plain = steady_scenario(load_drive("paper-5-phase"), 1430.0, power_share=1.0, constant_power=False)
-    loaded = plain.replaced(load=plain.load.model_copy(update={"torque_nm": 10.0}))
+    loaded = constant_torque_scenario(load_drive("paper-5-phase"), 1430.0, 10.0)
     ramp = ((0.0, 0.0), (0.2, 0.45), (8.0, 0.45), (10.0, 0.65))
     scenario = with_load_factor(loaded, ramp).replaced(duration_s=19.0)
     assert_met(reaches_optimum, scenario, load_controller(resolve_candidate(name)), name)
@@ -188,8 +186,7 @@ def test_an_angle_lost_to_a_pulse_of_the_load_is_found_again(name: str) -> None:
 def test_a_search_has_its_time_from_the_load_on_for_which_it_searches(
     name: str, drive: str, speed: float, torque: float, factor: tuple[tuple[float, float], ...]
 ) -> None:
-    plain = steady_scenario(load_drive(drive), speed, power_share=1.0, constant_power=False)
-    loaded = plain.replaced(load=plain.load.model_copy(update={"torque_nm": torque}))
+    loaded = constant_torque_scenario(load_drive(drive), speed, torque)
     scenario = with_load_factor(loaded, factor).replaced(duration_s=factor[-1][0] + 10.0)
     assert_met(reaches_optimum, scenario, load_controller(resolve_candidate(name)), name)
 
@@ -282,8 +279,7 @@ def test_a_load_that_changes_again_during_the_search_is_noticed(
 
 def test_what_a_search_upward_saves_begins_it_again_no_more_than_once() -> None:
     # 5 % less current two degrees above the angle that has regulated the speed, under the same load.
-    plain = steady_scenario(HALF_BRIDGE.draw(0, 15).document, 1950.0, power_share=1.0, constant_power=False)
-    scenario = plain.replaced(load=plain.load.model_copy(update={"torque_nm": 4.26}))
+    scenario = constant_torque_scenario(HALF_BRIDGE.draw(0, 15).document, 1950.0, 4.26)
     assert_met(converges, scenario, BuiltinController(SEARCHES["reference"]))
 
 

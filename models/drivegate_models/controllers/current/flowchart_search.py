@@ -125,27 +125,6 @@ def rest_or_confirm(state: Any, current_sum: float) -> None:
 
 
 @inlined
-def decide_probe(state: Any, current_sum: float, noise: float) -> bool:
-    """Return True if the probe has found less current; else return to the angle before it, and rest there.
-
-    `current_sum` is the mean of the interval and `noise` its noise (A).
-    """
-    state.improvements = 0
-    state.quiet = 0
-    state.worse_from = current_sum
-    state.worse = 0
-    if current_sum < state.good_power - noise:
-        state.probe = NOT_PROBED
-        state.step = state.first_step
-        state.direction = -1.0
-        return True
-    state.probe = PROBED
-    state.offset = state.good_offset
-    rest_or_confirm(state, state.good_power)
-    return False
-
-
-@inlined
 def may_widen(state: Any) -> bool:
     """Return True if the steps toward less angle have become small, and a whole one still fits.
 
@@ -183,6 +162,25 @@ def move(state: Any, current_sum: float, change: float) -> None:
         rest_or_confirm(state, current_sum)
         return
     take_step(state, current_sum, state.direction * state.step)
+
+
+@inlined
+def decide_probe(state: Any, current_sum: float, change: float, noise: float) -> None:
+    """Go on from the probe if it has found less current; else return to the angle before it, and rest there.
+
+    `current_sum` is the mean of the interval, `change` its change by the probe and `noise` its noise (A).
+    """
+    if current_sum < state.good_power - noise:
+        state.probe = NOT_PROBED
+        state.step = state.first_step
+        state.direction = -1.0
+        state.improvements = 0
+        state.quiet = 0
+        move(state, current_sum, change)
+        return
+    state.probe = PROBED
+    state.offset = state.good_offset
+    rest_or_confirm(state, state.good_power)
 
 
 @inlined
@@ -238,8 +236,7 @@ def decide_guarded(state: Any) -> None:
     # A change within the noise of the current sum is not a slope.
     noise = max(state.power_tolerance * current_sum, current_sum_noise(state))
     if state.probe == PROBING:
-        if decide_probe(state, current_sum, noise):
-            move(state, current_sum, change)
+        decide_probe(state, current_sum, change, noise)
         return
     if abs(change) <= noise:
         if is_flat_end(state, current_sum, change, noise):

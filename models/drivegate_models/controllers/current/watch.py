@@ -149,8 +149,8 @@ def record_interval(state: Any, current_sum: float) -> None:
     # An encoder reading may be exact by chance, which does not measure its quantization.
     if state.worst_error > EXACT:
         state.calm_error = min(state.calm_error, state.worst_error)
-    state.winding = state.winding + 1 if winds_up(state, current_sum) else 0
     state.integral_growth = state.integral - state.last_integral
+    state.winding = state.winding + 1 if winds_up(state, current_sum) else 0
     state.last_integral = state.integral
     state.last_power = current_sum
 

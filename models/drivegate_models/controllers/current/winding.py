@@ -32,7 +32,7 @@ def winds_up(state: Any, current_sum: float) -> bool:
 
     `current_sum` is the mean of the interval (A).
     """
-    grown = state.integral - state.last_integral > _WINDING * state.current_limit
+    grown = state.integral_growth > _WINDING * state.current_limit
     winding_up: bool = grown and abs(current_sum - state.last_power) < _IDLE * current_sum
     return winding_up
 
