@@ -1,8 +1,8 @@
 """A controller and the plant in closed loop, in simulated time alone.
 
 The loop calls the controller's step by address once per control period, and advances the plant exactly by that
-period. It is independent of the kind of drive: it is made from the kernels of a plant. Memory does not grow with the
-length of a run.
+period. It is independent of the kind of drive: it is made from the kernels of a plant. Memory grows with the
+observed windows by 24 bytes per averaging time alone.
 """
 
 from __future__ import annotations
@@ -20,10 +20,7 @@ from drivegate_models.loop import observation
 from drivegate_models.loop.exchange import Exchange, make_exchange
 from drivegate_models.loop.loop_inputs import CurrentLoopInputs, SteppedController
 from drivegate_models.loop.loop_kernel import PlantKernels, Records, Timing, Workspace
-from drivegate_models.loop.observation import (
-    RunObservation,
-    WindowObservation,
-)
+from drivegate_models.loop.observation import RunObservation, WindowObservation
 from drivegate_models.loop.restarting import Restarts, no_restarts
 from drivegate_models.loop.schedule import Conditions
 from drivegate_models.loop.sensing.sensors import ideal_sensors
@@ -91,13 +88,14 @@ def prepared_loop(
     restarts: Restarts | None = None,
 ) -> PreparedLoop[ClosedLoopRun]:
     """Prepare a run of a controller against a plant; the controller must be reset before it starts."""
-    drive, windows = inputs.drive, len(inputs.windows)
+    drive = inputs.drive
     exchange = make_exchange(CURRENT, drive.phases, controller)
     timing = _timing(inputs)
     every = inputs.trace_every
     records = Records(
         observation.empty_run(),
-        observation.empty_windows(windows),
+        observation.empty_windows(len(inputs.windows)),
+        np.zeros((timing.blocks, 3)),
         np.zeros(-(-timing.steps // every) if every > 0 else 0, observation.TRACE_RECORD),
         np.zeros(ledger.ENTRIES),
         np.zeros(shaft_ledger.ENTRIES),
@@ -117,13 +115,15 @@ def prepared_loop(
         no_restarts() if restarts is None else restarts,
         timing,
         records,
-        _workspace(drive.phases, windows, round(inputs.power_window / inputs.control_period)),
+        _workspace(drive.phases, round(inputs.power_window / inputs.control_period)),
     )
-    return PreparedLoop(plant.loop, arguments, exchange, records, partial(_results, records, exchange, every))
+    return PreparedLoop(
+        plant.loop, arguments, exchange, records, partial(_results, records, exchange, timing, every)
+    )
 
 
 def _results(
-    records: Records, exchange: Exchange, trace_every: int, status: int, digest: int
+    records: Records, exchange: Exchange, timing: Timing, trace_every: int, status: int, digest: int
 ) -> ClosedLoopRun:
     observed = observation.observed_run(records.run)
     trace = records.trace
@@ -133,7 +133,9 @@ def _results(
         totals=records.totals,
         shaft=records.shaft,
         observed=observed,
-        windows=observation.observed_windows(records.windows),
+        windows=observation.observed_windows(
+            records.windows, records.blocks, timing.windows[:, -1], timing.block
+        ),
         trace=trace[: -(-int(observed.steps) // trace_every)] if trace_every > 0 else trace,
         last_sense=exchange.sense.copy(),
         last_currents=exchange.sensed_currents.copy(),
@@ -143,10 +145,13 @@ def _results(
 
 def _timing(inputs: CurrentLoopInputs) -> Timing:
     period = inputs.control_period
-    steps = [
-        [round(time / period) for time in (start, end, max(start, end - observation.RIPPLE_TIME))]
-        for start, end in inputs.windows
-    ]
+    block = max(round(inputs.mean_time / period), 1)
+    windows: list[list[int]] = []
+    blocks = 0
+    for start, end in inputs.windows:
+        steps = [round(time / period) for time in (start, end, max(start, end - observation.RIPPLE_TIME))]
+        windows.append([*steps, blocks])
+        blocks += -(-(steps[1] - steps[0]) // block)
     return Timing(
         period,
         round(inputs.duration / period),
@@ -154,17 +159,17 @@ def _timing(inputs: CurrentLoopInputs) -> Timing:
         inputs.initial_angle,
         inputs.clock_start,
         inputs.base_speed,
-        max(round(inputs.mean_time / period), 1),
+        block,
         max(inputs.trace_every, 1),
-        np.array(steps, np.int64).reshape(-1, 3),
+        np.array(windows, np.int64).reshape(-1, 4),
+        blocks,
     )
 
 
-def _workspace(phases: int, windows: int, products: int) -> Workspace:
+def _workspace(phases: int, products: int) -> Workspace:
     return Workspace(
         np.zeros(len(Conditions._fields), np.int64),
         np.zeros(phases, np.int64),
         np.zeros(max(products, 1)),
         np.zeros(ledger.ENTRIES),
-        np.zeros((windows, 3)),
     )

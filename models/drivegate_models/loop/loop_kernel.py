@@ -40,7 +40,7 @@ from drivegate_models.machine.shaft_ledger import account_shaft
 PLANT_FAULT: Final = 3
 """Status of a run, in addition to those of `exchange`: the plant reported a fault of the harness."""
 
-_BEGIN, _END, _RIPPLE_BEGIN = range(3)
+_BEGIN, _END, _RIPPLE_BEGIN, _FIRST_BLOCK = range(4)
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,10 @@ class Timing(NamedTuple):
     trace_every: int
     """Record every n-th control period; n is at least 1."""
     windows: NDArray[np.int64]
-    """First step, step after the last, and first step whose ripple is observed, of each window; shape (w, 3)."""
+    """First step, step after the last, first step whose ripple is observed, and first row of `Records.blocks`, of each
+    window; shape (w, 4)."""
+    blocks: int
+    """Blocks of all windows, the last of a window whole or not."""
 
 
 class Records(NamedTuple):
@@ -91,6 +94,8 @@ class Records(NamedTuple):
 
     run: NDArray[Any]
     windows: NDArray[Any]
+    blocks: NDArray[np.float64]
+    """Sums over each block of periods of each window, shape (n, 3)."""
     trace: NDArray[Any]
     totals: NDArray[np.float64]
     shaft: NDArray[np.float64]
@@ -103,8 +108,6 @@ class Workspace(NamedTuple):
     row_positions: NDArray[np.int64]
     products: NDArray[np.float64]
     period: NDArray[np.float64]
-    block_sums: NDArray[np.float64]
-    """Sums over the present block of periods, shape (w, 3)."""
 
 
 class _Measured(NamedTuple):
@@ -173,7 +176,6 @@ def _watched_window(windows: NDArray[np.int64], step: int) -> int:
 def _observe_windows(
     timing: Timing,
     records: Records,
-    workspace: Workspace,
     step: int,
     speed_reference: float,
     applied: Applied,
@@ -182,14 +184,8 @@ def _observe_windows(
     windows = timing.windows
     for window in range(windows.shape[0]):
         if windows[window, _BEGIN] <= step < windows[window, _END]:
-            observe_window(
-                records.windows[window],
-                applied,
-                speed_reference,
-                workspace.block_sums[window],
-                step + 1 - windows[window, _BEGIN],
-                timing.block,
-            )
+            block = windows[window, _FIRST_BLOCK] + (step - windows[window, _BEGIN]) // timing.block
+            observe_window(records.windows[window], applied, speed_reference, records.blocks[block])
 
 
 @inlined
@@ -332,7 +328,7 @@ def loop_of(kernels: PlantKernels) -> Any:
             opposing = opposing_torque(load, conditions.load, held)
             load_now = opposing + weight_torque(load, conditions.load)
             applied = _applied(period, length, reference, advance, held, current_sum, load_now)
-            _observe_windows(timing, records, workspace, k, conditions.speed, applied)
+            _observe_windows(timing, records, k, conditions.speed, applied)
             row = -1
             if traced < records.trace.shape[0] and k % timing.trace_every == 0:
                 row = traced

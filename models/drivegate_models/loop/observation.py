@@ -1,7 +1,7 @@
-"""The observations that the closed loop stores for a run: fixed numbers, independent of the run's length.
+"""The observations that the closed loop stores for a run.
 
-There is one record for the whole run, and one for each observed window. The kernels write numpy records; readers of
-a completed run get the same fields as named tuples.
+There is one record for the whole run, one for each observed window, and three numbers for each averaging time in it.
+The kernels write numpy records; readers of a completed run get the same fields as named tuples.
 """
 
 from __future__ import annotations
@@ -74,18 +74,6 @@ class WindowObservation(NamedTuple):
     """Minimum advance angle, as applied (rad)."""
     angle_highest: float
     """Maximum advance angle, as applied (rad)."""
-    mean_lowest: float
-    """Minimum mean of the current sum over the averaging time (A)."""
-    mean_highest: float
-    """Maximum mean of the current sum over the averaging time (A)."""
-    reference_rms_lowest: float
-    """Minimum root mean square of the current reference over the same time, as applied (A)."""
-    reference_rms_highest: float
-    """Maximum root mean square of the current reference over that time (A)."""
-    angle_mean_lowest: float
-    """Minimum mean of the advance angle over that time, as applied (rad)."""
-    angle_mean_highest: float
-    """Maximum mean of the advance angle over that time (rad)."""
     current_sum: float
     """Mean of the current sum (A)."""
     torque: float
@@ -108,6 +96,14 @@ class WindowObservation(NamedTuple):
     """Maximum deviation from the mean over the mean, of the worst electrical period there (1)."""
     torque_lowest: float
     """Minimum torque of the electrical periods there (N m); inf if there was none."""
+    means: NDArray[np.float64]
+    """Mean of the current sum (A), root mean square of the current reference (A) and mean advance angle (rad), both as
+    applied, over each whole averaging time in the window, shape (n, 3)."""
+
+    @property
+    def current_sum_range(self) -> float:
+        """Range of the means of the current sum (A); 0 without any."""
+        return float(np.ptp(self.means[:, 0])) if len(self.means) else 0.0
 
 
 TRACE_COLUMNS: Final = (
@@ -137,8 +133,8 @@ def _record_of(names: tuple[str, ...]) -> np.dtype[Any]:
 
 
 RUN_RECORD: Final = _record_of(RunObservation._fields)
-WINDOW_RECORD: Final = _record_of(WindowObservation._fields)
-"""Record of `WindowObservation`; the means are sums until the run has ended."""
+WINDOW_RECORD: Final = _record_of(WindowObservation._fields[:-1])
+"""Record of `WindowObservation` but for its `means`; what is a mean of the window is a sum until the run has ended."""
 TRACE_RECORD: Final = _record_of(TRACE_COLUMNS)
 
 _MEANS = (
@@ -163,10 +159,8 @@ def empty_run() -> NDArray[Any]:
 def empty_windows(count: int) -> NDArray[Any]:
     """Return the records of windows that have not begun, shape (count,) of WINDOW_RECORD."""
     windows = np.zeros(count, WINDOW_RECORD)
-    for name in ("angle", "mean", "reference_rms", "angle_mean"):
-        windows[f"{name}_lowest"] = inf
-        windows[f"{name}_highest"] = -inf
-    windows["torque_lowest"] = inf
+    windows["angle_lowest"] = windows["torque_lowest"] = inf
+    windows["angle_highest"] = -inf
     return windows
 
 
@@ -175,9 +169,27 @@ def observed_run(run: NDArray[Any]) -> RunObservation:
     return RunObservation(*run[0].tolist())
 
 
-def observed_windows(windows: NDArray[Any]) -> tuple[WindowObservation, ...]:
-    """Return the observations in the windows of a completed run, with means instead of sums."""
-    means = windows.copy()
+def observed_windows(
+    windows: NDArray[Any], blocks: NDArray[np.float64], starts: NDArray[np.int64], block: int
+) -> tuple[WindowObservation, ...]:
+    """Return the observations in the windows of a completed run, with means instead of sums.
+
+    - `windows`, shape (w,) of WINDOW_RECORD.
+    - `blocks`, shape (n, 3): sums of current sum (A), squared current reference (A²) and advance angle (rad) over each
+      block of each window.
+    - `starts`, shape (w,): first block of each window.
+    - `block`: control periods in a block; one that has not ended has no means.
+    """
+    observed = windows.copy()
     for name in _MEANS:
-        means[name] /= np.maximum(windows["steps"], 1.0)
-    return tuple(WindowObservation(*row) for row in means.tolist())
+        observed[name] /= np.maximum(windows["steps"], 1.0)
+    return tuple(
+        WindowObservation._make((*row, _means(blocks[start : start + int(row[0]) // block], block)))
+        for row, start in zip(observed.tolist(), starts, strict=True)
+    )
+
+
+def _means(sums: NDArray[np.float64], block: int) -> NDArray[np.float64]:
+    means = sums / block
+    means[:, 1] = np.sqrt(means[:, 1])
+    return means

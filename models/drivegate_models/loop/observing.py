@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import inf, nan, sqrt
+from math import inf, nan
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -136,17 +136,13 @@ def observe_window(
     row: Any,
     applied: Applied,
     speed_reference: float,
-    block_sums: NDArray[np.float64],
-    done: int,
-    block: int,
+    sums: NDArray[np.float64],
 ) -> None:
     """Add one control period to a window.
 
     - `speed_reference`: speed reference in the period (rad/s).
-    - `block_sums`, shape (3,): sums of current sum (A), squared current reference (A²) and advance angle (rad) over the
-      previous periods of the block; this period is added, and they are 0 again if the block has just ended.
-    - `done`: number of the window's periods so far, this one included.
-    - `block`: periods in a block, over which these quantities are averaged.
+    - `sums`, shape (3,): sums of current sum (A), squared current reference (A²) and advance angle (rad) over the
+      periods of the present averaging time.
     """
     row.steps += 1.0
     deviation = abs(applied.speed - speed_reference)
@@ -165,20 +161,10 @@ def observe_window(
     row.speed += applied.speed
     if applied.peak > row.peak:
         row.peak = applied.peak
-    block_sums[0] += applied.current_sum
-    # A reference that swings within the block may have the same mean as one that stands still.
-    block_sums[1] += applied.reference * applied.reference
-    block_sums[2] += applied.advance
-    if done % block != 0:
-        return
-    current_sum, reference, angle = block_sums[0] / block, sqrt(block_sums[1] / block), block_sums[2] / block
-    row.mean_lowest = min(row.mean_lowest, current_sum)
-    row.mean_highest = max(row.mean_highest, current_sum)
-    row.reference_rms_lowest = min(row.reference_rms_lowest, reference)
-    row.reference_rms_highest = max(row.reference_rms_highest, reference)
-    row.angle_mean_lowest = min(row.angle_mean_lowest, angle)
-    row.angle_mean_highest = max(row.angle_mean_highest, angle)
-    block_sums[:] = 0.0
+    sums[0] += applied.current_sum
+    # A reference that swings within the averaging time may have the same mean as one that stands still.
+    sums[1] += applied.reference * applied.reference
+    sums[2] += applied.advance
 
 
 @inlined

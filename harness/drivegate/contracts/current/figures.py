@@ -119,7 +119,7 @@ def _windows(scenario: Scenario, run: ClosedLoopRun) -> list[dict[str, float]]:
             "speed_mean_rpm": row.speed * RPM,
             "speed_error_worst_rpm": row.speed_error * RPM,
             "current_sum_mean_a": row.current_sum,
-            "current_sum_spread_a": float(row.mean_highest - row.mean_lowest),
+            "current_sum_spread_a": row.current_sum_range,
             "torque_mean_nm": row.torque,
             "input_power_mean_w": row.input_power,
             "exchanged_power_mean_w": row.exchanged_power,

@@ -43,22 +43,21 @@ def record_with(
     *,
     run: Mapping[str, float] | None = None,
     totals: Mapping[str, float] | None = None,
-    window: Mapping[str, float] | None = None,
-    windows: list[Mapping[str, float]] | None = None,
+    window: Mapping[str, Any] | None = None,
+    windows: list[Mapping[str, Any]] | None = None,
     declaration: Declaration | None = None,
     repeated: tuple[int, ...] = (),
 ) -> CurrentRecord:
     """A run of which nothing is known but what is given; by default it has converged on its references."""
     scenario = scenario or scenario_with()
     observed = observed_windows(scenario)
-    rows = np.zeros(len(observed), observation.WINDOW_RECORD)
+    finished_windows = []
     by_end = {dwell.end: dwell for dwell in dwells(scenario)}
     for index, (_, end) in enumerate(observed):
         dwell = by_end[end]
         values = {
             "CURRENT_SUM": 40.0,
-            "MEAN_LOWEST": 40.0,
-            "MEAN_HIGHEST": 40.0,
+            "MEANS": [(40.0, 0.0, 0.92)],
             "TORQUE": dwell_torque(scenario, dwell),
             "SPEED": dwell.speed_rpm * math.pi / 30.0,
             "ANGLE": 0.92,
@@ -67,8 +66,10 @@ def record_with(
             **(window or {}),
             **(windows[index] if windows else {}),
         }
-        for name, value in values.items():
-            rows[index][name.lower()] = value
+        fields = dict.fromkeys(observation.WindowObservation._fields, 0.0)
+        fields |= {name.lower(): value for name, value in values.items()}
+        fields["means"] = np.array(values["MEANS"])
+        finished_windows.append(observation.WindowObservation(**fields))
     observations = np.zeros(1, observation.RUN_RECORD)
     for name, value in (run or {}).items():
         observations[0][name.lower()] = value
@@ -81,7 +82,7 @@ def record_with(
         totals=integrals,
         shaft=np.zeros(shaft_ledger.ENTRIES),
         observed=observation.observed_run(observations),
-        windows=tuple(observation.WindowObservation(*row) for row in rows.tolist()),
+        windows=tuple(finished_windows),
         trace=np.zeros(0, observation.TRACE_RECORD),
         last_sense=np.zeros(1, SENSE),
         last_currents=np.zeros(5),

@@ -27,6 +27,11 @@ CONVERGENCE = {"CNV-1": {}, "CNV-3": TWO_STRETCHES, **ROBUST}
 """A scenario in which each check of convergence applies."""
 
 
+def spread(*sums):
+    """Means of a window with these means of the current sum (A), and a constant command."""
+    return [(current_sum, 0.0, 0.92) for current_sum in sums]
+
+
 @pytest.mark.parametrize("check", CONVERGENCE)
 def test_speed_error_of_k1(record, scenario, assert_limit, check):
     run = scenario(**CONVERGENCE[check])
@@ -45,45 +50,71 @@ def test_spread_of_the_means_of_k2(record, scenario, assert_limit, check):
     allowed = (0.005 + unseen) * 40.0
     assert_limit(
         check,
-        record(run, window={"MEAN_LOWEST": 0.0, "MEAN_HIGHEST": allowed}),
-        record(run, window={"MEAN_LOWEST": 0.0, "MEAN_HIGHEST": np.nextafter(allowed, 1.0)}),
+        record(run, window={"MEANS": spread(0.0, allowed)}),
+        record(run, window={"MEANS": spread(0.0, np.nextafter(allowed, 1.0))}),
     )
 
 
-STANDING = {"REFERENCE": 10.0, "ANGLE_MEAN_LOWEST": 0.9, "ANGLE_MEAN_HIGHEST": 0.9}
-STANDING |= dict.fromkeys(("REFERENCE_RMS_LOWEST", "REFERENCE_RMS_HIGHEST"), 10.0)
-BEATING = {"MEAN_LOWEST": 38.0, "MEAN_HIGHEST": 42.0}
+BEAT = 40.0 + 2.0 * np.sin(np.arange(40.0))
+"""Means of a current sum that beats by 10 % (A)."""
+
+
+def commanded(sums, reference_share=0.0, degrees=0.0, place=20):
+    """A window in which reference and angle move once, at a mean, with the means of the current sum."""
+    moved = np.arange(len(sums)) >= place
+    means = np.column_stack((sums, 10.0 * (1.0 + reference_share * moved), 0.9 + degrees * DEGREE * moved))
+    return {"REFERENCE": 10.0, "CURRENT_SUM": 40.0, "MEANS": means}
+
+
+@pytest.mark.parametrize("check", ["CNV-1", "CNV-3", "ROB-1", "ROB-3"])
+@pytest.mark.parametrize(
+    "command",
+    # One step of the search, its inner loop's answer to the beat, and both.
+    [{"degrees": 0.24}, {"reference_share": 0.02}, {"reference_share": 0.02, "degrees": 0.24}],
+)
+def test_a_beat_is_not_the_commands_because_that_moves_meanwhile(record, scenario, checks, check, command):
+    run = scenario(**CONVERGENCE[check])
+    margin = checks[check].evaluate(record(run, window=commanded(BEAT, **command)))
+    assert margin.value > 0.5, f"{command}: {margin.measured}"
+    # The same command that does move the sum, beneath the same beat.
+    sums = BEAT + 40.0 * 0.02 * (np.arange(40) >= 20)
+    margin = checks[check].evaluate(
+        record(run, window=commanded(sums, **{"reference_share": 0.02, **command}))
+    )
+    assert not margin.met, f"{command}: {margin.measured}"
 
 
 @pytest.mark.parametrize("check", ["CNV-1", "CNV-3", "ROB-1", "ROB-3"])
 @pytest.mark.parametrize(
     ("quantity", "explained"),
-    # Twice the share by which the reference differs, and a fifth per degree, are k2.
-    [("REFERENCE_RMS_HIGHEST", 10.0 * 0.005 / 2.0), ("ANGLE_MEAN_HIGHEST", math.radians(0.005 / 0.2))],
+    # Five quarters of the share by which the reference differs, and a twentieth per degree, are k2.
+    [("reference_share", 0.005 / 1.25), ("degrees", 0.1)],
 )
-def test_no_more_of_the_spread_counts_than_the_command_can_explain(
+def test_a_command_explains_no_more_than_the_steepest_of_an_ideal_regulator(
     record, scenario, assert_limit, check, quantity, explained
 ):
     run = scenario(**CONVERGENCE[check])
+    # All of it goes with the command, which cannot be all of its work.
+    sums = np.where(np.arange(40) >= 20, 42.0, 38.0)
 
     def moved_by(part):
-        return record(run, window={**STANDING, **BEATING, quantity: STANDING[quantity] + part * explained})
+        return record(run, window=commanded(sums, **{quantity: part * explained}))
 
     assert_limit(check, moved_by(0.999), moved_by(1.001))
 
 
 def test_a_command_that_moves_does_not_add_to_what_the_current_sum_shows(record, scenario, checks):
-    moving = {**STANDING, "REFERENCE_RMS_LOWEST": 9.0, "MEAN_LOWEST": 40.0, "MEAN_HIGHEST": 40.1}
-    margin = checks["CNV-1"].evaluate(record(scenario(), window=moving))
+    sums = np.where(np.arange(40) >= 20, 40.1, 40.0)
+    margin = checks["CNV-1"].evaluate(record(scenario(), window=commanded(sums, reference_share=0.1)))
     assert margin.value == pytest.approx(0.5)
     assert margin.measured.startswith("Σ|i| varies by 0.25 % at"), margin.measured
 
 
 def test_a_failure_states_how_much_the_command_explains(record, scenario, checks):
-    moving = {**STANDING, **BEATING, "REFERENCE_RMS_LOWEST": 9.9}
-    margin = checks["CNV-1"].evaluate(record(scenario(), window=moving))
-    assert margin.value == pytest.approx(1.0 - 0.02 / 0.005)
-    assert margin.measured.startswith("Σ|i| varies by 10 %, at most 2 % of it by the command at"), (
+    sums = np.where(np.arange(40) >= 20, 42.0, 38.0)
+    margin = checks["CNV-1"].evaluate(record(scenario(), window=commanded(sums, reference_share=0.02)))
+    assert margin.value == pytest.approx(1.0 - 0.025 / 0.005)
+    assert margin.measured.startswith("Σ|i| varies by 10 %, at most 2.5 % of it by the command at"), (
         margin.measured
     )
 
@@ -99,8 +130,8 @@ def test_through_hall_switches_a_step_of_the_speed_is_a_tick_in_an_electrical_cy
     allowed = (0.005 + unseen) * 40.0
     assert_limit(
         "ROB-2",
-        record(run, window={"MEAN_LOWEST": 0.0, "MEAN_HIGHEST": allowed * (1.0 - 1e-12)}),
-        record(run, window={"MEAN_LOWEST": 0.0, "MEAN_HIGHEST": allowed * (1.0 + 1e-12)}),
+        record(run, window={"MEANS": spread(0.0, allowed * (1.0 - 1e-12))}),
+        record(run, window={"MEANS": spread(0.0, allowed * (1.0 + 1e-12))}),
     )
 
 
@@ -122,7 +153,7 @@ def test_k2_is_asked_of_no_less_current_than_at_a_fifth_of_rated_torque(
     reference = max(mean, lightest) if share < 0.2 else mean
 
     def spread_by(part):
-        values = {"CURRENT_SUM": mean, "MEAN_LOWEST": mean, "MEAN_HIGHEST": mean + part * 0.005 * reference}
+        values = {"CURRENT_SUM": mean, "MEANS": spread(mean, mean + part * 0.005 * reference)}
         return record(light, window=values)
 
     assert_limit("CNV-1", spread_by(0.999), spread_by(1.001))
@@ -362,7 +393,7 @@ def test_a_vehicle_on_a_level_road_is_a_load(record, scenario, checks):
 @pytest.mark.parametrize("current_sum", [0.0, 5e-324, 1e-300, 40.0])
 def test_a_load_that_gets_no_torque_fails_and_is_reported_so(record, scenario, checks, current_sum):
     slow = scenario(speed_rpm=[[0.0, 600.0]])
-    sums = dict.fromkeys(("CURRENT_SUM", "MEAN_LOWEST", "MEAN_HIGHEST"), current_sum)
+    sums = {"CURRENT_SUM": current_sum, "MEANS": spread(current_sum)}
     run = record(slow, window={**sums, "TORQUE": 0.0, "SPEED_ERROR": 100.0})
     for check in ("CNV-1", "CNV-2"):
         assert not checks[check].evaluate(run).met, f"{check} is met by {current_sum} A without torque"

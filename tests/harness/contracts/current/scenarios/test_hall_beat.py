@@ -55,5 +55,5 @@ def test_the_current_sum_moves_at_a_fixed_angle_at_such_a_speed_alone(beating: f
     for speed in (beating, beating + 20.0):
         run = run_scenario(through_sensors(speed), load_controller(resolve_candidate("initial")))
         means = run.windows[-1]
-        swings[speed] = (means.mean_highest - means.mean_lowest) / means.current_sum
+        swings[speed] = means.current_sum_range / means.current_sum
     assert swings[beating] > 2.0 * swings[beating + 20.0], swings
