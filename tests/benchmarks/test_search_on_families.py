@@ -60,10 +60,14 @@ def test_what_the_controller_without_the_fault_fails_as_well_is_not_counted(
 
 def test_a_row_is_written_when_all_of_its_trials_are_there() -> None:
     key = f"paper-5-phase/{FAULT}"
-    trials = {f"{key}/climbing/1": None, f"{key}/climbing/0": 12, f"{key}/shard/1": 3, f"{key}/shard/0": 7}
+    runs = {"default/climbing": (None, 12), "default/shard": (3, 7)}
+    runs |= {"nightly/climbing": (12, None), "nightly/shard": (4, 6)}
+    trials = {f"{key}/{name}/{number}": each for name in runs for number, each in enumerate(runs[name])}
     document = {"trials": trials, "processor_seconds": 120.0}
-    mean = (allowance(FAULT) + 12) // 2
-    assert f"| `{FAULT}` | `ADV-2` | all | 1 of 2 | {mean} | 2 of 2 | 5 |" in table(document, 2)
+    mean = (allowance(FAULT, "nightly") + 12) // 2
+    row = f"| `{FAULT}` | `ADV-2` | all | 1 of 2 | 2 of 2 | 1 of 2 | 2 of 2 | {mean} | 5 |"
+    assert row in table(document, 2)
+    assert f"| *all* | | | | | | | {mean} | 5 |" in table(document, 2)
     assert "in 2 minutes of processor time" in table(document, 2)
     assert FAULT not in table(document, 3), "the third seed is missing"
 
