@@ -282,16 +282,16 @@ CNV_1 = Check(
     families=_CALM,
     requirement=(
         "Within {settling} of a steady reference the search has converged: from then on the true speed error stays "
-        "within k1, the {mean} means of Σ|i| within k2 (of no less than Σ|i| at a fifth of the rated torque), or those "
-        "of the command within what moves Σ|i| by k2, and the advance angle within {angle}; required up to {highest}, "
-        "the range of constant power, advisory beyond."
+        "within k1, the {mean} means of Σ|i|, or their part that follows the command, within k2 (of no less than Σ|i| "
+        "at a fifth of the rated torque), and the advance angle within {angle}; required up to {highest}, the range "
+        "of constant power, advisory beyond."
     ),
     source="P6",
     limit="k1 = {k1}, k2 = {k2} of Σ|i|, {angle}",
     scenarios="every first loaded steady stretch of {stretch} or more above base speed, on the nominal drive",
     formula=(
-        "least of 1 - |speed error| / k1, 1 - (max - min of the {mean} means of Σ|i|, at most what the command "
-        "explains) / k2, 1 - (max - min of the angle) / {angle}"
+        "least of 1 - |speed error| / k1, 1 - (max - min of the {mean} means of Σ|i|, at most of a line in the command "
+        "that fits them) / k2, 1 - (max - min of the angle) / {angle}"
     ),
     why="A search that goes on for ever shakes torque and speed, and one that loses the speed does not drive.",
     evaluate=converges,
