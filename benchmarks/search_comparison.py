@@ -20,7 +20,7 @@ from drivegate_cases.documents.atomic_write import write_atomically
 from measured_text import SEARCHING, write_measured
 from search_figure import tables, write_figure
 from search_methods import METHODS
-from search_trials import COMPARED, Cell, done, seeds
+from search_trials import COMPARED, SEEDS, Cell, done
 from weakened_faults import FAULTS
 
 HERE: Final = Path(__file__).resolve().parent
@@ -32,7 +32,7 @@ def cells(known: dict[str, Any]) -> Iterator[Cell]:
     """List the trials, those of faults with a size at the severities that are known."""
     for number, fault in enumerate(FAULTS):
         for method in COMPARED:
-            for seed in seeds(fault):
+            for seed in SEEDS:
                 if fault.shape == "sudden":
                     yield Cell(number, method, seed)
                 else:

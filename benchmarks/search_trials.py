@@ -18,10 +18,9 @@ COMPARED: Final = tuple(method for method in INSTALLED if method != "uniform")
 LEVELS: Final = 4
 """Number of levels of each fault."""
 SLOW_CHECKS: Final = ("ROB-1", "CNV-1")
-"""Checks that judge runs of 9 s and more; their trials are fewer and shorter."""
-SEEDS: Final = 20
-SLOW_SEEDS: Final = 10
-"""Seeds of each method, and where runs are slow."""
+"""Checks that judge runs of 9 s and more; their trials are shorter."""
+SEEDS: Final = range(20)
+"""Seeds of each method."""
 
 
 def expected_draws(level: int) -> float:
@@ -65,11 +64,6 @@ def allowance(fault: WeakenedFault) -> int:
     if fault.check in SLOW_CHECKS:
         return 100
     return 500 if fault.shape == "sudden" else 300
-
-
-def seeds(fault: WeakenedFault) -> range:
-    """Return the seeds of each method: fewer where runs are slow."""
-    return range(SLOW_SEEDS if fault.check in SLOW_CHECKS else SEEDS)
 
 
 @cache
