@@ -30,9 +30,10 @@ LIGHTEST_SHARE = 0.2
 REQUIRED_SHARE = 0.5
 """Share of the rated power's torque, as a load on the shaft, from which the optimum is required (1)."""
 _SAME: Final = 1e-6
-STEEPEST: Final = (1.25, 0.05)
+STEEPEST: Final = (1.0, 0.05)
 """Change of the current sum of an ideal regulator, as a share, by the current reference, as a share (1), and by the
-advance angle (1/degree); few steady states are steeper."""
+advance angle (1/degree). Where currents follow their reference they are in proportion to it, and few steady states are
+steeper."""
 
 ABOVE_BASE_SPEED = unless_speeds(above_base)
 """Reason why a check of the search does not apply to a candidate for speeds up to base speed."""

@@ -87,8 +87,8 @@ def test_a_beat_is_not_the_commands_because_that_moves_meanwhile(record, scenari
 @pytest.mark.parametrize("check", ["CNV-1", "CNV-3", "ROB-1", "ROB-3"])
 @pytest.mark.parametrize(
     ("quantity", "explained"),
-    # Five quarters of the share by which the reference differs, and a twentieth per degree, are k2.
-    [("reference_share", 0.005 / 1.25), ("degrees", 0.1)],
+    # The share by which the reference differs, and a twentieth per degree, are k2.
+    [("reference_share", 0.005), ("degrees", 0.1)],
 )
 def test_a_command_explains_no_more_than_the_steepest_of_an_ideal_regulator(
     record, scenario, assert_limit, check, quantity, explained
@@ -113,8 +113,8 @@ def test_a_command_that_moves_does_not_add_to_what_the_current_sum_shows(record,
 def test_a_failure_states_how_much_the_command_explains(record, scenario, checks):
     sums = np.where(np.arange(40) >= 20, 42.0, 38.0)
     margin = checks["CNV-1"].evaluate(record(scenario(), window=commanded(sums, reference_share=0.02)))
-    assert margin.value == pytest.approx(1.0 - 0.025 / 0.005)
-    assert margin.measured.startswith("Σ|i| varies by 10 %, at most 2.5 % of it by the command at"), (
+    assert margin.value == pytest.approx(1.0 - 0.02 / 0.005)
+    assert margin.measured.startswith("Σ|i| varies by 10 %, at most 2 % of it by the command at"), (
         margin.measured
     )
 
