@@ -6,10 +6,9 @@ import math
 from collections.abc import Iterable, Iterator
 from typing import Final
 
-import numpy as np
-
 from drivegate.checks.check import Check
 from drivegate.checks.margin import Margin, Moment, at_most, worst_required
+from drivegate.contracts.current.checks.commanded import commanded_spread
 from drivegate.contracts.current.checks.declared_speeds import above_base, unless_speeds
 from drivegate.contracts.current.checks.shown import angle_moment, decisive, speed_moment, spread_moment
 from drivegate.contracts.current.numbers import given_below_limit
@@ -30,10 +29,6 @@ LIGHTEST_SHARE = 0.2
 REQUIRED_SHARE = 0.5
 """Share of the rated power's torque, as a load on the shaft, from which the optimum is required (1)."""
 _SAME: Final = 1e-6
-STEEPEST: Final = (1.0, 0.05)
-"""Change of the current sum of an ideal regulator, as a share, by the current reference, as a share (1), and by the
-advance angle (1/degree). Where currents follow their reference they are in proportion to it, and few steady states are
-steeper."""
 
 ABOVE_BASE_SPEED = unless_speeds(above_base)
 """Reason why a check of the search does not apply to a candidate for speeds up to base speed."""
@@ -95,33 +90,6 @@ def judged_current_sum(window: SteadyWindow) -> float:
     return max(mean, least) if math.isfinite(least) else mean
 
 
-def commanded_spread(window: SteadyWindow, allowed: float) -> float:
-    """Return by how much the means of the current sum vary, as far as current reference and angle move them (A).
-
-    Where few pulses of the hysteresis band fit in a half-wave, their number beats with the means, and the current sum
-    of a constant command varies by percents. What the command moves is what a line in both fits, no steeper than that
-    of an ideal regulator. `allowed`: no line is fitted if they vary by no more, or with the steepest one would (A).
-    """
-    values = window.values
-    varied = values.current_sum_range
-    if values.reference <= 0.0 or varied <= 0.0:
-        return varied
-    sums, references, angles = values.means.T
-    commands = np.column_stack((references / values.reference, np.degrees(angles)))
-    steepest = values.current_sum * np.array(STEEPEST)
-    most = min(varied, float(steepest @ np.ptp(commands, axis=0)))
-    if most <= allowed:
-        return most
-    # Its import takes longer than all checks of a run.
-    from scipy.optimize import lsq_linear
-
-    moved = commands - commands.mean(axis=0)
-    # More reference is never less current; an angle further on may be either.
-    flattest = steepest * (0.0, -1.0)
-    slopes = lsq_linear(moved, sums - sums.mean(), (flattest, steepest), method="bvls").x
-    return min(most, float(np.ptp(moved @ slopes)))
-
-
 _SHOWN: Final = (speed_moment, angle_moment, spread_moment)
 """What shows each of the quantities of `window_convergence`, in their order."""
 
@@ -155,7 +123,7 @@ def _quantities(window: SteadyWindow) -> list[tuple[float, str]]:
         k2 = limits.power_tolerance
         allowed = (k2 + unseen_share(window)) * mean + k2 * lacking
         varied = values.current_sum_range
-        spread = commanded_spread(window, allowed)
+        spread = commanded_spread(values)
         share = f"Σ|i| varies by {100.0 * varied / mean:.3g} %"
         if spread < varied:
             share += f", at most {100.0 * spread / mean:.3g} % of it by the command"

@@ -10,7 +10,7 @@ from drivegate.candidates.kinds import load_controller
 from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.check import judged
 from drivegate.contracts.current.checks.catalogue import CHECKS
-from drivegate.contracts.current.checks.convergence import STEEPEST
+from drivegate.contracts.current.checks.commanded import STEEPEST
 from drivegate.contracts.current.record import CurrentRecord
 from drivegate.contracts.current.scenarios.building import steady_scenario
 from drivegate.drives.running import run_scenario
