@@ -4,7 +4,8 @@ There is no braking, since a current reference is never negative: a reference ma
 shaft coasts. Below base speed there is no advance, so that a load there must be within what an angle of zero gives,
 also where the reference rises through base speed; nor may a step of a load that needs an angle, or a restart under it,
 throw the shaft there before any controller can answer. And at every operating point some advance angle must give the
-torque; of a load of constant power, also at the speed to which the shaft sags while that load comes on.
+torque; of a load of constant power, also at the speed to which the shaft sags while that load comes on. Nor may the
+line of initial angles lie beyond the angles that give it.
 """
 
 from __future__ import annotations
@@ -32,6 +33,7 @@ from drivegate_cases.scenario.sensors import HallSensors
 from drivegate_models.machine.friction import friction_torque
 from drivegate_models.steady.oracle import AdvanceLine, feasible_edge
 from drivegate_models.steady.plant import AnyDrive
+from drivegate_models.steady.torque_limit import torques_at_limit
 from drivegate_models.units import RADIANS_PER_RPM
 
 _MOST_PERIODS = 12
@@ -139,7 +141,9 @@ def unfair_because(scenario: Scenario) -> str | None:
     if not coasts(scenario):
         return "its speed reference falls faster than the shaft coasts, and there is no braking"
     if not is_feasible(scenario):
-        return "at one of its operating points no advance angle gives the torque"
+        return (
+            "at one of its operating points no advance angle gives the torque, or not the one to begin with"
+        )
     if beats_with_edges(scenario):
         return "at one of its speeds Hall edges and control periods run almost in step, which moves the current sum"
     return None
@@ -208,28 +212,44 @@ def _reaches(
     edge = _edge(scenario.drive, scales, speed, held + accelerating, voltage)
     if not math.isfinite(edge) or (without_advance and edge > 0.0):
         return False
+    is_nominal = scales == NOMINAL and voltage >= scenario.drive.inverter.supply_voltage_v
+    rating = scenario.drive.rating
+    # In the range of the line, controllers hold the load by it until their searches have found another angle.
+    is_held_by_line = is_nominal and rating.base_speed_rpm <= conditions.speed_rpm <= rating.highest_speed_rpm
     if not isinstance(scenario.load, ConstantPowerLoad):
-        return True
+        return not is_held_by_line or not _is_line_beyond(scenario.drive, speed, held)
 
     def edge_at(sagged: float) -> float:
         return _edge(scenario.drive, scales, sagged * speed, load / sagged + _own_drag(drive, speed), voltage)
 
-    is_nominal = scales == NOMINAL and voltage >= scenario.drive.inverter.supply_voltage_v
     sag = min(_sag(scenario) / speed, SPEED_RESERVE) if is_nominal else SPEED_RESERVE
     edge = edge_at(1.0 - sag)
     if not math.isfinite(edge) or (without_advance and edge > 0.0):
         return False
-    if not is_nominal or conditions.speed_rpm > scenario.drive.rating.highest_speed_rpm:
+    if not is_nominal or conditions.speed_rpm > rating.highest_speed_rpm:
         return True
-    # In the range of the line, controllers hold the load by it until their searches have found another angle.
     sagged = 1.0 - LEAST_SAG * sag
-    return edge_at(sagged) <= _first_angle(scenario.drive, sagged * speed)
+    if edge_at(sagged) > _first_angle(scenario.drive, sagged * speed):
+        return False
+    demanded = load / sagged + _own_drag(drive, speed)
+    return not is_held_by_line or not _is_line_beyond(scenario.drive, sagged * speed, demanded)
 
 
 def _first_angle(drive: DriveDocument, speed: float) -> float:
     """Return the angle that controllers begin with (rad electrical); a search takes longer than a load to come on."""
     base = drive.rating.base_speed_rpm * RADIANS_PER_RPM
     return AdvanceLine(base, *advance_line(drive)).angle(max(speed, base))
+
+
+@lru_cache(maxsize=_KEPT_POINTS)
+def _is_line_beyond(drive: DriveDocument, speed: float, torque: float) -> bool:
+    """Return True if the angle that controllers begin with lies beyond those that give a torque.
+
+    A search that has lost the torque looks for it at more angle, where there is even less.
+    """
+    plant, first = _drive(drive, NOMINAL), _first_angle(drive, speed)
+    lacks = float(torques_at_limit(plant, speed, [first])[0]) < torque
+    return lacks and feasible_edge(plant, speed, torque) <= first
 
 
 def _sag(scenario: Scenario) -> float:

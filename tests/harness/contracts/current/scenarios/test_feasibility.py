@@ -34,7 +34,7 @@ from drivegate.scenarios.changes import (
 )
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.scenario.scenario import Scenario
-from drivegate_models.steady.oracle import feasible_edge
+from drivegate_models.steady.oracle import feasible_edge, least_current_sum
 from drivegate_models.units import RADIANS_PER_RPM
 
 DRIVE = load_drive("paper-5-phase")
@@ -134,6 +134,56 @@ def test_the_load_at_that_speed_must_be_within_reach_by_the_angle_that_controlle
     assert (unfair_because(run) is None) is fair
     made = run_scenario(run.replaced(duration_s=2.0), load_controller(resolve_candidate("reference")))
     assert (made.observed.speed_final > 240.0 * RADIANS_PER_RPM) is fair, made.observed.speed_final
+
+
+def drive_whose_line_is_too_steep() -> DriveDocument:
+    """Make a drive of 337 W on which no straight line of angles gives rated power at all speeds."""
+    return load_drive("star-3-phase").replaced(
+        pole_pairs=3,
+        resistance_ohm=0.138,
+        inductance_h=0.00111,
+        emf_constant_v_s_per_rad=0.0735,
+        emf_shape="trapezoid",
+        emf_flat_deg=73.1,
+        core_loss_conductance_s=0.00841,
+        inertia_kg_m2=0.00402,
+        friction_n_m=0.0279,
+        viscous_friction_n_m_s_per_rad=0.000345,
+        supply_voltage_v=15.1,
+        hysteresis_band_a=0.729,
+        base_speed_rpm=1060.0,
+        highest_speed_rpm=2470.0,
+        overspeed_rpm=2740.0,
+        rated_power_w=337.0,
+        current_limit_a=26.9,
+        start_deg=43.4,
+        slope_deg_per_rpm=0.02525,
+    )
+
+
+@pytest.mark.parametrize(
+    ("speed", "torque_nm", "constant_power", "fair"),
+    [
+        (1130.0, 2.848, True, False),
+        (1500.0, 2.145, True, True),
+        (2470.0, 1.337, False, False),
+        (2000.0, 1.337, False, True),
+    ],
+)
+def test_the_angle_that_controllers_begin_with_may_not_lie_beyond_those_that_give_the_load(
+    speed: float, torque_nm: float, constant_power: bool, fair: bool
+) -> None:
+    """Every design stalls at 1130 rpm, and rests with 16 % more current at 2470 rpm."""
+    drive = drive_whose_line_is_too_steep()
+    share = torque_nm * speed * RADIANS_PER_RPM / 337.0
+    run = steady_scenario(drive, speed, power_share=share, constant_power=constant_power)
+    assert (unfair_because(run) is None) is fair
+    made = run_scenario(run, load_controller(resolve_candidate("reference")))
+    needed = (
+        1.02 * least_current_sum(drive.plant(), speed * RADIANS_PER_RPM, made.windows[-1].torque).current_sum
+    )
+    holds = made.observed.speed_final > 0.99 * speed * RADIANS_PER_RPM
+    assert (holds and made.windows[-1].current_sum < needed) is fair, made.windows[-1]
 
 
 def test_a_line_that_falls_below_zero_ends_there() -> None:
