@@ -224,7 +224,9 @@ def _reaches(
 
     sag = min(_sag(scenario) / speed, SPEED_RESERVE) if is_nominal else SPEED_RESERVE
     edge = edge_at(1.0 - sag)
-    if not math.isfinite(edge) or (without_advance and edge > 0.0):
+    # On the way the shaft may not come below base speed, where there is no advance.
+    falls_below = is_held_by_line and (1.0 - sag) * conditions.speed_rpm < rating.base_speed_rpm
+    if not math.isfinite(edge) or ((without_advance or falls_below) and edge > 0.0):
         return False
     if not is_nominal or conditions.speed_rpm > rating.highest_speed_rpm:
         return True

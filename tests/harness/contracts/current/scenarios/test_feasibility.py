@@ -186,6 +186,38 @@ def test_the_angle_that_controllers_begin_with_may_not_lie_beyond_those_that_giv
     assert (holds and made.windows[-1].current_sum < needed) is fair, made.windows[-1]
 
 
+@pytest.mark.parametrize(("speed", "fair"), [(2080.0, False), (2200.0, True)])
+def test_constant_power_may_not_pull_the_shaft_below_base_speed_while_it_comes_on(
+    speed: float, fair: bool
+) -> None:
+    """Below base speed there is no advance, without which this drive loses the load."""
+    drive = load_drive("star-3-phase").replaced(
+        pole_pairs=3,
+        resistance_ohm=0.145,
+        inductance_h=0.00151,
+        emf_constant_v_s_per_rad=0.0366,
+        emf_shape="trapezoid",
+        emf_flat_deg=67.2,
+        core_loss_conductance_s=0.000194,
+        inertia_kg_m2=0.000327,
+        friction_n_m=0.0012,
+        viscous_friction_n_m_s_per_rad=1.51e-5,
+        supply_voltage_v=21.3,
+        hysteresis_band_a=0.543,
+        base_speed_rpm=2020.0,
+        highest_speed_rpm=3110.0,
+        overspeed_rpm=4040.0,
+        rated_power_w=282.0,
+        current_limit_a=21.3,
+        start_deg=25.1,
+        slope_deg_per_rpm=0.0027,
+    )
+    run = steady_scenario(drive, speed, power_share=1.0, constant_power=True)
+    assert (unfair_because(run) is None) is fair
+    made = run_scenario(run.replaced(duration_s=2.0), load_controller(resolve_candidate("reference")))
+    assert (made.observed.speed_final > 0.99 * speed * RADIANS_PER_RPM) is fair, made.observed.speed_final
+
+
 def test_a_line_that_falls_below_zero_ends_there() -> None:
     drive = drive_with_little_reserve(-0.08)
     assert is_fair(steady_scenario(drive, 365.0, power_share=1.0, constant_power=True))
