@@ -178,7 +178,7 @@ def observed_windows(
     - `blocks`, shape (n, 3): sums of current sum (A), squared current reference (A²) and advance angle (rad) over each
       block of each window.
     - `starts`, shape (w,): first block of each window.
-    - `block`: control periods in a block; one that has not ended has no means.
+    - `block`: control periods in a block; one that has not ended has no means. `blocks` has the means afterwards.
     """
     observed = windows.copy()
     for name in _MEANS:
@@ -190,6 +190,7 @@ def observed_windows(
 
 
 def _means(sums: NDArray[np.float64], block: int) -> NDArray[np.float64]:
-    means = sums / block
-    means[:, 1] = np.sqrt(means[:, 1])
-    return means
+    """Make means of sums in their place, since a long run has many."""
+    sums /= block
+    np.sqrt(sums[:, 1], out=sums[:, 1])
+    return sums

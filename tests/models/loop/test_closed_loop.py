@@ -246,8 +246,8 @@ def test_memory_grows_by_the_means_of_a_run_alone(motor: Any) -> None:
         simulate(motor(inertia=0.05), Load(CONSTANT_TORQUE, 5.0, 1.0), duration=duration)
         peaks.append(tracemalloc.get_traced_memory()[1])
         tracemalloc.stop()
-    # Three numbers for each 100 ms of the window, which is half of the run, as sums and as means.
-    means = 2 * 3 * 8 * round(0.5 * 29.0 / observation.MEAN_TIME)
+    # Three numbers for each 100 ms of the window, which is half of the run.
+    means = 3 * 8 * round(0.5 * 29.0 / observation.MEAN_TIME)
     assert peaks[2] <= peaks[1] + means + 4096, f"{peaks[1]} bytes for 1 s, but {peaks[2]} bytes for 30 s"
 
 
