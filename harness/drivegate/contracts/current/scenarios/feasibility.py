@@ -219,8 +219,11 @@ def _reaches(
     if not isinstance(scenario.load, ConstantPowerLoad):
         return not is_held_by_line or not _is_line_beyond(scenario.drive, speed, held)
 
+    def torque_at(sagged: float) -> float:
+        return load / sagged + _own_drag(drive, speed)
+
     def edge_at(sagged: float) -> float:
-        return _edge(scenario.drive, scales, sagged * speed, load / sagged + _own_drag(drive, speed), voltage)
+        return _edge(scenario.drive, scales, sagged * speed, torque_at(sagged), voltage)
 
     sag = min(_sag(scenario) / speed, SPEED_RESERVE) if is_nominal else SPEED_RESERVE
     edge = edge_at(1.0 - sag)
@@ -233,8 +236,7 @@ def _reaches(
     sagged = 1.0 - LEAST_SAG * sag
     if edge_at(sagged) > _first_angle(scenario.drive, sagged * speed):
         return False
-    demanded = load / sagged + _own_drag(drive, speed)
-    return not is_held_by_line or not _is_line_beyond(scenario.drive, sagged * speed, demanded)
+    return not is_held_by_line or not _is_line_beyond(scenario.drive, sagged * speed, torque_at(sagged))
 
 
 def _first_angle(drive: DriveDocument, speed: float) -> float:
@@ -251,7 +253,7 @@ def _is_line_beyond(drive: DriveDocument, speed: float, torque: float) -> bool:
     """
     plant, first = _drive(drive, NOMINAL), _first_angle(drive, speed)
     lacks = float(torques_at_limit(plant, speed, [first])[0]) < torque
-    return lacks and feasible_edge(plant, speed, torque) <= first
+    return lacks and _edge(drive, NOMINAL, speed, torque, plant.half_supply_voltage) <= first
 
 
 def _sag(scenario: Scenario) -> float:
