@@ -51,8 +51,8 @@ def _deviations(values: list[float]) -> list[float]:
 def _slopes(sums: list[float], references: list[float], angles: list[float]) -> tuple[float, float]:
     """Fit the slopes of a line by least squares, the first from 0 to the steepest one and the second of either sign.
 
-    More reference is never less current; an angle further on may be either. In operations that every processor rounds in
-    the same way, as those of a linear algebra library are not.
+    More reference is never less current; an angle further on may be either. In operations that every processor rounds
+    in the same way, as those of a linear algebra library are not.
     """
     of_reference, of_angle = _product(references, references), _product(angles, angles)
     common = _product(references, angles)
