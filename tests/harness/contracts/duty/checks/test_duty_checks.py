@@ -677,6 +677,16 @@ def test_a_step_is_decoupled_before_the_currents_have_moved(run: Run) -> None:
     assert margin.value > 0.5, margin.measured
 
 
+def test_one_change_of_sign_of_a_legs_dead_time_and_drop_is_no_coupling(run: Run) -> None:
+    """At a twelfth of the rated current all legs change sign; this moved the d current by 14 and 16 % of the step."""
+    drive = load_drive("pm-ac-servo")
+    assert isinstance(drive, PmAcDocument)
+    for speed_rpm, torques in ((4990.0, (-0.0383, -0.2296)), (4750.0, (-0.0402, -0.201))):
+        margin = judged("DEC-1", run(torque_scenario(drive, speed_rpm, torques)))
+        assert margin is not None
+        assert margin.met, margin.measured
+
+
 def low_inductance_drive(inductance: float, frequency: float, link: float = 48.0) -> PmAcDocument:
     """Make a drive of 60 A whose base speed uses 60 % of the voltage, with all requirements left out."""
     drive = load_drive("pm-ac-surface")
