@@ -247,7 +247,8 @@ def test_an_edge_that_is_met_again_does_not_restart_the_search_again(
     )
     run = assert_met(converges_again, scenario, BuiltinController(SEARCHES["reference"]), trace_every=20)
     rises = [rise for rise in np.diff(run.trace["advance_deg"]) if rise > 30.0]
-    assert len(rises) == 1, (
+    # None where the angle regulates the speed, before and after.
+    assert len(rises) <= 1, (
         f"the angle returns to the initial one {len(rises)} times after one change of the load"
     )
 
@@ -289,3 +290,22 @@ def test_an_angle_that_is_lost_while_the_load_alternates_is_found_afterwards() -
     factor = ((0.0, 0.0), (0.2, 0.6), *repeated(0.6, 0.7, 1.2, every_s=0.4)[1:])
     scenario = with_load_factor(plain, factor).replaced(duration_s=21.0)
     assert_met(reaches_optimum, scenario, BuiltinController(SEARCHES["reference"]))
+
+
+def test_what_a_long_step_saves_is_not_taken_for_another_load_after_its_loss_of_speed() -> None:
+    # A step of two degrees saves 15 % and costs speed. The search began again and again: Σ|i| varied by 30 %.
+    scenario = constant_torque_scenario(HALF_BRIDGE.draw(0, 9).document, 4100.0, 1.267)
+    for judge in (converges, reaches_optimum):
+        assert_met(judge, scenario, BuiltinController(SEARCHES["reference"]))
+
+
+def test_the_far_optimum_of_a_light_load_is_found_in_time() -> None:
+    # By steps of one degree alone, the search was not over yet.
+    scenario = constant_torque_scenario(HALF_BRIDGE.draw(0, 6).document, 725.0, 0.2)
+    assert_met(converges, scenario, BuiltinController(SEARCHES["reference"]))
+
+
+def test_a_search_goes_on_after_an_angle_that_could_not_regulate_the_speed() -> None:
+    # Even without advance the torque exceeds this load; the speed that this costs looks like another load.
+    scenario = constant_torque_scenario(load_drive("paper-5-phase"), 1390.0, 1.0)
+    assert_met(converges, scenario, BuiltinController(SEARCHES["reference"]))

@@ -18,7 +18,8 @@ from drivegate_models.controllers.current.another_load import (
     NEAR,
     differs,
 )
-from drivegate_models.controllers.current.forbidden_angle import allow_all_angles
+from drivegate_models.controllers.current.current_share import is_current_below
+from drivegate_models.controllers.current.forbidden_angle import LIGHT, allow_all_angles
 from drivegate_models.controllers.current.modes import (
     SURE,
     begin_following,
@@ -133,7 +134,9 @@ def decide_following(state: Any, current_sum: float, settled: bool) -> None:
             stop_following(state, current_sum, True)
     elif state.quiet >= _STEADY_INTERVALS:
         state.followed_power = current_sum
-        if state.compared == 0 and state.emf_over_supply < SURE:
+        # Under a light load a limited current needs much more, and its sum has many local minima.
+        is_sure = state.emf_over_supply >= SURE or is_current_below(state, LIGHT)
+        if state.compared == 0 and not is_sure:
             _search_upward(state, current_sum)
     elif state.followed_intervals >= _MOST_INTERVALS and state.emf_over_supply < SURE:
         _give_up(state, current_sum)
@@ -177,21 +180,38 @@ def _give_up(state: Any, current_sum: float) -> None:
     `current_sum` is the one that flows (A).
     """
     if state.kept_power < inf:
+        # Not held at once, since the speed is off its reference by now.
         state.follows = 0
-        _return_to_kept(state)
+        _restore_kept(state)
+        begin_settling(state)
     else:
         stop_following(state, current_sum, False)
 
 
 @inlined
-def _return_to_kept(state: Any) -> None:
-    """Hold the angle that the search had found before the angle regulated the speed."""
+def _restore_kept(state: Any) -> None:
+    """Set the angle at which the search was before the angle regulated the speed."""
     state.offset = state.kept_offset
     state.integral = state.kept_integral
     forget_good_angle(state)
-    hold_angle(state, state.kept_power)
     # Once: what it needs at rest may be more.
     state.kept_power = inf
+
+
+@inlined
+def tries_following(state: Any, current_sum: float) -> bool:
+    """Let the angle regulate the speed from now on and return True, or return False where that needs no less.
+
+    `current_sum` is the mean of the interval (A).
+    """
+    # At a lower EMF, an optimum that is not at the edge is one of a limited current.
+    tries = state.emf_over_supply >= 1.0 and may_follow(state)
+    if tries:
+        state.kept_offset = state.offset
+        state.kept_integral = state.integral
+        state.kept_power = current_sum
+        begin_following(state)
+    return tries
 
 
 @inlined
@@ -225,19 +245,14 @@ def goes_on(state: Any, current_sum: float) -> bool:
         _search_downward(state)
         return True
     if state.compared == 0:
-        # At a lower EMF, an optimum that is not at the edge is one of a limited current.
-        tries = state.emf_over_supply >= 1.0 and may_follow(state)
-        if tries:
-            state.kept_offset = state.offset
-            state.kept_integral = state.integral
-            state.kept_power = current_sum
-            begin_following(state)
-        return tries
+        return tries_following(state, current_sum)
     # At equal currents, too: the angle gives the torque at any current.
     if state.follows == 1 and state.followed_power * (1.0 - _LESS) < min(current_sum, state.kept_power):
         begin_following(state)
         return True
     if current_sum <= (1.0 + _LESS) * state.kept_power:
         return False
-    _return_to_kept(state)
+    kept_power = state.kept_power
+    _restore_kept(state)
+    hold_angle(state, kept_power)
     return True

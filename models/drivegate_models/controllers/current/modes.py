@@ -7,7 +7,7 @@ from typing import Any, Final
 
 from drivegate_models.compilation.kernels import inlined
 from drivegate_models.controllers.current.current_share import is_current_below
-from drivegate_models.controllers.current.forbidden_angle import LIGHT, allow_all_angles
+from drivegate_models.controllers.current.forbidden_angle import allow_all_angles
 from drivegate_models.controllers.current.state import (
     FOLLOWING,
     HOLDING,
@@ -21,12 +21,13 @@ from drivegate_models.controllers.current.state import (
 SURE: Final = 1.3
 """Ratio of peak EMF to supply from which a limited current always needs more."""
 
-# Ratios from which it may need more: under a heavy load (a share of the maximum current sum), under a load that is not
-# light, and under any.
+# Ratios from which it may need more: under a heavy load (a share of the maximum current sum), under one that is not
+# very light, and under any.
 _TRIED: Final = 0.8
 _HEAVY: Final = 0.2
-_TRIED_UNLESS_LIGHT: Final = 1.0
-_TRIED_LIGHT: Final = 1.2
+_TRIED_UNLESS_VERY_LIGHT: Final = 1.0
+_VERY_LIGHT: Final = 0.05
+_TRIED_UNDER_ANY_LOAD: Final = 1.2
 
 
 @inlined
@@ -111,9 +112,9 @@ def may_follow(state: Any) -> bool:
     Below the initial angle, where the EMF limits the current: the lower the EMF, the heavier the load must be.
     """
     load = _HEAVY
-    if state.emf_over_supply >= _TRIED_UNLESS_LIGHT:
-        load = LIGHT
-    if state.emf_over_supply >= _TRIED_LIGHT:
+    if state.emf_over_supply >= _TRIED_UNLESS_VERY_LIGHT:
+        load = _VERY_LIGHT
+    if state.emf_over_supply >= _TRIED_UNDER_ANY_LOAD:
         load = 0.0
     possible = state.angle_proportional > 0.0 and state.emf_over_supply >= _TRIED
     likely = possible and not is_current_below(state, load)

@@ -20,7 +20,7 @@ from drivegate_models.controllers.current.another_load import (
     rearm_unless_repeated,
 )
 from drivegate_models.controllers.current.current_share import is_current_below
-from drivegate_models.controllers.current.following import decide_following
+from drivegate_models.controllers.current.following import decide_following, tries_following
 from drivegate_models.controllers.current.forbidden_angle import forbid, forget_load, is_heavier_load
 from drivegate_models.controllers.current.modes import begin_settling, rearm
 from drivegate_models.controllers.current.protection import back_off, back_off_farther, revert_step
@@ -197,6 +197,12 @@ def settle(state: Any, current_sum: float, change: float, settled: bool) -> int:
     if abs(state.climb) > _FAR_CLIMB * state.first_step:
         # After a climb in growing steps, the angle is about as far from the edge as the initial angle usually is.
         state.step = state.first_step
+    if state.grows == 0:
+        # Not sooner: until the current sum has settled, the long step explains what it saved.
+        state.step = min(state.step, state.first_step)
+        # Short steps would take long to the optimum of a light load, which is far away.
+        if tries_following(state, current_sum):
+            return WAITING
     state.climb = 0.5 * state.first_step
     state.regained = -inf
     return BEGINNING
@@ -207,7 +213,6 @@ def leaves_search(state: Any, load_changed: bool, jolted: bool) -> bool:
     """Settle or restart where the current sum or the speed shows another load, and return True; else return False."""
     if jolted and state.tries_again == 1 and abs(state.moved) > _LONG * state.first_step:
         # A long step may cost as much speed. Another load shows at this angle, from which shorter steps lead on.
-        state.step = state.first_step
         state.grows = 0
         begin_settling(state)
         return True

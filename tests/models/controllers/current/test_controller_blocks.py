@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from drivegate_models.contract.current.records import SENSE
 from drivegate_models.controllers.current.builtin import current_reference, initial_angle, regulate_speed
 from drivegate_models.controllers.current.flowchart_search import decide_by_flowchart
-from drivegate_models.controllers.current.following import goes_on
+from drivegate_models.controllers.current.following import decide_following, goes_on, tries_following
 from drivegate_models.controllers.current.modes import begin_following, may_follow
 from drivegate_models.controllers.current.protection import guard_regulation
 from drivegate_models.controllers.current.state import (
@@ -129,7 +129,7 @@ def following_state() -> Any:
     [
         ("angle_proportional", 0.0),
         ("emf_over_supply", 0.7),
-        ("last_power", 10.0),
+        ("last_power", 5.0),
         ("follows", 0),
         ("compared", 1),
         ("offset", 0.0),
@@ -166,7 +166,7 @@ def test_of_all_that_a_search_has_found_the_least_is_kept(
 
 @pytest.mark.parametrize(
     ("emf_over_supply", "share", "follows"),
-    [(0.9, 0.25, True), (0.9, 0.17, False), (1.1, 0.17, True), (1.1, 0.1, False), (1.25, 0.1, True)],
+    [(0.9, 0.25, True), (0.9, 0.17, False), (1.1, 0.1, True), (1.1, 0.04, False), (1.25, 0.04, True)],
 )
 def test_the_lower_the_emf_the_heavier_is_the_load_that_frees_the_current(
     emf_over_supply: float, share: float, follows: bool
@@ -174,6 +174,31 @@ def test_the_lower_the_emf_the_heavier_is_the_load_that_frees_the_current(
     state = following_state()
     state["emf_over_supply"], state["last_power"] = emf_over_supply, share * 4.0 * 26.0
     assert may_follow(state[0]) == follows
+
+
+@pytest.mark.parametrize(
+    ("current_sum", "mode"),
+    [pytest.param(30.0, SETTLING, id="searched upward"), pytest.param(15.0, FOLLOWING, id="a light load")],
+)
+def test_a_search_goes_upward_from_the_regulated_angle_unless_the_load_is_light(
+    current_sum: float, mode: int
+) -> None:
+    state = following_state()
+    begin_following(state[0])
+    state["emf_over_supply"], state["last_power"], state["lowest"] = 1.1, current_sum, -1.0
+    state["followed_power"] = math.inf
+    for _ in range(3):
+        decide_following(state[0], current_sum, True)
+    assert (state["mode"][0], state["followed_power"][0]) == (mode, current_sum)
+
+
+def test_the_search_goes_on_from_where_it_was_after_an_angle_that_could_not_regulate_the_speed() -> None:
+    state = following_state()
+    assert tries_following(state[0], 30.0)
+    state["angle_integral"] = state["lowest"] = -0.9
+    decide_following(state[0], 12.0, True)
+    found = (state["mode"][0], state["offset"][0], state["follows"][0])
+    assert found == (SETTLING, -0.1, 0), "the angle is not held, and not searched for from the beginning"
 
 
 def test_a_search_that_ends_inside_tries_a_free_current_only_above_the_supply() -> None:
