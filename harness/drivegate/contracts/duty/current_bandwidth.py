@@ -21,7 +21,7 @@ _DETOUR: Final = 1.8
 that way (1)."""
 _MOST_FACTOR: Final = 10.0
 """Time of a step that a declaration may ask for over that of the drive's requirements (1)."""
-_OF_ONE_LEG: Final = 2.0 / 3.0
+OF_ONE_LEG: Final = 2.0 / 3.0
 """Phase voltage over that of one leg (1)."""
 _PHASE_LEFT: Final = 0.5 * pi
 """Phase that a loop of one integrator has left for its delay (rad)."""
@@ -71,11 +71,8 @@ def lost_share(drive: PmAcDocument, bandwidth: float | None, flux: float) -> flo
     linkage by as much voltage. `bandwidth`: of the loop (rad/s), None for that of the drive's requirement; `flux`:
     change of the flux linkage (V s).
     """
-    inverter = drive.inverter
-    lost = inverter.dead_time_s * inverter.carrier_frequency_hz * inverter.link_voltage_v
-    lost += 0.5 * (inverter.switch_drop_v + inverter.diode_drop_v)
     bandwidth = bandwidth or _required_bandwidth(drive)
-    return 0.0 if bandwidth is None else _OF_ONE_LEG * lost / (bandwidth * flux)
+    return 0.0 if bandwidth is None else OF_ONE_LEG * drive.inverter.lost_voltage_v / (bandwidth * flux)
 
 
 def _logarithm(number: float) -> float:

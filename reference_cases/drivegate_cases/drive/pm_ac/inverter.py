@@ -97,6 +97,12 @@ class PmAcInverter(Section):
         return 0.5 * self.link_voltage_v
 
     @property
+    def lost_voltage_v(self) -> float:
+        """Mean voltage that dead time and drops take from a leg against its current (V)."""
+        lost = self.dead_time_s * self.carrier_frequency_hz * self.link_voltage_v
+        return lost + 0.5 * (self.switch_drop_v + self.diode_drop_v)
+
+    @property
     def update_period_s(self) -> float:
         """Time between two updates of the modulator: a period of the carrier, or half of one (s)."""
         return 1.0 / (self.carrier_frequency_hz * (2.0 if self.carrier == "double" else 1.0))

@@ -37,8 +37,7 @@ def least_speed_rpm(drive: DriveValues) -> float:
     whichever is greatest; and base speed at most.
     """
     machine, inverter, rating = drive.machine, drive.inverter, drive.rating
-    lost = inverter.link_voltage_v * inverter.dead_time_s * inverter.carrier_frequency_hz
-    dead = 4.0 / pi * (lost + 0.5 * (inverter.switch_drop_v + inverter.diode_drop_v))
+    dead = 4.0 / pi * inverter.lost_voltage_v
     resistive = machine.resistance_ohm * _current_of(drive, _LOADED * rating.rated_torque_nm)
     emf = max(_OVER_DEAD_TIME * dead, resistive)
     speed = emf / (machine.pole_pairs * machine.magnet_flux_v_s * RADIANS_PER_RPM)

@@ -18,7 +18,7 @@ from drivegate.contracts.duty.checks.steps import (
     torque_steps,
     voltage_time_s,
 )
-from drivegate.contracts.duty.current_bandwidth import transient_periods
+from drivegate.contracts.duty.current_bandwidth import OF_ONE_LEG, transient_periods
 from drivegate.contracts.duty.record import DutyRecord
 
 LINEAR_SHARE = 0.5
@@ -82,14 +82,10 @@ def _course(
 def _disturbance(record: DutyRecord) -> float:
     """Return what a leg moves the d current by in a control period in which its own current changes sign (A).
 
-    Dead time and drop then change sign, which no controller can answer before the next period. Two thirds of what one
-    leg changes by is along its own axis.
+    What dead time and drop take from it then changes sign, which no controller can answer before the next period.
     """
-    inverter = record.document.inverter
-    lost = inverter.dead_time_s * inverter.carrier_frequency_hz * inverter.link_voltage_v
-    lost += 0.5 * (inverter.switch_drop_v + inverter.diode_drop_v)
-    time_over_inductance = record.scenario.control_period_s / record.plant.direct_inductance
-    return 2.0 / 3.0 * 2.0 * lost * time_over_inductance
+    changed = 2.0 * OF_ONE_LEG * record.document.inverter.lost_voltage_v
+    return changed * (record.scenario.control_period_s / record.plant.direct_inductance)
 
 
 def _range_about(level: NDArray[np.float64], steady: NDArray[np.float64]) -> tuple[float, float]:
