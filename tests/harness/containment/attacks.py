@@ -293,7 +293,7 @@ ATTACKS = (
         """
         place = Path(scene["kernels"])
         for lock in (*place.glob("compiling"), *place.parent.glob("*.compiling")):
-            # Each kernel has a byte of its own; other workers of these tests do not compile one that has the first.
+            # Each kernel has a byte of its own, far behind the first. Another worker of these tests may hold one.
             fcntl.lockf(open(lock), fcntl.LOCK_SH | fcntl.LOCK_NB, 1, 0); aim()
         """,
     ),
