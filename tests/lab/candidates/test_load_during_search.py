@@ -11,11 +11,17 @@ from drivegate.candidates.resolution import resolve_candidate
 from drivegate.checks.check import Evaluate
 from drivegate.containment.messages import AnyController
 from drivegate.contracts.current.checks.convergence import converges, converges_again, reaches_optimum
-from drivegate.contracts.current.checks.robustness import ROB_2
+from drivegate.contracts.current.checks.robustness import ROB_2, ROB_3
 from drivegate.contracts.current.record import CurrentRecord
 from drivegate.contracts.current.scenarios.building import steady_scenario, vehicle_scenario
 from drivegate.drives.running import run_scenario
-from drivegate.scenarios.changes import repeated, with_dropout, with_load_factor, with_real_sensors
+from drivegate.scenarios.changes import (
+    repeated,
+    with_drift,
+    with_dropout,
+    with_load_factor,
+    with_real_sensors,
+)
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_lab.candidates.families import DESIGN_NAMES
@@ -54,6 +60,38 @@ def test_a_step_of_the_load_is_not_taken_for_the_effect_of_a_step_of_the_angle(
     for margin in (reaches_optimum(record), converges_again(record)):
         assert margin is not None
         assert margin.met, f"{margin.check}: {margin.measured}"
+
+
+def test_speed_that_a_growing_load_costs_is_not_blamed_on_the_step_beside_it() -> None:
+    # At 1 s the search takes a step of two degrees, and the load grows by an eighth.
+    loaded = constant_torque_scenario(load_drive("paper-5-phase"), 980.0, 14.616)
+    scenario = with_load_factor(loaded, ((0.0, 0.0), (0.2, 0.75), (1.0, 0.75), (1.0, 0.85)))
+    assert_met(reaches_optimum, scenario, BuiltinController(SEARCHES["reference"]))
+
+
+def test_steps_grow_again_under_a_load_that_returns_after_none() -> None:
+    # The search is at short steps when the load returns; the optimum is then 30 degrees away.
+    loaded = constant_torque_scenario(HALF_BRIDGE.draw(0, 2).document, 1240.0, 0.795)
+    returning = ((0.0, 0.0), (0.2, 1.0), (10.0, 1.0), (10.0, 0.0), (12.5, 0.0), (12.5, 1.0))
+    lifted = ((0.0, 1.0), (10.0, 1.0), (10.0, 0.5), (12.5, 0.5), (12.5, 1.0))
+    scenario = with_drift(with_load_factor(loaded, returning), inertia=lifted).replaced(duration_s=22.5)
+    assert_met(ROB_3.evaluate, scenario, BuiltinController(SEARCHES["reference"]))
+
+
+@pytest.mark.parametrize(
+    ("speed", "constant_power", "share", "lighter", "at"),
+    [(4800.0, False, 0.75, 0.65, 4.5), (4000.0, True, 0.7, 0.65, 4.5), (6050.0, True, 0.95, 0.85, 1.5)],
+)
+def test_an_angle_that_an_alternating_load_forbids_does_not_end_the_search(
+    speed: float, constant_power: bool, share: float, lighter: float, at: float
+) -> None:
+    # A quick search finds each of the two loads settled, and steps while it changes.
+    rated = steady_scenario(
+        load_drive("star-24v-3-phase"), speed, power_share=1.0, constant_power=constant_power
+    )
+    factor = ((0.0, 0.0), (0.2, share), *repeated(share, lighter, at, every_s=0.4)[1:])
+    scenario = with_load_factor(rated, factor).replaced(duration_s=at + 17.8)
+    assert_met(reaches_optimum, scenario, BuiltinController(SEARCHES["reference"]))
 
 
 @pytest.mark.one_in(2)

@@ -83,6 +83,34 @@ def load_has_changed(state: Any, current_sum: float, fall: float, rise: float) -
 
 
 @inlined
+def is_heavier_between(state: Any, current_sum: float) -> bool:
+    """Return True if a mean current sum (A) between the initial and the last good angle exceeds what both needed.
+
+    The load has grown while a step was taken, which then may not be what has lost the speed. False while either of the
+    two is unknown.
+    """
+    between = state.good_offset < state.offset <= 0.0 < state.initial_power and state.good_power < inf
+    needed = max(state.initial_power, state.good_power)
+    heavier: bool = between and current_sum > needed and is_another_load(state, current_sum, needed)
+    return heavier
+
+
+@inlined
+def is_kept_by_another_load(state: Any, current_sum: float) -> bool:
+    """Return True if a search during which the load seemed to change has saved little, beside a doubtful angle.
+
+    A step to that angle has cost speed that the load may have cost, or this load needs more current than the one then.
+    Not without end. `current_sum` is the mean at rest (A).
+    """
+    changed = 0 < state.restarts < _MOST_RESTARTS
+    in_vain = current_sum > (1.0 - CHANGED) * state.initial_power
+    near = state.offset - state.forbidden <= NEAR * state.first_step
+    heavier = current_sum > (1.0 + CHANGED) * state.forbidden_power
+    kept: bool = changed and in_vain and near and (heavier or state.lost_at == -inf)
+    return kept
+
+
+@inlined
 def is_repeated(state: Any) -> bool:
     """Return True if the load seemed to have changed at this angle before, after many restarts at a smaller one too."""
     passed: bool = state.offset >= state.jolted_at - 1.5 * state.first_step

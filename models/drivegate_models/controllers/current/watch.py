@@ -14,6 +14,8 @@ from drivegate_models.controllers.current.another_load import (
     TUNED_SUM,
     has_drifted,
     is_another_load,
+    is_heavier_between,
+    is_kept_by_another_load,
     is_repeated,
     load_has_changed,
     rearm_here,
@@ -96,6 +98,8 @@ def decide_holding(state: Any, current_sum: float, change: float) -> None:
             state.held_power = current_sum
     elif changed:
         rearm(state)
+    elif is_kept_by_another_load(state, current_sum):
+        rearm_here(state)
     elif is_sag_lasting(state) or (not unsteady and is_restless(state, current_sum, change)):
         # The optimum may lie on the edge itself: an angle slightly above it costs less than a new search.
         forbid(state)
@@ -270,7 +274,8 @@ def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int
     # To regain its speed, a heavy shaft needs more.
     steady = settled and not is_speed_unsteady(state)
     differs_there = steady and back and is_another_load(state, current_sum, state.good_power)
-    if state.mode == SETTLING and differs_there and not is_repeated(state):
+    heavier = steady and not is_wound_up(state, current_sum) and is_heavier_between(state, current_sum)
+    if state.mode == SETTLING and (differs_there or heavier) and not is_repeated(state):
         rearm_here(state)
         return WAITING, change
     if has_lost_torque(state, current_sum, fall):
