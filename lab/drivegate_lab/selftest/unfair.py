@@ -164,9 +164,14 @@ def unfair_document(effort: SelftestEffort, display: Display) -> dict[str, Any]:
     runs, rows, faults = 0, [], []
     for number, (shard, outcome) in enumerate(zip(shards, _searched(shards, effort), strict=True), start=1):
         runs += outcome.runs
-        rows += [failure.row(shard.runs.seed // SHARDS, drive.name) for failure in outcome.failures]
+        found = [failure.row(shard.runs.seed // SHARDS, drive.name) for failure in outcome.failures]
+        rows += found
+        # At once, since a search of many hours may be ended before it sums up.
+        for row in (row for row in found if row["unfair"]):
+            where = f"{row['candidate']} on {row['drive']}, seed {row['seed']}"
+            display.announce(f"{row['check']} is met by no controller: {where}, {row['measured']}")
         faults += [] if outcome.fault is None else [outcome.fault]
-        display.advance(number, len(shards), f"{shard.candidate.name}: {runs} runs")
+        display.advance(number, len(shards), f"{shard.candidate.name} on {drive.name}: {runs} runs")
     return {
         "kind": "selftest-unfair",
         "drive": drive.identity(),
