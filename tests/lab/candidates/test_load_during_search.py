@@ -140,6 +140,12 @@ def test_angles_at_which_the_speed_returns_are_not_given_up(
     assert_met(reaches_optimum, scenario, BuiltinController(SEARCHES["reference"]))
 
 
+def test_steps_do_not_grow_without_end_under_one_load() -> None:
+    # Within a degree above the initial angle the current sum grows by 3 %, as if the load did.
+    scenario = constant_torque_scenario(HALF_BRIDGE.draw(0, 15).document, 2040.0, 2.036)
+    assert_met(converges, scenario, BuiltinController(SEARCHES["reference"]))
+
+
 @pytest.mark.parametrize(("number", "speed", "torque"), [(15, 1830.0, 3.935), (17, 1035.0, 4.24)])
 def test_a_current_sum_that_is_flat_over_some_degrees_does_not_end_the_search(
     number: int, speed: float, torque: float

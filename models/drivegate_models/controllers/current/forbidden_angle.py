@@ -38,8 +38,8 @@ def forget_load(state: Any) -> None:
     """Clear what was found under a load that is no more: the forbidden angle, and the current at the initial one."""
     if state.forbidden > -inf:
         state.initial_power = 0.0
-    # Steps may grow again.
-    state.reversals = 0
+        # Once for each forbidden angle, steps may grow again.
+        state.reversals = 0
     allow_all_angles(state)
 
 
