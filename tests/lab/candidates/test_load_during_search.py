@@ -13,15 +13,9 @@ from drivegate.containment.messages import AnyController
 from drivegate.contracts.current.checks.convergence import converges, converges_again, reaches_optimum
 from drivegate.contracts.current.checks.robustness import ROB_2, ROB_3
 from drivegate.contracts.current.record import CurrentRecord
-from drivegate.contracts.current.scenarios.building import steady_scenario, vehicle_scenario
+from drivegate.contracts.current.scenarios.building import lifted_scenario, steady_scenario, vehicle_scenario
 from drivegate.drives.running import run_scenario
-from drivegate.scenarios.changes import (
-    repeated,
-    with_drift,
-    with_dropout,
-    with_load_factor,
-    with_real_sensors,
-)
+from drivegate.scenarios.changes import repeated, with_dropout, with_load_factor, with_real_sensors
 from drivegate_cases.drive.drive_document import DriveDocument, load_drive
 from drivegate_cases.scenario.scenario import Scenario
 from drivegate_lab.candidates.families import DESIGN_NAMES
@@ -72,9 +66,7 @@ def test_speed_that_a_growing_load_costs_is_not_blamed_on_the_step_beside_it() -
 def test_steps_grow_again_under_a_load_that_returns_after_none() -> None:
     # The search is at short steps when the load returns; the optimum is then 30 degrees away.
     loaded = constant_torque_scenario(HALF_BRIDGE.draw(0, 2).document, 1240.0, 0.795)
-    returning = ((0.0, 0.0), (0.2, 1.0), (10.0, 1.0), (10.0, 0.0), (12.5, 0.0), (12.5, 1.0))
-    lifted = ((0.0, 1.0), (10.0, 1.0), (10.0, 0.5), (12.5, 0.5), (12.5, 1.0))
-    scenario = with_drift(with_load_factor(loaded, returning), inertia=lifted).replaced(duration_s=22.5)
+    scenario = lifted_scenario(loaded, 10.0, lasts_s=2.5, lifted=0.5)
     assert_met(ROB_3.evaluate, scenario, BuiltinController(SEARCHES["reference"]))
 
 

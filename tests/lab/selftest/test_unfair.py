@@ -78,11 +78,9 @@ def test_a_check_that_does_not_apply_to_the_drive_accuses_nobody(monkeypatch: py
     assert run_good(own_candidate(started), shard) == ShardFailures(1, ())
 
 
-def document(
-    monkeypatch: pytest.MonkeyPatch, outcome: ShardFailures, display: Display | None = None
-) -> dict[str, Any]:
+def document(monkeypatch: pytest.MonkeyPatch, outcome: ShardFailures) -> dict[str, Any]:
     monkeypatch.setattr(unfair, "_searched", lambda shards, _: [outcome] * len(shards))
-    return unfair_document(SelftestEffort("quick", workers=1), display or Display())
+    return unfair_document(SelftestEffort("quick", workers=1), Display())
 
 
 def test_only_what_is_unfair_fails_the_checks_and_is_kept(
@@ -102,20 +100,13 @@ def test_only_what_is_unfair_fails_the_checks_and_is_kept(
 
 
 def test_what_is_unfair_is_shown_as_it_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    class Shown(Display):
-        def __init__(self) -> None:
-            super().__init__()
-            self.words: list[str] = []
-
-        def announce(self, words: str) -> None:
-            self.words.append(words)
-
-    shown = Shown()
-    document(monkeypatch, found(monkeypatch, {1.0: -0.2}, unmet_from_s=9.0, shrunk_s=1.0), shown)
-    assert shown.words == [], "a witness meets the check"
-    unmet = document(monkeypatch, found(monkeypatch, {3.0: -0.4}, unmet_from_s=3.0, shrunk_s=3.0), shown)
-    assert len(shown.words) == len(unmet["unfair"]) == len(shards())
-    assert shown.words[0] == "CNV-1 is met by no controller: reference on paper-5-phase, seed 0, shrunk"
+    shown: list[str] = []
+    monkeypatch.setattr(Display, "announce", lambda _, words: shown.append(words))
+    document(monkeypatch, found(monkeypatch, {1.0: -0.2}, unmet_from_s=9.0, shrunk_s=1.0))
+    assert shown == [], "a witness meets the check"
+    unmet = document(monkeypatch, found(monkeypatch, {3.0: -0.4}, unmet_from_s=3.0, shrunk_s=3.0))
+    assert len(shown) == len(unmet["unfair"]) == len(shards())
+    assert shown[0] == "CNV-1 is met by no controller: reference on paper-5-phase, seed 0, shrunk"
 
 
 @pytest.mark.nightly
