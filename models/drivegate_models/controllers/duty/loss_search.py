@@ -11,12 +11,15 @@ SETTLING: Final = 0.03
 """Time for a new current to settle before the power is averaged (s)."""
 LOOKING: Final = 0.02
 """Minimum averaging time (s). It is extended to whole sixths of an electrical cycle, because the power ripples."""
+# Maximum averaging time (s). Nothing is tried at speeds whose sixths of a cycle last longer.
 _LONGEST = 0.06
 
-# First and last step, as shares of the current limit. A smaller last step would change the power by less than the
-# torque does as the speed settles, so that the search would stay wherever the first decisions have left it.
-_FIRST_STEP = 0.06
-_LAST_STEP = 0.006
+# First, largest and smallest step, as shares of the current limit. The first one is taken wherever the torque has
+# changed, and adds no more than counts as little. A smaller one would change the power by less than the torque does as
+# the speed settles, so that the search would stay wherever the first decisions have left it.
+_FIRST_STEP = 0.03
+_LARGEST_STEP = 0.06
+_SMALLEST_STEP = 0.006
 # Minimum relative fall of the power for a step that adds current. The unmeasured torque changes by as much in a step,
 # and a search that mistook this for loss would drift.
 _LEAST_GAIN = 1e-5
@@ -50,6 +53,7 @@ def restart_search(state: Any, torque: float, speed: float) -> None:
     state.search_offset = 0.0
     state.search_step = -_FIRST_STEP * state.full_current
     state.search_gains = 0
+    state.search_good_offset = 0.0
     state.search_power = nan
     _begin_averaging(state, speed)
 
@@ -57,12 +61,10 @@ def restart_search(state: Any, torque: float, speed: float) -> None:
 @inlined
 def _begin_averaging(state: Any, speed: float) -> None:
     """Start the settling time of a new current, and choose the averaging time for the speed (rad/s)."""
-    averaging = state.search_shortest
-    absolute_speed = abs(speed)
-    if absolute_speed * state.search_longest > state.search_sixth:
-        sixth = state.search_sixth / absolute_speed
-        averaging = ceil(averaging / sixth) * sixth
-    state.search_looking = 2 * int(0.5 * min(averaging, state.search_longest) + 0.5)
+    # A search that nobody asks about may begin at a lower speed, whose sixths do not end.
+    sixth = state.search_sixth / max(abs(speed), state.search_sixth / state.search_longest)
+    averaging = ceil(state.search_shortest / sixth) * sixth
+    state.search_looking = 2 * int(0.5 * averaging + 0.5)
     state.search_count = 0
     state.search_sum = 0.0
     state.search_early = 0.0
@@ -84,7 +86,8 @@ def _step_search(state: Any, torque: float) -> None:
     """Take the next step: continue while the power falls, grow while it keeps falling, otherwise reverse and halve.
 
     While a speed settles, the power into inertia and load changes by more than the loss. It is subtracted, because
-    the search would otherwise follow the speed's fluctuations.
+    the search would otherwise follow the speed's fluctuations. If the power rises with a step and with half of it back,
+    the load changes it too: the search compares anew, from where it was before both.
     """
     mean_speed = (state.search_early + state.search_late) / state.search_looking
     # The means of the two halves of the averaging time are half of it apart.
@@ -93,24 +96,39 @@ def _step_search(state: Any, torque: float) -> None:
         state.search_inertia * mean_speed * (state.search_late - state.search_early) / (half * half)
     )
     power = state.search_sum / state.search_looking - accelerating
-    if not isnan(state.search_power):
-        least_gain = _LEAST_GAIN * abs(power) if state.search_step < 0.0 else 0.0
-        if power - torque * (mean_speed - state.search_pace) < state.search_power - least_gain:
-            state.search_gains += 1
-            factor = 2.0 if state.search_gains >= _FAR else 1.0
-        else:
-            state.search_gains = 0
-            factor = -0.5
-        step = factor * state.search_step
-        size = min(max(abs(step), _LAST_STEP * state.full_current), _FIRST_STEP * state.full_current)
-        state.search_step = size if step > 0.0 else -size
-    state.search_power = power
-    state.search_pace = mean_speed
-    state.search_offset += state.search_step
-    if state.search_offset > 0.0:
-        # Do not try a current that strengthens the field.
-        state.search_offset = 0.0
-        state.search_step = -0.5 * abs(state.search_step)
+    is_first = isnan(state.search_power)
+    least_gain = _LEAST_GAIN * abs(power) if state.search_step < 0.0 else 0.0
+    falls = power - torque * (mean_speed - state.search_pace) < state.search_power - least_gain
+    goes_back = False
+    factor = 1.0
+    if falls:
+        state.search_gains = max(state.search_gains, 0) + 1
+        factor = 2.0 if state.search_gains >= _FAR else 1.0
+    elif not is_first:
+        goes_back = state.search_gains < 0
+        state.search_gains = 0 if goes_back else -1
+        factor = 0.5 if goes_back else -0.5
+    if falls or is_first:
+        state.search_good_offset = state.search_offset
+    _choose_step(state, factor)
+    if goes_back:
+        state.search_offset = state.search_good_offset
+        state.search_power = nan
+    else:
+        state.search_offset += state.search_step
+        state.search_power = power
+        state.search_pace = mean_speed
+
+
+@inlined
+def _choose_step(state: Any, factor: float) -> None:
+    """Choose a step by a factor on the last one; back from 0, since no current that strengthens the field is tried."""
+    step = factor * state.search_step
+    if step > 0.0 and state.search_offset == 0.0:
+        step = -0.5 * state.search_step
+        state.search_gains = 0
+    size = min(max(abs(step), _SMALLEST_STEP * state.full_current), _LARGEST_STEP * state.full_current)
+    state.search_step = min(size if step > 0.0 else -size, -state.search_offset)
 
 
 @inlined
@@ -126,8 +144,10 @@ def searched_offset(state: Any, torque: float, speed: float, power: float) -> fl
     output.
     """
     is_little = abs(torque) < _LEAST_TORQUE * state.greatest_torque
-    is_other = abs(torque - state.search_torque) > _OTHER_TORQUE * state.greatest_torque
-    if is_little or is_other or abs(speed - state.search_speed) > _OTHER_SPEED * abs(state.search_speed):
+    is_slow = abs(speed) * state.search_longest <= state.search_sixth
+    has_other_torque = abs(torque - state.search_torque) > _OTHER_TORQUE * state.greatest_torque
+    has_other_speed = abs(speed - state.search_speed) > _OTHER_SPEED * abs(state.search_speed)
+    if is_little or is_slow or has_other_torque or has_other_speed:
         restart_search(state, torque, speed)
         return 0.0
     state.search_count += 1

@@ -123,10 +123,12 @@ FOC_STATE: Final = np.dtype(
         ("search_sixth", np.float64),
         ("search_looking", np.int64),
         ("search_inertia", np.float64),
-        # Its offset of the d-axis current, the next step, and the number of consecutive successful steps.
+        # Its offset of the d-axis current, the last step, the number of consecutive successful steps, -1 after one that
+        # failed, and the offset before that.
         ("search_offset", np.float64),
         ("search_step", np.float64),
         ("search_gains", np.int64),
+        ("search_good_offset", np.float64),
         # Control periods since its last step; sums of the power, and of the speed in both halves of the averaging time;
         # power and speed before the last step; torque and speed of the operating point.
         ("search_count", np.int64),
