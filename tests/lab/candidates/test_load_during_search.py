@@ -110,6 +110,14 @@ def test_an_edge_that_is_met_while_the_load_grows_is_sought_again() -> None:
     assert_met(reaches_optimum, scenario, BuiltinController(SEARCHES["reference"]))
 
 
+def test_a_current_sum_that_looks_settled_while_the_speed_returns_does_not_end_the_search() -> None:
+    # The load falls while the angle regulates the speed.
+    loaded = constant_torque_scenario(load_drive("star-24v-3-phase"), 6350.0, 0.0632)
+    ramp = ((0.0, 0.0), (0.2, 1.0), (4.0, 1.0), (6.2, 0.7))
+    scenario = with_load_factor(loaded, ramp).replaced(duration_s=16.2)
+    assert_met(reaches_optimum, scenario, BuiltinController(SEARCHES["reference"]))
+
+
 @pytest.mark.parametrize(
     ("number", "speed", "torque"), [(11, 1750.0, 1.386), (14, 7150.0, 7.169), (17, 1620.0, 2.258)]
 )

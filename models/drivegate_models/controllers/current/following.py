@@ -30,6 +30,7 @@ from drivegate_models.controllers.current.modes import (
     stop_following,
 )
 from drivegate_models.controllers.current.state import SMALLEST_STEP
+from drivegate_models.controllers.current.unrest import is_speed_unsteady
 
 # Rates of the speed regulation by the angle and of its integral, on the drive tuned on (1/s).
 _BANDWIDTH = 40.0
@@ -122,7 +123,8 @@ def decide_following(state: Any, current_sum: float, settled: bool) -> None:
 
     `current_sum` is the mean of the decision interval (A); `settled` is True if it repeats.
     """
-    state.quiet = state.quiet + 1 if settled else 0
+    # While the speed is still returning, the current sum may look settled.
+    state.quiet = state.quiet + 1 if settled and not is_speed_unsteady(state) else 0
     state.followed_intervals += 1
     state.angle_gain = max(_EASED * state.angle_gain, _LEAST_GAIN)
     if state.angle_integral <= state.lowest + SMALLEST_STEP:
