@@ -285,11 +285,7 @@ def watch_search(state: Any, fall: float, rise: float, jolt: float) -> tuple[int
     # A current sum indicates another load only once it is settled, the speed is back and the regulator is not wound
     # up. After small steps over the edge and back it does not.
     conclusive = state.mode != SETTLING or (
-        settled
-        and state.quiet > 0
-        and not is_speed_unsteady(state)
-        and not is_wound_up(state, current_sum)
-        and state.retried == NOT_RETRIED
+        steady and state.quiet > 0 and not is_wound_up(state, current_sum) and state.retried == NOT_RETRIED
     )
     # A longer step toward the optimum saves more.
     longest_fall = fall * max(1.0, state.step / state.first_step)

@@ -39,8 +39,8 @@ def reset_search(state: Any, nameplate: Any) -> None:
     period = nameplate.control_period
     state.search_settling = int(SETTLING / period)
     state.search_shortest = LOOKING / period
-    state.search_longest = _LONGEST / period
     state.search_sixth = pi / 3.0 / (nameplate.pole_pairs * period)
+    state.search_slowest = state.search_sixth / (_LONGEST / period)
     state.search_inertia = nameplate.inertia / period
     restart_search(state, 0.0, 0.0)
 
@@ -53,7 +53,6 @@ def restart_search(state: Any, torque: float, speed: float) -> None:
     state.search_offset = 0.0
     state.search_step = -_FIRST_STEP * state.full_current
     state.search_gains = 0
-    state.search_good_offset = 0.0
     state.search_power = nan
     _begin_averaging(state, speed)
 
@@ -61,8 +60,8 @@ def restart_search(state: Any, torque: float, speed: float) -> None:
 @inlined
 def _begin_averaging(state: Any, speed: float) -> None:
     """Start the settling time of a new current, and choose the averaging time for the speed (rad/s)."""
-    # A search that nobody asks about may begin at a lower speed, whose sixths do not end.
-    sixth = state.search_sixth / max(abs(speed), state.search_sixth / state.search_longest)
+    # Nothing is tried at lower speeds, but the search restarts there too.
+    sixth = state.search_sixth / max(abs(speed), state.search_slowest)
     averaging = ceil(state.search_shortest / sixth) * sixth
     state.search_looking = 2 * int(0.5 * averaging + 0.5)
     state.search_count = 0
@@ -86,8 +85,8 @@ def _step_search(state: Any, torque: float) -> None:
     """Take the next step: continue while the power falls, grow while it keeps falling, otherwise reverse and halve.
 
     While a speed settles, the power into inertia and load changes by more than the loss. It is subtracted, because
-    the search would otherwise follow the speed's fluctuations. If the power rises with a step and with half of it back,
-    the load changes it too: the search compares anew, from where it was before both.
+    the search would otherwise follow the speed's fluctuations. If the power rises with a step and also with the next
+    one, back, the load changes it too. The search then reverts both steps, and averages again before it compares.
     """
     mean_speed = (state.search_early + state.search_late) / state.search_looking
     # The means of the two halves of the averaging time are half of it apart.
@@ -99,15 +98,18 @@ def _step_search(state: Any, torque: float) -> None:
     is_first = isnan(state.search_power)
     least_gain = _LEAST_GAIN * abs(power) if state.search_step < 0.0 else 0.0
     falls = power - torque * (mean_speed - state.search_pace) < state.search_power - least_gain
-    goes_back = False
-    factor = 1.0
-    if falls:
+    goes_back = not is_first and not falls and state.search_gains < 0
+    if is_first:
+        factor = 1.0
+    elif falls:
         state.search_gains = max(state.search_gains, 0) + 1
         factor = 2.0 if state.search_gains >= _FAR else 1.0
-    elif not is_first:
-        goes_back = state.search_gains < 0
-        state.search_gains = 0 if goes_back else -1
-        factor = 0.5 if goes_back else -0.5
+    elif goes_back:
+        state.search_gains = 0
+        factor = 0.5
+    else:
+        state.search_gains = -1
+        factor = -0.5
     if falls or is_first:
         state.search_good_offset = state.search_offset
     _choose_step(state, factor)
@@ -122,7 +124,7 @@ def _step_search(state: Any, torque: float) -> None:
 
 @inlined
 def _choose_step(state: Any, factor: float) -> None:
-    """Choose a step by a factor on the last one; back from 0, since no current that strengthens the field is tried."""
+    """Choose a step by a factor on the last one, without a current that strengthens the field: it turns back at 0."""
     step = factor * state.search_step
     if step > 0.0 and state.search_offset == 0.0:
         step = -0.5 * state.search_step
@@ -144,7 +146,7 @@ def searched_offset(state: Any, torque: float, speed: float, power: float) -> fl
     output.
     """
     is_little = abs(torque) < _LEAST_TORQUE * state.greatest_torque
-    is_slow = abs(speed) * state.search_longest <= state.search_sixth
+    is_slow = abs(speed) <= state.search_slowest
     has_other_torque = abs(torque - state.search_torque) > _OTHER_TORQUE * state.greatest_torque
     has_other_speed = abs(speed - state.search_speed) > _OTHER_SPEED * abs(state.search_speed)
     if is_little or is_slow or has_other_torque or has_other_speed:

@@ -115,12 +115,12 @@ FOC_STATE: Final = np.dtype(
         # Regulation of torque and flux: filtered reference currents, now and in the last two periods.
         ("direct_way", np.float64, (3,)),
         ("quadrature_way", np.float64, (3,)),
-        # Search for minimum power: control periods for settling, and for averaging (minimum, maximum and present).
-        # Speed at which a control period is a sixth of an electrical cycle, and inertia over a control period.
+        # Search for minimum power: control periods for settling, and for averaging (minimum and present). Speed at
+        # which a control period is a sixth of an electrical cycle, minimum speed, and inertia over a control period.
         ("search_settling", np.int64),
         ("search_shortest", np.float64),
-        ("search_longest", np.float64),
         ("search_sixth", np.float64),
+        ("search_slowest", np.float64),
         ("search_looking", np.int64),
         ("search_inertia", np.float64),
         # Its offset of the d-axis current, the last step, the number of consecutive successful steps, -1 after one that

@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from tests.models.controllers.duty.test_plausibility import NAMEPLATE
+from tests.models.controllers.duty.test_speed_regulator import reset_with
 
 from drivegate_models.contract.duty.records import (
     duty_command_record,
-    duty_nameplate_record,
     duty_sense_record,
 )
 from drivegate_models.controllers.duty.current_regulator import (
@@ -26,7 +26,6 @@ from drivegate_models.controllers.duty.current_regulator import (
     voltage_limit,
 )
 from drivegate_models.controllers.duty.flux_prediction import regulate_flux
-from drivegate_models.controllers.duty.foc import reset_state
 from drivegate_models.controllers.duty.state import foc_state
 from drivegate_models.controllers.duty.torque_regulation import regulate_torque
 from drivegate_models.machine.rotor_frame import of_phase
@@ -166,11 +165,10 @@ def test_the_bridge_is_compensated_for_the_currents_in_the_middle_of_the_period(
     sense.supply_voltage = NAMEPLATE.supply_voltage
     sense.speed = per_period / (NAMEPLATE.control_period * NAMEPLATE.pole_pairs)
     sense.angle = (degrees * pi / 180.0 - 1.5 * per_period) / NAMEPLATE.pole_pairs
-    plate = NAMEPLATE._replace(magnet_flux=1e-3, direct_inductance=3e-3, quadrature_inductance=3e-3)
+    plate = {"magnet_flux": 1e-3, "direct_inductance": 3e-3, "quadrature_inductance": 3e-3}
     found = []
     for dead_time in (0.0, 1e-6):
-        state: Any = foc_state(name).view(np.recarray)[0]
-        reset_state(state, duty_nameplate_record(plate._replace(dead_time=dead_time)).view(np.recarray)[0])
+        state = reset_with(name, dead_time=dead_time, **plate)
         command: Any = duty_command_record().view(np.recarray)[0]
         # The first phase's current passes zero, falling, at angle 0.
         regulate(state, sense, command, 0.0, 5.0, 0.0, 5.0)

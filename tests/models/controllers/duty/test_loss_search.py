@@ -3,26 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import pi, sin
-from typing import Any
+from math import exp, pi, sin
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from tests.models.controllers.duty.test_plausibility import BASE_SPEED, NAMEPLATE, PERIOD, RATED_TORQUE
+from tests.models.controllers.duty.test_speed_regulator import reset_with
 
-from drivegate_models.contract.duty.records import duty_nameplate_record
-from drivegate_models.controllers.duty.foc import reset_state
 from drivegate_models.controllers.duty.loss_search import searched_offset
-from drivegate_models.controllers.duty.state import foc_state
 
 pytestmark = pytest.mark.kernel
 LIMIT = NAMEPLATE.current_limit
 
 
-def last_offsets(power: Callable[[float, float], float], speed: float, duration: float) -> np.ndarray:
+def last_offsets(
+    power: Callable[[float, float], float], speed: float, duration: float
+) -> NDArray[np.float64]:
     """Return the offsets (A) in the last 0.2 s of a search on a power (W) of time (s) and offset (A)."""
-    state: Any = foc_state("foc-loss-search").view(np.recarray)[0]
-    reset_state(state, duty_nameplate_record(NAMEPLATE).view(np.recarray)[0])
+    state = reset_with("foc-loss-search")
     offset, offsets = 0.0, []
     for k in range(round(duration / PERIOD)):
         offset = searched_offset(state, 0.5 * RATED_TORQUE, speed, power(k * PERIOD, offset))
@@ -38,12 +37,12 @@ def test_a_steady_power_is_brought_to_its_least(least: float) -> None:
 
 
 @pytest.mark.parametrize(("rise", "constant"), [(1.0, 0.3), (10.0, 0.1), (30.0, 0.2), (100.0, 0.15)])
-def test_a_power_that_rises_with_the_load_does_not_leave_the_search_astray(
+def test_a_power_that_rises_with_the_load_does_not_lead_the_search_astray(
     rise: float, constant: float
 ) -> None:
     """The load of a fan rises while the speed settles, by less and less."""
     found = last_offsets(
-        lambda time, offset: 300.0 - rise * np.exp(-time / constant) + offset**2, BASE_SPEED, 1.2
+        lambda time, offset: 300.0 - rise * exp(-time / constant) + offset**2, BASE_SPEED, 1.2
     )
     assert abs(found.mean()) < 0.012 * LIMIT, f"{found.mean():.3f} A, 0 is best"
 

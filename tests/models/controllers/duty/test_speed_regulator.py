@@ -29,9 +29,9 @@ FAN = 2.0 * RATED_TORQUE / BASE_SPEED
 """Slope of a fan's rated torque over its speed (N m s/rad)."""
 
 
-def reset_with(**nameplate: float) -> Any:
+def reset_with(name: str = "foc", /, **nameplate: float) -> Any:
     """Return the state of a controller that has been reset with other values on the nameplate."""
-    state: Any = foc_state("foc").view(np.recarray)[0]
+    state: Any = foc_state(name).view(np.recarray)[0]
     reset_state(state, duty_nameplate_record(NAMEPLATE._replace(**nameplate)).view(np.recarray)[0])
     return state
 
