@@ -2,8 +2,9 @@
 
 On ideal switches, each control period has the voltage of the steady state. With dead time and forward drops, a
 controller that knows the drive and its currents exactly chooses the duty ratios for which the currents at the end of
-the control period are those on ideal switches. What counter steps and a shortest pulse round, it corrects as soon as a
-sample shows it and the answer acts. What remains is the drive's own.
+the control period are those on ideal switches. What counter steps round, it corrects as a current regulator does, once
+a sample shows it and the answer acts. What remains is the drive's own. Where the modulator omits pulses, there is no
+ideal: each answer to an omitted pulse decides whether the next one is omitted.
 """
 
 from __future__ import annotations
@@ -28,7 +29,16 @@ from drivegate_models.pm_ac.zero_sequence import clamped_rail, write_ratios
 
 TRIALS: Final = 8
 """Trials of duty ratios in a control period; each adds the voltage that the one before lacked."""
-LEAD: Final = 8
+CORRECTED: Final = 0.2
+"""Share of an error of the currents that is corrected in a control period (1).
+
+It is the bandwidth over the sampling rate of a current regulator that stays stable with a delay of 1.5 periods. One
+that corrects all of it at once has less ripple, but only on a machine that it knows exactly.
+"""
+SPARE: Final = 0.02
+"""Length of the shortest pulse of ideal modulation beyond what the modulator gives, over the time between updates: that
+much regulators vary their pulses (1)."""
+LEAD: Final = 24
 """Control periods in which the compensation settles before the evaluated ones; even, as a carrier's period may be."""
 FEWEST_PARTS: Final = 8
 """Parts of a cycle in which samples lie at different places, at least."""
@@ -146,11 +156,22 @@ def _set_currents(phases: PmAcPhases, direct: float, quadrature: float, angle: f
         phases.legs.signs[leg] = 1 if value > 0.0 else -1 if value < 0.0 else 0
 
 
+@inlined
+def _has_short_pulse(ratios: NDArray[np.float64], shortest: float) -> bool:
+    """Return True if one of the duty ratios, shape (3,), has a pulse or a gap below a length (1) that is not 0."""
+    for leg in range(3):
+        pulse = min(ratios[leg], 1.0 - ratios[leg])
+        if 0.0 < pulse < shortest:
+            return True
+    return False
+
+
 @unallocating
 def _follow_ideal(
     drive: PmAcDrive,
     phases: PmAcPhases,
     steady: _Steady,
+    shortest: float,
     ignored: int,
     currents: NDArray[np.float64],
     workspace: _Workspace,
@@ -158,9 +179,10 @@ def _follow_ideal(
     """Return the peak-to-peak torque on ideal switches (N m).
 
     - `phases`: state before the first control period; replaced by the state after the last.
+    - `shortest`: length over the time between updates, below which no pulse or gap may be (1).
     - `ignored`: number of control periods at the start that are not evaluated.
     - `currents`, shape (n, 2): receives the d-axis and q-axis currents at the end of each control period (A).
-    - Result: infinite if the plant's advance fails.
+    - Result: infinite if a pulse or gap is shorter, or if the plant's advance fails.
     """
     least = inf
     most = -inf
@@ -168,6 +190,8 @@ def _follow_ideal(
         along, across = _voltage_in(steady, k)
         rail = clamped_rail(steady.kind, along, across, 1.0 if steady.turning >= 0.0 else -1.0)
         write_ratios(workspace.ratios, along, across, steady.link, rail)
+        if _has_short_pulse(workspace.ratios, shortest):
+            return inf
         if _advance(drive, phases, steady, k, workspace.ratios, workspace) != COMPLETED:
             return inf
         currents[k, 0] = phases.rotor_currents[0]
@@ -246,11 +270,11 @@ def _follow_compensated(
     _copy_state(phases, predicted)
     least = inf
     most = -inf
+    left = 1.0 - CORRECTED
     for k in range(first, currents.shape[0]):
-        if (
-            _choose_ratios(exact, predicted, steady, k, currents[k, 0], currents[k, 1], workspace)
-            != COMPLETED
-        ):
+        direct = currents[k, 0] + left * (predicted.rotor_currents[0] - currents[k - 1, 0])
+        quadrature = currents[k, 1] + left * (predicted.rotor_currents[1] - currents[k - 1, 1])
+        if _choose_ratios(exact, predicted, steady, k, direct, quadrature, workspace) != COMPLETED:
             return inf
         if drive.modulator.update_delay > 0:
             _copy_state(phases, predicted)
@@ -266,11 +290,20 @@ def _follow_compensated(
     return most - least
 
 
+def _shortest(drive: PmAcDrive, period: float) -> float:
+    """Return the shortest pulse of ideal modulation in a control period (s), over the time between updates (1)."""
+    modulator = drive.modulator
+    if modulator.minimum_pulse <= 0.0:
+        return 0.0
+    # What compensates dead time takes as much from a pulse at most.
+    kept = modulator.minimum_pulse + modulator.dead_time
+    return float(kept * modulator.control_every / period + SPARE)
+
+
 def has_ideal_switches(drive: PmAcDrive) -> bool:
     """Return True if nothing of the bridge and its modulator has to be compensated."""
     modulator = drive.modulator
-    rounding = (modulator.counter_levels, modulator.dead_time, modulator.minimum_pulse)
-    return not any((*rounding, drive.switch_drop, drive.diode_drop))
+    return not any((modulator.counter_levels, modulator.dead_time, drive.switch_drop, drive.diode_drop))
 
 
 def spread_samples(speed: float, part: float, watched: int) -> tuple[float, int]:
@@ -283,12 +316,18 @@ def spread_samples(speed: float, part: float, watched: int) -> tuple[float, int]
     - `part`: what the shaft turns until the torque repeats itself, over the control period (rad/s).
     - `watched`: number of control periods to evaluate, about (1).
     """
-    parts = max(round(watched * abs(speed) / part), FEWEST_PARTS)
-    periods = round(parts * part / abs(speed))
-    if periods > LONGEST_SPREAD:
+    fewest = max(round(watched * abs(speed) / part), FEWEST_PARTS)
+    if fewest * part > LONGEST_SPREAD * abs(speed):
         return speed, watched
-    while gcd(periods, parts) > 1:
-        periods += 1
+    # The nearest speed, which takes nearly the same voltage. One of these numbers of parts is prime, or a power of 2,
+    # and next to any number of periods is one that has no factor in common with it.
+    ways = [
+        (abs(parts * part / periods - abs(speed)), parts, periods)
+        for parts in range(fewest, fewest + fewest // 4 + 1)
+        for periods in range(round(parts * part / abs(speed)) - 1, round(parts * part / abs(speed)) + 2)
+        if gcd(periods, parts) == 1
+    ]
+    _, parts, periods = min(ways)
     return copysign(parts * part / periods, speed), periods
 
 
@@ -305,8 +344,8 @@ def ideal_swing(
 ) -> float:
     """Return the peak-to-peak torque of ideal modulation at steady currents.
 
-    The controller knows the drive and its currents exactly: it compensates dead time and forward drops. What counter
-    and shortest pulse round, it sees in the next sample.
+    The controller knows the drive and its currents exactly: it compensates dead time and forward drops. What the
+    counter rounds, it sees in the next sample, and corrects by `CORRECTED` of it in each control period.
 
     - `speed`: constant speed of the shaft (rad/s).
     - `link`: voltage of the dc link (V).
@@ -315,7 +354,8 @@ def ideal_swing(
     - `watched`: number of evaluated control periods after them.
     - `period`: control period (s).
     - `kind`: kind of modulation, as in `modulation_kind`.
-    - Result: maximum minus minimum torque at any instant (N m); infinite if the plant's advance fails.
+    - Result: maximum minus minimum torque at any instant (N m); infinite where the voltage takes pulses that are nearly
+      too short for the modulator, and if the plant's advance fails.
     """
     electrical = drive.pole_pairs * speed
     direct, quadrature = steady_voltages(drive, float(electrical), float(currents[0]), float(currents[1]))
@@ -342,7 +382,9 @@ def ideal_swing(
     ends = np.zeros((ignored + watched, 2))
     phases = make_phases(follows_torque=True)
     _set_currents(phases, float(currents[0]), float(currents[1]), 0.0)
-    swing = float(_follow_ideal(ideal, phases, steady, int(ignored), ends, workspace))
+    swing = float(
+        _follow_ideal(ideal, phases, steady, _shortest(drive, period), int(ignored), ends, workspace)
+    )
     if has_ideal_switches(drive) or swing == inf:
         return swing
     exact = drive._replace(modulator=modulator._replace(dead_time=drive.modulator.dead_time))

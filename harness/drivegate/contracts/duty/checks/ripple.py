@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from math import ceil, pi
+from math import ceil, inf, isfinite, pi
 from typing import Final, TypeAlias
 
 import numpy as np
@@ -168,8 +168,9 @@ def modulation_ripple(record: DutyRecord) -> Margin | None:
 def _over_ideal(record: DutyRecord) -> Iterator[tuple[DutyWindow, Margin]]:
     limit = record.limits.modulation_ripple
     for window in record.nominal:
-        if _is_rippling(record, window):
-            margin = _over("RIP-4", record, window, _ideal_swing(record, window), limit, _ideal_words(record))
+        ideal = _ideal_swing(record, window) if _is_rippling(record, window) else inf
+        if isfinite(ideal):
+            margin = _over("RIP-4", record, window, ideal, limit, _ideal_words(record))
             if not margin.met and _looks_discontinuous(record, window):
                 margin = replace(margin, measured=f"{margin.measured}; {_HINT}")
             yield window, margin
@@ -288,8 +289,8 @@ RIP_4 = Check(
     limit="{modulation_ripple} times the ripple of ideal modulation of the declared kind at the same currents and "
     "speed on the same drive, but at least 0.5 % of rated torque",
     scenarios="steady stretches of the nominal drive from 10 % of rated torque and 5 % of base speed on, that take 1 "
-    "to 95 % of the voltage, with the bridge on and the chopper off, while the speed stays within 5 % of base speed of "
-    "its reference",
+    "to 95 % of the voltage and no pulse that is nearly too short for the modulator, with the bridge on and the "
+    "chopper off, while the speed stays within 5 % of base speed of its reference",
     formula="1 - torque's swing over a sixth of a cycle / the limit",
     why="What the torque swings by beyond what switching takes is noise and wear for nothing.",
     evaluate=modulation_ripple,

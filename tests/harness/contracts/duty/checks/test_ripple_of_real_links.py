@@ -95,3 +95,19 @@ def test_what_the_diodes_alone_make_is_no_modulation(run: Run) -> None:
     for leg in LEGS:
         record = with_command(record, leg, lambda states: np.full_like(states, LEG_OFF))
     assert judged("RIP-4", record) is None
+
+
+def test_no_regulator_answers_for_steps_of_a_coarse_counter(run: Run, interior: PmAcDocument) -> None:
+    margin = judged("RIP-4", run(share_scenario(interior.replaced(counter_levels=100), -350.0, -0.9)))
+    assert margin is not None
+    assert margin.met, margin.measured
+
+
+def test_no_regulator_answers_for_pulses_that_the_modulator_omits(run: Run, interior: PmAcDocument) -> None:
+    drive = interior.replaced(minimum_pulse_s=5e-6)
+    base = drive.rating.base_speed_rpm
+    margin = judged("RIP-4", run(share_scenario(drive, base, 0.6)))
+    assert margin is not None
+    assert margin.met, margin.measured
+    # At 94 % of the voltage, pulses and gaps of 3 % of the period are left out.
+    assert judged("RIP-4", run(share_scenario(drive, 1.5 * base, 0.6))) is None
