@@ -114,8 +114,9 @@ def observe_shaft(state: Any, sense: Any, seen: Any) -> None:
     """Write angle and speed of the shaft into `seen`, from the timer's values in `sense`.
 
     At an overdue edge and above a minimum speed, the angle is extrapolated past the edge's place, because a lost
-    edge is more likely than a stop. Otherwise the speed is limited to a sector over the time since the last edge,
-    and the angle returns to the middle of the sector, with an error of at most half a sector.
+    edge is more likely than a stop, unless the shaft has turned round. Otherwise the speed is limited to a sector over
+    the time since the last edge, and the angle returns to the middle of the sector, with an error of at most half a
+    sector.
     """
     period, pairs = state.control_period, state.pole_pairs
     electrical, timed = pairs * sense.angle, pairs * sense.speed
@@ -137,10 +138,13 @@ def observe_shaft(state: Any, sense: Any, seen: Any) -> None:
     was_led_on = state.led_on > 0.0
     state.led_on = abs(state.turned_on - inside)
     if state.led_on > 0.0:
-        if state.led_on <= state.led_on_longest and abs(state.edge_rate) >= pairs * state.led_on_from:
+        # A shaft that has turned round since its last edge returns as late as a load that opposes its rotation lets it.
+        turns_on = state.rate * state.edge_rate > 0.0
+        is_fast = abs(state.edge_rate) >= pairs * state.led_on_from
+        if turns_on and is_fast and state.led_on <= state.led_on_longest:
             inside = state.turned_on
         else:
-            state.is_overdue = 1 if was_led_on else 0
+            state.is_overdue = 1 if was_led_on and turns_on else 0
             # The longer there is no edge, the more likely the shaft has stopped somewhere in its sector.
             middle = begin + 0.5 * _SECTOR
             inside = middle + (inside - middle) * max(1.0 - 2.0 * state.led_on / _SECTOR, 0.0)
