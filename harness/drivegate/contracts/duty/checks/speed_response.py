@@ -153,6 +153,9 @@ def judged_step_rpm(record: DutyRecord, dwell: Dwell) -> float:
     if dwell.start == 0.0:
         speed = scenario.initial_speed_rpm
         pushed = load_on_shaft(scenario, dwell, speed * RADIANS_PER_RPM)
+        # A controller that begins on a turning shaft takes its magnets for nominal: others move it until it notices.
+        if (1.0 - dwell.scales.emf_constant) * speed * (dwell.speed_rpm - speed) > 0.0:
+            return 0.0
     else:
         before = _settled_before(record, dwell)
         if before is None:

@@ -95,6 +95,24 @@ def test_a_step_with_another_event_is_not_judged(interior: PmAcDocument) -> None
     assert _steps(lifted.replaced(speed_rpm=run.speed_rpm))[1:] == [0.0, 0.0]
 
 
+@pytest.mark.parametrize(
+    ("begin", "end", "magnets", "step"),
+    [
+        (1000.0, 1500.0, 0.8, 0.0),
+        (-1000.0, -1500.0, 0.8, 0.0),
+        (1500.0, 1000.0, 0.8, -500.0),
+        (1500.0, 1000.0, 1.05, 0.0),
+        (1000.0, 1500.0, 1.05, 500.0),
+        (0.0, 1500.0, 0.8, 1500.0),
+    ],
+)
+def test_what_other_magnets_push_where_a_run_begins_turning_is_no_overshoot(
+    interior: PmAcDocument, begin: float, end: float, magnets: float, step: float
+) -> None:
+    scenario = speed_scenario(interior, (end, 1200.0), initial_speed_rpm=begin)
+    assert _steps(with_scales(scenario, emf_constant=magnets)) == [step, 1200.0 - end]
+
+
 @pytest.mark.parametrize(("begins", "is_met"), [([-100.0], False), ([-100.0, -150.0], True)])
 def test_an_overshoot_is_judged_over_the_way_that_the_speed_came(
     interior: PmAcDocument, begins: list[float], is_met: bool
