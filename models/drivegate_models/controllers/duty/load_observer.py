@@ -34,7 +34,7 @@ from drivegate_models.controllers.duty.current_regulator import (
 )
 from drivegate_models.controllers.duty.derating import derate, reset_derating
 from drivegate_models.controllers.duty.flux_prediction import regulate_flux, reset_prediction
-from drivegate_models.controllers.duty.hall_observer import reset_observer
+from drivegate_models.controllers.duty.hall_observer import greatest_speed, reset_observer
 from drivegate_models.controllers.duty.link_limits import limited_by_link, reset_link_limits
 from drivegate_models.controllers.duty.plausibility import hold_safe_state
 from drivegate_models.controllers.duty.position import locate_shaft, reset_position
@@ -168,11 +168,28 @@ def reset_state(state: Any, nameplate: Any) -> None:
 
 
 @inlined
+def _expect_edge(state: Any, reference: float) -> None:
+    """Attribute to the load that no Hall edge has come in the time that a sector takes at the reference (rad/s).
+
+    Only edges correct the observed load, and a shaft that it stops has none: after a reversal, a load that opposes the
+    rotation acts the other way.
+    """
+    machine = state.machine
+    most = greatest_speed(machine)
+    missing = reference - min(max(reference, -most), most)
+    rate = machine.pole_pairs * state.speed_rate * state.speed_rate * machine.control_period
+    greatest = machine.pole_pairs * machine.full_torque / machine.inertia
+    machine.slowing = min(max(machine.slowing + rate * missing, -greatest), greatest)
+
+
+@inlined
 def _observe(state: Any, sense: Any) -> None:
     """Follow the shaft by the torque of the currents, and correct angle, speed and load by the measured angle."""
     machine = state.machine
     period = machine.control_period
     if sense.hall >= 0:
+        if machine.regulates_speed == 1:
+            _expect_edge(state, sense.reference)
         state.angle, state.speed = sense.angle, sense.speed
         state.load = machine.slowing * machine.inertia / machine.pole_pairs
         return

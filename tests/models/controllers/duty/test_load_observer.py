@@ -76,6 +76,14 @@ def test_an_error_of_hall_switches_leaves_torque_for_the_load(share: float) -> N
     assert swing == pytest.approx(min(2.0 * RATED_TORQUE, 0.5 * state.machine.greatest_torque))
 
 
+def test_a_shaft_that_its_load_stops_between_hall_edges_is_turned_on() -> None:
+    """A load that opposes the rotation acts the other way after a reversal, which no edge shows."""
+    drive = load_drive("pm-ac-servo").replaced(position="hall")
+    base = drive.rating.base_speed_rpm
+    record = run(speed_scenario(drive, (0.9 * base, -0.35 * base), torque_nm=torque_of(drive, base, 0.65)))
+    assert record.run.column("speed")[-1] == pytest.approx(-0.35 * base * RADIANS_PER_RPM, rel=0.01)
+
+
 @pytest.mark.parametrize("name", DRIVES)
 def test_currents_that_are_lost_for_a_sample_are_no_failure(name: str) -> None:
     drive = load_drive(name)
