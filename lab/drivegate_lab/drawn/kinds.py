@@ -33,6 +33,10 @@ IGBT_LOWEST_V: Final = 1.0
 """Least drop of an IGBT or of the diode next to it (V)."""
 MOSFET_V: Final = (0.02, 0.2)
 """Least and greatest drop of a MOSFET (V)."""
+EXACT: Final = 0.5
+"""Share of the PM AC drives without a shortest pulse, and of those without a counter."""
+FEWEST_COUNTS: Final = 250
+"""Least steps of a counter."""
 _PHASE: Final = sqrt(3.0)
 _APPARENT: Final = 1.5
 _OF_LEGS: Final = bounds_of("half-bridge")
@@ -140,6 +144,16 @@ def _draw_diode_drop(bound: Bound, source: Random, values: Values) -> None:
     values[bound.key] = drop if switch >= IGBT_LOWEST_V else switch
 
 
+def _draw_minimum_pulse(bound: Bound, source: Random, values: Values) -> None:
+    has_one, drawn = source.random() >= EXACT, bound.drawn(source)
+    values[bound.key] = rounded(drawn / values["control_frequency"]) if has_one else 0.0
+
+
+def _draw_counter(bound: Bound, source: Random, values: Values) -> None:
+    has_one, drawn = source.random() >= EXACT, bound.between(source, FEWEST_COUNTS, bound.highest)
+    values[bound.key] = round(drawn) if has_one else 0
+
+
 def _pm_ac_measured_by(drive: DriveDocument) -> dict[str, float]:
     period, voltage = drive.control_period_s or 0.0, drive.value("link_voltage_v") / _PHASE
     return {
@@ -192,6 +206,8 @@ PM_AC: Final = DrawnKind(
         "dead_time": _draw_dead_time,
         "switch_drop": _draw_switch_drop,
         "diode_drop": _draw_diode_drop,
+        "minimum_pulse": _draw_minimum_pulse,
+        "counter": _draw_counter,
     },
     measured_by=_pm_ac_measured_by,
     remarks={"carrier": f"drawn: double in {DOUBLE:.0%} of the drives, single in the others"},
