@@ -12,7 +12,8 @@ from drivegate_cases.documents.wording import significant
 
 MOST_POINTS: Final = 600
 """Greatest number of points of a course, but for its first."""
-_DIGITS: Final = 6
+DIGITS: Final = 6
+"""Significant digits of the values of a course."""
 _TIME_DIGITS: Final = 9
 
 
@@ -28,5 +29,5 @@ def course_of(words: str, time_s: NDArray[Any], values: NDArray[Any]) -> Course:
     return Course(
         words=words,
         time_s=tuple(significant(float(time), _TIME_DIGITS) for time in time_s[places]),
-        values=tuple(significant(float(value), _DIGITS) for value in values[places]),
+        values=tuple(significant(float(value), DIGITS) for value in values[places]),
     )

@@ -324,7 +324,8 @@ def spread_samples(speed: float, part: float, watched: int) -> tuple[float, int]
     ways = [
         (abs(parts * part / periods - abs(speed)), parts, periods)
         for parts in range(fewest, fewest + fewest // 4 + 1)
-        for periods in range(round(parts * part / abs(speed)) - 1, round(parts * part / abs(speed)) + 2)
+        for nearest in [round(parts * part / abs(speed))]
+        for periods in (nearest - 1, nearest, nearest + 1)
         if gcd(periods, parts) == 1
     ]
     _, parts, periods = min(ways)

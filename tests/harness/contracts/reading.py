@@ -9,14 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivegate.checks.check import Check, Record
+from drivegate.checks.course import DIGITS
 from drivegate.checks.margin import Moment
 from drivegate.contracts.recorded_trace import closeup_of, deciding_moment
 from drivegate_cases.documents.wording import significant
 
 _NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 _SAME = 0.02
-_DRAWN_DIGITS = 6
-"""Significant digits of the values of a course."""
 Line = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 
@@ -45,7 +44,7 @@ def _marked(moment: Moment, lines: list[Line]) -> list[float]:
     if point is None:
         return []
     height = max(float(np.ptp(values)) for _, values in lines) or 1.0
-    drawn = significant(point.value, _DRAWN_DIGITS)
+    drawn = significant(point.value, DIGITS)
     for times, values in lines:
         near = int(np.argmin(np.abs(times - point.time_s)))
         around = values[max(near - 2, 0) : near + 3]

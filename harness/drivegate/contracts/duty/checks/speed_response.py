@@ -152,19 +152,18 @@ def judged_step_rpm(record: DutyRecord, dwell: Dwell) -> float:
         return dwell.speed_rpm
     if dwell.start == 0.0:
         speed = scenario.initial_speed_rpm
-        pushed = load_on_shaft(scenario, dwell, speed * RADIANS_PER_RPM)
+        load = load_on_shaft(scenario, dwell, speed * RADIANS_PER_RPM)
         # A controller that begins on a turning shaft takes its magnets for nominal: others move it until it notices.
-        if (1.0 - dwell.scales.emf_constant) * speed * (dwell.speed_rpm - speed) > 0.0:
-            return 0.0
+        pushes: tuple[float, ...] = (load, (1.0 - dwell.scales.emf_constant) * speed)
     else:
         before = _settled_before(record, dwell)
         if before is None:
             return 0.0
         speed = before.speed_rpm
         loads = (load_on_shaft(scenario, each, speed * RADIANS_PER_RPM) for each in (before, dwell))
-        pushed = -next(loads) + next(loads)
+        pushes = (-next(loads) + next(loads),)
     step = dwell.speed_rpm - speed
-    return 0.0 if pushed * step > 0.0 else step
+    return 0.0 if any(push * step > 0.0 for push in pushes) else step
 
 
 def _released_rpm(record: DutyRecord, dwell: Dwell, step: float) -> float:
